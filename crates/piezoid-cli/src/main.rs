@@ -1,0 +1,2 @@
+//! The `piezoid` command.
+fn main() {}

@@ -1,0 +1,206 @@
+//! What can be wrong with what the library is given.
+//!
+//! Every message says what is wrong, the value, where it stands, and what to do. How a search ended is not an error
+//! but data (see [`crate::optimize`]).
+
+use thiserror::Error;
+
+/// Bad input, named with its numbers.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting outside its domain.
+    #[error("{name} = {value}: {rule}")]
+    Parameter {
+        /// The setting, as its user writes it.
+        name: String,
+        /// What it was set to.
+        value: String,
+        /// What it must be.
+        rule: String,
+    },
+    /// A sample that is NaN or infinite.
+    #[error("{what}[{index}] is {value}: every sample must be a finite number; leave the sample out or repair it")]
+    NotFinite {
+        /// The series.
+        what: String,
+        /// Position, from 0.
+        index: usize,
+        /// The sample.
+        value: f64,
+    },
+    /// Two series that must be equally long and are not.
+    #[error("{left} has {left_len} samples but {right} has {right_len}: they must be equally long")]
+    Lengths {
+        /// First series.
+        left: String,
+        /// Its length.
+        left_len: usize,
+        /// Second series.
+        right: String,
+        /// Its length.
+        right_len: usize,
+    },
+    /// Too few samples for what is asked.
+    #[error("{what} has {have} samples, but at least {need} are needed: {remedy}")]
+    TooShort {
+        /// The series.
+        what: String,
+        /// Samples at hand.
+        have: usize,
+        /// Samples needed.
+        need: usize,
+        /// What to do.
+        remedy: String,
+    },
+    /// A file that cannot be read as what it should be. Lines count from 1.
+    #[error("line {line}{}: {problem}", column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
+    Line {
+        /// Line of the file, the header being line 1.
+        line: u64,
+        /// Column name, or its number when it has no name.
+        column: Option<String>,
+        /// What is wrong, the value and what to do.
+        problem: String,
+    },
+    /// A file or document whose content as a whole does not fit.
+    #[error("{0}")]
+    Content(String),
+    /// A name that is not in a list.
+    #[error("there is no {kind} called `{name}`: known are {}{}", known.join(", "), nearest(name, known))]
+    Unknown {
+        /// What was looked for: operator, plant, excitation...
+        kind: &'static str,
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// Sampling periods that must agree and do not.
+    #[error("{left} is sampled every {left_ts} s but {right} every {right_ts} s: resample one of them")]
+    Sampling {
+        /// First object.
+        left: String,
+        /// Its sampling period [s].
+        left_ts: f64,
+        /// Second object.
+        right: String,
+        /// Its sampling period [s].
+        right_ts: f64,
+    },
+    /// Units that cannot be converted into each other.
+    #[error("{what} is in {found} but {wanted} is wanted, and no factor between them is known: convert it beforehand")]
+    Units {
+        /// What carries the unit.
+        what: String,
+        /// Its unit.
+        found: String,
+        /// The unit wanted.
+        wanted: String,
+    },
+    /// The data cannot tell what is asked of them.
+    #[error("{what} cannot be identified: {because}")]
+    Unidentifiable {
+        /// Which part of the model.
+        what: String,
+        /// Why, with the numbers, and what would help.
+        because: String,
+    },
+    /// A linear block without the inverse that was asked for.
+    #[error("the linear block has no {kind} inverse: {because}")]
+    NoInverse {
+        /// Causal, or stable.
+        kind: &'static str,
+        /// The zeros that forbid it, and what to use instead.
+        because: String,
+    },
+    /// A drive that the driver cannot deliver.
+    #[error("the drive exceeds its limits: {0}")]
+    Limits(String),
+    /// The caller asked to stop.
+    #[error("{what} was cancelled at {done} of {total}")]
+    Cancelled {
+        /// The work.
+        what: String,
+        /// Steps done.
+        done: usize,
+        /// Steps there were to do.
+        total: usize,
+    },
+}
+
+impl Error {
+    /// A setting outside its domain.
+    pub(crate) fn parameter(name: impl Into<String>, value: impl ToString, rule: impl Into<String>) -> Self {
+        Error::Parameter { name: name.into(), value: value.to_string(), rule: rule.into() }
+    }
+
+    /// An unknown name, with the names there are.
+    pub(crate) fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        Error::Unknown { kind, name: name.into(), known: known.into_iter().map(String::from).collect() }
+    }
+}
+
+/// Refuses a setting that is not a positive finite number.
+pub(crate) fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Error::parameter(name, value, format!("must be a positive number of {unit}")))
+    }
+}
+
+/// Refuses a series with a sample that is not finite.
+pub(crate) fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
+    match samples.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(Error::NotFinite { what: what.into(), index, value: samples[index] }),
+    }
+}
+
+/// "; did you mean `x`?" when a known name is at most two edits away.
+fn nearest(name: &str, known: &[String]) -> String {
+    known
+        .iter()
+        .map(|k| (edits(name, k), k))
+        .min()
+        .filter(|(distance, _)| *distance <= 2)
+        .map(|(_, k)| format!("; did you mean `{k}`?"))
+        .unwrap_or_default()
+}
+
+/// Levenshtein distance.
+fn edits(a: &str, b: &str) -> usize {
+    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.chars().enumerate() {
+            let substituted = diagonal + usize::from(ca != cb);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.chars().count()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_name_is_answered_with_the_nearest_one() {
+        let error = Error::unknown("plant", "pl14O", ["paper", "pl140"]);
+        assert_eq!(
+            error.to_string(),
+            "there is no plant called `pl14O`: known are paper, pl140; did you mean `pl140`?"
+        );
+        assert!(!Error::unknown("plant", "xyz", ["paper", "pl140"]).to_string().contains("did you mean"));
+    }
+
+    #[test]
+    fn a_sample_that_is_not_finite_is_named_with_its_place() {
+        let error = finite("y", &[1.0, f64::NAN]).unwrap_err();
+        assert!(error.to_string().starts_with("y[1] is NaN"), "{error}");
+    }
+}

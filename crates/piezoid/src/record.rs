@@ -1,0 +1,197 @@
+//! A measured (or simulated) voltage/displacement record: what every identification starts from.
+
+use crate::error::{Error, finite, positive};
+use serde::{Deserialize, Serialize};
+
+/// The units a record's numbers are in. A record keeps the units of its file; models inherit them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Units {
+    /// Unit of the input, normally `V`.
+    pub u: String,
+    /// Unit of the output: `um`, `mm`, `m`, `nm`, or whatever the sensor gives.
+    pub y: String,
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Units { u: "V".into(), y: "um".into() }
+    }
+}
+
+/// The factor that turns numbers in length unit `from` into numbers in `to`; 1 between equal names, `None` where no
+/// factor is known.
+///
+/// ```
+/// assert_eq!(piezoid::record::factor("mm", "um"), Some(1e3));
+/// assert_eq!(piezoid::record::factor("counts", "um"), None);
+/// ```
+pub fn factor(from: &str, to: &str) -> Option<f64> {
+    // Powers of ten below the metre, so that the factor is one correctly rounded number.
+    let below = |unit: &str| match unit {
+        "m" => Some(0),
+        "mm" => Some(3),
+        "um" => Some(6),
+        "nm" => Some(9),
+        _ => None,
+    };
+    if from == to {
+        return Some(1.0);
+    }
+    let power: i32 = below(to)? - below(from)?;
+    Some(if power >= 0 { 10f64.powi(power) } else { 1.0 / 10f64.powi(-power) })
+}
+
+/// Input and output sampled together, evenly: `u[t]` and `y[t]` stand in one row.
+///
+/// Whether `y[t]` was logged before or after `u[t]` acted is a property of the instrument, which the identified linear
+/// block absorbs in its first coefficient.
+///
+/// ```
+/// let record = piezoid::Record::new(5e-4, vec![0.0, 1.0, 1.0], vec![0.0, 20.0, 33.0])?;
+/// assert_eq!(record.len(), 3);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    ts: f64,
+    u: Vec<f64>,
+    y: Vec<f64>,
+    units: Units,
+}
+
+impl Record {
+    /// A record in volts and micrometres.
+    ///
+    /// # Errors
+    /// `ts` [s] must be positive, `u` and `y` equally long, not empty and finite throughout.
+    pub fn new(ts: f64, u: Vec<f64>, y: Vec<f64>) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        if u.len() != y.len() {
+            return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
+        }
+        if u.is_empty() {
+            return Err(Error::TooShort {
+                what: "the record".into(),
+                have: 0,
+                need: 1,
+                remedy: "give it samples".into(),
+            });
+        }
+        finite("u", &u)?;
+        finite("y", &y)?;
+        Ok(Record { ts, u, y, units: Units::default() })
+    }
+
+    /// The same numbers, said to be in other units.
+    pub fn with_units(self, units: Units) -> Self {
+        Record { units, ..self }
+    }
+
+    /// Sampling period [s].
+    pub fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    /// Input samples.
+    pub fn u(&self) -> &[f64] {
+        &self.u
+    }
+
+    /// Output samples.
+    pub fn y(&self) -> &[f64] {
+        &self.y
+    }
+
+    /// Units of the samples.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// Number of samples, at least one.
+    #[allow(clippy::len_without_is_empty)] // never empty
+    pub fn len(&self) -> usize {
+        self.u.len()
+    }
+
+    /// Length in time [s].
+    pub fn duration(&self) -> f64 {
+        self.len() as f64 * self.ts
+    }
+
+    /// The part from `from` up to, not including, `to` [s], counted from the first sample.
+    ///
+    /// # Errors
+    /// Refused when no sample lies between them.
+    pub fn part(&self, from: f64, to: f64) -> Result<Self, Error> {
+        let range = span(from, to, self.ts, self.len())?;
+        Ok(Record { u: self.u[range.clone()].to_vec(), y: self.y[range].to_vec(), ..self.clone() })
+    }
+
+    /// The same record with its output in another length unit.
+    ///
+    /// # Errors
+    /// Refused when no factor between the units is known (see [`factor`]).
+    pub fn output_in(&self, unit: &str) -> Result<Self, Error> {
+        let k = factor(&self.units.y, unit).ok_or_else(|| Error::Units {
+            what: "the output of the record".into(),
+            found: self.units.y.clone(),
+            wanted: unit.into(),
+        })?;
+        let units = Units { y: unit.into(), ..self.units.clone() };
+        Ok(Record { y: self.y.iter().map(|v| v * k).collect(), units, ..self.clone() })
+    }
+}
+
+/// The samples from `from` up to, not including, `to` [s], of `n` samples that start at 0 s.
+///
+/// A time within a millionth of a sampling period of a sample is that sample: 300 x 0.005 s is sample 300 however the
+/// product rounds.
+///
+/// # Errors
+/// Refused when no sample lies between them.
+pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usize>, Error> {
+    let index = |t: f64| (t / ts - 1e-6).ceil().clamp(0.0, n as f64) as usize;
+    let (start, end) = (index(from), index(to));
+    if start < end {
+        return Ok(start..end);
+    }
+    Err(Error::parameter(
+        "from, to",
+        format!("{from} s, {to} s"),
+        format!("no sample lies between them; the data span 0 s to {} s", (n.max(1) - 1) as f64 * ts),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_a_record_is_refused_with_its_numbers() {
+        let message = |ts, u: &[f64], y: &[f64]| Record::new(ts, u.to_vec(), y.to_vec()).unwrap_err().to_string();
+        assert!(message(0.0, &[1.0], &[1.0]).contains("ts = 0"));
+        assert!(message(1.0, &[1.0], &[1.0, 2.0]).contains("u has 1 samples but y has 2"));
+        assert!(message(1.0, &[1.0, f64::INFINITY], &[1.0, 2.0]).contains("u[1] is inf"));
+        assert!(message(1.0, &[], &[]).contains("at least 1"));
+    }
+
+    #[test]
+    fn a_part_takes_its_start_and_leaves_its_end() {
+        let ramp: Vec<f64> = (0..100).map(f64::from).collect();
+        let record = Record::new(0.005, ramp.clone(), ramp).unwrap();
+        let part = record.part(0.05, 0.1).unwrap();
+        assert_eq!(part.u(), &[10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0, 19.0]);
+        assert_eq!(record.part(0.0, f64::INFINITY).unwrap(), record);
+        assert!(record.part(0.2, 0.1).is_err());
+        assert!(record.part(f64::NAN, f64::NAN).is_err());
+    }
+
+    #[test]
+    fn a_change_of_unit_keeps_the_length() {
+        let record = Record::new(1.0, vec![0.0], vec![1.5]).unwrap();
+        let mm = record.output_in("mm").unwrap();
+        assert_eq!((mm.y()[0], mm.units().y.as_str()), (1.5e-3, "mm"));
+        assert!(record.output_in("counts").is_err());
+    }
+}

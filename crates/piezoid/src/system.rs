@@ -1,0 +1,46 @@
+//! A system is a difference equation: one sample in, one sample out, and a state that is a plain vector.
+
+use std::fmt::Debug;
+
+/// A discrete-time system `y = step(x, u)`: immutable data, with the state kept by the caller.
+///
+/// States are ordinary vectors: cloning one gives a trial step, a numeric inverse, a prediction. A run that is split
+/// and carries its state equals the whole run, to the bit.
+///
+/// ```
+/// use piezoid::System;
+///
+/// #[derive(Debug)]
+/// struct Delay(f64);
+/// impl System for Delay {
+///     fn ts(&self) -> f64 { self.0 }
+///     fn order(&self) -> usize { 1 }
+///     fn step(&self, x: &mut [f64], u: f64) -> f64 { std::mem::replace(&mut x[0], u) }
+/// }
+/// assert_eq!(Delay(5e-4).simulate(&[1.0, 2.0, 3.0]), [0.0, 1.0, 2.0]);
+/// ```
+pub trait System: Debug + Send + Sync {
+    /// Sampling period [s].
+    fn ts(&self) -> f64;
+
+    /// Length of the state.
+    fn order(&self) -> usize;
+
+    /// The state at rest: nothing has ever happened.
+    fn initial(&self) -> Vec<f64> {
+        vec![0.0; self.order()]
+    }
+
+    /// One sample: takes input `u`, advances the state `x` (of length [`order`](System::order)), returns the output.
+    fn step(&self, x: &mut [f64], u: f64) -> f64;
+
+    /// Continues from the state `x`, which is left where the run ends.
+    fn resume(&self, x: &mut [f64], u: &[f64]) -> Vec<f64> {
+        u.iter().map(|&u| self.step(x, u)).collect()
+    }
+
+    /// The response from rest.
+    fn simulate(&self, u: &[f64]) -> Vec<f64> {
+        self.resume(&mut self.initial(), u)
+    }
+}
