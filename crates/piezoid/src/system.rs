@@ -31,6 +31,14 @@ pub trait System: Debug + Send + Sync {
         vec![0.0; self.order()]
     }
 
+    /// The state after `u` has stood for a long time. Unless overridden, the state after one step from rest, which is
+    /// exact for what has no dynamics of its own.
+    fn settled(&self, u: f64) -> Vec<f64> {
+        let mut x = self.initial();
+        self.step(&mut x, u);
+        x
+    }
+
     /// One sample: takes input `u`, advances the state `x` (of length [`order`](System::order)), returns the output.
     fn step(&self, x: &mut [f64], u: f64) -> f64;
 

@@ -1,1 +1,13 @@
-//! (to come)
+//! The linear block: an ARX difference equation, its analysis, its inverses, and the estimators that fit it.
+
+mod analysis;
+mod arx;
+mod fit;
+mod inverse;
+mod regression;
+
+pub use analysis::{Pole, Response, Root};
+pub use arx::Arx;
+pub use fit::{ESTIMATORS, Estimator, Fit, Residuals, estimator, fit};
+pub use inverse::Inverse;
+pub use regression::{AbsoluteError, Orders, Regression};

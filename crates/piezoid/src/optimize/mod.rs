@@ -1,1 +1,83 @@
-//! (to come)
+//! Searches for the best parameters. How a search ended is data ([`Minimum::reason`]), not an error.
+
+mod least_absolute;
+pub mod swarm;
+
+pub use least_absolute::{LeastAbsolute, least_absolute};
+
+use serde::{Deserialize, Serialize};
+
+/// What a search found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Minimum {
+    /// The best point.
+    pub x: Vec<f64>,
+    /// Its cost.
+    pub cost: f64,
+    /// Best cost at the start and after each iteration; it never rises.
+    pub history: Vec<f64>,
+    /// Why the search ended.
+    pub reason: Reason,
+}
+
+/// Why a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// All iterations were spent.
+    Iterations,
+    /// The cost fell to the threshold.
+    Threshold,
+    /// The cost has not fallen for as many iterations as the settings allow.
+    Stall,
+    /// The caller asked to stop.
+    Cancelled,
+}
+
+/// The box a search starts in and stays in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Bounds {
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl Bounds {
+    /// The box between the corners `low` and `high`, which have one number a dimension.
+    ///
+    /// # Errors
+    /// Refused unless both are finite, equally long, not empty, and `low < high` in every dimension.
+    pub fn new(low: Vec<f64>, high: Vec<f64>) -> Result<Self, crate::Error> {
+        if low.len() != high.len() {
+            return Err(crate::Error::Lengths {
+                left: "the lower corner".into(),
+                left_len: low.len(),
+                right: "the upper corner".into(),
+                right_len: high.len(),
+            });
+        }
+        let narrow = low.iter().zip(&high).position(|(l, h)| !(l < h && (h - l).is_finite()));
+        if let Some(d) = narrow {
+            let value = format!("{} to {}", low[d], high[d]);
+            return Err(crate::Error::parameter(format!("bounds[{d}]"), value, "must be finite and not empty"));
+        }
+        if low.is_empty() {
+            return Err(crate::Error::parameter("bounds", "no dimension", "must have at least one"));
+        }
+        Ok(Bounds { low, high })
+    }
+
+    /// Number of dimensions.
+    pub fn dimension(&self) -> usize {
+        self.low.len()
+    }
+
+    /// Lower corner.
+    pub fn low(&self) -> &[f64] {
+        &self.low
+    }
+
+    /// Upper corner.
+    pub fn high(&self) -> &[f64] {
+        &self.high
+    }
+}

@@ -1,0 +1,163 @@
+//! What an engineer asks of a linear block: poles in Hz with damping, zeros, gain, frequency response.
+//!
+//! A pole z of the difference equation is the pole s = ln(z) / Ts of continuous time, of natural frequency |s| / 2 pi
+//! and damping ratio -Re s / |s|.
+
+use super::Arx;
+use crate::system::System;
+use nalgebra::{Complex, DMatrix, linalg::Schur};
+use std::f64::consts::TAU;
+
+/// A pole of the block, or one of a conjugate pair (then it is listed once).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pole {
+    /// Natural frequency [Hz].
+    pub hz: f64,
+    /// Damping ratio; negative when the pole is unstable.
+    pub damping: f64,
+    /// The pole in the z plane.
+    pub z: Root,
+}
+
+/// A complex number: a root of a polynomial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Root {
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+}
+
+impl Root {
+    /// Distance from the origin.
+    pub fn modulus(&self) -> f64 {
+        self.re.hypot(self.im)
+    }
+}
+
+impl std::fmt::Display for Root {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.im {
+            0.0 => write!(f, "{:.3}", self.re),
+            im => write!(f, "{:.3}{:+.3}i", self.re, im),
+        }
+    }
+}
+
+/// Frequency response at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Frequency [Hz].
+    pub hz: f64,
+    /// Output amplitude over input amplitude.
+    pub gain: f64,
+    /// Phase [rad], between -pi and pi; negative when the output lags.
+    pub phase: f64,
+}
+
+impl Arx {
+    /// Poles by rising natural frequency, conjugate pairs listed once.
+    pub fn poles(&self) -> Vec<Pole> {
+        let characteristic: Vec<f64> = std::iter::once(1.0).chain(self.a().iter().map(|a| -a)).collect();
+        let mut poles: Vec<Pole> = roots(&characteristic)
+            .into_iter()
+            .filter(|z| z.im >= 0.0)
+            .map(|z| {
+                let s = Complex::new(z.re, z.im).ln() / self.ts();
+                Pole { hz: s.norm() / TAU, damping: -s.re / s.norm(), z }
+            })
+            .collect();
+        poles.sort_by(|p, q| p.hz.total_cmp(&q.hz));
+        poles
+    }
+
+    /// Zeros of b0 + b1 q^-1 + ... in the z plane by rising modulus; leading zeros of `b` (a delay) give none.
+    pub fn zeros(&self) -> Vec<Root> {
+        let mut zeros = roots(&self.b()[self.delay()..]);
+        zeros.sort_by(|p, q| p.modulus().total_cmp(&q.modulus()).then(p.im.total_cmp(&q.im)));
+        zeros
+    }
+
+    /// Samples between an input and its first effect: the leading zeros of `b`.
+    pub fn delay(&self) -> usize {
+        self.b().iter().take_while(|&&b| b == 0.0).count()
+    }
+
+    /// Whether every pole lies inside the unit circle.
+    pub fn is_stable(&self) -> bool {
+        self.poles().iter().all(|p| p.z.modulus() < 1.0)
+    }
+
+    /// Output for a constant input of 1; infinite when a pole lies at 1.
+    pub fn dc_gain(&self) -> f64 {
+        self.b().iter().sum::<f64>() / (1.0 - self.a().iter().sum::<f64>())
+    }
+
+    /// Frequency response at `hz` [Hz].
+    pub fn response(&self, hz: f64) -> Response {
+        let z = Complex::from_polar(1.0, -TAU * hz * self.ts());
+        let horner = |c: &[f64]| c.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &c| sum * z + c);
+        let g = horner(self.b()) / (1.0 - horner(self.a()) * z);
+        Response { hz, gain: g.norm(), phase: g.arg() }
+    }
+}
+
+/// Roots of c0 z^n + c1 z^(n-1) + ... + cn, with c0 not zero: eigenvalues of the companion matrix, each polished by
+/// one Newton step. Conjugates stay exact conjugates.
+pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
+    let n = c.len().saturating_sub(1);
+    if n == 0 {
+        return Vec::new();
+    }
+    let companion = DMatrix::from_fn(n, n, |i, j| match (i, j) {
+        (0, j) => -c[j + 1] / c[0],
+        (i, j) => f64::from(u8::from(i == j + 1)),
+    });
+    let Some(schur) = Schur::try_new(companion, f64::EPSILON, 10_000) else { return Vec::new() };
+    schur
+        .complex_eigenvalues()
+        .iter()
+        .map(|&z| {
+            let (value, slope) =
+                c.iter().fold((Complex::new(0.0, 0.0), Complex::new(0.0, 0.0)), |(p, dp), &c| (p * z + c, dp * z + p));
+            let step = value / slope;
+            let polished = if step.norm() < 1e-6 * z.norm() { z - step } else { z };
+            Root { re: polished.re, im: if z.im == 0.0 { 0.0 } else { polished.im } }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn table_2_has_the_poles_and_zeros_found_when_the_paper_was_rebuilt() {
+        let table2 = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap();
+        let poles = table2.poles();
+        assert_eq!(poles.len(), 1);
+        assert_close(&[poles[0].hz, poles[0].damping], &[146.7, 0.061], 1e-3, 0.0);
+        let zeros: Vec<f64> = table2.zeros().iter().map(|z| z.re).collect();
+        assert_close(&zeros, &[-0.360, 0.694], 0.0, 6e-4);
+        // It leads by 33 degrees at 80 Hz, where a beam lags by 4.
+        assert_close(&[table2.response(80.0).phase.to_degrees()], &[33.0], 0.0, 0.6);
+    }
+
+    #[test]
+    fn roots_of_a_product_are_the_factors() {
+        // (z - 0.5)(z + 2)(z^2 - 1.8 z + 0.9)
+        let found = roots(&[1.0, -0.3, -2.8, 3.15, -0.9]);
+        let mut re: Vec<f64> = found.iter().map(|z| z.re).collect();
+        re.sort_by(f64::total_cmp);
+        assert_close(&re, &[-2.0, 0.5, 0.9, 0.9], 1e-12, 0.0);
+        assert_close(&[found.iter().map(|z| z.im).fold(0.0, f64::max)], &[0.3], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn a_delay_is_no_zero_and_has_no_poles() {
+        let delay = Arx::new(1.0, vec![], vec![0.0, 0.0, 3.0]).unwrap();
+        assert_eq!((delay.delay(), delay.zeros().len(), delay.poles().len()), (2, 0, 0));
+        assert_eq!(delay.dc_gain(), 3.0);
+    }
+}

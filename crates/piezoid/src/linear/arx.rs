@@ -1,0 +1,180 @@
+//! The ARX difference equation, the paper's equation (1).
+//!
+//! ```text
+//! y_t = a1 y_{t-1} + ... + a_na y_{t-na} + b0 u_t + b1 u_{t-1} + ... + b_nb u_{t-nb} + e_t
+//! ```
+//!
+//! Signs are those of the regression: the transfer function's denominator is 1 - a1 q^-1 - a2 q^-2 - ..., so `a` here
+//! is minus the `a` of scipy's and MATLAB's filters. A delay of d samples is d leading zeros in `b`.
+
+use crate::error::{Error, finite, positive};
+use crate::system::System;
+use serde::{Deserialize, Serialize};
+
+/// The linear block: coefficients in the signs of equation (1), in output units over input units.
+///
+/// State: the last outputs, newest first, then the last inputs, newest first.
+///
+/// ```
+/// use piezoid::{System, linear::Arx};
+/// let table2 = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
+/// let pole = &table2.poles()[0];
+/// assert!((pole.hz - 146.7).abs() < 0.1 && (pole.damping - 0.061).abs() < 0.001);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Coefficients", into = "Coefficients")]
+pub struct Arx {
+    ts: f64,
+    a: Vec<f64>,
+    b: Vec<f64>,
+}
+
+/// How an [`Arx`] is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Coefficients {
+    ts: f64,
+    a: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl TryFrom<Coefficients> for Arx {
+    type Error = Error;
+    fn try_from(c: Coefficients) -> Result<Self, Error> {
+        Arx::new(c.ts, c.a, c.b)
+    }
+}
+
+impl From<Arx> for Coefficients {
+    fn from(arx: Arx) -> Self {
+        Coefficients { ts: arx.ts, a: arx.a, b: arx.b }
+    }
+}
+
+impl Arx {
+    /// `ts` [s]; `a` = a1, a2, ... and `b` = b0, b1, ... as in equation (1).
+    ///
+    /// # Errors
+    /// Refused unless `ts` is positive, every coefficient finite, and some b is not zero.
+    pub fn new(ts: f64, a: Vec<f64>, b: Vec<f64>) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        finite("a", &a)?;
+        finite("b", &b)?;
+        if b.iter().all(|&b| b == 0.0) {
+            return Err(Error::parameter("b", format!("{b:?}"), "must hold a number that is not zero"));
+        }
+        Ok(Arx { ts, a, b })
+    }
+
+    /// The block that multiplies by `k`, without dynamics.
+    ///
+    /// # Errors
+    /// As [`Arx::new`].
+    pub fn gain(ts: f64, k: f64) -> Result<Self, Error> {
+        Arx::new(ts, Vec::new(), vec![k])
+    }
+
+    /// a1, a2, ...
+    pub fn a(&self) -> &[f64] {
+        &self.a
+    }
+
+    /// b0, b1, ...
+    pub fn b(&self) -> &[f64] {
+        &self.b
+    }
+
+    /// One step ahead from measured outputs: the prediction of `y[t]` from `u` up to t and `y` up to t-1. Before the
+    /// first sample all is taken to be zero.
+    ///
+    /// `u` and `y` are equally long; of unequal ones the common part is used.
+    pub fn predict(&self, u: &[f64], y: &[f64]) -> Vec<f64> {
+        let mut x = self.initial();
+        u.iter()
+            .zip(y)
+            .map(|(&u, &measured)| {
+                let predicted = self.step(&mut x, u);
+                if !self.a.is_empty() {
+                    x[0] = measured;
+                }
+                predicted
+            })
+            .collect()
+    }
+}
+
+impl System for Arx {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        self.a.len() + self.b.len() - 1
+    }
+
+    /// All outputs at the DC gain times `u`; without a DC gain (a pole at 1), rest.
+    fn settled(&self, u: f64) -> Vec<f64> {
+        let y = self.dc_gain() * u;
+        let mut x = vec![if y.is_finite() { y } else { 0.0 }; self.a.len()];
+        x.resize(self.order(), u);
+        x
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        let (outputs, inputs) = x.split_at_mut(self.a.len());
+        let fed_back: f64 = self.a.iter().zip(&*outputs).map(|(a, y)| a * y).sum();
+        let fed_forward: f64 = self.b[1..].iter().zip(&*inputs).map(|(b, u)| b * u).sum();
+        let y = fed_back + (self.b[0] * u + fed_forward);
+        shift_in(outputs, y);
+        shift_in(inputs, u);
+        y
+    }
+}
+
+/// Makes `newest` the first of `past`, which forgets its last.
+fn shift_in(past: &mut [f64], newest: f64) {
+    if let Some(oldest) = past.len().checked_sub(1) {
+        past.copy_within(..oldest, 1);
+        past[0] = newest;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    fn table2() -> Arx {
+        Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap()
+    }
+
+    #[test]
+    fn the_step_response_ends_at_the_dc_gain() {
+        let y = table2().simulate(&[1.0; 4000]);
+        assert_close(&y[3999..], &[0.0005 / 0.2029], 1e-9, 0.0);
+    }
+
+    #[test]
+    fn a_settled_block_stays_where_it_is() {
+        let (arx, u) = (table2(), [7.0; 50]);
+        let y = arx.resume(&mut arx.settled(7.0), &u);
+        assert_close(&y, &[7.0 * arx.dc_gain(); 50], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn predicting_its_own_simulation_changes_nothing() {
+        let u: Vec<f64> = (0..200).map(|t| f64::from(t * t % 17)).collect();
+        let arx = table2();
+        let y = arx.simulate(&u);
+        assert_eq!(arx.predict(&u, &y), y);
+    }
+
+    #[test]
+    fn a_document_with_impossible_coefficients_is_refused() {
+        let load = |text: &str| serde_json::from_str::<Arx>(text).map_err(|e| e.to_string());
+        assert!(load(r#"{"ts": 1, "a": [], "b": [0]}"#).unwrap_err().contains("must hold a number that is not zero"));
+        assert!(load(r#"{"ts": 1, "a": [], "b": []}"#).is_err());
+        assert_eq!(load(&serde_json::to_string(&table2()).unwrap()), Ok(table2()));
+    }
+}

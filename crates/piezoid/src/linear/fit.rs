@@ -1,0 +1,209 @@
+//! Estimators of the linear block: the list, and the fit with its offset and residuals.
+//!
+//! Every estimator answers the same question, the theta of equation (1), and every fit first finds the constant that
+//! the sensor adds to y by least squares with one constant a record: a constant forgotten puts a pole at 0 Hz.
+
+use super::Arx;
+use super::regression::{AbsoluteError, Orders, Regression};
+use crate::error::Error;
+use crate::optimize::{Bounds, Reason, least_absolute, swarm};
+use crate::progress::{Progress, Stage};
+use crate::record::Record;
+use nalgebra::{DMatrix, DVector};
+
+/// One way to estimate theta: a row of [`ESTIMATORS`].
+#[derive(Debug)]
+pub struct Estimator {
+    /// As users write it.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    estimate: fn(&Regression, &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
+}
+
+/// Theta, and the best cost by iteration where the estimator iterates.
+struct Solution {
+    theta: Vec<f64>,
+    history: Vec<f64>,
+}
+
+/// The estimators there are.
+pub static ESTIMATORS: &[Estimator] = &[
+    Estimator {
+        name: "swarm",
+        summary: "sum of absolute errors, by particle swarm (the paper's way)",
+        reference: "paper, equations (2)-(7); Shi & Eberhart 1998, doi:10.1109/ICEC.1998.699146",
+        estimate: |regression, settings, progress| {
+            let cost = AbsoluteError::from(regression);
+            let minimum = swarm::minimise(&cost, search_box(regression)?, settings.clone(), progress)?;
+            if minimum.reason == Reason::Cancelled {
+                let (done, total) = (minimum.history.len() - 1, settings.iterations);
+                return Err(Error::Cancelled { what: "the swarm".into(), done, total });
+            }
+            Ok(Solution { theta: minimum.x, history: minimum.history })
+        },
+    },
+    Estimator {
+        name: "least-squares",
+        summary: "sum of squared errors, exactly, by QR",
+        reference: "Ljung 1998, System Identification: Theory for the User",
+        estimate: |regression, _, _| Ok(Solution { theta: least_squares(regression)?.0, history: Vec::new() }),
+    },
+    Estimator {
+        name: "least-absolute",
+        summary: "sum of absolute errors, exactly, by linear programming: the yardstick of the swarm",
+        reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
+        estimate: |regression, _, _| {
+            let theta = least_absolute(&regression.rows, regression.orders.parameters())?.x;
+            Ok(Solution { theta, history: Vec::new() })
+        },
+    },
+];
+
+/// The estimator called `name`.
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub fn estimator(name: &str) -> Result<&'static Estimator, Error> {
+    let known = || ESTIMATORS.iter().map(|e| e.name);
+    ESTIMATORS.iter().find(|e| e.name == name).ok_or_else(|| Error::unknown("estimator", name, known()))
+}
+
+/// A fitted block.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// Name of the estimator.
+    pub estimator: &'static str,
+    /// The block.
+    pub arx: Arx,
+    /// For each record, the constant in its output [output unit].
+    pub offsets: Vec<f64>,
+    /// What one-step prediction leaves.
+    pub residuals: Residuals,
+    /// Best cost at the start and after each iteration; empty for estimators that do not iterate.
+    pub history: Vec<f64>,
+}
+
+/// One-step prediction errors e_t = y_t - psi_t' theta, in the output unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residuals {
+    /// Number of errors.
+    pub n: usize,
+    /// Sum of absolute values: the paper's fitness f.
+    pub sum_abs: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// Largest absolute value.
+    pub max_abs: f64,
+    /// Correlation between neighbours; beyond 2 / sqrt(n) the errors are not white.
+    pub lag_one: f64,
+}
+
+/// Fits a block of `orders` to one or more records by `estimator`.
+///
+/// ```
+/// use piezoid::{Record, System, linear::{self, Arx, Orders}, optimize::swarm::Settings};
+/// let truth = Arx::new(5e-4, vec![1.6, -0.8], vec![1.0, 0.5, 0.2])?;
+/// let u: Vec<f64> = (0..400).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
+/// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
+/// let least_squares = linear::estimator("least-squares")?;
+/// let record = Record::new(5e-4, u, y)?;
+/// let fit = linear::fit(&[record], Orders::of(2), least_squares, &Settings::default(), &mut piezoid::progress::unwatched)?;
+/// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`Regression::new`]; [`Error::Unidentifiable`] when the columns of the regression depend on each other;
+/// [`Error::Cancelled`].
+pub fn fit(
+    records: &[Record],
+    orders: Orders,
+    estimator: &'static Estimator,
+    settings: &swarm::Settings,
+    progress: &mut Progress,
+) -> Result<Fit, Error> {
+    let regression = Regression::new(records, orders)?;
+    let (_, offsets) = least_squares(&regression)?;
+    let centred = regression.centred(&offsets);
+    let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
+    let Solution { theta, history } = (estimator.estimate)(&centred, settings, named)?;
+    let (a, b) = theta.split_at(orders.na);
+    let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();
+    let arx = Arx::new(regression.ts, a.to_vec(), b)?;
+    Ok(Fit { estimator: estimator.name, arx, offsets, residuals: residuals(&centred, &theta), history })
+}
+
+/// Theta and the output offset of each record, by QR of the rows with one constant a record.
+fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    let (stride, d) = (regression.stride(), regression.orders.parameters());
+    let columns = d + regression.lengths.len();
+    let record_of_row: Vec<usize> =
+        regression.lengths.iter().enumerate().flat_map(|(k, &n)| std::iter::repeat_n(k, n)).collect();
+    let mut matrix = DMatrix::from_fn(regression.len(), columns, |i, j| match j {
+        j if j < d => regression.rows[i * stride + 1 + j],
+        j => f64::from(u8::from(record_of_row[i] == j - d)),
+    });
+    let size: Vec<f64> = matrix.column_iter().map(|c| c.norm().max(f64::MIN_POSITIVE)).collect();
+    for (mut column, size) in matrix.column_iter_mut().zip(&size) {
+        column /= *size;
+    }
+    let y = DVector::from_iterator(regression.len(), regression.rows.iter().step_by(stride).copied());
+    let qr = matrix.qr();
+    let r = qr.r();
+    // Columns have length 1, so a diagonal near rounding means a column that the others already explain.
+    let smallest = (0..columns).map(|k| r[(k, k)].abs()).fold(f64::INFINITY, f64::min);
+    let solution = if smallest > 1e-13 { r.solve_upper_triangular(&(qr.q().transpose() * y)) } else { None };
+    let Some(solution) = solution else {
+        return Err(Error::Unidentifiable {
+            what: format!("a linear block of {} a and {} b", regression.orders.na, regression.orders.nb),
+            because:
+                "the rows of the regression depend on each other: the input is not rich enough (a PRBS is), or the \
+                      order is higher than the data need; excite more frequencies or lower the order"
+                    .into(),
+        });
+    };
+    let theta: Vec<f64> = (0..d).map(|k| solution[k] / size[k]).collect();
+    let still = 1.0 - theta[..regression.orders.na].iter().sum::<f64>();
+    let offsets = (d..columns).map(|k| solution[k] / size[k] / still).collect::<Vec<f64>>();
+    if still.abs() < 1e-12 || !offsets.iter().all(|c| c.is_finite()) {
+        return Err(Error::Unidentifiable {
+            what: "the output offset".into(),
+            because: "the fit has a pole at 0 Hz, an integrator: remove the drift from the record".into(),
+        });
+    }
+    Ok((theta, offsets))
+}
+
+/// Where the swarm looks. The coefficients of a stable 1 - a1 q^-1 - ... - an q^-n are at most binomial(n, k) in size;
+/// each b is taken to be at most the largest output over the largest input.
+fn search_box(regression: &Regression) -> Result<Bounds, Error> {
+    let Orders { na, nb, .. } = regression.orders;
+    let stride = regression.stride();
+    let peak = |columns: std::ops::Range<usize>| {
+        regression.rows.chunks_exact(stride).flat_map(|row| &row[columns.clone()]).fold(0.0f64, |m, v| m.max(v.abs()))
+    };
+    let b_max = peak(0..1) / peak(1 + na..stride);
+    let binomial = |k: usize| (1..=k).fold(1.0, |c, i| c * (na + 1 - i) as f64 / i as f64);
+    let high: Vec<f64> = (1..=na).map(binomial).chain(std::iter::repeat_n(b_max, nb)).collect();
+    Bounds::new(high.iter().map(|h| -h).collect(), high)
+}
+
+fn residuals(regression: &Regression, theta: &[f64]) -> Residuals {
+    let e: Vec<f64> = regression
+        .rows
+        .chunks_exact(regression.stride())
+        .map(|row| row[0] - row[1..].iter().zip(theta).map(|(psi, theta)| psi * theta).sum::<f64>())
+        .collect();
+    let energy: f64 = e.iter().map(|e| e * e).sum();
+    let neighbours: f64 = e.windows(2).map(|w| w[0] * w[1]).sum();
+    Residuals {
+        n: e.len(),
+        sum_abs: e.iter().map(|e| e.abs()).sum(),
+        rms: (energy / e.len() as f64).sqrt(),
+        max_abs: e.iter().fold(0.0, |m, e| m.max(e.abs())),
+        lag_one: if energy > 0.0 { neighbours / energy } else { 0.0 },
+    }
+}

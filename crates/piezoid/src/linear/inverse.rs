@@ -1,0 +1,223 @@
+//! From output back to input: the paper's equation (8), and what to do where it is unstable.
+//!
+//! ```text
+//! z_t = (y_t - a1 y_{t-1} - ... - b1 z_{t-1} - b2 z_{t-2} - ...) / b0          (8)
+//! ```
+//!
+//! The zeros of the block are the poles of (8). One outside the unit circle makes (8) grow without bound; but a factor
+//! 1 - zeta q^-1 with |zeta| > 1 has a bounded inverse that runs backwards in time, so a record that is known whole
+//! can still be inverted (Devasia, Chen & Paden 1996, doi:10.1109/9.508898). Neither is possible with a zero on the
+//! unit circle: that frequency never left a trace in the output.
+
+use super::analysis::{Root, roots};
+use super::{Arx, regression::join};
+use crate::error::Error;
+use crate::system::System;
+
+/// Zeros closer to the unit circle than this are taken to lie on it.
+const ON_THE_CIRCLE: f64 = 1e-9;
+
+/// Samples over which the noise gain is summed.
+const IMPULSE: usize = 1 << 14;
+
+/// Equation (8) as a system: displacement in, hidden variable out.
+///
+/// State: the last outputs of the block, newest first, then the last z, newest first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inverse(Arx);
+
+impl Arx {
+    /// The causal inverse (8).
+    ///
+    /// # Errors
+    /// [`Error::NoInverse`], with the zeros, when b0 = 0 or a zero is not inside the unit circle.
+    pub fn inverse(&self) -> Result<Inverse, Error> {
+        if self.b()[0] == 0.0 {
+            let because = format!("b0 = 0: the input acts {} samples late, and (8) divides by b0", self.delay());
+            return Err(Error::NoInverse { kind: "causal", because });
+        }
+        let zeros = self.zeros();
+        if zeros.iter().any(|z| z.modulus() >= 1.0 - ON_THE_CIRCLE) {
+            let because = format!(
+                "its zeros {} are the poles of (8), and one is not inside the unit circle, so (8) grows without bound",
+                join(&zeros)
+            );
+            return Err(Error::NoInverse { kind: "stable causal", because });
+        }
+        // The inverse of y = A^-1 B z is z = B^-1 A y: the roles change, and b0 scales.
+        let b0 = self.b()[0];
+        let a = self.b()[1..].iter().map(|b| -b / b0).collect();
+        let b = std::iter::once(1.0 / b0).chain(self.a().iter().map(|a| -a / b0)).collect();
+        Ok(Inverse(Arx::new(self.ts(), a, b)?))
+    }
+
+    /// The bounded input that explains the whole output `y`: forward in time for the zeros inside the unit circle,
+    /// backward for those outside. Before the record the block is taken to have stood at `y[0]`, after it at its last
+    /// value; the ends carry the error of that.
+    ///
+    /// # Errors
+    /// [`Error::NoInverse`] when a zero lies on the unit circle.
+    pub fn invert_whole(&self, y: &[f64]) -> Result<Vec<f64>, Error> {
+        let zeros = self.zeros();
+        if let Some(zero) = zeros.iter().find(|z| (z.modulus() - 1.0).abs() < ON_THE_CIRCLE) {
+            let because =
+                format!("its zero {zero} lies on the unit circle: that frequency leaves no trace in the output");
+            return Err(Error::NoInverse { kind: "stable", because });
+        }
+        let Some((&first, &last)) = y.first().zip(y.last()) else { return Ok(Vec::new()) };
+        let (inside, outside): (Vec<Root>, Vec<Root>) = zeros.into_iter().partition(|z| z.modulus() < 1.0);
+
+        // B = b_lead q^-d Pi_in (1 - zeta q^-1) Pi_out (-zeta q^-1) Pi_out (1 - q / zeta)
+        let lead = self.b()[self.delay()] * product(&outside);
+        let ahead = self.delay() + outside.len();
+        let past = |t: isize| y.get(t.clamp(0, y.len() as isize - 1) as usize).copied().unwrap_or(last);
+        let driven = (0..y.len() + ahead).skip(ahead).map(|t| {
+            let fed_back: f64 = self.a().iter().zip(1..).map(|(a, k)| a * past(t as isize - k)).sum();
+            (past(t as isize) - fed_back) / lead
+        });
+        let mut z: Vec<f64> = driven.collect();
+
+        let still = first * (1.0 - self.a().iter().sum::<f64>()) / lead;
+        recurse(z.iter_mut(), &monic(&inside), still);
+        let reciprocal: Vec<Root> = outside.iter().map(reciprocal).collect();
+        let end = z[z.len() - 1];
+        recurse(z.iter_mut().rev(), &monic(&reciprocal), end);
+        Ok(z)
+    }
+
+    /// How much white noise in the output grows in the inverse: rms of z [V] for an output noise of 1 rms. `None` when
+    /// a zero lies on the unit circle.
+    ///
+    /// Summed over a window of 16384 samples; zeros closer to the circle than about 1e-4 would give still more.
+    pub fn noise_gain(&self) -> Option<f64> {
+        let mut impulse = vec![0.0; IMPULSE];
+        impulse[IMPULSE / 2] = 1.0;
+        let response = self.invert_whole(&impulse).ok()?;
+        Some(response.iter().map(|z| z * z).sum::<f64>().sqrt())
+    }
+}
+
+impl System for Inverse {
+    fn ts(&self) -> f64 {
+        self.0.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.0.order()
+    }
+
+    fn settled(&self, y: f64) -> Vec<f64> {
+        self.0.settled(y)
+    }
+
+    fn step(&self, x: &mut [f64], y: f64) -> f64 {
+        self.0.step(x, y)
+    }
+}
+
+/// Solves v_t + c1 v_{t-1} + ... = w_t in place, `w` having been constant at `still` before.
+fn recurse<'a>(w: impl Iterator<Item = &'a mut f64>, c: &[f64], still: f64) {
+    let mut past = vec![still / (1.0 + c.iter().sum::<f64>()); c.len()];
+    for v in w {
+        *v -= c.iter().zip(&past).map(|(c, p)| c * p).sum::<f64>();
+        past.rotate_right(1);
+        if let Some(newest) = past.first_mut() {
+            *newest = *v;
+        }
+    }
+}
+
+/// c1, c2, ... of Pi (1 - zeta q^-1) = 1 + c1 q^-1 + ...; the roots come with their conjugates.
+fn monic(zeros: &[Root]) -> Vec<f64> {
+    let mut c = vec![(1.0, 0.0)];
+    for z in zeros {
+        c.push((0.0, 0.0));
+        for k in (1..c.len()).rev() {
+            let (re, im) = c[k - 1];
+            c[k].0 -= re * z.re - im * z.im;
+            c[k].1 -= re * z.im + im * z.re;
+        }
+    }
+    c.into_iter().skip(1).map(|(re, _)| re).collect()
+}
+
+/// Pi (-zeta): real, as the roots come with their conjugates.
+fn product(zeros: &[Root]) -> f64 {
+    let (re, _) = zeros.iter().fold((1.0, 0.0), |(re, im), z| (im * z.im - re * z.re, -re * z.im - im * z.re));
+    re
+}
+
+fn reciprocal(z: &Root) -> Root {
+    let square = z.re * z.re + z.im * z.im;
+    Root { re: z.re / square, im: -z.im / square }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+    use proptest::prelude::*;
+
+    fn wiggle(n: usize) -> Vec<f64> {
+        (0..n).map(|t| (t as f64 * 0.07).sin() + 0.3 * (t as f64 * 0.31).sin()).collect()
+    }
+
+    #[test]
+    fn a_zero_outside_the_circle_is_named_and_inverted_backwards() {
+        let arx = Arx::new(5e-4, vec![1.2, -0.7], vec![0.5, 1.2, 0.1]).unwrap();
+        let message = arx.inverse().unwrap_err().to_string();
+        assert!(message.contains("-2.314"), "{message}");
+        let z = wiggle(400);
+        let found = arx.invert_whole(&arx.simulate(&z)).unwrap();
+        assert_close(&found[..360], &z[..360], 0.0, 1e-9);
+    }
+
+    #[test]
+    fn a_late_input_is_found_where_it_was_given() {
+        let arx = Arx::new(1.0, vec![0.5], vec![0.0, 0.0, 2.0, 0.4]).unwrap();
+        assert!(arx.inverse().unwrap_err().to_string().contains("2 samples late"));
+        let z = wiggle(100);
+        assert_close(&arx.invert_whole(&arx.simulate(&z)).unwrap()[..90], &z[..90], 0.0, 1e-12);
+    }
+
+    #[test]
+    fn a_zero_on_the_circle_has_no_inverse_at_all() {
+        let arx = Arx::new(1.0, vec![], vec![1.0, 1.0]).unwrap();
+        assert!(arx.inverse().is_err() && arx.invert_whole(&[1.0, 2.0]).is_err());
+        assert_eq!(arx.noise_gain(), None);
+    }
+
+    #[test]
+    fn a_record_that_starts_off_zero_has_no_starting_transient() {
+        let arx = Arx::new(5e-4, vec![1.2, -0.7], vec![0.5, 1.2, 0.1]).unwrap();
+        let y = arx.resume(&mut arx.settled(3.0), &[3.0; 50]);
+        assert_close(&arx.invert_whole(&y).unwrap(), &[3.0; 50], 1e-9, 0.0);
+    }
+
+    #[test]
+    fn white_noise_grows_as_the_sum_of_squares_says() {
+        // z_t = y_t / 2 - 0.5 z_{t-1}: sum of (0.5 * 0.5^k)^2 = 0.25 / 0.75
+        let arx = Arx::new(1.0, vec![], vec![2.0, 1.0]).unwrap();
+        assert_close(&[arx.noise_gain().unwrap()], &[(0.25f64 / 0.75).sqrt()], 1e-12, 0.0);
+    }
+
+    proptest! {
+        #[test]
+        fn inverse_after_block_is_the_identity_when_minimum_phase(
+            r in 0.0..0.95f64, angle in 0.0..3.1f64, z1 in -0.9..0.9f64, z2 in -0.9..0.9f64, b0 in 0.1..10.0f64,
+        ) {
+            let a = vec![2.0 * r * angle.cos(), -r * r];
+            let arx = Arx::new(1e-3, a, vec![b0, -b0 * (z1 + z2), b0 * z1 * z2]).unwrap();
+            let z = wiggle(200);
+            let y = arx.simulate(&z);
+            assert_close(&arx.inverse().unwrap().simulate(&y), &z, 0.0, 1e-7);
+        }
+    }
+
+    #[test]
+    fn factors_multiply_back() {
+        let c = [1.0, 0.4, 0.9, -0.2];
+        let again = monic(&roots(&c));
+        assert_close(&again, &c[1..], 1e-12, 0.0);
+    }
+}
