@@ -6,16 +6,20 @@
 pub mod error;
 pub mod excitation;
 pub mod formats;
+pub mod hammerstein;
 pub mod hysteresis;
 pub mod linear;
 pub mod optimize;
 pub mod plant;
 pub mod progress;
 pub mod record;
+pub mod spline;
 pub mod system;
 #[cfg(test)]
 mod testing;
+pub mod validation;
 
 pub use error::Error;
+pub use hammerstein::Model;
 pub use record::{Record, Units};
 pub use system::System;

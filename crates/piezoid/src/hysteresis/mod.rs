@@ -1,1 +1,167 @@
-//! (to come)
+//! The hysteresis block: input voltage u to hidden variable z. One file an operator, one row each in [`OPERATORS`].
+
+mod branches;
+mod proportional;
+mod rate_scheduled;
+mod two_branch;
+
+pub use branches::{Branches, Loop, Split};
+pub use proportional::Proportional;
+pub use rate_scheduled::{Pair, RateScheduled};
+pub use two_branch::{Reading, TwoBranch};
+
+use crate::error::Error;
+use crate::system::System;
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// A hysteresis operator with its parameters: a system from u to z that serialises.
+pub trait Hysteresis: System {
+    /// Its row of [`OPERATORS`].
+    fn operator(&self) -> &'static Operator;
+
+    /// Its parameters, as [`Operator::load`] takes them back.
+    fn params(&self) -> Map<String, Value>;
+
+    /// The inputs it was identified on, from the lowest to the highest [input unit]; beyond them it extrapolates.
+    fn range(&self) -> Option<(f64, f64)> {
+        None
+    }
+}
+
+/// One kind of hysteresis operator: a row of [`OPERATORS`].
+pub struct Operator {
+    /// As users and files write it.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    /// Whether a minor loop leaves and rejoins the major one without a jump.
+    pub minor_loops: bool,
+    /// Whether the output depends on the order of inputs alone, not on their timing.
+    pub rate_independent: bool,
+    /// Reads the parameters of a model file; the second argument is the sampling period [s].
+    pub load: fn(Value, f64) -> Result<Arc<dyn Hysteresis>, Error>,
+    /// A typical member for inputs of +-30, used by the documentation and the contract tests.
+    pub example: fn(f64) -> Result<Arc<dyn Hysteresis>, Error>,
+}
+
+impl std::fmt::Debug for Operator {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Operator").field(&self.name).finish()
+    }
+}
+
+/// The operators there are.
+pub static OPERATORS: &[&Operator] = &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR];
+
+/// The operator called `name`.
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub fn operator(name: &str) -> Result<&'static Operator, Error> {
+    let known = || OPERATORS.iter().map(|o| o.name);
+    OPERATORS.iter().copied().find(|o| o.name == name).ok_or_else(|| Error::unknown("operator", name, known()))
+}
+
+/// Writes an operator as `{"operator": name, ...params}`.
+pub(crate) fn save(hysteresis: &dyn Hysteresis) -> Value {
+    let mut document = Map::new();
+    document.insert("operator".into(), hysteresis.operator().name.into());
+    document.extend(hysteresis.params());
+    Value::Object(document)
+}
+
+/// Reads what [`save`] wrote.
+pub(crate) fn load(document: &Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Error> {
+    let missing = || Error::Content("the hysteresis block has no \"operator\" name: is this a model file?".into());
+    let mut params = document.as_object().cloned().ok_or_else(missing)?;
+    let name = params.remove("operator").and_then(|v| v.as_str().map(String::from)).ok_or_else(missing)?;
+    (operator(&name)?.load)(Value::Object(params), ts)
+}
+
+/// Parameters as a type that serde can fill, with an error that names the operator.
+fn parse<T: serde::de::DeserializeOwned>(operator: &str, params: Value) -> Result<T, Error> {
+    serde_json::from_value(params).map_err(|e| Error::Content(format!("hysteresis block `{operator}`: {e}")))
+}
+
+/// Parameters as a document.
+fn document(params: &impl serde::Serialize) -> Map<String, Value> {
+    match serde_json::to_value(params) {
+        Ok(Value::Object(map)) => map,
+        _ => Map::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    //! The contract every operator keeps.
+    use super::*;
+
+    fn examples() -> impl Iterator<Item = Arc<dyn Hysteresis>> {
+        OPERATORS.iter().map(|o| (o.example)(5e-4).unwrap())
+    }
+
+    fn wander(n: usize) -> Vec<f64> {
+        (0..n).map(|t| 18.0 * (t as f64 * 0.05).sin() + 11.0 * (t as f64 * 0.173).sin()).collect()
+    }
+
+    #[test]
+    fn every_operator_says_what_it_is_and_where_it_comes_from() {
+        for (o, example) in OPERATORS.iter().zip(examples()) {
+            assert!(!o.summary.is_empty() && !o.reference.is_empty(), "{}", o.name);
+            assert_eq!(example.operator().name, o.name);
+            assert_eq!(operator(o.name).unwrap().name, o.name);
+        }
+    }
+
+    #[test]
+    fn every_operator_answers_bounded_inputs_with_bounded_outputs() {
+        for example in examples() {
+            let z = example.simulate(&wander(5000));
+            assert!(z.iter().all(|z| z.abs() < 100.0), "{example:?}");
+        }
+    }
+
+    #[test]
+    fn every_operator_survives_its_file_to_the_bit() {
+        for example in examples() {
+            let text = save(&*example).to_string();
+            let again = load(&serde_json::from_str(&text).unwrap(), 5e-4).unwrap();
+            assert_eq!(again.simulate(&wander(3000)), example.simulate(&wander(3000)));
+            assert_eq!(save(&*again).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn every_operator_may_be_stopped_and_resumed() {
+        let u = wander(1000);
+        for example in examples() {
+            let mut x = example.initial();
+            let mut z = example.resume(&mut x, &u[..377]);
+            z.extend(example.resume(&mut x, &u[377..]));
+            assert_eq!(z, example.simulate(&u));
+        }
+    }
+
+    #[test]
+    fn rate_independent_operators_ignore_how_long_an_input_is_held() {
+        let u = wander(500);
+        let held: Vec<f64> = u.iter().flat_map(|&u| [u; 3]).collect();
+        for example in examples().filter(|e| e.operator().rate_independent) {
+            let z: Vec<f64> = example.simulate(&held).into_iter().skip(2).step_by(3).collect();
+            assert_eq!(z, example.simulate(&u), "{example:?}");
+        }
+    }
+
+    #[test]
+    fn parameters_that_make_no_sense_are_refused_with_the_operators_name() {
+        for o in OPERATORS {
+            let error = (o.load)(serde_json::json!({"nonsense": 1}), 5e-4).unwrap_err().to_string();
+            assert!(error.contains(o.name), "{error}");
+        }
+        let error = load(&serde_json::json!({"operator": "two-brunch"}), 5e-4).unwrap_err().to_string();
+        assert!(error.contains("did you mean `two-branch`?"), "{error}");
+    }
+}

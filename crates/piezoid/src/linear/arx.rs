@@ -133,7 +133,7 @@ impl System for Arx {
 }
 
 /// Makes `newest` the first of `past`, which forgets its last.
-fn shift_in(past: &mut [f64], newest: f64) {
+pub(super) fn shift_in(past: &mut [f64], newest: f64) {
     if let Some(oldest) = past.len().checked_sub(1) {
         past.copy_within(..oldest, 1);
         past[0] = newest;

@@ -9,8 +9,9 @@
 //! can still be inverted (Devasia, Chen & Paden 1996, doi:10.1109/9.508898). Neither is possible with a zero on the
 //! unit circle: that frequency never left a trace in the output.
 
-use super::analysis::{Root, roots};
-use super::{Arx, regression::join};
+use super::analysis::Root;
+use super::arx::{Arx, shift_in};
+use super::regression::join;
 use crate::error::Error;
 use crate::system::System;
 
@@ -120,10 +121,7 @@ fn recurse<'a>(w: impl Iterator<Item = &'a mut f64>, c: &[f64], still: f64) {
     let mut past = vec![still / (1.0 + c.iter().sum::<f64>()); c.len()];
     for v in w {
         *v -= c.iter().zip(&past).map(|(c, p)| c * p).sum::<f64>();
-        past.rotate_right(1);
-        if let Some(newest) = past.first_mut() {
-            *newest = *v;
-        }
+        shift_in(&mut past, *v);
     }
 }
 
@@ -155,6 +153,7 @@ fn reciprocal(z: &Root) -> Root {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linear::analysis::roots;
     use crate::testing::assert_close;
     use proptest::prelude::*;
 

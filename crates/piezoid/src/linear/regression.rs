@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::optimize::swarm::Cost;
-use crate::record::Record;
+use crate::record::{Record, same_sampling};
 use multiversion::{multiversion, target::target_cfg_f};
 use serde::{Deserialize, Serialize};
 
@@ -107,14 +107,6 @@ impl Regression {
         }
         centred
     }
-}
-
-/// Refuses sampling periods that differ by more than a millionth.
-pub(crate) fn same_sampling(left: &str, left_ts: f64, right: &str, right_ts: f64) -> Result<(), Error> {
-    if (left_ts - right_ts).abs() <= 1e-6 * left_ts {
-        return Ok(());
-    }
-    Err(Error::Sampling { left: left.into(), left_ts, right: right.into(), right_ts })
 }
 
 /// "a, b and c".

@@ -1,0 +1,65 @@
+//! One file a verb: arguments -> library call -> rendering.
+
+mod excite;
+mod identify;
+mod lists;
+mod report;
+mod shell;
+mod simulate;
+mod study;
+mod validate;
+
+use crate::console::Console;
+use anyhow::Result;
+use clap::Subcommand;
+
+/// What can be done.
+#[derive(Subcommand)]
+pub(crate) enum Verb {
+    /// The paper's experiment from end to end, as tables and a report.
+    Study(study::Study),
+    /// Make a drive signal.
+    Excite(excite::Excite),
+    /// Run a plant or a model on a drive signal.
+    Simulate(simulate::Simulate),
+    /// Find a model from measured records.
+    Identify(identify::Identify),
+    /// Compare a model with records it has not seen.
+    Validate(validate::Validate),
+    /// A self-contained page on a model and how it meets records.
+    Report(report::Report),
+    /// List the hysteresis operators.
+    Operators(lists::List),
+    /// List the simulated actuators, or show the parameters of one.
+    Plants(lists::Plants),
+    /// List the drive signals.
+    Excitations(lists::List),
+    /// List the estimators of the linear block.
+    Estimators(lists::List),
+    /// List the drivers whose limits are known.
+    Drivers(lists::List),
+    /// A completion script for a shell.
+    Completions(shell::Completions),
+    /// The manual page.
+    Man,
+}
+
+impl Verb {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        match self {
+            Verb::Study(verb) => verb.run(console),
+            Verb::Excite(verb) => verb.run(console),
+            Verb::Simulate(verb) => verb.run(console),
+            Verb::Identify(verb) => verb.run(console),
+            Verb::Validate(verb) => verb.run(console),
+            Verb::Report(verb) => verb.run(console),
+            Verb::Operators(verb) => verb.run(&lists::operators(), console),
+            Verb::Plants(verb) => verb.run(console),
+            Verb::Excitations(verb) => verb.run(&lists::excitations(), console),
+            Verb::Estimators(verb) => verb.run(&lists::estimators(), console),
+            Verb::Drivers(verb) => verb.run(&lists::drivers(), console),
+            Verb::Completions(verb) => verb.run(console),
+            Verb::Man => shell::man(console),
+        }
+    }
+}

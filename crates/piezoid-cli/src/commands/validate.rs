@@ -1,0 +1,111 @@
+//! `piezoid validate`: a model against records it has not seen, in free run.
+
+use crate::console::{Console, number, table};
+use crate::files::{self, Columns};
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use piezoid::validation::{self, Metrics, Settings, Validation};
+use piezoid::{Model, Record};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub(crate) struct Validate {
+    #[command(flatten)]
+    proof: Proof,
+    /// Write the figures as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// A model, records, and how to compare them.
+#[derive(Args)]
+pub(crate) struct Proof {
+    /// The model file.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: PathBuf,
+    /// The records to compare with.
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) data: Vec<PathBuf>,
+    /// Seconds at the start of each record that do not count.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    skip: f64,
+    /// Whether to take the mean error off first, since sensors drift.
+    #[arg(long, value_enum, default_value_t = Offset::Kept)]
+    offset: Offset,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Offset {
+    /// The model's own.
+    Kept,
+    /// The one that fits each record best.
+    Free,
+}
+
+/// A record, its file's name as given, and the model's run beside it.
+pub(crate) struct Proven {
+    pub(crate) file: String,
+    pub(crate) record: Record,
+    pub(crate) validation: Validation,
+}
+
+impl Proof {
+    pub(crate) fn run(&self) -> Result<(Model, Vec<Proven>)> {
+        let model = files::model(&self.model)?;
+        let settings = Settings { skip: self.skip, free_offset: matches!(self.offset, Offset::Free) };
+        let prove = |path: &PathBuf| {
+            let record = self.columns.record(path)?;
+            let file = path.display().to_string();
+            let validation = validation::validate(&model, &record, settings).with_context(|| file.clone())?;
+            Ok(Proven { file, record, validation })
+        };
+        let proven = self.data.iter().map(prove).collect::<Result<Vec<_>>>()?;
+        Ok((model, proven))
+    }
+}
+
+impl Validate {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let (_, proven) = self.proof.run()?;
+        let each: Vec<Metrics> = proven.iter().map(|p| p.validation.metrics).collect();
+        let total = Metrics::total(&each);
+        if self.json.as_deref() != Some(std::path::Path::new("-")) {
+            let unit = &proven[0].record.units().y;
+            let mut rows: Vec<_> = proven.iter().map(|p| row(&p.file, &p.validation.metrics)).collect();
+            if rows.len() > 1 {
+                rows.push(row("total", &total));
+            }
+            let rmse = format!("rmse [{unit}]");
+            let max = format!("max [{unit}]");
+            console.print(&table(&["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"], &rows))?;
+        }
+        for p in &proven {
+            for remark in &p.validation.remarks {
+                console.remark(&format!("{}: {remark}", p.file));
+            }
+        }
+        let file = |p: &Proven| {
+            let mut object = json!({"file": p.file});
+            merge(&mut object, json!(p.validation.metrics));
+            merge(&mut object, json!({"remarks": p.validation.remarks}));
+            object
+        };
+        let result = json!({"files": proven.iter().map(file).collect::<Vec<_>>(), "total": total});
+        files::write_json(self.json.as_deref(), &result, console)
+    }
+}
+
+fn row(name: &str, m: &Metrics) -> Vec<String> {
+    let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent];
+    [name.to_string(), m.n.to_string()].into_iter().chain(figures.map(number)).collect()
+}
+
+/// Adds the members of one object to another.
+fn merge(object: &mut Value, more: Value) {
+    if let (Value::Object(object), Value::Object(more)) = (object, more) {
+        object.extend(more);
+    }
+}

@@ -1,0 +1,207 @@
+//! What rich records say about the linear block when there is no small-signal record beside them.
+//!
+//! A block of p parameters needs at least p / 2 frequencies in its input, and one of them near each pole; with less,
+//! any fit is a guess that repairs the hysteresis block instead. Then a gain is left, and the reason is told.
+
+use crate::error::Error;
+use crate::linear::{self, Arx, Fit, Orders};
+use crate::optimize::swarm;
+use crate::progress::unwatched;
+use crate::record::Record;
+use crate::system::System;
+use realfft::RealFftPlanner;
+
+/// Power of a spectral line, against the strongest, from which it counts as excited.
+const EXCITED: f64 = 1e-4;
+
+/// The longest delay tried [samples].
+const DELAY_MAX: usize = 3;
+
+/// The error of a block with dynamics, over that of a gain, below which the dynamics are believed.
+const CLEARLY_BETTER: f64 = 0.8;
+
+/// The linear block with the offset it was found with, and how it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearPart {
+    /// The block.
+    pub arx: Arx,
+    /// Constant in the output [output unit].
+    pub offset: f64,
+    /// The fit to small-signal records, where there were any.
+    pub fit: Option<Fit>,
+    /// How it was found and why so, in words.
+    pub reason: String,
+}
+
+/// The frequency at which `u` goes to and fro about its mid-value [Hz], sampled every `ts` [s]: the mean over whole
+/// periods, told by its crossings. `None` where there is no whole period.
+///
+/// ```
+/// let u: Vec<f64> = (0..1000).map(|t| (f64::from(t) * 0.02).sin()).collect();
+/// let hz = piezoid::hammerstein::dominant_frequency(&u, 1e-3).unwrap();
+/// assert!((hz - 0.02 / std::f64::consts::TAU * 1e3).abs() < 0.01);
+/// ```
+pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
+    let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+    let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
+    // A crossing upwards counts once the input has been clearly below; its time is interpolated.
+    let mut armed = false;
+    let mut crossings = Vec::new();
+    for (t, w) in u.windows(2).enumerate() {
+        armed |= w[0] < middle - guard;
+        if armed && w[0] < middle && w[1] >= middle {
+            crossings.push(t as f64 + (middle - w[0]) / (w[1] - w[0]));
+            armed = false;
+        }
+    }
+    let (first, last) = (crossings.first()?, crossings.last()?);
+    let periods = (crossings.len() - 1) as f64;
+    (last > first).then(|| periods / ((last - first) * ts))
+}
+
+/// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay.
+pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPart, Error> {
+    let (gain, offset, left_by_gain) = affine(records)?;
+    let plain = |reason: String| {
+        Ok(LinearPart {
+            arx: Arx::gain(records[0].ts(), gain)?,
+            offset,
+            fit: None,
+            reason: format!("a pure gain: {reason}"),
+        })
+    };
+    let lines = records.iter().flat_map(excited).fold(Vec::new(), |mut lines: Vec<f64>, hz| {
+        if !lines.iter().any(|l| (l / hz - 1.0).abs() < 0.1) {
+            lines.push(hz);
+        }
+        lines
+    });
+    let needed = Orders::of(n).parameters().div_ceil(2);
+    if lines.len() < needed {
+        let held = match lines.as_slice() {
+            [one] => format!("one frequency ({one:.3} Hz)"),
+            many => format!("{} frequencies", many.len()),
+        };
+        return plain(format!(
+            "the input holds {held}, and a block of order {n} needs {needed}; add a small-signal PRBS record to learn the dynamics"
+        ));
+    }
+    let highest = lines.iter().fold(0.0f64, |h, &l| h.max(l));
+    let least_squares = linear::estimator("least-squares")?;
+    let candidates: Vec<(f64, usize, Fit)> = (0..=DELAY_MAX)
+        .filter_map(|delay| {
+            let orders = Orders { delay, ..Orders::of(n) };
+            let fit = linear::fit(records, orders, least_squares, &swarm::Settings::default(), &mut unwatched).ok()?;
+            Some((left_by(&fit, records)?, delay, fit))
+        })
+        .collect();
+    // A block that waits is the simpler one: the longest delay that costs nothing.
+    let best = candidates.iter().map(|c| c.0).fold(f64::INFINITY, f64::min);
+    let Some((left, delay, fit)) = candidates.into_iter().rfind(|c| c.0 <= 1.01 * best + 1e-9) else {
+        return plain(format!("no stable block of order {n} fits the data"));
+    };
+    let fastest = fit.arx.poles().iter().map(|p| p.hz).fold(0.0, f64::max);
+    if fastest > 1.5 * highest {
+        return plain(format!(
+            "the fit puts a pole at {fastest:.1} Hz but the input ends at {highest:.1} Hz, so nothing in the data shows it"
+        ));
+    }
+    if left > CLEARLY_BETTER * left_by_gain {
+        return plain(format!(
+            "a block of order {n} leaves {left:.3} of the output's rms in free run, no clear gain over the {left_by_gain:.3} that a gain leaves"
+        ));
+    }
+    let reason = format!(
+        "order {n} with a delay of {delay} samples, by least squares on the rich records ({} frequencies up to {highest:.0} Hz): \
+         it leaves {left:.3} of the output's rms in free run, a gain {left_by_gain:.3}",
+        lines.len()
+    );
+    Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
+}
+
+/// Gain and offset that bring the inputs closest to the outputs, and the share of the output's rms they leave.
+pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
+    let points = || records.iter().flat_map(|r| r.u().iter().copied().zip(r.y().iter().copied()));
+    let n = points().count() as f64;
+    let (mu, my) = points().fold((0.0, 0.0), |(su, sy), (u, y)| (su + u / n, sy + y / n));
+    let (uu, uy, yy) = points().fold((0.0, 0.0, 0.0), |(uu, uy, yy), (u, y)| {
+        (uu + (u - mu) * (u - mu), uy + (u - mu) * (y - my), yy + (y - my) * (y - my))
+    });
+    let gain = uy / uu;
+    if gain == 0.0 || !gain.is_finite() {
+        let because = format!("the output does not follow the input (input variance {uu}, covariance {uy})");
+        return Err(Error::Unidentifiable { what: "the gain".into(), because });
+    }
+    Ok((gain, my - gain * mu, ((yy - gain * uy).max(0.0) / yy).sqrt()))
+}
+
+/// The share of the output's rms that a stable fit leaves in free run.
+fn left_by(fit: &Fit, records: &[Record]) -> Option<f64> {
+    if !fit.arx.is_stable() {
+        return None;
+    }
+    let (mut error, mut power) = (0.0, 0.0);
+    for (record, offset) in records.iter().zip(&fit.offsets) {
+        let simulated = fit.arx.resume(&mut fit.arx.settled(record.u()[0]), record.u());
+        let mean = record.y().iter().sum::<f64>() / record.len() as f64;
+        error += record.y().iter().zip(&simulated).map(|(y, s)| (y - offset - s).powi(2)).sum::<f64>();
+        power += record.y().iter().map(|y| (y - mean).powi(2)).sum::<f64>();
+    }
+    Some((error / power).sqrt())
+}
+
+/// The frequencies [Hz] at which the input has a spectral peak worth the name, under a Hann window.
+fn excited(record: &Record) -> Vec<f64> {
+    let n = record.len();
+    let mean = record.u().iter().sum::<f64>() / n as f64;
+    let hann = |t: usize| (std::f64::consts::PI * (t as f64 + 0.5) / n as f64).sin().powi(2);
+    let mut windowed: Vec<f64> = record.u().iter().enumerate().map(|(t, u)| (u - mean) * hann(t)).collect();
+    let transform = RealFftPlanner::new().plan_fft_forward(n);
+    let mut spectrum = transform.make_output_vec();
+    if transform.process(&mut windowed, &mut spectrum).is_err() {
+        return Vec::new();
+    }
+    let power: Vec<f64> = spectrum.iter().map(|c| c.norm_sqr()).collect();
+    let strongest = power.iter().copied().fold(0.0, f64::max);
+    let peak = |k: &usize| {
+        power[*k] > EXCITED * strongest && power[*k] >= power[k - 1] && power.get(k + 1).is_none_or(|&p| power[*k] > p)
+    };
+    (1..power.len()).filter(peak).map(|k| k as f64 / (n as f64 * record.ts())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn record(hz: &[f64], arx: &Arx) -> Record {
+        let sum = |t: usize| hz.iter().map(|hz| 10.0 * (TAU * hz * t as f64 * 5e-4).sin()).sum::<f64>();
+        let u: Vec<f64> = (0..8000).map(sum).collect();
+        let y = arx.simulate(&u).iter().map(|y| y - 40.0).collect();
+        Record::new(5e-4, u, y).unwrap()
+    }
+
+    fn beam() -> Arx {
+        Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.0, 3.4, 3.3]).unwrap()
+    }
+
+    #[test]
+    fn one_frequency_leaves_a_gain_and_says_so() {
+        let part = linear_from_rich(&[record(&[5.0], &beam())], 2).unwrap();
+        assert!(part.arx.a().is_empty());
+        assert!(part.reason.contains("one frequency (5.000 Hz)"), "{}", part.reason);
+    }
+
+    #[test]
+    fn frequencies_through_the_resonance_give_the_block_with_its_delay_and_offset() {
+        let part = linear_from_rich(&[record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam())], 2).unwrap();
+        assert!(part.reason.contains("delay of 2 samples"), "{}", part.reason);
+        crate::testing::assert_close(&[part.arx.poles()[0].hz, part.offset], &[146.73, -40.0], 1e-3, 0.0);
+    }
+
+    #[test]
+    fn frequencies_far_below_the_resonance_do_not_show_it() {
+        let part = linear_from_rich(&[record(&[1.0, 2.5, 4.0, 6.0], &beam())], 2).unwrap();
+        assert!(part.arx.a().is_empty(), "{}", part.reason);
+    }
+}

@@ -1,0 +1,240 @@
+//! Two branches out of a measured loop: the paper's section 2.2.
+//!
+//! The points [u, z] of a loop are split in two by a line through its two turning points, each set is averaged, and
+//! splines go through the averages. Which set is the ascending one the data decide: on a piezo loop rising u lies on
+//! the lower side, but above the resonance, or after a wrong linear block, loops turn round.
+//!
+//! Both branches end in the two turning points, so the loop closes. Beyond them a branch goes on along the line.
+
+use crate::error::Error;
+use crate::spline::Spline;
+use serde::{Deserialize, Serialize};
+
+/// Share of the input range that counts as being at a turning point.
+const TIP: f64 = 0.005;
+
+/// How the points of a loop are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Split {
+    /// By the side of the separating line, as in the paper.
+    #[default]
+    Line,
+    /// By the direction in which u last moved: also right for a loop that crosses itself.
+    Direction,
+}
+
+/// One branch: knots, and a cubic spline (not-a-knot) through them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Knots", into = "Knots")]
+struct Branch {
+    knots: Knots,
+    spline: Spline,
+    /// Slope beyond the knots: that of the line from the first to the last.
+    beyond: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Knots {
+    u: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl TryFrom<Knots> for Branch {
+    type Error = Error;
+    fn try_from(knots: Knots) -> Result<Self, Error> {
+        let spline = Spline::new(&knots.u, &knots.z)?;
+        let n = knots.u.len();
+        if n < 2 {
+            let remedy = "a branch needs both turning points".into();
+            return Err(Error::TooShort { what: "a branch".into(), have: n, need: 2, remedy });
+        }
+        let beyond = (knots.z[n - 1] - knots.z[0]) / (knots.u[n - 1] - knots.u[0]);
+        Ok(Branch { knots, spline, beyond })
+    }
+}
+
+impl From<Branch> for Knots {
+    fn from(branch: Branch) -> Self {
+        branch.knots
+    }
+}
+
+impl Branch {
+    fn at(&self, u: f64) -> f64 {
+        let (first, last) = (self.knots.u[0], self.knots.u[self.knots.u.len() - 1]);
+        let inside = u.clamp(first, last);
+        self.spline.at(inside) + self.beyond * (u - inside)
+    }
+}
+
+/// The ascending and the descending branch of one loop: two functions of u.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Branches {
+    ascending: Branch,
+    descending: Branch,
+}
+
+/// What was found on the way to the branches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loop {
+    /// The branches.
+    pub branches: Branches,
+    /// The separating line, from the lower to the upper turning point: [(u, z); 2].
+    pub line: [(f64, f64); 2],
+    /// Share of the points whose side of the line is that of their direction, 0.5 to 1.
+    pub agreement: f64,
+    /// Whether ascending points lie below the line, as they do on a piezo loop.
+    pub ascending_below: bool,
+}
+
+impl Branches {
+    /// Branches through given knots (u rising) of the ascending and the descending side.
+    ///
+    /// # Errors
+    /// As [`Spline::new`]; each side needs at least two knots.
+    pub fn new(ascending: (Vec<f64>, Vec<f64>), descending: (Vec<f64>, Vec<f64>)) -> Result<Self, Error> {
+        let branch = |(u, z)| Branch::try_from(Knots { u, z });
+        Ok(Branches { ascending: branch(ascending)?, descending: branch(descending)? })
+    }
+
+    /// z on the ascending branch.
+    pub fn ascending(&self, u: f64) -> f64 {
+        self.ascending.at(u)
+    }
+
+    /// z on the descending branch.
+    pub fn descending(&self, u: f64) -> f64 {
+        self.descending.at(u)
+    }
+
+    /// Knots (u, z) of the ascending branch.
+    pub fn ascending_knots(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.ascending.knots.u.iter().copied().zip(self.ascending.knots.z.iter().copied())
+    }
+
+    /// Knots (u, z) of the descending branch.
+    pub fn descending_knots(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.descending.knots.u.iter().copied().zip(self.descending.knots.z.iter().copied())
+    }
+
+    /// The inputs between the turning points.
+    pub fn range(&self) -> (f64, f64) {
+        let u = &self.ascending.knots.u;
+        (u[0], u[u.len() - 1])
+    }
+
+    /// Largest distance between the branches, over the peak-to-peak of z. Negative where the loop has turned round,
+    /// so that the ascending branch lies above.
+    pub fn width(&self) -> f64 {
+        let (low, high) = self.range();
+        let at = |k: usize| low + (high - low) * k as f64 / 200.0;
+        let gap = |u: f64| self.descending(u) - self.ascending(u);
+        let widest = (0..=200).map(|k| gap(at(k))).fold(0.0, |w: f64, g| if g.abs() > w.abs() { g } else { w });
+        let z = (0..=200).flat_map(|k| [self.ascending(at(k)), self.descending(at(k))]);
+        let (lowest, highest) = z.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        if highest > lowest { widest / (highest - lowest) } else { 0.0 }
+    }
+
+    /// Splits the loop of the points (`u`, `z`), taken in the order of time, into branches of at most `bins` averages
+    /// between the turning points.
+    ///
+    /// # Errors
+    /// [`Error::Unidentifiable`] when u does not move, or only one way.
+    pub fn of_loop(u: &[f64], z: &[f64], bins: usize, split: Split) -> Result<Loop, Error> {
+        let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+        let range = high - low;
+        if !(range > 0.0 && range.is_finite()) {
+            let because = format!("the input stays at {low}: it must run through a loop");
+            return Err(Error::Unidentifiable { what: "the hysteresis loop".into(), because });
+        }
+        let mean_where = |near: &dyn Fn(f64) -> bool| {
+            let (sum, n) =
+                u.iter().zip(z).filter(|(u, _)| near(**u)).fold((0.0, 0.0), |(s, n), (_, z)| (s + z, n + 1.0));
+            sum / n
+        };
+        let bottom = (low, mean_where(&|u| u <= low + TIP * range));
+        let top = (high, mean_where(&|u| u >= high - TIP * range));
+        let line = |u: f64| bottom.1 + (top.1 - bottom.1) * (u - low) / range;
+
+        // Direction of each point, held while u stands; 0 until it first moves.
+        let directions = u.iter().scan((u[0], 0.0), |(before, direction), &u| {
+            if u != *before {
+                *direction = (u - *before).signum();
+            }
+            *before = u;
+            Some(*direction)
+        });
+        let points: Vec<(f64, f64, f64)> = u.iter().zip(z).zip(directions).map(|((u, z), d)| (*u, *z, d)).collect();
+
+        // Ascending points below the line count one way, above it the other.
+        let vote: f64 = points.iter().map(|(u, z, d)| d * (line(*u) - z).signum()).sum();
+        let side = if vote >= 0.0 { 1.0 } else { -1.0 };
+        let moving = points.iter().filter(|(_, _, d)| *d != 0.0).count().max(1) as f64;
+        let rises = |&(u, z, d): &(f64, f64, f64)| match split {
+            Split::Line => side * (line(u) - z) > 0.0,
+            Split::Direction => d > 0.0,
+        };
+        let (up, down): (Vec<_>, Vec<_>) = points.iter().filter(|p| p.2 != 0.0).partition(|p| rises(p));
+        let average = |points: Vec<&(f64, f64, f64)>| {
+            let mut sums = vec![(0.0, 0.0, 0.0); bins.max(1)];
+            for (u, z, _) in points.into_iter().filter(|p| p.0 > low + TIP * range && p.0 < high - TIP * range) {
+                let bin = &mut sums[(((u - low) / range * bins as f64) as usize).min(bins.max(1) - 1)];
+                *bin = (bin.0 + u, bin.1 + z, bin.2 + 1.0);
+            }
+            let means = sums.into_iter().filter(|s| s.2 > 0.0).map(|(u, z, n)| (u / n, z / n));
+            std::iter::once(bottom).chain(means).chain(std::iter::once(top)).unzip()
+        };
+        Ok(Loop {
+            branches: Branches::new(average(up), average(down))?,
+            line: [bottom, top],
+            agreement: 0.5 + 0.5 * vote.abs() / moving,
+            ascending_below: side > 0.0,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    /// An ellipse-like loop: z lags u, so rising u lies below.
+    fn cycle(lag: f64) -> (Vec<f64>, Vec<f64>) {
+        let phase = |t: u32| f64::from(t) * std::f64::consts::TAU / 500.0;
+        (0..1500).map(|t| (30.0 * phase(t).sin(), 10.0 * (phase(t) - lag).sin())).unzip()
+    }
+
+    #[test]
+    fn the_side_of_the_ascending_branch_comes_from_the_data() {
+        for split in [Split::Line, Split::Direction] {
+            let (u, z) = cycle(0.1);
+            let normal = Branches::of_loop(&u, &z, 12, split).unwrap();
+            assert!(normal.ascending_below && normal.agreement > 0.95);
+            assert_close(&[normal.branches.width()], &[0.1], 0.03, 0.0);
+            let (u, z) = cycle(-0.1);
+            let turned = Branches::of_loop(&u, &z, 12, split).unwrap();
+            assert!(!turned.ascending_below);
+            assert_close(&[turned.branches.width()], &[-0.1], 0.03, 0.0);
+        }
+    }
+
+    #[test]
+    fn the_branches_meet_at_the_turning_points_and_go_on_straight_beyond_them() {
+        let (u, z) = cycle(0.1);
+        let branches = Branches::of_loop(&u, &z, 12, Split::Line).unwrap().branches;
+        let (low, high) = branches.range();
+        assert_close(&[branches.ascending(high)], &[branches.descending(high)], 0.0, 1e-12);
+        let slope = (branches.ascending(high) - branches.ascending(low)) / (high - low);
+        let outside = branches.ascending(high) + 5.0 * slope;
+        assert_close(&[branches.ascending(high + 5.0)], &[outside], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn an_input_that_stands_still_has_no_loop() {
+        let error = Branches::of_loop(&[2.0; 9], &[1.0; 9], 5, Split::Line).unwrap_err().to_string();
+        assert!(error.contains("the input stays at 2"), "{error}");
+    }
+}

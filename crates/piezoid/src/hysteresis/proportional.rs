@@ -1,0 +1,69 @@
+//! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
+
+use super::{Hysteresis, Operator, document, parse};
+use crate::error::finite;
+use crate::system::System;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// z = gain u, without memory: the state is empty.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proportional {
+    ts: f64,
+    params: Params,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    gain: f64,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "proportional",
+    summary: "no hysteresis, z = k u: the floor to beat",
+    reference: "a linear model",
+    minor_loops: true,
+    rate_independent: true,
+    load: |params, ts| {
+        let params: Params = parse("proportional", params)?;
+        Ok(Arc::new(Proportional::new(ts, params.gain)?))
+    },
+    example: |ts| Ok(Arc::new(Proportional::new(ts, 1.1)?)),
+};
+
+impl Proportional {
+    /// z = `gain` u, sampled every `ts` [s].
+    ///
+    /// # Errors
+    /// Refuses a gain that is not finite.
+    pub fn new(ts: f64, gain: f64) -> Result<Self, crate::Error> {
+        finite("gain", &[gain])?;
+        Ok(Proportional { ts, params: Params { gain } })
+    }
+}
+
+impl System for Proportional {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        0
+    }
+
+    fn step(&self, _: &mut [f64], u: f64) -> f64 {
+        self.params.gain * u
+    }
+}
+
+impl Hysteresis for Proportional {
+    fn operator(&self) -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn params(&self) -> Map<String, Value> {
+        document(&self.params)
+    }
+}

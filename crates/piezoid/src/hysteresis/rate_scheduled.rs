@@ -1,0 +1,226 @@
+//! Two branches for each of several frequencies, interpolated for any input: the paper's rate-dependent block (section
+//! 3, where each frequency has its own pair) made usable when the frequency is not known beforehand.
+//!
+//! The frequency is read off the input's own turning points: the last two half periods make a period. A turn counts
+//! once the input has come back by a fiftieth of the identified range, so ripple and quantisation are no turns. While
+//! the present half period already lasts longer than the last two together, the input is taken to have slowed down.
+//! Between two pairs z is interpolated linearly in the logarithm of frequency; outside them the nearest pair holds.
+//!
+//! Like the two branches it stands on, it has no minor loops; and the frequency of an input that is not periodic is a
+//! guess.
+
+use super::two_branch::{direction_after, example, read};
+use super::{Branches, Hysteresis, Operator, document, parse};
+use crate::error::{Error, positive};
+use crate::system::System;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// Share of the identified range by which the input must come back before it has turned.
+const TURN: f64 = 0.02;
+
+/// Branches scheduled by the frequency of the input.
+///
+/// State: the last input; its direction (1, -1, 0 not yet known); the trend (the direction between turns); the extreme
+/// since the last turn; samples since that extreme; samples since the turn before it; the last and the last but one
+/// half period [samples], 0 while unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RateScheduled {
+    ts: f64,
+    params: Params,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    pairs: Vec<Pair>,
+}
+
+/// The branches at one frequency.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pair {
+    /// Frequency of the loop [Hz].
+    pub frequency_hz: f64,
+    /// Its branches.
+    pub branches: Branches,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "rate-scheduled",
+    summary: "two splines for each of several frequencies, interpolated by the rate of the input; no minor loops",
+    reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
+    minor_loops: false,
+    rate_independent: false,
+    load: |params, ts| {
+        let params: Params = parse("rate-scheduled", params)?;
+        Ok(Arc::new(RateScheduled::new(ts, params.pairs)?))
+    },
+    example: |ts| {
+        let pair = |frequency_hz, width| Ok(Pair { frequency_hz, branches: example(width)? });
+        Ok(Arc::new(RateScheduled::new(ts, vec![pair(5.0, 1.0)?, pair(80.0, 3.0)?])?))
+    },
+};
+
+impl RateScheduled {
+    /// A block sampled every `ts` [s]; the pairs are put in the order of frequency.
+    ///
+    /// # Errors
+    /// Refuses no pairs, two at one frequency, and frequencies that are not positive.
+    pub fn new(ts: f64, mut pairs: Vec<Pair>) -> Result<Self, Error> {
+        if pairs.is_empty() {
+            return Err(Error::Content(
+                "hysteresis block `rate-scheduled`: needs at least one pair of branches".into(),
+            ));
+        }
+        for pair in &pairs {
+            positive("frequency_hz", pair.frequency_hz, "hertz")?;
+        }
+        pairs.sort_by(|p, q| p.frequency_hz.total_cmp(&q.frequency_hz));
+        if let Some(w) = pairs.windows(2).find(|w| w[0].frequency_hz == w[1].frequency_hz) {
+            let rule = "two pairs of branches stand at this frequency; keep one";
+            return Err(Error::parameter("frequency_hz", w[0].frequency_hz, rule));
+        }
+        Ok(RateScheduled { ts, params: Params { pairs } })
+    }
+
+    /// The pairs, by rising frequency.
+    pub fn pairs(&self) -> &[Pair] {
+        &self.params.pairs
+    }
+
+    /// z at `u` moving in `direction` at `frequency` [Hz].
+    fn interpolate(&self, u: f64, direction: f64, frequency: f64) -> f64 {
+        let pairs = &self.params.pairs;
+        let above = pairs.partition_point(|p| p.frequency_hz <= frequency);
+        let z = |k: usize| read(&pairs[k].branches, u, direction);
+        if above == 0 {
+            return z(0);
+        }
+        if above == pairs.len() {
+            return z(above - 1);
+        }
+        let (low, high) = (pairs[above - 1].frequency_hz, pairs[above].frequency_hz);
+        let share = (frequency / low).ln() / (high / low).ln();
+        (1.0 - share) * z(above - 1) + share * z(above)
+    }
+
+    /// Advances the turning points in the state by one input; the direction is up to date already.
+    fn watch(&self, x: &mut [f64], u: f64) {
+        let [_, direction, trend, extreme, since_extreme, since_turn, last, before_last] = x else { return };
+        *since_extreme += 1.0;
+        *since_turn += 1.0;
+        if *trend == 0.0 {
+            *trend = *direction;
+        }
+        if (u - *extreme) * *trend >= 0.0 {
+            // A held extreme lasts until it is left: its last sample is the turn.
+            (*extreme, *since_extreme) = (u, 0.0);
+        } else if (*extreme - u) * *trend > TURN * self.widest() {
+            *before_last = *last;
+            *last = *since_turn - *since_extreme;
+            *since_turn = *since_extreme;
+            (*extreme, *since_extreme, *trend) = (u, 0.0, -*trend);
+        }
+    }
+
+    /// The frequency the state speaks of [Hz]: the lowest until two turns have been seen.
+    fn frequency(&self, x: &[f64]) -> f64 {
+        let [.., since_turn, last, before_last] = x else { return 0.0 };
+        if *before_last == 0.0 {
+            return self.params.pairs[0].frequency_hz;
+        }
+        1.0 / (self.ts * (last + before_last).max(*since_turn))
+    }
+
+    fn widest(&self) -> f64 {
+        self.range().map_or(0.0, |(low, high)| high - low)
+    }
+}
+
+impl System for RateScheduled {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        8
+    }
+
+    fn settled(&self, u: f64) -> Vec<f64> {
+        vec![u, 0.0, 0.0, u, 0.0, 0.0, 0.0, 0.0]
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        x[1] = direction_after(x[0], u, x[1]);
+        x[0] = u;
+        self.watch(x, u);
+        self.interpolate(u, x[1], self.frequency(x))
+    }
+}
+
+impl Hysteresis for RateScheduled {
+    fn operator(&self) -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn params(&self) -> Map<String, Value> {
+        document(&self.params)
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        let ranges = || self.params.pairs.iter().map(|p| p.branches.range());
+        Some((
+            ranges().map(|r| r.0).fold(f64::INFINITY, f64::min),
+            ranges().map(|r| r.1).fold(f64::NEG_INFINITY, f64::max),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    fn block() -> RateScheduled {
+        let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
+        RateScheduled::new(5e-4, vec![pair(80.0, 3.0), pair(5.0, 1.0)]).unwrap()
+    }
+
+    /// A sine of `hz` for a second, and the frequency the block then believes in.
+    fn believed(hz: f64, levels: Option<f64>) -> f64 {
+        let (block, mut x) = (block(), block().initial());
+        let sine = (0..2000).map(|t| 30.0 * (f64::from(t) * 5e-4 * std::f64::consts::TAU * hz).sin());
+        let u: Vec<f64> = sine.map(|u| levels.map_or(u, |q| (u / q).round() * q)).collect();
+        block.resume(&mut x, &u);
+        block.frequency(&x)
+    }
+
+    #[test]
+    fn the_frequency_is_read_off_sines_and_staircases_alike() {
+        for hz in [5.0, 12.5, 20.0, 40.0] {
+            assert_close(&[believed(hz, None)], &[hz], 0.03, 0.0);
+            assert_close(&[believed(hz, Some(3.0))], &[hz], 0.15, 0.0);
+        }
+    }
+
+    #[test]
+    fn between_two_frequencies_the_loop_is_as_wide_as_the_logarithm_says() {
+        let block = block();
+        let width = |hz| block.interpolate(0.0, -1.0, hz) - block.interpolate(0.0, 1.0, hz);
+        assert_close(
+            &[width(1.0), width(5.0), width(20.0), width(80.0), width(300.0)],
+            &[2.0, 2.0, 4.0, 6.0, 6.0],
+            1e-12,
+            0.0,
+        );
+    }
+
+    #[test]
+    fn two_pairs_at_one_frequency_are_refused() {
+        let pair = Pair { frequency_hz: 5.0, branches: example(1.0).unwrap() };
+        assert!(RateScheduled::new(5e-4, vec![pair.clone(), pair]).is_err());
+        assert!(RateScheduled::new(5e-4, vec![]).is_err());
+    }
+}

@@ -1,0 +1,155 @@
+//! The paper's hysteresis block: one function of u for rising and one for falling input (section 2.2).
+//!
+//! The rule as printed reads the ascending function when u_t > u_{t-1} and the other one *otherwise*, so every sample
+//! at which u is held falls to the descending branch. On a step-wise input that is most samples. The default
+//! therefore holds the last direction while u stands.
+//!
+//! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
+//! the loop jumps to the other branch), and no change of amplitude or offset.
+
+use super::{Branches, Hysteresis, Operator, document, parse};
+use crate::system::System;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// Which branch is read while the input is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reading {
+    /// That of the last movement.
+    #[default]
+    Held,
+    /// The descending one: the paper's rule to the letter.
+    Printed,
+}
+
+/// Two functions of u, chosen by the direction in which u moves. Until it first moves, z lies midway between them.
+///
+/// State: the last input; the direction (1 rising, -1 falling, 0 not yet known).
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwoBranch {
+    ts: f64,
+    params: Params,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    #[serde(default)]
+    reading: Reading,
+    #[serde(flatten)]
+    branches: Branches,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "two-branch",
+    summary: "one spline for rising and one for falling input; no minor loops",
+    reference: "Kuklisova Pavelkova, ICINCO 2025, section 2.2",
+    minor_loops: false,
+    rate_independent: true,
+    load: |params, ts| Ok(Arc::new(TwoBranch { ts, params: parse("two-branch", params)? })),
+    example: |ts| Ok(Arc::new(TwoBranch::new(ts, example(1.0)?, Reading::Held))),
+};
+
+/// A loop `width` volts wide at +-30 V.
+pub(super) fn example(width: f64) -> Result<Branches, crate::Error> {
+    let u: Vec<f64> = (-3..=3).map(|k| f64::from(k) * 10.0).collect();
+    let z = |side: f64| u.iter().map(|u| u + side * width * (1.0 - u * u / 900.0)).collect();
+    Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))
+}
+
+impl TwoBranch {
+    /// A block sampled every `ts` [s] that reads `branches` by `reading`.
+    pub fn new(ts: f64, branches: Branches, reading: Reading) -> Self {
+        TwoBranch { ts, params: Params { reading, branches } }
+    }
+
+    /// The two functions.
+    pub fn branches(&self) -> &Branches {
+        &self.params.branches
+    }
+}
+
+/// The direction of the input, +1, -1 or 0, after it went from `before` to `u` having moved in `direction`.
+pub(super) fn direction_after(before: f64, u: f64, direction: f64) -> f64 {
+    if u > before {
+        1.0
+    } else if u < before {
+        -1.0
+    } else {
+        direction
+    }
+}
+
+/// z at `u` when it moves in `direction`; midway while that is not known.
+pub(super) fn read(branches: &Branches, u: f64, direction: f64) -> f64 {
+    if direction > 0.0 {
+        branches.ascending(u)
+    } else if direction < 0.0 {
+        branches.descending(u)
+    } else {
+        0.5 * (branches.ascending(u) + branches.descending(u))
+    }
+}
+
+impl System for TwoBranch {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        2
+    }
+
+    fn settled(&self, u: f64) -> Vec<f64> {
+        vec![u, 0.0]
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        let held = match self.params.reading {
+            Reading::Held => x[1],
+            Reading::Printed => -1.0,
+        };
+        x[1] = direction_after(x[0], u, held);
+        x[0] = u;
+        read(&self.params.branches, u, x[1])
+    }
+}
+
+impl Hysteresis for TwoBranch {
+    fn operator(&self) -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn params(&self) -> Map<String, Value> {
+        document(&self.params)
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        Some(self.params.branches.range())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_held_input_stays_on_its_branch_but_not_by_the_letter_of_the_paper() {
+        let u = [0.0, 10.0, 10.0, 10.0];
+        let z = |reading| TwoBranch::new(5e-4, example(1.0).unwrap(), reading).simulate(&u);
+        let (held, printed) = (z(Reading::Held), z(Reading::Printed));
+        assert_eq!(held[1], held[3]);
+        assert_eq!(held[1], printed[1]);
+        assert!(printed[2] > printed[1], "the printed rule jumps to the descending branch: {printed:?}");
+    }
+
+    #[test]
+    fn before_the_input_first_moves_z_lies_between_the_branches() {
+        let block = TwoBranch::new(5e-4, example(1.0).unwrap(), Reading::Held);
+        assert_eq!(block.simulate(&[0.0, 0.0]), [0.0, 0.0]);
+        let mut x = block.settled(10.0);
+        assert_eq!(block.step(&mut x, 10.0), 10.0);
+    }
+}

@@ -1,0 +1,141 @@
+//! Cubic interpolation with the not-a-knot end condition, as MATLAB's `spline` and scipy's `CubicSpline`.
+//!
+//! Between two knots the curve is a cubic; value, slope and curvature are continuous; and at the second and the
+//! last-but-one knot the third derivative is continuous too, so the first two and the last two pieces are one cubic
+//! each (de Boor 1978, A Practical Guide to Splines, chapter IV). Two knots give a line, three a parabola.
+
+use crate::error::{Error, finite};
+
+/// An interpolating cubic spline.
+///
+/// ```
+/// use piezoid::spline::Spline;
+/// let cubic = Spline::new(&[0.0, 1.0, 3.0, 4.0], &[0.0, 1.0, 27.0, 64.0])?;
+/// assert!((cubic.at(2.0) - 8.0).abs() < 1e-12);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spline {
+    x: Vec<f64>,
+    /// For each piece, the value, slope, half curvature and sixth of the third derivative at its left knot.
+    pieces: Vec<[f64; 4]>,
+}
+
+impl Spline {
+    /// Interpolates `y` at the knots `x`, which must rise strictly.
+    ///
+    /// # Errors
+    /// Refuses no knots, unequal lengths, numbers that are not finite, and knots that do not rise.
+    pub fn new(x: &[f64], y: &[f64]) -> Result<Self, Error> {
+        finite("knots x", x)?;
+        finite("knots y", y)?;
+        if x.len() != y.len() {
+            let (left, right) = ("knots x".into(), "knots y".into());
+            return Err(Error::Lengths { left, left_len: x.len(), right, right_len: y.len() });
+        }
+        if x.is_empty() {
+            let remedy = "give at least one".into();
+            return Err(Error::TooShort { what: "the list of knots".into(), have: 0, need: 1, remedy });
+        }
+        if let Some(i) = (1..x.len()).find(|&i| x[i] <= x[i - 1]) {
+            return Err(Error::parameter(format!("knots x[{i}]"), x[i], format!("must lie above {}", x[i - 1])));
+        }
+        let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+        let m: Vec<f64> = y.windows(2).zip(&h).map(|(w, h)| (w[1] - w[0]) / h).collect();
+        let s = slopes(&h, &m);
+        let mut pieces: Vec<[f64; 4]> = (0..h.len())
+            .map(|i| {
+                let bend = (s[i] + s[i + 1] - 2.0 * m[i]) / h[i];
+                [y[i], s[i], (m[i] - s[i]) / h[i] - bend, bend / h[i]]
+            })
+            .collect();
+        if pieces.is_empty() {
+            pieces.push([y[0], 0.0, 0.0, 0.0]);
+        }
+        Ok(Spline { x: x.to_vec(), pieces })
+    }
+
+    /// The curve at `x`; beyond the knots, the cubic of the outermost piece, which soon runs far off.
+    pub fn at(&self, x: f64) -> f64 {
+        let i = self.x.partition_point(|&knot| knot <= x).clamp(1, self.pieces.len()) - 1;
+        let t = x - self.x[i];
+        let [c0, c1, c2, c3] = self.pieces[i];
+        c0 + t * (c1 + t * (c2 + t * c3))
+    }
+
+    /// The knots, rising.
+    pub fn knots(&self) -> &[f64] {
+        &self.x
+    }
+}
+
+/// Slopes at the knots for intervals `h` with secants `m`: a tridiagonal system.
+fn slopes(h: &[f64], m: &[f64]) -> Vec<f64> {
+    let n = h.len();
+    match n {
+        0 => return vec![0.0],
+        1 => return vec![m[0]; 2],
+        2 => {
+            let bend = (m[1] - m[0]) / (h[0] + h[1]);
+            return vec![m[0] - bend * h[0], m[0] + bend * h[0], m[1] + bend * h[1]];
+        }
+        _ => {}
+    }
+    // Row i: below[i] s[i-1] + diagonal[i] s[i] + above[i] s[i+1] = right[i]; the ends are not-a-knot.
+    let end = |h0: f64, h1: f64, m0: f64, m1: f64| {
+        let d = h0 + h1;
+        (h1, d, ((h0 + 2.0 * d) * h1 * m0 + h0 * h0 * m1) / d)
+    };
+    let (mut diagonal, mut above, mut right) = (vec![0.0; n + 1], vec![0.0; n + 1], vec![0.0; n + 1]);
+    (diagonal[0], above[0], right[0]) = end(h[0], h[1], m[0], m[1]);
+    let (last, below_last, right_last) = end(h[n - 1], h[n - 2], m[n - 1], m[n - 2]);
+    for i in 1..=n {
+        let below;
+        if i < n {
+            below = h[i];
+            diagonal[i] = 2.0 * (h[i - 1] + h[i]);
+            above[i] = h[i - 1];
+            right[i] = 3.0 * (h[i] * m[i - 1] + h[i - 1] * m[i]);
+        } else {
+            (diagonal[n], below, right[n]) = (last, below_last, right_last);
+        }
+        let factor = below / diagonal[i - 1];
+        diagonal[i] -= factor * above[i - 1];
+        right[i] -= factor * right[i - 1];
+    }
+    let mut s = right;
+    s[n] /= diagonal[n];
+    for i in (0..n).rev() {
+        s[i] = (s[i] - above[i] * s[i + 1]) / diagonal[i];
+    }
+    s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn polynomials_up_to_third_order_are_reproduced_between_and_beyond_uneven_knots() {
+        let x: [f64; 5] = [-2.0, -1.5, 0.25, 1.0, 4.0];
+        let cubic = |x: f64| 1.0 - 2.0 * x + 0.5 * x * x - 0.25 * x * x * x;
+        let spline = Spline::new(&x, &x.map(cubic)).unwrap();
+        for at in [-3.0, -1.7, 0.0, 0.9, 2.5, 5.0] {
+            assert_close(&[spline.at(at)], &[cubic(at)], 1e-12, 1e-12);
+        }
+    }
+
+    #[test]
+    fn few_knots_give_a_constant_a_line_a_parabola() {
+        assert_eq!(Spline::new(&[1.0], &[5.0]).unwrap().at(9.0), 5.0);
+        assert_eq!(Spline::new(&[0.0, 2.0], &[0.0, 4.0]).unwrap().at(1.5), 3.0);
+        assert_close(&[Spline::new(&[0.0, 1.0, 3.0], &[0.0, 1.0, 9.0]).unwrap().at(2.0)], &[4.0], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn knots_that_do_not_rise_are_refused() {
+        let error = Spline::new(&[0.0, 1.0, 1.0], &[0.0; 3]).unwrap_err().to_string();
+        assert_eq!(error, "knots x[2] = 1: must lie above 1");
+    }
+}
