@@ -1,6 +1,6 @@
 //! Excitations: the voltages that make an actuator show what it is.
 //!
-//! Small and broad-band ones ([`Prbs`]) identify the linear block; rich ones ([`RisingSine`], [`Sine`],
+//! Small and broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; rich ones ([`RisingSine`], [`Sine`],
 //! [`Triangle`], [`Staircase`]) exercise the hysteresis; a [`Chirp`] passes through the resonance. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts where its own
 //! page says, and is the same for the same settings.
 //!
@@ -11,7 +11,10 @@
 //! DOI 10.1002/9781118287422.
 
 mod chirp;
+mod crest;
 mod drive;
+mod fourier;
+mod multisine;
 mod parameter;
 mod prbs;
 mod rising_sine;
@@ -20,6 +23,7 @@ mod staircase;
 mod triangle;
 
 pub use chirp::{Chirp, Sweep};
+pub use multisine::Multisine;
 pub use parameter::Parameter;
 pub use prbs::Prbs;
 pub use rising_sine::RisingSine;
@@ -46,7 +50,7 @@ pub struct Excitation {
 
 /// Every kind there is.
 pub static EXCITATIONS: &[Excitation] =
-    &[prbs::ROW, chirp::ROW, sine::ROW, rising_sine::ROW, triangle::ROW, staircase::ROW];
+    &[prbs::ROW, multisine::ROW, chirp::ROW, sine::ROW, rising_sine::ROW, triangle::ROW, staircase::ROW];
 
 const PINTELON_SCHOUKENS: &str = "Pintelon and Schoukens, System Identification, 2012, DOI 10.1002/9781118287422";
 
@@ -168,6 +172,8 @@ mod tests {
         assert_eq!(row("rising-sine", &frequency), RisingSine::default().samples(1e-3, 2000));
         let sweep = [("frequency-start", 1.0), ("frequency-end", 100.0)];
         assert_eq!(row("chirp", &sweep), Chirp::default().samples(1e-3, 2000));
+        let band = [("frequency-low", 1.0), ("frequency-high", 100.0)];
+        assert_eq!(row("multisine", &band), Multisine::default().samples(1e-3, 2000));
     }
 
     #[test]
@@ -178,6 +184,6 @@ mod tests {
         assert!(message(-1.0, 1.0).starts_with("ts = -1"));
         assert!(message(1.0, 0.4).contains("from 1 to 100000000 samples, not 0"));
         assert!(message(1e-6, 1e6).contains("not 1000000000000"));
-        assert!(find("sinus").unwrap_err().to_string().contains("known are prbs, chirp"));
+        assert!(find("sinus").unwrap_err().to_string().contains("known are prbs, multisine"));
     }
 }
