@@ -1,7 +1,8 @@
 //! Excitations: the voltages that make an actuator show what it is.
 //!
 //! Small and broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; rich ones ([`RisingSine`], [`Sine`],
-//! [`Triangle`], [`Staircase`]) exercise the hysteresis; a [`Chirp`] passes through the resonance. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts where its own
+//! [`Triangle`], [`Staircase`]) exercise the hysteresis; a [`Chirp`] passes through the resonance. [`Limits`] tells
+//! whether a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts where its own
 //! page says, and is the same for the same settings.
 //!
 //! [`EXCITATIONS`] is the list that the command line, Python and the web page iterate. A new kind costs one file, one
@@ -13,7 +14,9 @@
 mod chirp;
 mod crest;
 mod drive;
+mod drivers;
 mod fourier;
+mod limits;
 mod multisine;
 mod parameter;
 mod prbs;
@@ -23,6 +26,8 @@ mod staircase;
 mod triangle;
 
 pub use chirp::{Chirp, Sweep};
+pub use drivers::{DRIVERS, Driver};
+pub use limits::{Limits, Peak, Usage};
 pub use multisine::Multisine;
 pub use parameter::Parameter;
 pub use prbs::Prbs;
