@@ -1,0 +1,79 @@
+//! Drivers by name: the limits of some amplifiers, with where the numbers come from.
+//!
+//! The current of an amplifier limits the slew only together with a load: where the row has no capacitance, set that of
+//! the actuator, `Limits { capacitance: Some(8.2e-6), ..driver.limits }`. The numbers are peak values from data sheets;
+//! continuous operation may allow less.
+
+use super::Limits;
+use crate::error::Error;
+
+/// A driver by name.
+#[derive(Debug, Clone, Copy)]
+pub struct Driver {
+    /// What it is called in every front end.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    /// Where the numbers come from.
+    pub reference: &'static str,
+    /// What it can deliver.
+    pub limits: Limits,
+}
+
+const NONE: Limits = Limits { low: None, high: None, slew: None, current: None, capacitance: None };
+
+/// Every driver there is.
+pub static DRIVERS: &[Driver] = &[
+    Driver { name: "ideal", summary: "no limits", reference: "by definition", limits: NONE },
+    Driver {
+        name: "pl140",
+        summary: "the driver of the PL140 twin: +-30 V about the middle, 500 mA into 8.2 uF",
+        reference: "range and capacitance: PI data sheet PL112-PL140, 2020; current: a choice of the twin",
+        limits: Limits { low: Some(-30.0), high: Some(30.0), current: Some(0.5), capacitance: Some(8.2e-6), ..NONE },
+    },
+    Driver {
+        name: "bd300",
+        summary: "PiezoDrive BD300, differential: +-300 V, 50 mA peak, for benders",
+        reference: "PiezoDrive BD series, table of voltage ranges, mmech.com/piezodrive-amplifiers/bd-series",
+        limits: Limits { low: Some(-300.0), high: Some(300.0), current: Some(0.05), ..NONE },
+    },
+    Driver {
+        name: "pdu100b",
+        summary: "PiezoDrive PDu100B, bipolar: +-100 V, 100 mA peak",
+        reference: "PiezoDrive PDu100B data sheet, specifications, studylib.net/doc/18096109",
+        limits: Limits { low: Some(-100.0), high: Some(100.0), current: Some(0.1), ..NONE },
+    },
+];
+
+impl Driver {
+    /// The driver called `name`.
+    ///
+    /// # Errors
+    /// Refused when there is none, with the names there are.
+    pub fn find(name: &str) -> Result<&'static Driver, Error> {
+        DRIVERS
+            .iter()
+            .find(|d| d.name == name)
+            .ok_or_else(|| Error::unknown("driver", name, DRIVERS.iter().map(|d| d.name)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_driver_says_what_it_is_and_holds_its_own_middle() {
+        for driver in DRIVERS {
+            assert!(!driver.summary.is_empty() && !driver.reference.is_empty(), "{}", driver.name);
+            let limits = Limits { capacitance: driver.limits.capacitance.or(Some(1e-6)), ..driver.limits };
+            assert!(limits.refuse(&[0.0, 0.0], 1e-3).is_ok(), "{}", driver.name);
+            assert_eq!(Driver::find(driver.name).unwrap().name, driver.name);
+        }
+    }
+
+    #[test]
+    fn an_unknown_driver_is_answered_with_those_there_are() {
+        assert!(Driver::find("pl149").unwrap_err().to_string().ends_with("did you mean `pl140`?"));
+    }
+}

@@ -1,0 +1,219 @@
+//! Multisine: equal cosines at multiples of one base frequency, their phases chosen so that the peak is low.
+//!
+//! `u(t) = offset + amplitude s(t) / max |s|`, with `s(t) = sum over k of cos(2 pi k t / N + phi_k)`. The period has
+//! N = round(period / ts) samples, and the harmonics k are those with `frequency_low <= k / (N ts) <= frequency_high`:
+//! the band is snapped inwards to the grid of the period, so that whole periods have no leakage. With `odd`, only odd k:
+//! what then comes back at even harmonics is the actuator's nonlinearity. The phases start as Schroeder's (seed 0) or at
+//! random (any other seed: one more realisation) and are improved by clipping (`crest.rs` states the method). The peak
+//! is that of the samples.
+//!
+//! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
+//! DOI 10.1002/9781118287422; Schroeder, DOI 10.1109/TIT.1970.1054411.
+
+use super::drive::Drive;
+use super::parameter::{AMPLITUDE, OFFSET, Parameter};
+use super::{Excitation, PINTELON_SCHOUKENS, crest, fourier};
+use crate::error::Error;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::TAU;
+
+/// A periodic sum of cosines with a flat spectrum inside its band and nothing outside.
+///
+/// ```
+/// use piezoid::excitation::Multisine;
+/// let multisine = Multisine { frequency_low: 1.0, frequency_high: 400.0, period: 1.0, ..Multisine::default() };
+/// let u = multisine.samples(5e-4, 4000)?;
+/// assert_eq!(u[..2000], u[2000..]);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Multisine {
+    /// Peak distance from the offset [V].
+    pub amplitude: f64,
+    /// Lower end of the band [Hz].
+    pub frequency_low: f64,
+    /// Upper end of the band [Hz].
+    pub frequency_high: f64,
+    /// Period [s], rounded to a whole number of samples; 0 stands for the whole duration.
+    pub period: f64,
+    /// Odd harmonics only.
+    pub odd: bool,
+    /// Starting phases: 0 is Schroeder's, any other random ones.
+    pub seed: u32,
+    /// Mean [V].
+    pub offset: f64,
+}
+
+impl Default for Multisine {
+    /// 1 V, all harmonics from 1 to 100 Hz of the whole duration, Schroeder's start, no offset.
+    fn default() -> Self {
+        Multisine {
+            amplitude: 1.0,
+            frequency_low: 1.0,
+            frequency_high: 100.0,
+            period: 0.0,
+            odd: false,
+            seed: 0,
+            offset: 0.0,
+        }
+    }
+}
+
+impl Multisine {
+    /// `n` samples [V], every `ts` [s].
+    ///
+    /// # Errors
+    /// The amplitude must be positive, the band positive and below half the sampling rate and hold a harmonic of the
+    /// period, and the period must not be negative.
+    pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
+        let drive = Drive::new(self.amplitude, self.offset, ts)?;
+        let samples = self.period_samples(ts, n)?;
+        let lines = self.harmonics(&drive, samples, ts)?;
+        let phases = crest::lowered(&lines, self.start(lines.len()));
+        let shape = fourier::cosines(&lines, &phases, samples);
+        let peak = shape.iter().fold(0.0, |peak: f64, s| peak.max(s.abs()));
+        Ok((0..n).map(|t| drive.voltage(shape[t % samples] / peak)).collect())
+    }
+
+    /// Samples in a period.
+    fn period_samples(&self, ts: f64, n: usize) -> Result<usize, Error> {
+        let samples = if self.period == 0.0 { n as f64 } else { (self.period / ts).round() };
+        if (2.0..=super::MOST as f64).contains(&samples) {
+            return Ok(samples as usize);
+        }
+        let rule =
+            format!("must have from 2 to {} samples, not {samples}, at ts = {ts} s; 0 is the duration", super::MOST);
+        Err(Error::parameter("period", format!("{} s", self.period), rule))
+    }
+
+    /// The harmonics of a period of `samples` every `ts` [s] that lie in the band, ascending.
+    fn harmonics(&self, drive: &Drive, samples: usize, ts: f64) -> Result<Vec<usize>, Error> {
+        const ROUNDING: f64 = 1e-9; // 10 Hz x 0.1 s is harmonic 1 however the product rounds
+        let low = drive.shows("frequency-low", self.frequency_low)?;
+        let high = drive.shows("frequency-high", self.frequency_high)?;
+        let period = samples as f64 * ts;
+        let first = (low * period * (1.0 - ROUNDING)).ceil() as usize;
+        let last = (high * period * (1.0 + ROUNDING)).floor() as usize;
+        let lines: Vec<usize> = (first..=last).filter(|k| 2 * k < samples && (!self.odd || k % 2 == 1)).collect();
+        if lines.is_empty() {
+            let which = if self.odd { "odd multiple" } else { "multiple" };
+            let rule = format!("no {which} of {} Hz lies between them; widen the band or the period", 1.0 / period);
+            return Err(Error::parameter("frequency-low, frequency-high", format!("{low} Hz, {high} Hz"), rule));
+        }
+        Ok(lines)
+    }
+
+    /// The phases to start from [rad].
+    fn start(&self, count: usize) -> Vec<f64> {
+        if self.seed == 0 {
+            return crest::schroeder(count);
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(u64::from(self.seed));
+        (0..count).map(|_| TAU * random.random::<f64>()).collect()
+    }
+}
+
+const LOW: Parameter =
+    Parameter { name: "frequency-low", unit: "Hz", default: None, help: "lower end of the band, above 0" };
+const HIGH: Parameter = Parameter {
+    name: "frequency-high",
+    unit: "Hz",
+    default: None,
+    help: "upper end of the band, below half the sampling rate",
+};
+const PERIOD: Parameter = Parameter {
+    name: "period",
+    unit: "s",
+    default: Some(0.0),
+    help: "time after which it repeats; 0 is the whole duration",
+};
+const ODD: Parameter = Parameter {
+    name: "odd",
+    unit: "",
+    default: Some(0.0),
+    help: "1: odd harmonics only, so that nonlinearity shows at the even ones; 0: all",
+};
+const SEED: Parameter = Parameter {
+    name: "seed",
+    unit: "",
+    default: Some(0.0),
+    help: "starting phases: 0 is Schroeder's, any other random ones, one realisation each",
+};
+
+pub(super) const ROW: Excitation = Excitation {
+    name: "multisine",
+    summary: "equal sines over a band with a low peak: no leakage, for frequency responses",
+    reference: PINTELON_SCHOUKENS,
+    parameters: &[AMPLITUDE, LOW, HIGH, PERIOD, ODD, SEED, OFFSET],
+    generate: |v, ts, n| {
+        Multisine {
+            amplitude: v.get(&AMPLITUDE)?,
+            frequency_low: v.get(&LOW)?,
+            frequency_high: v.get(&HIGH)?,
+            period: v.get(&PERIOD)?,
+            odd: v.switch(&ODD)?,
+            seed: v.whole(&SEED)?,
+            offset: v.get(&OFFSET)?,
+        }
+        .samples(ts, n)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    /// Amplitude of harmonic `k` of one period.
+    fn amplitude(u: &[f64], k: usize) -> f64 {
+        let n = u.len();
+        let turn = |t: usize| (TAU * ((k * t) % n) as f64 / n as f64).sin_cos();
+        let (s, c) = (0..n).fold((0.0, 0.0), |(s, c), t| (s + u[t] * turn(t).0, c + u[t] * turn(t).1));
+        2.0 * f64::hypot(s, c) / n as f64
+    }
+
+    #[test]
+    fn the_spectrum_is_flat_in_the_band_and_empty_outside() {
+        for odd in [false, true] {
+            let multisine = Multisine { frequency_low: 20.0, frequency_high: 60.0, odd, ..Multisine::default() };
+            let u = multisine.samples(1e-3, 500).unwrap(); // harmonics of 2 Hz
+            let inside = |k: usize| (10..=30).contains(&k) && !(odd && k.is_multiple_of(2));
+            let level = amplitude(&u, 11);
+            let expected: Vec<f64> = (1..250).map(|k| if inside(k) { level } else { 0.0 }).collect();
+            let found: Vec<f64> = (1..250).map(|k| amplitude(&u, k)).collect();
+            assert_close(&found, &expected, 0.0, 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_amplitude_is_the_peak_and_the_rms_comes_close_to_it() {
+        for (seed, crest) in [(0, 1.5), (1, 1.55), (2, 1.55)] {
+            let multisine = Multisine { amplitude: 30.0, frequency_high: 400.0, seed, ..Multisine::default() };
+            let u = multisine.samples(5e-4, 4000).unwrap();
+            let peak = u.iter().fold(0.0, |peak: f64, v| peak.max(v.abs()));
+            let rms = (u.iter().map(|v| v * v).sum::<f64>() / 4000.0).sqrt();
+            assert_eq!(peak, 30.0);
+            assert!(peak / rms < crest, "seed {seed}: crest factor {}", peak / rms);
+        }
+    }
+
+    #[test]
+    fn each_seed_is_another_realisation() {
+        let realisation = |seed| Multisine { seed, ..Multisine::default() }.samples(1e-3, 1000).unwrap();
+        assert_eq!(realisation(1), realisation(1));
+        assert_ne!(realisation(1), realisation(2));
+        assert_ne!(realisation(1), realisation(0));
+    }
+
+    #[test]
+    fn a_band_without_a_harmonic_is_refused() {
+        let narrow = Multisine { frequency_low: 1.1, frequency_high: 1.9, ..Multisine::default() };
+        assert!(narrow.samples(1e-3, 1000).unwrap_err().to_string().contains("no multiple of 1 Hz"));
+        let even = Multisine { frequency_low: 2.0, frequency_high: 2.0, odd: true, ..Multisine::default() };
+        assert!(even.samples(1e-3, 1000).unwrap_err().to_string().contains("no odd multiple"));
+        assert!(Multisine { frequency_high: 500.0, ..Multisine::default() }.samples(1e-3, 1000).is_err());
+        assert!(Multisine { period: -1.0, ..Multisine::default() }.samples(1e-3, 1000).is_err());
+        assert!(Multisine { period: 1e-9, ..Multisine::default() }.samples(1e-3, 1000).is_err());
+    }
+}

@@ -1,0 +1,85 @@
+//! Triangle: straight ramps between `offset - amplitude` and `offset + amplitude`.
+//!
+//! The slope is `|du/dt| = 4 amplitude frequency` throughout [V/s], so that the load draws a constant current and a
+//! rate-dependent loop is measured at a single rate. It starts at the offset and rises. Its harmonics are odd and fall
+//! with the square of their number; near the resonance they ring.
+//!
+//! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
+//! DOI 10.1002/9781118287422.
+
+use super::drive::Drive;
+use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET};
+use super::{Excitation, PINTELON_SCHOUKENS};
+use crate::error::Error;
+
+/// Ramps up and down, starting upwards from the offset.
+///
+/// ```
+/// use piezoid::excitation::Triangle;
+/// let u = Triangle { amplitude: 2.0, frequency: 1.0, offset: 0.0 }.samples(0.125, 8)?;
+/// assert_eq!(u, [0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0]);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Triangle {
+    /// Largest distance from the offset [V].
+    pub amplitude: f64,
+    /// Periods a second [Hz].
+    pub frequency: f64,
+    /// Mean [V].
+    pub offset: f64,
+}
+
+impl Default for Triangle {
+    /// 1 V, 1 Hz, no offset.
+    fn default() -> Self {
+        Triangle { amplitude: 1.0, frequency: 1.0, offset: 0.0 }
+    }
+}
+
+impl Triangle {
+    /// `n` samples [V], every `ts` [s].
+    ///
+    /// # Errors
+    /// The amplitude must be positive, the frequency positive and below half the sampling rate.
+    pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
+        let drive = Drive::new(self.amplitude, self.offset, ts)?;
+        let frequency = drive.shows("frequency", self.frequency)?;
+        Ok(drive.periodic(frequency, n, triangle))
+    }
+}
+
+/// From 0 up to 1, down to -1 and back to 0 while `passed` goes from 0 to 1.
+fn triangle(passed: f64) -> f64 {
+    if passed < 0.25 {
+        4.0 * passed
+    } else if passed < 0.75 {
+        2.0 - 4.0 * passed
+    } else {
+        4.0 * passed - 4.0
+    }
+}
+
+pub(super) const ROW: Excitation = Excitation {
+    name: "triangle",
+    summary: "triangle: a loop at constant rate",
+    reference: PINTELON_SCHOUKENS,
+    parameters: &[AMPLITUDE, FREQUENCY, OFFSET],
+    generate: |v, ts, n| {
+        Triangle { amplitude: v.get(&AMPLITUDE)?, frequency: v.get(&FREQUENCY)?, offset: v.get(&OFFSET)? }
+            .samples(ts, n)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_step_of_a_triangle_is_equally_high() {
+        let u = Triangle { amplitude: 30.0, frequency: 5.0, offset: -1.0 }.samples(5e-4, 801).unwrap();
+        assert!(u[0] == -1.0 && u[1] > u[0]);
+        let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+        crate::testing::assert_close(&steps, &[4.0 * 30.0 * 5.0 * 5e-4; 800], 0.0, 1e-9);
+    }
+}

@@ -1,0 +1,53 @@
+//! Excitations against the numbers of scipy; `golden/*.py` writes them.
+
+#![allow(clippy::expect_used)] // a test may stop at what must not happen
+
+use piezoid::excitation::{Chirp, Prbs, Sweep};
+use serde_json::Value;
+
+fn rows(json: &str) -> Vec<Value> {
+    serde_json::from_str(json).expect("the golden file is a list")
+}
+
+/// The bits of a PRBS of 1 V, written as scipy's script writes them.
+fn bits(prbs: &Prbs, n: usize) -> String {
+    let u = prbs.samples(1.0, n).expect("a sequence that scipy makes");
+    u.iter().map(|v| if *v > 0.0 { '1' } else { '0' }).collect()
+}
+
+#[test]
+fn prbs_is_scipys_max_len_seq() {
+    let rows = rows(include_str!("golden/max_len_seq.json"));
+    assert_eq!(rows.len(), 30);
+    for row in rows {
+        let order = row["order"].as_u64().expect("order") as u32;
+        let seed = row["seed"].as_u64().expect("seed") as u32;
+        assert_eq!(bits(&Prbs { order, ..Prbs::default() }, 64), row["from_ones"], "order {order}");
+        assert_eq!(bits(&Prbs { order, seed, ..Prbs::default() }, 64), row["from_seed"], "order {order}, seed {seed}");
+        if let (Some(ones), Some(sum)) = (row["ones"].as_u64(), row["sum_of_positions"].as_u64()) {
+            let prbs = Prbs { order, ..Prbs::default() };
+            let period = bits(&prbs, prbs.period() as usize);
+            let positions: Vec<u64> =
+                (0..).zip(period.chars()).filter(|(_, bit)| *bit == '1').map(|(t, _)| t).collect();
+            assert_eq!((positions.len() as u64, positions.iter().sum::<u64>()), (ones, sum), "order {order}");
+        }
+    }
+}
+
+#[test]
+fn chirp_is_scipys_chirp() {
+    for row in rows(include_str!("golden/chirp.json")) {
+        let number = |name: &str| row[name].as_f64().expect("a number");
+        let expected: Vec<f64> = row["u"].as_array().expect("samples").iter().filter_map(Value::as_f64).collect();
+        let chirp = Chirp {
+            frequency_start: number("start"),
+            frequency_end: number("end"),
+            sweep: if row["method"] == "linear" { Sweep::Linear } else { Sweep::Logarithmic },
+            ..Chirp::default()
+        };
+        let u = chirp.samples(5e-4, expected.len()).expect("a sweep that scipy makes");
+        for (t, (ours, theirs)) in u.iter().zip(&expected).enumerate() {
+            assert!((ours - theirs).abs() < 1e-10, "{} at sample {t}: {ours} is not {theirs}", row["method"]);
+        }
+    }
+}
