@@ -6,6 +6,7 @@
 pub mod error;
 pub mod excitation;
 pub mod formats;
+mod fourier;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod linear;

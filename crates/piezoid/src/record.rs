@@ -163,8 +163,11 @@ pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usi
     ))
 }
 
-/// Refuses sampling periods that differ by more than a millionth.
-pub(crate) fn same_sampling(left: &str, left_ts: f64, right: &str, right_ts: f64) -> Result<(), Error> {
+/// Refuses sampling periods that differ by more than a millionth, naming what has them.
+///
+/// # Errors
+/// [`Error::Sampling`].
+pub fn same_sampling(left: &str, left_ts: f64, right: &str, right_ts: f64) -> Result<(), Error> {
     if (left_ts - right_ts).abs() <= 1e-6 * left_ts {
         return Ok(());
     }

@@ -10,7 +10,7 @@
 //! Algorithm, IEEE Trans. Instrum. Meas. 37(1), 1988. The start: Schroeder, Synthesis of Low-Peak-Factor Signals, 1970,
 //! DOI 10.1109/TIT.1970.1054411. Chebyshev methods (Guillaume et al., DOI 10.1109/19.119778) go lower at a higher cost.
 
-use super::fourier::Fft;
+use crate::fourier::{cosines, forward};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
@@ -29,23 +29,18 @@ pub(super) fn schroeder(count: usize) -> Vec<f64> {
 /// lowered from the phases at the `start` [rad].
 pub(super) fn lowered(lines: &[usize], start: Vec<f64>) -> Vec<f64> {
     let Some(highest) = lines.last() else { return start };
-    let fft = Fft::new((8 * highest).next_power_of_two());
+    let fft = forward((8 * highest).next_power_of_two());
     let mut phases = start;
     let mut best = (f64::INFINITY, phases.clone());
     for round in 0..ROUNDS {
-        let mut signal = vec![Complex::ZERO; fft.len()];
-        for (k, phase) in lines.iter().zip(&phases) {
-            signal[*k] = Complex::cis(-phase);
-        }
-        // The forward transform of conjugate lines: its real part is the sum of cosines.
-        fft.transform(&mut signal);
+        let mut signal = cosines(lines, &phases, &*fft);
         let peak = signal.iter().fold(0.0f64, |peak, v| peak.max(v.re.abs()));
         if peak < best.0 {
             best = (peak, phases.clone());
         }
         let clip = peak * (FIRST_CLIP + (1.0 - FIRST_CLIP) * round as f64 / ROUNDS as f64);
         signal.iter_mut().for_each(|v| *v = Complex::from(v.re.clamp(-clip, clip)));
-        fft.transform(&mut signal);
+        fft.process(&mut signal);
         phases = lines.iter().map(|k| signal[*k].arg()).collect();
     }
     best.1

@@ -15,7 +15,6 @@ mod chirp;
 mod crest;
 mod drive;
 mod drivers;
-mod fourier;
 mod limits;
 mod multisine;
 mod parameter;

@@ -12,8 +12,9 @@
 
 use super::drive::Drive;
 use super::parameter::{AMPLITUDE, OFFSET, Parameter};
-use super::{Excitation, PINTELON_SCHOUKENS, crest, fourier};
+use super::{Excitation, PINTELON_SCHOUKENS, crest};
 use crate::error::Error;
+use crate::fourier;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
@@ -71,9 +72,9 @@ impl Multisine {
         let samples = self.period_samples(ts, n)?;
         let lines = self.harmonics(&drive, samples, ts)?;
         let phases = crest::lowered(&lines, self.start(lines.len()));
-        let shape = fourier::cosines(&lines, &phases, samples);
-        let peak = shape.iter().fold(0.0, |peak: f64, s| peak.max(s.abs()));
-        Ok((0..n).map(|t| drive.voltage(shape[t % samples] / peak)).collect())
+        let shape = fourier::cosines(&lines, &phases, &*fourier::forward(samples));
+        let peak = shape.iter().fold(0.0, |peak: f64, s| peak.max(s.re.abs()));
+        Ok((0..n).map(|t| drive.voltage(shape[t % samples].re / peak)).collect())
     }
 
     /// Samples in a period.

@@ -4,12 +4,13 @@
 //! any fit is a guess that repairs the hysteresis block instead. Then a gain is left, and the reason is told.
 
 use crate::error::Error;
+use crate::fourier::forward;
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::optimize::swarm;
 use crate::progress::unwatched;
 use crate::record::Record;
 use crate::system::System;
-use realfft::RealFftPlanner;
+use nalgebra::Complex;
 
 /// Power of a spectral line, against the strongest, from which it counts as excited.
 const EXCITED: f64 = 1e-4;
@@ -155,13 +156,10 @@ fn excited(record: &Record) -> Vec<f64> {
     let n = record.len();
     let mean = record.u().iter().sum::<f64>() / n as f64;
     let hann = |t: usize| (std::f64::consts::PI * (t as f64 + 0.5) / n as f64).sin().powi(2);
-    let mut windowed: Vec<f64> = record.u().iter().enumerate().map(|(t, u)| (u - mean) * hann(t)).collect();
-    let transform = RealFftPlanner::new().plan_fft_forward(n);
-    let mut spectrum = transform.make_output_vec();
-    if transform.process(&mut windowed, &mut spectrum).is_err() {
-        return Vec::new();
-    }
-    let power: Vec<f64> = spectrum.iter().map(|c| c.norm_sqr()).collect();
+    let mut spectrum: Vec<Complex<f64>> =
+        record.u().iter().enumerate().map(|(t, u)| Complex::from((u - mean) * hann(t))).collect();
+    forward(n).process(&mut spectrum);
+    let power: Vec<f64> = spectrum[..=n / 2].iter().map(|c| c.norm_sqr()).collect();
     let strongest = power.iter().copied().fold(0.0, f64::max);
     let peak = |k: &usize| {
         power[*k] > EXCITED * strongest && power[*k] >= power[k - 1] && power.get(k + 1).is_none_or(|&p| power[*k] > p)

@@ -1,0 +1,216 @@
+//! `piezoid identify`: from measured records to a model.
+
+use crate::console::{Console, number, table};
+use crate::files::{self, Columns};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use piezoid::hammerstein::{Identified, Paper, identify_paper};
+use piezoid::hysteresis::{Reading, Split};
+use piezoid::linear::Root;
+use piezoid::optimize::swarm;
+use piezoid::validation::{self, Metrics};
+use piezoid::{Record, System};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+#[derive(Args)]
+pub(crate) struct Identify {
+    /// Small-signal records for the linear block: a PRBS of about 1 V.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    linear: Vec<PathBuf>,
+    /// Records that exercise the hysteresis, one a frequency.
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present_any = ["linear", "data"])]
+    rich: Vec<PathBuf>,
+    /// Records for everything, where no small-signal one was taken.
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["linear", "rich"])]
+    data: Vec<PathBuf>,
+    /// The way to identify.
+    #[arg(long, value_enum, default_value_t = Method::Paper)]
+    method: Method,
+    /// The hysteresis operator (see `piezoid operators`); auto: two-branch for one frequency, rate-scheduled for more.
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    operator: String,
+    /// Order of the linear block.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=12))]
+    order: u8,
+    /// The estimator of the linear block (see `piezoid estimators`).
+    #[arg(long, value_name = "NAME", default_value = "swarm")]
+    estimator: String,
+    /// How the points of a loop are told apart.
+    #[arg(long, value_enum, default_value_t = SplitBy::Line)]
+    split: SplitBy,
+    /// Averages a branch.
+    #[arg(long, value_name = "N", default_value_t = Paper::default().bins)]
+    bins: usize,
+    /// Which branch is read while the input is held.
+    #[arg(long, value_enum, default_value_t = Read::Held)]
+    reading: Read,
+    /// Particles of the swarm.
+    #[arg(long, value_name = "N", default_value_t = swarm::Settings::default().particles)]
+    particles: usize,
+    /// Iterations of the swarm.
+    #[arg(long, value_name = "N", default_value_t = swarm::Settings::default().iterations)]
+    iterations: usize,
+    /// Seed of the swarm.
+    #[arg(long, default_value_t = swarm::Settings::default().seed)]
+    seed: u64,
+    /// The model file to write; - is stdout.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Write what was found as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Method {
+    /// The paper's six steps.
+    Paper,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SplitBy {
+    /// By the side of the line through the turning points, as in the paper.
+    Line,
+    /// By the direction of the input.
+    Direction,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Read {
+    /// That of the last movement.
+    Held,
+    /// The descending one: the paper's rule to the letter.
+    Printed,
+}
+
+impl Identify {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let Method::Paper = self.method;
+        let linear = self.columns.records(&self.linear)?;
+        let rich_files: Vec<&PathBuf> = self.rich.iter().chain(&self.data).collect();
+        let rich: Vec<Record> = rich_files.iter().map(|p| self.columns.record(p)).collect::<Result<_>>()?;
+        let how = Paper {
+            order: self.order.into(),
+            estimator: self.estimator.clone(),
+            operator: self.operator.clone(),
+            split: match self.split {
+                SplitBy::Line => Split::Line,
+                SplitBy::Direction => Split::Direction,
+            },
+            bins: self.bins,
+            reading: match self.reading {
+                Read::Held => Reading::Held,
+                Read::Printed => Reading::Printed,
+            },
+            swarm: swarm::Settings {
+                particles: self.particles,
+                iterations: self.iterations,
+                seed: self.seed,
+                ..swarm::Settings::default()
+            },
+        };
+        let found = identify_paper(&linear, &rich, &how, &mut console.progress());
+        console.done();
+        let found = found?;
+
+        let files: Vec<&PathBuf> = self.linear.iter().chain(rich_files.iter().copied()).collect();
+        let mut made = files::provenance(&files)?;
+        made["seed"] = json!(self.seed);
+        let on_itself = rich
+            .iter()
+            .map(|record| Ok(validation::validate(&found.model, record, validation::Settings::default())?.metrics))
+            .collect::<Result<Vec<Metrics>>>()?;
+        let model = found.model.clone().with_provenance(made);
+
+        if [Some(self.output.as_path()), self.json.as_deref()].contains(&Some(Path::new("-"))) {
+            if self.json.as_deref() == Some(self.output.as_path()) {
+                bail!("the model and --json cannot both go to stdout: name a file for one of them");
+            }
+        } else {
+            console.print(&summary(&found, &rich_files, &on_itself))?;
+        }
+        for note in &found.notes {
+            console.remark(note);
+        }
+        files::write_json(self.json.as_deref(), &result(&found, &on_itself), console)?;
+        files::write(&self.output, &model.to_json(), console)
+    }
+}
+
+fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics]) -> String {
+    let arx = found.model.linear();
+    let units = found.model.units();
+    let mut text = format!(
+        "linear block, {} every {} s\n  a = {:?}\n  b = {:?}\n  gain {} {}/{}, offset {} {}\n",
+        if arx.a().is_empty() { "without dynamics" } else { "y = a1 y1 + ... + b0 u + b1 u1 + ..." },
+        arx.ts(),
+        arx.a(),
+        arx.b(),
+        number(arx.dc_gain()),
+        units.y,
+        units.u,
+        number(found.model.offset()),
+        units.y,
+    );
+    for pole in arx.poles() {
+        text += &format!("  pole {} Hz, damping {}\n", number(pole.hz), number(pole.damping));
+    }
+    let zeros: Vec<String> = arx.zeros().iter().map(Root::to_string).collect();
+    if !zeros.is_empty() {
+        text += &format!("  zeros {}\n", zeros.join(", "));
+    }
+    if let Some(gain) = arx.noise_gain() {
+        text += &format!("  its inverse makes {} {} of 1 {} of noise\n", number(gain), units.u, units.y);
+    }
+    text += &format!("hysteresis block: {}\n", found.model.hysteresis().operator().name);
+    if !found.loops.is_empty() {
+        let row = |l: &piezoid::hammerstein::HiddenLoop| {
+            let (low, high) = l.found.branches.range();
+            let side = if l.found.ascending_below { "below" } else { "above" };
+            let frequency = l.frequency_hz.map_or("-".into(), number);
+            let width = number(100.0 * l.found.branches.width());
+            vec![frequency, number(low), number(high), width, side.into(), number(100.0 * l.found.agreement)]
+        };
+        let header = ["f [Hz]", "from", "to", "width %", "ascending", "by direction %"];
+        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>());
+    }
+    if !on_itself.is_empty() {
+        let row = |(path, m): (&&PathBuf, &Metrics)| {
+            vec![path.display().to_string(), number(m.rmse), number(m.nrmse_percent), number(m.rms_pp_percent)]
+        };
+        let rmse = format!("rmse [{}]", units.y);
+        let rows: Vec<_> = rich.iter().zip(on_itself).map(row).collect();
+        text += &table(&["on its own data, free run", &rmse, "nrmse %", "rms/pp %"], &rows);
+    }
+    text
+}
+
+fn result(found: &Identified, on_itself: &[Metrics]) -> Value {
+    let arx = found.model.linear();
+    let each = |l: &piezoid::hammerstein::HiddenLoop| {
+        json!({
+            "frequency_hz": l.frequency_hz,
+            "loop_width_percent": 100.0 * l.found.branches.width(),
+            "ascending_below": l.found.ascending_below,
+            "agreement": l.found.agreement,
+        })
+    };
+    json!({
+        "linear": {
+            "a": arx.a(),
+            "b": arx.b(),
+            "poles": arx.poles().iter().map(|p| json!({"hz": p.hz, "damping": p.damping})).collect::<Vec<_>>(),
+            "zeros": arx.zeros().iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>(),
+            "noise_gain": arx.noise_gain(),
+            "reason": found.linear.reason,
+            "convergence": found.linear.fit.as_ref().map(|f| &f.history),
+        },
+        "operator": found.model.hysteresis().operator().name,
+        "loops": found.loops.iter().map(each).collect::<Vec<_>>(),
+        "training": on_itself,
+        "notes": found.notes,
+    })
+}

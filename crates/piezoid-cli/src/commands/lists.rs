@@ -1,0 +1,81 @@
+//! The lists of what there is, each row with its one-line summary.
+
+use crate::console::Console;
+use crate::files;
+use anyhow::{Context, Result};
+use clap::Args;
+use piezoid::excitation::{DRIVERS, EXCITATIONS};
+use piezoid::hysteresis::OPERATORS;
+use piezoid::linear::ESTIMATORS;
+use piezoid::plant::{self, PLANTS, Spec};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Name, summary and reference.
+pub(crate) type Row = (&'static str, &'static str, &'static str);
+
+pub(crate) fn operators() -> Vec<Row> {
+    OPERATORS.iter().map(|o| (o.name, o.summary, o.reference)).collect()
+}
+
+pub(crate) fn excitations() -> Vec<Row> {
+    EXCITATIONS.iter().map(|e| (e.name, e.summary, e.reference)).collect()
+}
+
+pub(crate) fn estimators() -> Vec<Row> {
+    ESTIMATORS.iter().map(|e| (e.name, e.summary, e.reference)).collect()
+}
+
+pub(crate) fn drivers() -> Vec<Row> {
+    DRIVERS.iter().map(|d| (d.name, d.summary, d.reference)).collect()
+}
+
+fn plants() -> Vec<Row> {
+    PLANTS.iter().map(|p| (p.name, p.summary, p.reference)).collect()
+}
+
+#[derive(Args)]
+pub(crate) struct List {
+    /// Write the list with references as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl List {
+    pub(crate) fn run(self, rows: &[Row], console: &Console) -> Result<()> {
+        if self.json.as_deref() != Some(Path::new("-")) {
+            let width = rows.iter().map(|r| r.0.len()).max().unwrap_or(0);
+            let text: String = rows.iter().map(|(name, summary, _)| format!("{name:width$}  {summary}\n")).collect();
+            console.print(&text)?;
+        }
+        let row = |(name, summary, reference): &Row| json!({"name": name, "summary": summary, "reference": reference});
+        files::write_json(self.json.as_deref(), &rows.iter().map(row).collect(), console)
+    }
+}
+
+#[derive(Args)]
+pub(crate) struct Plants {
+    /// Print the parameters of a plant, to save, change and give back with --plant FILE.
+    #[arg(long, value_name = "NAME")]
+    show: Option<String>,
+    #[command(flatten)]
+    list: List,
+}
+
+impl Plants {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        match self.show {
+            Some(name) => console.print(&(plant(&name)?.to_json()? + "\n")),
+            None => self.list.run(&plants(), console),
+        }
+    }
+}
+
+/// The plant called `name`, or the one in the file of that name.
+pub(crate) fn plant(name: &str) -> Result<Spec> {
+    if name.ends_with(".json") {
+        return Spec::from_json(&files::read_text(Path::new(name))?).with_context(|| name.to_string());
+    }
+    let unknown = || "a plant of your own goes into a file that ends in .json (see `piezoid plants --show`)";
+    Ok((plant::find(name).with_context(unknown)?.spec)())
+}

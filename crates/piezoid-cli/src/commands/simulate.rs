@@ -1,0 +1,68 @@
+//! `piezoid simulate`: a plant or a model on a drive signal.
+
+use super::lists;
+use crate::console::Console;
+use crate::files::{self, Columns};
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use piezoid::System;
+use piezoid::plant::Plant;
+use std::path::PathBuf;
+
+#[derive(Args)]
+#[group(id = "system", required = true, multiple = false, args = ["plant", "model"])]
+pub(crate) struct Simulate {
+    /// A plant by name (see `piezoid plants`), or a JSON file of its parameters.
+    #[arg(long, value_name = "NAME")]
+    plant: Option<String>,
+    /// A model file.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// The drive signal.
+    #[arg(long, value_name = "FILE")]
+    input: PathBuf,
+    /// The file to write; - is stdout.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Start as if the first input had stood for long, instead of at rest.
+    #[arg(long)]
+    settled: bool,
+    /// Seed of the plant's noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+impl Simulate {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let input = self.columns.input(&self.input)?;
+        let (u, ts) = (&input.samples, input.ts);
+        let (y, u_unit, y_unit) = match (&self.plant, &self.model) {
+            (Some(plant), _) => {
+                let plant = Plant::new(&lists::plant(plant)?, ts)?.with_seed(self.seed);
+                let mut x = if self.settled { plant.settled(u[0]) } else { plant.initial() };
+                let y: Vec<f64> = plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect();
+                let saturation = plant.saturation(&x);
+                if saturation.any() {
+                    console.remark(&saturation.to_string());
+                }
+                (y, "V".to_string(), "um".to_string())
+            }
+            (_, Some(path)) => {
+                let model = files::model(path)?;
+                let units = model.units();
+                if input.unit != units.u {
+                    bail!("the input is in {} but the model takes {}: convert it beforehand", input.unit, units.u);
+                }
+                piezoid::record::same_sampling("the model", model.ts(), "the input", ts)
+                    .with_context(|| self.input.display().to_string())?;
+                let mut x = if self.settled { model.settled(u[0]) } else { model.initial() };
+                (model.resume(&mut x, u), units.u.clone(), units.y.clone())
+            }
+            _ => bail!("name a --plant or a --model"),
+        };
+        let (u_name, y_name) = (format!("u_{u_unit}"), format!("y_{y_unit}"));
+        files::write(&self.output, &piezoid::formats::csv::write(ts, &[(&u_name, u), (&y_name, &y)])?, console)
+    }
+}
