@@ -1,0 +1,181 @@
+//! The plants there are by name. One row a plant: front ends, documentation and contract tests read this list.
+
+use super::catalogue::{Bender, DENSITY, PL112, PL122, PL127, PL128, PL140};
+use super::spec::{BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, Mode, SensorSpec, Spec};
+use crate::error::Error;
+
+/// A plant by name.
+#[derive(Debug, Clone, Copy)]
+pub struct Preset {
+    /// Its name in every front end.
+    pub name: &'static str,
+    /// What it is, in a line.
+    pub summary: &'static str,
+    /// Where its numbers come from.
+    pub reference: &'static str,
+    /// Its parameters.
+    pub spec: fn() -> Spec,
+}
+
+const SHEET: &str = "PI datasheet PL112-PL140, 31.07.2020; Mayergoyz 1991, DOI 10.1007/978-1-4612-3028-1";
+const SHEET_BOUC_WEN: &str = "PI datasheet PL112-PL140, 31.07.2020; Low & Guo 1995, DOI 10.1109/84.475550";
+
+/// Every plant.
+#[rustfmt::skip]
+pub static PLANTS: &[Preset] = &[
+    Preset {
+        name: "paper",
+        summary: "PL140 as in the paper: one mode at 146.7 Hz, Bouc-Wen 13 %, ideal driver and sensor, y after u",
+        reference: "L. Kuklisova Pavelkova, ICINCO 2025, Table 2 (poles); Low & Guo 1995, DOI 10.1109/84.475550",
+        spec: paper,
+    },
+    Preset {
+        name: "pl140",
+        summary: "PL140.10, +-1000 um: three modes, Preisach 13 %, creep, 500 mA driver, noisy 16-bit sensor",
+        reference: SHEET,
+        spec: || bench(&PL140, preisach(&PL140)),
+    },
+    Preset {
+        name: "pl140-bouc-wen",
+        summary: "PL140.10 as `pl140`, with Bouc-Wen hysteresis 13 %: minor loops are not wiped out",
+        reference: SHEET_BOUC_WEN,
+        spec: || bench(&PL140, bouc_wen(&PL140)),
+    },
+    Preset {
+        name: "pl128",
+        summary: "PL128.10, +-450 um, resonance near 360 Hz, otherwise as `pl140`",
+        reference: SHEET,
+        spec: || bench(&PL128, preisach(&PL128)),
+    },
+    Preset {
+        name: "pl127",
+        summary: "PL127.10, +-450 um, resonance near 420 Hz, otherwise as `pl140`",
+        reference: SHEET,
+        spec: || bench(&PL127, preisach(&PL127)),
+    },
+    Preset {
+        name: "pl122",
+        summary: "PL122.10, +-310 um, resonance near 600 Hz, otherwise as `pl140`",
+        reference: SHEET,
+        spec: || bench(&PL122, preisach(&PL122)),
+    },
+    Preset {
+        name: "pl112",
+        summary: "PL112.10, +-100 um, resonance near 1800 Hz, otherwise as `pl140`",
+        reference: SHEET,
+        spec: || bench(&PL112, preisach(&PL112)),
+    },
+];
+
+/// The plant called `name`.
+///
+/// # Errors
+/// An unknown name is answered with the names there are.
+pub fn find(name: &str) -> Result<&'static Preset, Error> {
+    let known = || PLANTS.iter().map(|plant| plant.name);
+    PLANTS.iter().find(|plant| plant.name == name).ok_or_else(|| Error::unknown("plant", name, known()))
+}
+
+fn paper() -> Spec {
+    Spec {
+        driver: DriverSpec::default(),
+        hysteresis: bouc_wen(&PL140),
+        creep_per_decade: 0.0,
+        beam: BeamSpec::Modes(vec![Mode { frequency_hz: 146.7, damping: 0.061, share: 1.0 }]),
+        sensor: SensorSpec::default(),
+        logged: Logged::After,
+        inner_steps: 20,
+    }
+}
+
+/// A bender on a bench: an amplifier, and a sensor of twice its range. The noise is 2e-4 of the displacement, for the
+/// PL140 0.2 um.
+fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
+    Spec {
+        driver: DriverSpec {
+            lag_s: 1e-4,
+            current_a: Some(0.5),
+            capacitance_f: bender.capacitance,
+            ..DriverSpec::default()
+        },
+        hysteresis,
+        creep_per_decade: 0.015,
+        beam: BeamSpec::Cantilever(Cantilever {
+            length_m: bender.free_length,
+            thickness_m: bender.thickness,
+            youngs_modulus_pa: bender.youngs_modulus(),
+            density_kg_per_m3: DENSITY,
+            damping: vec![0.03; 3],
+        }),
+        sensor: SensorSpec {
+            lag_s: 0.0,
+            noise_rms_m: 2e-4 * bender.displacement,
+            range_m: Some(2.0 * bender.displacement),
+            bits: Some(16),
+        },
+        logged: Logged::Before,
+        inner_steps: 20,
+    }
+}
+
+fn preisach(bender: &Bender) -> HysteresisSpec {
+    HysteresisSpec::Preisach {
+        range_v: 30.0,
+        displacement_m: bender.displacement,
+        width: 0.13,
+        half_width_v: 20.0,
+        asymmetry: 0.3,
+    }
+}
+
+fn bouc_wen(bender: &Bender) -> HysteresisSpec {
+    HysteresisSpec::BoucWen {
+        range_v: 30.0,
+        displacement_m: bender.displacement,
+        width: 0.13,
+        beta_per_v: 0.020,
+        gamma_per_v: 0.005,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Plant;
+    use super::*;
+
+    #[test]
+    fn every_plant_says_what_it_is_and_whence() {
+        for (i, plant) in PLANTS.iter().enumerate() {
+            assert!(!plant.summary.is_empty() && plant.reference.len() > 10, "{}", plant.name);
+            assert!(PLANTS[..i].iter().all(|other| other.name != plant.name), "{} twice", plant.name);
+            assert_eq!(find(plant.name).unwrap().summary, plant.summary);
+        }
+        assert!(find("pl14O").unwrap_err().to_string().contains("did you mean `pl140`?"));
+    }
+
+    #[test]
+    fn every_plant_survives_json_to_the_bit() {
+        for plant in PLANTS {
+            let spec = (plant.spec)();
+            assert_eq!(Spec::from_json(&spec.to_json().unwrap()).unwrap(), spec, "{}", plant.name);
+        }
+    }
+
+    #[test]
+    fn every_plant_stays_bounded_and_comes_to_rest() {
+        for preset in PLANTS {
+            let plant = Plant::new(&(preset.spec)(), 5e-4).unwrap();
+            // Hard switching, then 1 s of rest.
+            let mut u: Vec<f64> = (0..2000).map(|i| if i / 7 % 2 == 0 { 30.0 } else { -30.0 }).collect();
+            u.extend([0.0; 2000]);
+            let y = plant.run(&u).y;
+            let stroke = match (preset.spec)().hysteresis {
+                HysteresisSpec::BoucWen { displacement_m, .. } | HysteresisSpec::Preisach { displacement_m, .. } => {
+                    displacement_m
+                }
+            };
+            assert!(y.iter().all(|y| y.is_finite() && y.abs() < 20.0 * stroke), "{}", preset.name);
+            assert!((y[3999] - y[3800]).abs() < 0.01 * stroke, "{} does not come to rest", preset.name);
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The displacement sensor: a lag, noise, and a converter with a range.
+//!
+//! ```text
+//! s' = (y - s) / tau,    reading = q clamp(round((s + rms n) / q)),   q = 2 range / 2^bits
+//! ```
+//! The codes run from -2^(bits-1) to 2^(bits-1) - 1, so the highest reading is one q below +range. The noise n of a
+//! sample is a function of the seed and the sample's number alone, so a state that is copied has the same future.
+//!
+//! Reference: J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC'11, DOI 10.1145/2063384.2063405
+//! (counter-based generators; here ChaCha with 8 rounds). Not here: drift, nonlinearity, coloured noise.
+//!
+//! State: one number, the lagged displacement s [m].
+
+use super::spec::{SensorSpec, non_negative};
+use crate::error::{Error, positive};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// 32-bit words of the generator set aside for a sample; the ziggurat seldom takes more than two.
+const WORDS: u128 = 16;
+
+/// The sensor, for a fixed time step.
+#[derive(Debug, Clone)]
+pub(super) struct Sensor {
+    /// What is left of y - s after a step [-].
+    keep: f64,
+    rms: f64,
+    /// Lowest and highest reading [m].
+    min: f64,
+    max: f64,
+    /// One code [m]; 0 without a converter.
+    code: f64,
+    generator: ChaCha8Rng,
+}
+
+impl Sensor {
+    /// The sensor advanced in steps of `h` [s], its noise drawn from `seed`.
+    pub(super) fn new(spec: &SensorSpec, h: f64, seed: u64) -> Result<Self, Error> {
+        let lag = non_negative("sensor.lag_s", spec.lag_s, "seconds")?;
+        let rms = non_negative("sensor.noise_rms_m", spec.noise_rms_m, "metres")?;
+        let range = match spec.range_m {
+            None => f64::INFINITY,
+            Some(range) => positive("sensor.range_m", range, "metres, or null for no end")?,
+        };
+        let code = match spec.bits {
+            None => 0.0,
+            Some(bits @ 1..=32) if range.is_finite() => range * 2f64.powi(1 - bits as i32),
+            Some(bits) => {
+                return Err(Error::parameter("sensor.bits", bits, "must be from 1 to 32, over a range_m; or null"));
+            }
+        };
+        let keep = if lag > 0.0 { (-h / lag).exp() } else { 0.0 };
+        let generator = ChaCha8Rng::seed_from_u64(seed);
+        Ok(Sensor { keep, rms, min: -range, max: range - code, code, generator })
+    }
+
+    /// The same sensor with other noise.
+    pub(super) fn with_seed(self, seed: u64) -> Self {
+        Sensor { generator: ChaCha8Rng::seed_from_u64(seed), ..self }
+    }
+
+    /// Advances the lagged displacement one step, over which the tip is at `y` [m] in the mean.
+    pub(super) fn advance(&self, s: &mut f64, y: f64) {
+        *s = y + (*s - y) * self.keep;
+    }
+
+    /// What is to be read: the lagged displacement, or without a lag the tip itself [m].
+    pub(super) fn sees(&self, tip: f64, lagged: f64) -> f64 {
+        if self.keep > 0.0 { lagged } else { tip }
+    }
+
+    /// Reads `s` [m] as sample number `n`, and says whether the range clipped it.
+    pub(super) fn read(&self, s: f64, n: u64) -> (f64, bool) {
+        let noisy = if self.rms > 0.0 { s + self.rms * self.normal(n) } else { s };
+        let coded = if self.code > 0.0 { (noisy / self.code).round() * self.code } else { noisy };
+        (coded.clamp(self.min, self.max), coded < self.min || coded > self.max)
+    }
+
+    /// The n-th standard normal number of the seed.
+    fn normal(&self, n: u64) -> f64 {
+        let mut generator = self.generator.clone();
+        generator.set_word_pos(WORDS * u128::from(n));
+        StandardNormal.sample(&mut generator)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    fn sensor(spec: &SensorSpec) -> Sensor {
+        Sensor::new(spec, 25e-6, 7).unwrap()
+    }
+
+    #[test]
+    fn an_ideal_sensor_reads_what_is_there() {
+        assert_eq!(sensor(&SensorSpec::default()).read(1.234_567e-3, 0), (1.234_567e-3, false));
+    }
+
+    #[test]
+    fn noise_has_the_rms_it_should_and_no_memory() {
+        let sensor = sensor(&SensorSpec { noise_rms_m: 2e-7, ..SensorSpec::default() });
+        let n: Vec<f64> = (0..100_000).map(|i| sensor.read(0.0, i).0 / 2e-7).collect();
+        let mean = |f: &dyn Fn(usize) -> f64| (0..n.len() - 1).map(f).sum::<f64>() / (n.len() - 1) as f64;
+        assert_close(&[mean(&|i| n[i]), mean(&|i| n[i] * n[i + 1])], &[0.0, 0.0], 0.0, 0.015);
+        assert_close(&[mean(&|i| n[i] * n[i]), mean(&|i| n[i].powi(4))], &[1.0, 3.0], 0.03, 0.0);
+    }
+
+    #[test]
+    fn the_converter_rounds_to_codes_and_ends_one_code_early() {
+        let sensor = sensor(&SensorSpec { range_m: Some(2e-3), bits: Some(16), ..SensorSpec::default() });
+        let code = 4e-3 / 65536.0;
+        assert_close(&[sensor.read(10.4 * code, 0).0], &[10.0 * code], 1e-12, 0.0);
+        assert_eq!(sensor.read(1.0, 0), (2e-3 - code, true));
+        assert_eq!(sensor.read(-1.0, 0), (-2e-3, true));
+        assert_eq!(sensor.read(-2e-3, 0), (-2e-3, false));
+        assert!(!sensor.read(2e-3 - code, 0).1);
+    }
+
+    #[test]
+    fn the_lag_is_a_first_order_one() {
+        let (sensor, mut s) = (sensor(&SensorSpec { lag_s: 1e-3, ..SensorSpec::default() }), 0.0);
+        (0..40).for_each(|_| sensor.advance(&mut s, 1.0));
+        assert_close(&[s], &[1.0 - (-1.0f64).exp()], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn bits_need_a_range() {
+        let refused =
+            |range_m, bits| Sensor::new(&SensorSpec { range_m, bits, ..SensorSpec::default() }, 1e-5, 0).is_err();
+        assert!(refused(None, Some(16)) && refused(Some(1e-3), Some(0)) && refused(Some(-1.0), None));
+    }
+}

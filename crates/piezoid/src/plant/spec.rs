@@ -1,0 +1,224 @@
+//! What a plant is built from: every parameter of every stage, as one document that reads from and writes to JSON.
+//!
+//! Numbers are in SI units and the name of a field ends with its unit. The voltage counts from the middle of the
+//! supply: a bender driven from 0 to 60 V runs from -30 to 30 V here. This file states; the stages check.
+
+use crate::error::Error;
+use serde::{Deserialize, Serialize};
+
+/// A plant: driver -> hysteresis -> creep -> beam -> sensor.
+///
+/// ```
+/// use piezoid::plant::{Plant, Spec, find};
+///
+/// let text = (find("pl140")?.spec)().to_json()?; // a starting point for a bender of your own
+/// let plant = Plant::new(&Spec::from_json(&text)?, 5e-4)?;
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spec {
+    /// The amplifier; left out, it is ideal from -30 to 30 V.
+    #[serde(default)]
+    pub driver: DriverSpec,
+    /// The ceramic.
+    pub hysteresis: HysteresisSpec,
+    /// Creep g a decade of time, as a share of the displacement 0.1 s after a step; 0 is none [-].
+    #[serde(default)]
+    pub creep_per_decade: f64,
+    /// The mechanics.
+    pub beam: BeamSpec,
+    /// The sensor; left out, it is ideal.
+    #[serde(default)]
+    pub sensor: SensorSpec,
+    /// The instant at which y is logged.
+    #[serde(default)]
+    pub logged: Logged,
+    /// Inner integration steps a sample.
+    #[serde(default = "inner_steps")]
+    pub inner_steps: usize,
+}
+
+/// The amplifier. The capacitance matters only where the current is limited.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DriverSpec {
+    /// Lowest voltage, from the middle of the supply [V].
+    pub min_v: f64,
+    /// Highest voltage, from the middle of the supply [V].
+    pub max_v: f64,
+    /// Time constant of the amplifier; 0 is ideal [s].
+    pub lag_s: f64,
+    /// Peak current; `None` (`null`) is unlimited [A].
+    pub current_a: Option<f64>,
+    /// Capacitance of the load [F].
+    pub capacitance_f: f64,
+}
+
+impl Default for DriverSpec {
+    fn default() -> Self {
+        DriverSpec { min_v: -30.0, max_v: 30.0, lag_s: 0.0, current_a: None, capacitance_f: 0.0 }
+    }
+}
+
+/// How the ceramic turns voltage into static displacement. Either law is set by its major loop, between +-`range_v`:
+/// `displacement_m` is half its height, and `width` is its width at 0 V (in the direction of y) over its full height.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum HysteresisSpec {
+    /// Low & Guo's law, the standard model of piezo benders.
+    BoucWen {
+        /// Voltage amplitude of the major loop [V].
+        range_v: f64,
+        /// Half the height of the major loop [m].
+        displacement_m: f64,
+        /// Width of the major loop at 0 V over its height [-].
+        width: f64,
+        /// Low & Guo's beta [1/V].
+        beta_per_v: f64,
+        /// Low & Guo's gamma [1/V].
+        gamma_per_v: f64,
+    },
+    /// A continuous population of relays: wipes out minor loops, and is asymmetric, as measured ceramics are.
+    Preisach {
+        /// Voltage amplitude of the major loop [V].
+        range_v: f64,
+        /// Half the height of the major loop [m].
+        displacement_m: f64,
+        /// Width of the major loop at 0 V over its height [-].
+        width: f64,
+        /// Half-width rho at which the density of relays has fallen to 1/e [V].
+        half_width_v: f64,
+        /// Asymmetry c: the density at +range over that at zero is 1 + c, at -range 1 - c [-].
+        asymmetry: f64,
+    },
+}
+
+/// The mechanics: vibration modes, measured or from geometry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum BeamSpec {
+    /// Modes as they are; none at all is a bender without dynamics.
+    Modes(Vec<Mode>),
+    /// The modes of a uniform cantilever.
+    Cantilever(Cantilever),
+}
+
+/// A vibration mode as the tip shows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mode {
+    /// Undamped natural frequency [Hz].
+    pub frequency_hz: f64,
+    /// Damping ratio, between 0 and 1 [-].
+    pub damping: f64,
+    /// Share in the static displacement; what the shares leave of 1 follows at once [-].
+    pub share: f64,
+}
+
+/// A uniform cantilever, bent along its whole free length by the piezo moment.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cantilever {
+    /// Free length [m].
+    pub length_m: f64,
+    /// Thickness [m].
+    pub thickness_m: f64,
+    /// Young's modulus [Pa].
+    pub youngs_modulus_pa: f64,
+    /// Density [kg/m^3].
+    pub density_kg_per_m3: f64,
+    /// Damping ratio of each mode; as many modes are kept as there are ratios [-].
+    pub damping: Vec<f64>,
+}
+
+/// The displacement sensor and its converter.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorSpec {
+    /// Time constant; 0 is ideal [s].
+    pub lag_s: f64,
+    /// White noise a sample, rms [m].
+    pub noise_rms_m: f64,
+    /// Readings end at +- this; `None` (`null`) is no end [m].
+    pub range_m: Option<f64>,
+    /// Bits of the converter over the range; `None` (`null`) is no quantisation.
+    pub bits: Option<u32>,
+}
+
+/// When a sample of y is logged, of the interval in which its u acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Logged {
+    /// At the start, the instant before u acts.
+    #[default]
+    Before,
+    /// At the end, when u has acted for one sampling period.
+    After,
+}
+
+impl Spec {
+    /// Reads a specification.
+    ///
+    /// # Errors
+    /// What is not JSON, lacks a field or has an unknown one is refused with its line. Values are checked when the
+    /// plant is built.
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        serde_json::from_str(text).map_err(|e| {
+            let message = e.to_string();
+            let problem = message.split(" at line ").next().unwrap_or_default();
+            Error::Line {
+                line: e.line().max(1) as u64,
+                column: Some(e.column().to_string()),
+                problem: format!("{problem}; start from a specification that the catalogue writes"),
+            }
+        })
+    }
+
+    /// Writes the specification, one field a line.
+    ///
+    /// # Errors
+    /// None for a specification from which a plant can be built.
+    pub fn to_json(&self) -> Result<String, Error> {
+        serde_json::to_string_pretty(self).map_err(|e| Error::Content(format!("the plant cannot be written: {e}")))
+    }
+}
+
+fn inner_steps() -> usize {
+    20
+}
+
+/// Refuses a value for which the rule does not hold.
+pub(super) fn require(holds: bool, name: &str, value: f64, rule: &str) -> Result<f64, Error> {
+    if holds { Ok(value) } else { Err(Error::parameter(name, value, rule)) }
+}
+
+/// Refuses a value that is neither 0 nor a positive finite number.
+pub(super) fn non_negative(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
+    require(value >= 0.0 && value.is_finite(), name, value, &format!("must be 0 or a positive number of {unit}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_may_be_left_out_gets_its_default() {
+        let spec = Spec::from_json(
+            r#"{"hysteresis": {"bouc_wen": {"range_v": 30, "displacement_m": 1e-3, "width": 0.13, "beta_per_v": 0.02,
+                "gamma_per_v": 0.005}}, "beam": {"modes": []}}"#,
+        )
+        .unwrap();
+        assert_eq!((spec.driver, spec.sensor), (DriverSpec::default(), SensorSpec::default()));
+        assert_eq!((spec.creep_per_decade, spec.logged, spec.inner_steps), (0.0, Logged::Before, 20));
+    }
+
+    #[test]
+    fn a_field_that_is_unknown_is_named_with_its_line() {
+        let message = |text| Spec::from_json(text).unwrap_err().to_string();
+        let unknown = message("{\n\"driver\": {\"lag\": 1e-4},\n\"beam\": {\"modes\": []}}");
+        assert!(unknown.starts_with("line 2, column") && unknown.contains("unknown field `lag`"), "{unknown}");
+        assert!(message("{\"beam\": {\"modes\": []}}").contains("missing field `hysteresis`"));
+        assert!(message("").contains("line 1"));
+    }
+}
