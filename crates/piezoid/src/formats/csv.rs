@@ -13,6 +13,9 @@ mod cells;
 mod header;
 mod number;
 mod text;
+mod write;
+
+pub use write::{write, write_record};
 
 use super::quote::shortened;
 use super::table::{Column, Table};
