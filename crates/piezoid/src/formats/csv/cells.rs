@@ -1,0 +1,86 @@
+//! A line into its cells, without copying any.
+
+/// The cells of a line, without the spaces and quotes around them; a quote that does not fit ends them with an error.
+pub(super) fn cells(line: &str, separator: char) -> Cells<'_> {
+    Cells { rest: Some(line), separator }
+}
+
+/// Whether a line holds nothing but separators and spaces.
+pub(super) fn blank(line: &str, separator: char) -> bool {
+    line.chars().all(|c| c == separator || c.is_whitespace())
+}
+
+/// See [`cells`].
+pub(super) struct Cells<'a> {
+    rest: Option<&'a str>,
+    separator: char,
+}
+
+impl<'a> Iterator for Cells<'a> {
+    type Item = Result<&'a str, &'static str>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let rest = self.rest.take()?;
+        let (cell, after) = split(rest, self.separator);
+        if !cell.trim_start().starts_with('"') {
+            self.rest = after;
+            return Some(Ok(cell.trim()));
+        }
+        Some(self.quoted(rest))
+    }
+}
+
+impl<'a> Cells<'a> {
+    /// Takes a cell in quotes off the line, up to the quote that is not doubled.
+    fn quoted(&mut self, line: &'a str) -> Result<&'a str, &'static str> {
+        let (_, body) = line.split_once('"').unwrap_or(("", line));
+        let mut close = 0;
+        loop {
+            close +=
+                body[close..].find('"').ok_or("a quote is opened and not closed on its line: close or delete it")?;
+            if !body[close + 1..].starts_with('"') {
+                break;
+            }
+            close += 2;
+        }
+        let (between, after) = split(&body[close + 1..], self.separator);
+        if !between.trim().is_empty() {
+            return Err("text follows a closing quote: delete the quotes, or double those that belong to the text");
+        }
+        self.rest = after;
+        Ok(body[..close].trim())
+    }
+}
+
+/// What stands before the first separator, and what after it, if there is one.
+fn split(line: &str, separator: char) -> (&str, Option<&str>) {
+    match line.bytes().position(|b| char::from(b) == separator) {
+        Some(at) => (&line[..at], Some(&line[at + 1..])),
+        None => (line, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn split_up(line: &str, separator: char) -> Vec<Result<&str, &'static str>> {
+        cells(line, separator).collect()
+    }
+
+    #[test]
+    fn cells_lose_their_spaces_and_quotes() {
+        assert_eq!(split_up(" 1 ,\"2\", \" a,\"\"b \" ,\r", ','), [Ok("1"), Ok("2"), Ok("a,\"\"b"), Ok("")]);
+        assert_eq!(split_up("\t1\t\"\"\t5\"\t", '\t'), [Ok(""), Ok("1"), Ok(""), Ok("5\""), Ok("")]);
+        assert_eq!(split_up("", ','), [Ok("")]);
+    }
+
+    #[test]
+    fn a_quote_that_does_not_fit_ends_the_line() {
+        let [Ok("1"), Err(open)] = split_up("1,\"2,3", ',')[..] else { panic!() };
+        assert!(open.starts_with("a quote is opened and not closed"));
+        let [Err(after)] = split_up("\"1\" V,2", ',')[..] else { panic!() };
+        assert!(after.starts_with("text follows a closing quote"));
+        assert_eq!(split_up("\"\"\"", ',').len(), 1);
+    }
+}

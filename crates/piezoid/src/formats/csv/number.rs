@@ -1,0 +1,135 @@
+//! A cell into a number, or into the reason why it is none.
+
+use crate::formats::quote::quoted;
+
+/// Ways to say that there is no number, beyond the `nan` and `inf` that Rust reads: of Windows, spreadsheets, data
+/// frames.
+const NOT_FINITE: [&str; 15] = [
+    "1.#inf", "1.#nan", "1.#qnan", "1.#snan", "1.#ind", "nan(ind)", "nanq", "na", "n/a", "#n/a", "#num!", "#div/0!",
+    "null", "none", "\u{221e}",
+];
+
+/// A cell that is no finite number; [`problem`] says why.
+pub(super) struct NotANumber;
+
+/// Reads numbers with the decimal signs that a separator allows.
+pub(super) struct Numbers {
+    /// Whether a comma can be a decimal sign, because it is not the separator.
+    comma: bool,
+    /// The last cell with its comma made a point.
+    pointed: String,
+}
+
+impl Numbers {
+    pub(super) fn new(separator: char) -> Self {
+        Numbers { comma: separator != ',', pointed: String::new() }
+    }
+
+    /// Point or comma, where the cell has one and it could be either.
+    pub(super) fn decimal_sign(&self, cell: &str) -> Option<char> {
+        if self.comma { cell.chars().find(|c| ".,".contains(*c)) } else { None }
+    }
+
+    /// The number in a cell.
+    pub(super) fn read(&mut self, cell: &str) -> Result<f64, NotANumber> {
+        let value = match cell.split_once(',') {
+            Some((whole, fraction)) if self.comma => {
+                self.pointed.clear();
+                self.pointed.extend([whole, ".", fraction]);
+                self.pointed.parse::<f64>()
+            }
+            _ => cell.parse(),
+        };
+        value.ok().filter(|v| v.is_finite()).ok_or(NotANumber)
+    }
+}
+
+/// Whether a cell would be a number, or a way to say that there is none, in some notation.
+pub(super) fn looks_numeric(cell: &str) -> bool {
+    cell.replacen(',', ".", 1).parse::<f64>().is_ok() || not_finite(cell)
+}
+
+/// Why a cell is no number. Where the `first` row holds words it is probably a row of units.
+pub(super) fn problem(cell: &str, first: bool) -> String {
+    if cell.is_empty() {
+        return "the cell is empty: every row needs a number here".into();
+    }
+    let shown = quoted(cell);
+    if looks_numeric(cell) && !cell.contains(',') {
+        return format!("{shown} is not a finite number: repair the sample, or end the record above this line");
+    }
+    if first && !cell.contains(|c: char| c.is_ascii_digit()) {
+        return format!(
+            "{shown} is not a number: if this is a row of units, delete it and put them into the names (u_V)"
+        );
+    }
+    if looks_numeric(cell) {
+        return format!("{shown} is not a number: decimal commas need semicolons or tabs between the columns");
+    }
+    format!("{shown} is not a number")
+}
+
+/// A column that uses point and comma.
+pub(super) fn mixed(cell: &str, sign: char, above: u64) -> String {
+    format!(
+        "{} has another decimal sign than line {above} with its `{sign}`: use one of them throughout, and no sign \
+         between thousands",
+        quoted(cell)
+    )
+}
+
+/// Whether a cell says that there is no number, in any spelling.
+fn not_finite(cell: &str) -> bool {
+    let unsigned = cell.trim_start_matches(['+', '-']);
+    NOT_FINITE.iter().any(|spelling| unsigned.eq_ignore_ascii_case(spelling))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_and_infinity_are_recognised_in_any_spelling() {
+        for cell in [
+            "nan",
+            "NaN",
+            "-NAN",
+            "inf",
+            "-Inf",
+            "+Infinity",
+            "1e999",
+            "-1.#IND",
+            "1.#QNAN",
+            "#N/A",
+            "NULL",
+            "\u{221e}",
+        ] {
+            assert_eq!(
+                problem(cell, false),
+                format!("`{cell}` is not a finite number: repair the sample, or end the record above this line")
+            );
+            assert!(Numbers::new(',').read(cell).is_err());
+        }
+    }
+
+    #[test]
+    fn a_decimal_comma_is_read_where_it_does_not_separate() {
+        assert_eq!(Numbers::new(';').read("-1,5e-3").ok(), Some(-1.5e-3));
+        assert!(Numbers::new(',').read("-1,5").is_err());
+        assert!(Numbers::new(';').read("1.234,5").is_err());
+        assert!(Numbers::new(';').read("1,234,5").is_err());
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_shown() {
+        assert_eq!(problem("", false), "the cell is empty: every row needs a number here");
+        assert_eq!(problem("1.5 V", false), "`1.5 V` is not a number");
+        assert_eq!(
+            problem("[V]", true),
+            "`[V]` is not a number: if this is a row of units, delete it and put them into the names (u_V)"
+        );
+        assert!(problem("1,5", false).contains("need semicolons or tabs"));
+        assert!(problem(&"9".repeat(50), false).starts_with("`99"));
+        assert!(problem(&"x".repeat(5000), false).len() < 100);
+    }
+}

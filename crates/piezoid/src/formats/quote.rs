@@ -1,0 +1,47 @@
+//! How text from a file stands in a message: in backticks, control characters escaped, cut where it is long.
+
+/// Characters of a cell or name that a message shows.
+const SHOWN: usize = 40;
+/// Names that a message lists.
+const LISTED: usize = 12;
+
+/// `` `text` ``, its beginning only where it is long.
+pub(super) fn quoted(text: &str) -> String {
+    format!("`{}`", shortened(text))
+}
+
+/// The text itself, its beginning only where it is long.
+pub(super) fn shortened(text: &str) -> String {
+    let mut shown = String::new();
+    for c in text.chars().take(SHOWN) {
+        if c.is_control() { shown.extend(c.escape_debug()) } else { shown.push(c) }
+    }
+    let length = text.chars().count();
+    if length > SHOWN {
+        shown += &format!("... ({length} characters)");
+    }
+    shown
+}
+
+/// `` `a`, `b`, `c` and 7 more``.
+pub(super) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let mut names = names.into_iter();
+    let shown: Vec<String> = names.by_ref().take(LISTED).map(quoted).collect();
+    match names.count() {
+        0 => shown.join(", "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_long_is_cut_and_what_is_invisible_is_escaped() {
+        assert_eq!(quoted("1.5\u{7}V"), "`1.5\\u{7}V`");
+        assert_eq!(quoted(&"x".repeat(100)), format!("`{}... (100 characters)`", "x".repeat(40)));
+        assert_eq!(listed(["a", "b"]), "`a`, `b`");
+        assert!(listed(["c"; 20]).ends_with("`c` and 8 more"));
+    }
+}

@@ -1,0 +1,270 @@
+//! Which column is which: by name, or as the user says.
+//!
+//! Time is `t_s`. The input is `u_V`, or else the only `u_*`; the output is the only `y_*`; what follows the prefix is
+//! the unit. Other columns are ignored. No column is taken because it merely looks like the right one: its name is
+//! offered in the error instead.
+
+use super::quote::{listed, shortened};
+use super::table::{Column, Table};
+use crate::Error;
+
+/// What the user says about the columns; the names decide wherever it says nothing.
+///
+/// A column chosen here may have any name. Its unit is what follows `u_` or `y_`; else what stands in brackets at the
+/// end, as in `Voltage [V]`; else what follows the last underscore, as in `sensor_um`, unless that holds a digit, as in
+/// `channel_2`; else none, the empty string.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Selection {
+    /// Sampling period [s] (`--ts`). The time column is then not read at all.
+    pub ts: Option<f64>,
+    /// Name of the input column (`--input-col`).
+    pub input: Option<String>,
+    /// Name of the output column (`--output-col`).
+    pub output: Option<String>,
+    /// Name of the time column (`--time-col`), in seconds.
+    pub time: Option<String>,
+}
+
+impl Selection {
+    /// Whether the user gave this column a role.
+    fn mentions(&self, name: &str) -> bool {
+        [&self.input, &self.output, &self.time].into_iter().flatten().any(|asked| asked.trim() == name)
+    }
+}
+
+/// What a column can be, and how it is recognised.
+pub(super) struct Role {
+    what: &'static str,
+    /// Taken whatever else there is.
+    exact: Option<&'static str>,
+    /// Taken when only one column starts with it.
+    prefix: Option<&'static str>,
+    option: &'static str,
+    /// What helps beside naming a column.
+    instead: &'static str,
+    asked: fn(&Selection) -> Option<&String>,
+    /// First words of names that probably mean this, to be offered and never taken.
+    hints: &'static [&'static str],
+}
+
+/// The time [s].
+pub(super) static TIME: Role = Role {
+    what: "time",
+    exact: Some("t_s"),
+    prefix: None,
+    option: "--time-col",
+    instead: "give the sampling period in seconds with --ts, or ",
+    asked: |selection| selection.time.as_ref(),
+    hints: &["t", "ts", "time", "timestamp", "sec", "second", "seconds"],
+};
+
+/// The input u.
+pub(super) static INPUT: Role = Role {
+    what: "input",
+    exact: Some("u_V"),
+    prefix: Some("u_"),
+    option: "--input-col",
+    instead: "",
+    asked: |selection| selection.input.as_ref(),
+    hints: &["u", "uv", "v", "volt", "volts", "voltage", "input", "in", "cmd", "command", "drive"],
+};
+
+/// The output y.
+pub(super) static OUTPUT: Role = Role {
+    what: "output",
+    exact: None,
+    prefix: Some("y_"),
+    option: "--output-col",
+    instead: "",
+    asked: |selection| selection.output.as_ref(),
+    hints: &["y", "yum", "disp", "displacement", "pos", "position", "output", "out", "sensor", "x", "z"],
+};
+
+impl Role {
+    /// The one column of the table that plays this role.
+    pub(super) fn find<'a>(&self, table: &'a Table, selection: &Selection) -> Result<&'a Column, Error> {
+        if let Some(name) = (self.asked)(selection) {
+            let column = table.columns.iter().find(|c| c.name == name.trim());
+            return column.ok_or_else(|| unknown(name, table));
+        }
+        let free = || table.columns.iter().filter(|c| !selection.mentions(&c.name));
+        if let Some(column) = free().find(|c| Some(c.name.as_str()) == self.exact) {
+            return Ok(column);
+        }
+        let candidates: Vec<&Column> =
+            free().filter(|c| self.prefix.is_some_and(|prefix| c.name.starts_with(prefix))).collect();
+        match candidates[..] {
+            [column] => Ok(column),
+            [] => Err(self.missing(table, free().map(|c| c.name.as_str()))),
+            _ => Err(Error::Line {
+                line: table.header,
+                column: None,
+                problem: format!(
+                    "{} could each be the {}; choose one with {}",
+                    listed(candidates.iter().map(|c| c.name.as_str())),
+                    self.what,
+                    self.option
+                ),
+            }),
+        }
+    }
+
+    /// No column plays this role: what is looked for, and the column that may be meant.
+    fn missing<'a>(&self, table: &Table, mut free: impl Iterator<Item = &'a str>) -> Error {
+        let patterns = [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("a single `{p}*`"))];
+        let patterns = patterns.into_iter().flatten().collect::<Vec<_>>().join(" or ");
+        let Role { what, option, instead, .. } = self;
+        let choose = match free.find(|name| self.hints.contains(&first_word(name).as_str())) {
+            Some(name) => format!("if `{0}` is the {what}, say {option} \"{0}\"", shortened(name)),
+            None => format!("name it with {option}"),
+        };
+        let remedy = if table.columns.len() == 1 && table.names().any(|name| name.contains(char::is_whitespace)) {
+            "separate the columns with commas, semicolons or tabs: spaces belong to a name".into()
+        } else {
+            format!("{instead}{choose}")
+        };
+        table.about_names(&format!("there is no {what} column: {patterns} is missing"), &remedy)
+    }
+}
+
+/// A column asked for by a name that the file does not have.
+fn unknown(name: &str, table: &Table) -> Error {
+    let known: Vec<String> = table.names().take(100).map(shortened).collect();
+    Error::unknown("column", name, known.iter().map(String::as_str))
+}
+
+/// Refuses a time column that says it is in another unit than seconds.
+pub(super) fn in_seconds(column: &Column, header: u64) -> Result<&Column, Error> {
+    match unit(&column.name, "t_") {
+        other if ["ms", "us", "ns", "min", "h"].contains(&other.as_str()) => Err(Error::Line {
+            line: header,
+            column: Some(shortened(&column.name)),
+            problem: format!("the time is in {other}, not in seconds: convert it, or give --ts in seconds"),
+        }),
+        _ => Ok(column),
+    }
+}
+
+/// The letters and digits a name starts with, in lower case.
+fn first_word(name: &str) -> String {
+    name.chars().take_while(|c| c.is_alphanumeric()).take(20).flat_map(char::to_lowercase).collect()
+}
+
+/// The unit that a name carries (see [`Selection`]), the Greek letter of micro written as `u`.
+pub(super) fn unit(name: &str, prefix: &str) -> String {
+    let bracketed = |open, close| name.strip_suffix(close).and_then(|head: &str| head.rsplit_once(open));
+    let unit = name
+        .strip_prefix(prefix)
+        .or_else(|| bracketed('[', ']').or_else(|| bracketed('(', ')')).map(|(_, unit)| unit))
+        .or_else(|| name.rsplit_once('_').map(|(_, unit)| unit).filter(|unit| !unit.contains(char::is_numeric)))
+        .unwrap_or_default();
+    unit.trim().replace(['\u{b5}', '\u{3bc}'], "u")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(header: &str) -> Table {
+        let zeros = header.replace(|c| c != ',', "0").replace("00", "0");
+        let row = vec!["0"; zeros.matches(',').count() + 1].join(",");
+        Table::parse(format!("{header}\n{row}\n").as_bytes()).unwrap()
+    }
+
+    fn found(role: &Role, header: &str, selection: &Selection) -> Result<String, String> {
+        role.find(&table(header), selection).map(|c| c.name.clone()).map_err(|e| e.to_string())
+    }
+
+    fn default(role: &Role, header: &str) -> Result<String, String> {
+        found(role, header, &Selection::default())
+    }
+
+    #[test]
+    fn the_input_is_u_in_volts_or_the_only_u() {
+        assert_eq!(default(&INPUT, "t_s,u_cmdV,u_V,y_um").unwrap(), "u_V");
+        assert_eq!(default(&INPUT, "t_s,u_cmdV,y_um").unwrap(), "u_cmdV");
+        assert_eq!(
+            default(&INPUT, "t_s,u_cmdV,u_monV,y_um").unwrap_err(),
+            "line 1: `u_cmdV`, `u_monV` could each be the input; choose one with --input-col"
+        );
+    }
+
+    #[test]
+    fn the_output_is_the_only_y_and_a_reference_is_none() {
+        assert_eq!(default(&OUTPUT, "t_s,u_V,y_counts,yref_um").unwrap(), "y_counts");
+        assert_eq!(
+            default(&OUTPUT, "t_s,u_V,y_um,y_mm").unwrap_err(),
+            "line 1: `y_um`, `y_mm` could each be the output; choose one with --output-col"
+        );
+        let chosen = Selection { output: Some("y_mm".into()), ..Selection::default() };
+        assert_eq!(found(&OUTPUT, "t_s,u_V,y_um,y_mm", &chosen).unwrap(), "y_mm");
+    }
+
+    #[test]
+    fn a_missing_column_is_answered_with_what_is_there_and_what_may_be_meant() {
+        assert_eq!(
+            default(&INPUT, "t_s,Voltage [V],y_um").unwrap_err(),
+            "line 1: there is no input column: `u_V` or a single `u_*` is missing among the columns `t_s`, `Voltage \
+             [V]`, `y_um`; if `Voltage [V]` is the input, say --input-col \"Voltage [V]\""
+        );
+        assert_eq!(
+            default(&INPUT, "t_s,a,b").unwrap_err(),
+            "line 1: there is no input column: `u_V` or a single `u_*` is missing among the columns `t_s`, `a`, `b`; \
+             name it with --input-col"
+        );
+        assert!(default(&INPUT, "t_s,u,y_um").unwrap_err().contains("if `u` is the input"));
+        assert!(default(&OUTPUT, "t_s,u_V,Position").unwrap_err().contains("--output-col \"Position\""));
+        assert!(default(&OUTPUT, "t_s,u_V,yref_um").unwrap_err().contains("name it with --output-col"));
+        assert_eq!(
+            default(&TIME, "u_V,y_um").unwrap_err(),
+            "line 1: there is no time column: `t_s` is missing among the columns `u_V`, `y_um`; give the sampling \
+             period in seconds with --ts, or name it with --time-col"
+        );
+        assert!(
+            default(&TIME, "time,u_V,y_um").unwrap_err().contains("if `time` is the time, say --time-col \"time\"")
+        );
+        assert!(default(&INPUT, "t_s u_V y_um").unwrap_err().contains("commas, semicolons or tabs"));
+    }
+
+    #[test]
+    fn a_name_that_is_not_there_is_answered_with_the_nearest() {
+        let asked = Selection { input: Some("u_cmd".into()), ..Selection::default() };
+        assert_eq!(
+            found(&INPUT, "t_s,u_cmdV,y_um", &asked).unwrap_err(),
+            "there is no column called `u_cmd`: known are t_s, u_cmdV, y_um; did you mean `u_cmdV`?"
+        );
+    }
+
+    #[test]
+    fn a_column_given_to_one_role_is_not_taken_for_another() {
+        let selection = Selection { input: Some("y_um".into()), ..Selection::default() };
+        assert_eq!(found(&OUTPUT, "t_s,y_um,y_mm", &selection).unwrap(), "y_mm");
+    }
+
+    #[test]
+    fn a_time_in_milliseconds_is_refused() {
+        let asked = Selection { time: Some("t_ms".into()), ..Selection::default() };
+        assert_eq!(
+            table("t_ms,u_V,y_um").record(&asked).unwrap_err().to_string(),
+            "line 1, column t_ms: the time is in ms, not in seconds: convert it, or give --ts in seconds"
+        );
+    }
+
+    #[test]
+    fn the_unit_is_read_from_the_name() {
+        let cases = [
+            ("y_um", "um"),
+            ("y_\u{b5}m", "um"),
+            ("y_strain_ppm", "strain_ppm"),
+            ("y_", ""),
+            ("sensor_um", "um"),
+            ("channel_2", ""),
+            ("Position", ""),
+            ("Position [nm]", "nm"),
+            ("Position (mm)", "mm"),
+        ];
+        for (name, wanted) in cases {
+            assert_eq!(unit(name, "y_"), wanted, "{name}");
+        }
+    }
+}

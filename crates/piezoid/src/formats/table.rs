@@ -1,0 +1,194 @@
+//! A table is what a file holds before it is known what its columns mean: names, and numbers below them.
+//!
+//! A column that is not numbers throughout (remarks, gaps) harms nobody until it is asked for: its first flaw is kept
+//! and becomes the error then. A table does not interpolate, resample or repair.
+
+use super::quote::{listed, quoted, shortened};
+use super::selection::{INPUT, OUTPUT, Role, Selection, TIME, in_seconds, unit};
+use super::time;
+use crate::error::{Error, positive};
+use crate::record::{Record, Units};
+
+/// Named columns of numbers, all equally long.
+///
+/// ```
+/// use piezoid::formats::{Selection, Table};
+///
+/// let table = Table::parse(b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n")?;
+/// let record = table.record(&Selection::default())?;
+/// assert_eq!((record.ts(), record.u(), record.units().y.as_str()), (5e-4, &[0.0, 1.0][..], "um"));
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    pub(super) columns: Vec<Column>,
+    /// Line of the names.
+    pub(super) header: u64,
+    /// Line of the first row; the others follow, one a line.
+    pub(super) first: u64,
+}
+
+/// One column of a [`Table`].
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Column {
+    pub(super) name: String,
+    /// The numbers above the first flaw.
+    pub(super) samples: Vec<f64>,
+    /// The first cell that is no finite number, as the error it is to whoever needs this column.
+    pub(super) flaw: Option<Error>,
+    /// The decimal sign, point or comma, and the line where it was first met.
+    pub(super) decimal: Option<(char, u64)>,
+}
+
+/// One column with its sampling: an input to simulate, a reference to follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Sampling period [s].
+    pub ts: f64,
+    /// The samples, in `unit`.
+    pub samples: Vec<f64>,
+    /// Unit of the samples, as the column's name gives it.
+    pub unit: String,
+}
+
+impl Table {
+    /// Names of the columns, in the order of the file.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|c| c.name.as_str())
+    }
+
+    /// Input and output, with their units and sampling period.
+    ///
+    /// # Errors
+    /// A column is missing or could be several; a cell in a column that is needed is no finite number; time is uneven.
+    pub fn record(&self, selection: &Selection) -> Result<Record, Error> {
+        let (ts, [u, y]) = self.sampled([&INPUT, &OUTPUT], selection)?;
+        let units = Units { u: unit(&u.name, "u_"), y: unit(&y.name, "y_") };
+        Ok(Record::new(ts, u.samples.clone(), y.samples.clone())?.with_units(units))
+    }
+
+    /// The input alone, of a file that need not have an output.
+    ///
+    /// # Errors
+    /// As [`record`](Table::record).
+    pub fn input(&self, selection: &Selection) -> Result<Signal, Error> {
+        let (ts, [u]) = self.sampled([&INPUT], selection)?;
+        Ok(Signal { ts, samples: u.samples.clone(), unit: unit(&u.name, "u_") })
+    }
+
+    /// The sampling period [s], and the columns that play these roles, read without a flaw.
+    fn sampled<const N: usize>(&self, roles: [&Role; N], selection: &Selection) -> Result<(f64, [&Column; N]), Error> {
+        let mut needed = Vec::with_capacity(N + 1);
+        for role in roles {
+            needed.push(role.find(self, selection)?);
+        }
+        if selection.ts.is_none() {
+            needed.push(in_seconds(TIME.find(self, selection)?, self.header)?);
+        }
+        self.usable(&needed)?;
+        let ts = match selection.ts {
+            Some(ts) => ts,
+            None => time::period(&needed[N].samples, &shortened(&needed[N].name), self.first)?,
+        };
+        Ok((positive("ts", ts, "seconds")?, std::array::from_fn(|i| needed[i])))
+    }
+
+    /// Refuses columns that are one and the same, that have a flaw, or whose decimal signs contradict each other.
+    fn usable(&self, needed: &[&Column]) -> Result<(), Error> {
+        for (i, column) in needed.iter().enumerate() {
+            if needed[..i].iter().any(|earlier| earlier.name == column.name) {
+                return Err(Error::Line {
+                    line: self.header,
+                    column: Some(shortened(&column.name)),
+                    problem: "chosen twice: time, input and output must be different columns".into(),
+                });
+            }
+            if let Some(flaw) = &column.flaw {
+                return Err(flaw.clone());
+            }
+        }
+        let sign = |wanted: char| {
+            needed.iter().find_map(|c| c.decimal.filter(|(sign, _)| *sign == wanted).map(|(_, line)| (&c.name, line)))
+        };
+        match (sign('.'), sign(',')) {
+            (Some((point, above)), Some((comma, line))) => Err(Error::Line {
+                line,
+                column: Some(shortened(comma)),
+                problem: format!(
+                    "a decimal comma, but line {above} has a decimal point in {}: use one of them throughout, and no \
+                     sign between thousands",
+                    quoted(point)
+                ),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// An error about the names as a whole, with the names there are.
+    pub(super) fn about_names(&self, wrong: &str, remedy: &str) -> Error {
+        Error::Line {
+            line: self.header,
+            column: None,
+            problem: format!("{wrong} among the columns {}; {remedy}", listed(self.names())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(file: &str) -> Table {
+        Table::parse(file.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn units_come_with_the_names() {
+        let record = parsed("t_s,u_cmdV,y_counts\n0,1,2\n1,2,3\n").record(&Selection::default()).unwrap();
+        assert_eq!(record.units(), &Units { u: "cmdV".into(), y: "counts".into() });
+    }
+
+    #[test]
+    fn an_input_needs_no_output() {
+        let table = parsed("t_s,u_V,note\n0,1,\n0.1,2,\n");
+        let signal = table.input(&Selection::default()).unwrap();
+        assert_eq!(signal, Signal { ts: 0.1, samples: vec![1.0, 2.0], unit: "V".into() });
+        assert!(table.record(&Selection::default()).unwrap_err().to_string().contains("no output column"));
+    }
+
+    #[test]
+    fn ts_replaces_the_time_column_whatever_it_holds() {
+        let ts = Selection { ts: Some(0.005), ..Selection::default() };
+        for file in ["u_V,y_um\n1,2\n", "t_s,u_V,y_um\nnoon,1,2\n", "t_s,u_V,y_um\n0,1,2\n0,1,2\n"] {
+            assert_eq!(parsed(file).record(&ts).unwrap().ts(), 0.005);
+        }
+        let wrong = Selection { ts: Some(-1.0), ..Selection::default() };
+        assert_eq!(
+            parsed("u_V,y_um\n1,2\n").record(&wrong).unwrap_err().to_string(),
+            "ts = -1: must be a positive number of seconds"
+        );
+    }
+
+    #[test]
+    fn columns_are_chosen_by_name() {
+        let table = parsed("clock,monitor,Sensor [nm],u_V,y_um\n0,1,2,x,x\n0.1,2,3,x,x\n");
+        let selection = Selection {
+            ts: None,
+            input: Some("monitor".into()),
+            output: Some("Sensor [nm]".into()),
+            time: Some("clock".into()),
+        };
+        let record = table.record(&selection).unwrap();
+        assert_eq!((record.u(), record.y()), (&[1.0, 2.0][..], &[2.0, 3.0][..]));
+        assert_eq!(record.units(), &Units { u: String::new(), y: "nm".into() });
+    }
+
+    #[test]
+    fn one_column_cannot_play_two_roles() {
+        let twice = Selection { input: Some("y_um".into()), output: Some("y_um".into()), ..Selection::default() };
+        assert_eq!(
+            parsed("t_s,u_V,y_um\n0,1,2\n1,2,3\n").record(&twice).unwrap_err().to_string(),
+            "line 1, column y_um: chosen twice: time, input and output must be different columns"
+        );
+    }
+}

@@ -1,0 +1,188 @@
+//! From time stamps to the sampling period.
+//!
+//! ```text
+//! steps        d[k] = t[k] - t[k-1], every one within 1 % of their median
+//! Ts           (t[n-1] - t[0]) / (n - 1), or the decimal number that the stamps mean by it
+//! ```
+//! Stamps are decimal numbers read as binary ones: multiples of 0.0005 give a quotient of 5.000000000000001e-4. The
+//! shortest decimal number that fits the stamps as well as the quotient does is what was meant. Nothing is resampled.
+
+use crate::Error;
+
+/// Deviation from the median step that is allowed, relative to it.
+const UNEVEN: f64 = 0.01;
+
+/// The sampling period [s] of the stamps `t` [s], which stand one a line from line `first`.
+pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
+    let refused =
+        |row: usize, problem| Err(Error::Line { line: first + row as u64, column: Some(name.to_owned()), problem });
+    if t.len() < 2 {
+        return refused(0, "a single row does not tell the sampling period: give it in seconds with --ts".into());
+    }
+    if let Some(row) = (1..t.len()).find(|&k| t[k] <= t[k - 1]) {
+        return refused(row, not_increasing(t[row - 1], t[row]));
+    }
+    let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let median = median(steps.clone());
+    let mean = (t[t.len() - 1] - t[0]) / steps.len() as f64;
+    match steps.iter().position(|d| off(*d, median)) {
+        None => Ok(meant(t, mean)),
+        Some(k) => refused(k + 1, uneven(&steps, k, median, mean)),
+    }
+}
+
+/// Time stands still (perhaps rounded, then `--ts` helps) or goes back (then it does not).
+fn not_increasing(before: f64, here: f64) -> String {
+    if here == before {
+        format!(
+            "time stands still at {here} s but must increase: delete the row if it is there twice; if the stamps only \
+             have too few digits, give the sampling period with --ts, and the time column is not read"
+        )
+    } else {
+        format!(
+            "time goes back from {before} s to {here} s but must increase: if a second record starts here, split the \
+             file"
+        )
+    }
+}
+
+/// Whether a step is uneven.
+fn off(step: f64, median: f64) -> bool {
+    (step - median).abs() > UNEVEN * median
+}
+
+/// Step `k` is wrong: by missing rows, if few steps are (then `--ts` would only hide them), or by rough stamps.
+fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> String {
+    let (count, all) = (steps.iter().filter(|d| off(**d, median)).count(), steps.len());
+    let found = format!(
+        "the step to this row is {} s, not {} s (the median) within 1 % (uneven steps: {count} of {all}): ",
+        rounded(steps[k], 6),
+        rounded(median, 6)
+    );
+    let missing = (steps[k] / median).round() - 1.0;
+    if missing >= 1.0 && 4 * count <= all {
+        let rows = if missing == 1.0 { "1 row seems".into() } else { format!("{missing} rows seem") };
+        found + &format!("{rows} to be missing; split the file here, or resample it evenly")
+    } else {
+        let ts = rounded(mean, 6);
+        found
+            + &format!(
+                "if the samples are even and only the stamps are rough, give --ts {ts}, and the time column is not \
+                 read; otherwise resample the record evenly"
+            )
+    }
+}
+
+/// The period that the stamps mean, given their mean step.
+fn meant(t: &[f64], mean: f64) -> f64 {
+    // As we write them: multiples of the second stamp, correctly rounded.
+    let multiples = |ts: f64| t.iter().enumerate().all(|(k, t)| (t - k as f64 * ts).abs() <= 2.0 * f64::EPSILON * t);
+    if multiples(t[1]) {
+        return t[1];
+    }
+    let n = (t.len() - 1) as f64;
+    let roughness = t.iter().enumerate().map(|(k, t_k)| (t_k - (t[0] + k as f64 * mean)).abs()).fold(0.0, f64::max);
+    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[t.len() - 1].abs());
+    let fits = |ts: &f64| (ts - mean).abs() * n <= roughness + rounding;
+    (1..=15).map(|digits| rounded(mean, digits)).find(fits).unwrap_or(mean)
+}
+
+/// The nearest number with so many significant digits, at least one.
+fn rounded(x: f64, digits: usize) -> f64 {
+    format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(t: &[f64]) -> String {
+        period(t, "t_s", 2).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_period_is_the_decimal_number_that_was_meant() {
+        for ts in [5e-4, 0.005, 0.1, 0.3, 1.0, 2.5e-5, 1.0 / 8192.0, 7e-3, 60.0] {
+            for start in [0.0, 0.3, 12.345, 1e4] {
+                // What a logger prints: rounded to a fixed number of decimals.
+                let printed = |k: u32| format!("{:.13}", start + f64::from(k) * ts).parse::<f64>().unwrap();
+                let t: Vec<f64> = (0..3001).map(printed).collect();
+                assert_eq!(period(&t, "t_s", 2).unwrap(), ts, "start {start}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sum_of_steps_still_means_the_step() {
+        let t: Vec<f64> = (0..20_000).scan(0.0, |t, _| Some(std::mem::replace(t, *t + 5e-4))).collect();
+        assert_eq!(period(&t, "t_s", 2).unwrap(), 5e-4);
+    }
+
+    #[test]
+    fn jitter_below_one_percent_does_not_reach_the_period() {
+        let t: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.005 + f64::from(k * 7919 % 13 - 6) * 3e-6).collect();
+        assert_eq!(period(&t, "t_s", 2).unwrap(), 0.005);
+    }
+
+    #[test]
+    fn a_clock_that_runs_fast_is_believed() {
+        let t: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.005_001_3).collect();
+        assert_eq!(period(&t, "t_s", 2).unwrap(), 0.005_001_3);
+    }
+
+    #[test]
+    fn missing_rows_are_counted_and_not_hidden_by_ts() {
+        assert_eq!(
+            refusal(&[0.0, 0.005, 0.01, 0.025, 0.03]),
+            "line 5, column t_s: the step to this row is 0.015 s, not 0.005 s (the median) within 1 % (uneven steps: 1 \
+             of 4): 2 rows seem to be missing; split the file here, or resample it evenly"
+        );
+        assert!(refusal(&[0.0, 0.005, 0.01, 0.02, 0.025]).contains("1 row seems to be missing"));
+    }
+
+    #[test]
+    fn rough_stamps_are_told_about_ts() {
+        assert_eq!(
+            refusal(&[0.0, 0.0003, 0.0007, 0.001]),
+            "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: \
+             1 of 3): if the samples are even and only the stamps are rough, give --ts 0.000333333, and the time \
+             column is not read; otherwise resample the record evenly"
+        );
+        assert!(refusal(&[0.0, 0.001, 0.003, 0.004, 0.006, 0.007]).contains("give --ts 0.0014,"));
+    }
+
+    #[test]
+    fn time_that_does_not_increase_is_refused_with_the_fitting_advice() {
+        assert_eq!(
+            refusal(&[0.0, 0.01, 0.01]),
+            "line 4, column t_s: time stands still at 0.01 s but must increase: delete the row if it is there twice; \
+             if the stamps only have too few digits, give the sampling period with --ts, and the time column is not \
+             read"
+        );
+        assert_eq!(
+            refusal(&[0.0, 0.01, 0.02, 0.0, 0.01]),
+            "line 5, column t_s: time goes back from 0.02 s to 0 s but must increase: if a second record starts here, \
+             split the file"
+        );
+    }
+
+    #[test]
+    fn one_row_does_not_tell_a_period() {
+        assert_eq!(
+            refusal(&[0.0]),
+            "line 2, column t_s: a single row does not tell the sampling period: give it in seconds with --ts"
+        );
+    }
+
+    #[test]
+    fn stamps_at_the_ends_of_the_range_do_not_panic() {
+        assert!(period(&[-f64::MAX, 0.0, f64::MAX], "t_s", 2).is_ok());
+        assert!(period(&[-f64::MAX, f64::MAX], "t_s", 2).is_ok_and(f64::is_infinite));
+        assert!(period(&[0.0, 5e-324, 1e-323], "t_s", 2).is_ok());
+    }
+}
