@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use piezoid::formats::csv::{Selection, Table};
+use piezoid::formats::{Selection, Signal, Table};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -59,7 +59,7 @@ impl Columns {
     }
 
     /// The input in a file that may hold nothing else.
-    pub(crate) fn input(&self, path: &Path) -> Result<piezoid::formats::csv::Input> {
+    pub(crate) fn input(&self, path: &Path) -> Result<Signal> {
         parse(path)?.input(&self.selection()).with_context(|| path.display().to_string())
     }
 }

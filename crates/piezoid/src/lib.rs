@@ -15,6 +15,7 @@ pub mod plant;
 pub mod progress;
 pub mod record;
 pub mod spline;
+pub mod study;
 pub mod system;
 #[cfg(test)]
 mod testing;

@@ -7,6 +7,8 @@
 mod paper;
 mod rich;
 
+pub(crate) use paper::proportional;
+
 pub use paper::{HiddenLoop, Identified, Paper, hidden, identify_paper};
 pub use rich::{LinearPart, dominant_frequency};
 

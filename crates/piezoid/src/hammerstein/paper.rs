@@ -117,7 +117,7 @@ pub fn identify_paper(
         ("two-branch", [one, ..]) => Arc::new(TwoBranch::new(ts, one.found.branches.clone(), how.reading)),
         ("rate-scheduled", [_, ..]) => Arc::new(RateScheduled::new(ts, pairs(&loops)?)?),
         ("proportional", _) => {
-            let (gain, constant) = proportional(&part, &rich)?;
+            let (gain, constant) = proportional(&part.arx, part.offset, &rich)?;
             offset = constant;
             Arc::new(Proportional::new(ts, gain)?)
         }
@@ -224,17 +224,14 @@ fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
     loops.iter().map(pair).collect()
 }
 
-/// The gain k and offset c that bring k G u + c closest to the rich outputs; 1 and the block's own without such.
-fn proportional(part: &LinearPart, rich: &[Record]) -> Result<(f64, f64), Error> {
-    if rich.is_empty() {
-        return Ok((1.0, part.offset));
+/// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any.
+pub(crate) fn proportional(arx: &Arx, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
+    if records.is_empty() {
+        return Ok((1.0, offset));
     }
-    let filtered: Vec<Record> = rich
+    let filtered: Vec<Record> = records
         .iter()
-        .map(|r| {
-            let g = part.arx.resume(&mut part.arx.settled(r.u()[0]), r.u());
-            Record::new(r.ts(), g, r.y().to_vec())
-        })
+        .map(|r| Record::new(r.ts(), arx.resume(&mut arx.settled(r.u()[0]), r.u()), r.y().to_vec()))
         .collect::<Result<_, _>>()?;
     let (gain, offset, _) = super::rich::affine(&filtered)?;
     Ok((gain, offset))
