@@ -10,6 +10,7 @@ pub mod hysteresis;
 pub mod linear;
 pub mod optimize;
 pub mod plant;
+pub mod plot;
 pub mod record;
 pub mod system;
 #[cfg(test)]
