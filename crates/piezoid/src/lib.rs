@@ -9,6 +9,7 @@ pub mod formats;
 pub mod hysteresis;
 pub mod linear;
 pub mod optimize;
+pub mod page;
 pub mod plant;
 pub mod plot;
 pub mod record;
