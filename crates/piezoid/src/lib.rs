@@ -11,15 +11,17 @@ pub mod hammerstein;
 pub mod hysteresis;
 pub mod linear;
 pub mod optimize;
+pub mod page;
 pub mod plant;
+pub mod plot;
 pub mod progress;
 pub mod record;
 pub mod spline;
 pub mod study;
 pub mod system;
+pub mod validation;
 #[cfg(test)]
 mod testing;
-pub mod validation;
 
 pub use error::Error;
 pub use hammerstein::Model;

@@ -1,0 +1,120 @@
+//! Draws one series into its panel.
+
+use super::decimate;
+use super::path::{Path, Point};
+use super::scale::Scale;
+use super::series::{Kind, Series};
+use super::svg::{MARKED, Svg, marker};
+
+/// Most dots a series draws, and most lone points of a broken line.
+const DOTS: usize = 3000;
+/// Most markers on a line.
+const MARKERS: usize = 300;
+/// Least distance of two markers on a line [units of the drawing].
+const APART: f64 = 14.0;
+
+/// Draws a series in the colour of its role.
+pub(super) fn series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
+    let runs = runs(series, x, y);
+    svg.open_role(series.role);
+    match series.kind {
+        Kind::Dots => svg.dots(&decimate::dots(&runs.concat(), DOTS)),
+        Kind::Band => band(svg, series, x, y),
+        Kind::Dashed => lines(svg, "pz-dash", &runs),
+        Kind::Line => lines(svg, "pz-line", &runs),
+        Kind::Step => lines(svg, "pz-line", &runs.iter().map(|run| held(run)).collect::<Vec<_>>()),
+        Kind::Marked => {
+            lines(svg, "pz-line", &runs);
+            let places = decimate::dots(&decimate::markers(&runs.concat(), APART), MARKERS);
+            svg.shape(MARKED, &marker(series.role, &places));
+        }
+    }
+    svg.close();
+}
+
+/// The unbroken parts of a series, on the drawing.
+fn runs(series: &Series, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
+    let mut runs = vec![Vec::new()];
+    for [px, py] in &series.points {
+        match (x.at(*px), y.at(*py), runs.last_mut()) {
+            (Some(px), Some(py), Some(run)) => run.push([px, py]),
+            (_, _, Some(run)) if run.is_empty() => {}
+            _ => runs.push(Vec::new()),
+        }
+    }
+    runs.retain(|run| !run.is_empty());
+    runs
+}
+
+/// All runs as one path. Points with gaps on both sides become dots.
+fn lines(svg: &mut Svg, class: &str, runs: &[Vec<Point>]) {
+    let mut path = Path::default();
+    let mut lone = Vec::new();
+    for run in runs {
+        match run[..] {
+            [point] => lone.push(point),
+            _ => path.polyline(&decimate::line(run)),
+        }
+    }
+    decimate::dots(&lone, DOTS).iter().for_each(|p| path.dot(*p));
+    svg.stroked(class, &path.finish());
+}
+
+/// The corners of a line that holds each value until the next x.
+fn held(run: &[Point]) -> Vec<Point> {
+    let corners = run.windows(2).flat_map(|w| [w[0], [w[1][0], w[0][1]]]);
+    corners.chain(run.last().copied()).collect()
+}
+
+/// The areas of a band: upper edge there, lower edge back.
+fn band(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
+    let place = |(p, low): (&Point, &f64)| Some((x.at(p[0])?, y.at(p[1])?, y.at(*low)?));
+    let places: Vec<_> = series.points.iter().zip(&series.lower).map(place).collect();
+    for run in places.split(Option::is_none) {
+        let edge =
+            |of: fn(&(f64, f64, f64)) -> Point| decimate::line(&run.iter().flatten().map(of).collect::<Vec<_>>());
+        let (upper, lower) = (edge(|p| [p.0, p.1]), edge(|p| [p.0, p.2]));
+        let outline: Vec<Point> = upper.into_iter().chain(lower.into_iter().rev()).collect();
+        if outline.len() > 2 {
+            svg.shape("pz-band", &svg.outline(&outline));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(s: &Series) -> String {
+        let mut svg = Svg::default();
+        series(&mut svg, s, &Scale::linear(0.0, 10.0).onto(0.0, 100.0), &Scale::linear(0.0, 10.0).onto(100.0, 0.0));
+        svg.out
+    }
+
+    #[test]
+    fn a_line_breaks_where_a_number_is_missing() {
+        let svg = drawn(&Series::line(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.0, f64::NAN, 3.0, 4.0]));
+        assert!(svg.contains("d=\"m0 100 10-10m20-20 10-10\""), "{svg}");
+        assert!(!svg.contains("NaN"));
+    }
+
+    #[test]
+    fn a_point_between_two_gaps_is_a_dot() {
+        let svg = drawn(&Series::line(&[0.0, 1.0, 2.0], &[f64::NAN, 5.0, f64::INFINITY]));
+        assert!(svg.contains("d=\"m10 50h0\""), "{svg}");
+    }
+
+    #[test]
+    fn a_step_line_holds_each_value_until_the_next() {
+        let svg = drawn(&Series::step(&[0.0, 5.0, 10.0], &[2.0, 8.0, 8.0]));
+        assert!(svg.contains("d=\"m0 80 50 0 0-60 50 0\""), "{svg}");
+    }
+
+    #[test]
+    fn a_band_goes_there_above_and_back_below_and_breaks_too() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let svg = drawn(&Series::band(&x, &[0.0, 0.0, f64::NAN, 1.0, 1.0], &[2.0, 2.0, 2.0, 3.0, 3.0]));
+        assert_eq!(svg.matches("pz-band").count(), 2, "{svg}");
+        assert!(svg.contains("d=\"m0 80 10 0 0 20-10 0z\""), "{svg}");
+    }
+}

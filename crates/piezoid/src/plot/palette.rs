@@ -1,0 +1,155 @@
+//! Colours by meaning: what a curve is decides its colour, the same in every figure, in light and in dark.
+//!
+//! The hues follow Okabe and Ito's set that people with any colour vision can tell apart, darkened on paper and
+//! lightened on black until each stands at least 3:1 against its ground. Colours never carry a meaning alone: dashes,
+//! markers and the legend say it too.
+
+use std::fmt::Write;
+
+/// What a curve is. Its colour follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The branch of rising input.
+    Ascending,
+    /// The branch of falling input.
+    Descending,
+    /// What the sensor said.
+    Measured,
+    /// What the model says.
+    Model,
+    /// What something is compared with: a separating line, an optimum, a limit.
+    Reference,
+    /// What is left over: measured minus model.
+    Residual,
+    /// Background that explains the rest.
+    Muted,
+    /// First of several equals.
+    Accent1,
+    /// Second of several equals.
+    Accent2,
+    /// Third of several equals.
+    Accent3,
+    /// Fourth of several equals.
+    Accent4,
+    /// Fifth of several equals.
+    Accent5,
+}
+
+/// A colour: its name in the style sheet, its value on paper and on black.
+struct Colour {
+    name: &'static str,
+    light: &'static str,
+    dark: &'static str,
+}
+
+const fn colour(name: &'static str, light: &'static str, dark: &'static str) -> Colour {
+    Colour { name, light, dark }
+}
+
+/// One row a [`Role`], in the order of the enum.
+const ROLES: [Colour; 12] = [
+    colour("ascending", "#0072b2", "#5cb3f2"),
+    colour("descending", "#c8500a", "#ff9257"),
+    colour("measured", "#5b636d", "#a9b1bb"),
+    colour("model", "#00805b", "#3cc79b"),
+    colour("reference", "#1d2126", "#e9e6df"),
+    colour("residual", "#9c4a8c", "#dc96ce"),
+    colour("muted", "#aab0b7", "#616973"),
+    colour("accent1", "#0072b2", "#5cb3f2"),
+    colour("accent2", "#c8500a", "#ff9257"),
+    colour("accent3", "#00805b", "#3cc79b"),
+    colour("accent4", "#9c4a8c", "#dc96ce"),
+    colour("accent5", "#946500", "#e2b23f"),
+];
+
+/// Ground, text and lines of the figures and of the pages around them.
+const GROUNDS: [Colour; 7] = [
+    colour("paper", "#fdfcf9", "#14161a"),
+    colour("raised", "#f5f2eb", "#1d2026"),
+    colour("ink", "#1d2126", "#e9e6df"),
+    colour("soft", "#565d66", "#a8adb5"),
+    colour("axis", "#8b9199", "#747b85"),
+    colour("grid", "#e6e3db", "#2a2e35"),
+    colour("brass", "#8a5f14", "#d9ae5f"),
+];
+
+impl Role {
+    /// The `i`-th of several equals, counted from 0; begins anew after the fifth.
+    pub fn accent(i: usize) -> Role {
+        [Role::Accent1, Role::Accent2, Role::Accent3, Role::Accent4, Role::Accent5][i % 5]
+    }
+
+    /// Its name in the style sheet.
+    pub(super) fn name(self) -> &'static str {
+        ROLES[self as usize].name
+    }
+
+    /// Its colour on paper, for viewers that know no style sheets.
+    pub(super) fn light(self) -> &'static str {
+        ROLES[self as usize].light
+    }
+}
+
+/// The light value of a ground colour, for viewers that know no style sheets.
+pub(super) fn ground(name: &str) -> &'static str {
+    GROUNDS.iter().find(|c| c.name == name).map_or("none", |c| c.light)
+}
+
+/// The colours as custom properties `--pz-…` of the root element.
+///
+/// Dark where the system asks for it; `data-theme="dark"` or `"light"` on the root element overrides; print is light.
+pub(super) fn properties() -> String {
+    let all = || GROUNDS.iter().chain(&ROLES);
+    let mut light = String::new();
+    let mut dark = String::new();
+    for c in all() {
+        let _ = write!(light, "--pz-{}:{};", c.name, c.light);
+        let _ = write!(dark, "--pz-{}:{};", c.name, c.dark);
+    }
+    let mut css = format!(
+        ":root{{color-scheme:light;{light}}}\n\
+         @media screen and (prefers-color-scheme:dark){{:root:not([data-theme=light]){{color-scheme:dark;{dark}}}}}\n\
+         @media screen{{:root[data-theme=dark]{{color-scheme:dark;{dark}}}}}\n"
+    );
+    for c in &ROLES {
+        let _ = writeln!(css, ".pz-{0}{{--pz-c:var(--pz-{0})}}", c.name);
+    }
+    css
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn luminance(hex: &str) -> f64 {
+        let channel = |i: usize| {
+            let v = f64::from(u8::from_str_radix(&hex[i..i + 2], 16).unwrap()) / 255.0;
+            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    }
+
+    fn contrast(a: &str, b: &str) -> f64 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn every_curve_stands_out_from_its_ground_in_light_and_dark() {
+        for c in ROLES.iter().filter(|c| c.name != "muted") {
+            assert!(contrast(c.light, GROUNDS[0].light) > 4.0, "{} on paper", c.name);
+            assert!(contrast(c.dark, GROUNDS[0].dark) > 4.0, "{} on black", c.name);
+        }
+        for text in GROUNDS.iter().filter(|c| ["ink", "soft", "brass"].contains(&c.name)) {
+            assert!(contrast(text.light, GROUNDS[1].light) > 4.5 && contrast(text.dark, GROUNDS[1].dark) > 4.5);
+        }
+    }
+
+    #[test]
+    fn every_role_finds_its_own_row() {
+        assert_eq!(Role::Ascending.name(), "ascending");
+        assert_eq!(Role::Muted.name(), "muted");
+        assert_eq!(Role::accent(4).name(), "accent5");
+        assert_eq!(Role::accent(5), Role::Accent1);
+    }
+}

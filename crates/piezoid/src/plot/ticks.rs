@@ -1,0 +1,208 @@
+//! Where an axis is divided, and what stands there: steps of 1, 2 or 5 times a power of ten.
+
+use super::text::{number, power_of_ten};
+
+/// A division of an axis. Without a label it is a minor one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tick {
+    pub(super) at: f64,
+    pub(super) label: String,
+}
+
+impl Tick {
+    /// A tick at a given value, labelled with its shortest decimals.
+    pub(super) fn plain(at: f64) -> Self {
+        let decimals = (0..=6).find(|&d| (at - rounded(at, d)).abs() <= 1e-9 * at.abs()).unwrap_or(6);
+        let plain = at == 0.0 || (1e-5..1e7).contains(&at.abs());
+        Tick {
+            at,
+            label: if plain {
+                number(at, decimals as usize)
+            } else {
+                scientific(at, at.abs().log10().floor() as i32, 0)
+            },
+        }
+    }
+}
+
+fn rounded(v: f64, decimals: i32) -> f64 {
+    (v * 10f64.powi(decimals)).round() / 10f64.powi(decimals)
+}
+
+/// A step `mantissa` times ten to the `exponent`, the mantissa 1, 2 or 5.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Step {
+    mantissa: f64,
+    exponent: i32,
+}
+
+impl Step {
+    /// The smallest such step that is not smaller than `least`.
+    pub(super) fn nice(least: f64) -> Self {
+        let least = if least.is_finite() { least.max(1e-300) } else { 1e307 };
+        let exponent = least.log10().floor() as i32;
+        let share = least / 10f64.powi(exponent) * (1.0 - 1e-9);
+        match [1.0, 2.0, 5.0].into_iter().find(|m| *m >= share) {
+            Some(mantissa) => Step { mantissa, exponent },
+            None => Step { mantissa: 1.0, exponent: exponent + 1 },
+        }
+    }
+
+    /// So many steps from zero. Division by a whole power of ten keeps decimals exact.
+    fn times(self, n: f64) -> f64 {
+        let n = n * self.mantissa;
+        if self.exponent < 0 { n / 10f64.powi(-self.exponent) } else { n * 10f64.powi(self.exponent) }
+    }
+
+    fn count(self, v: f64) -> f64 {
+        v / self.times(1.0)
+    }
+
+    /// Round ends around `low` and `high`: whole steps; or fifths of a step, where the data reach beyond a whole step
+    /// by less than two fifths, because a division nearly empty is paper wasted.
+    pub(super) fn enclose(self, low: f64, high: f64) -> (f64, f64) {
+        (-self.end(-low), self.end(high))
+    }
+
+    fn end(self, v: f64) -> f64 {
+        let n = self.count(v);
+        let whole = (n - 1e-9).ceil();
+        let fifths = (5.0 * n - 1e-9).ceil();
+        // Adding zero turns -0 into 0.
+        self.times(if 5.0 * whole - fifths >= 3.0 { fifths / 5.0 } else { whole }) + 0.0
+    }
+
+    /// `high`, or the next multiple of the step if that is nearer than half a percent of the way from `low`.
+    pub(super) fn complete(self, low: f64, high: f64) -> f64 {
+        let whole = self.times((self.count(high) - 1e-9).ceil());
+        if whole - high < 0.005 * (high - low) { whole } else { high }
+    }
+}
+
+/// The multiples of `step` between two ends, both included.
+pub(super) fn linear(low: f64, high: f64, step: Step) -> Vec<Tick> {
+    let first = (step.count(low) - 1e-9).ceil();
+    let last = (step.count(high) + 1e-9).floor();
+    let at: Vec<f64> = (0..=(last - first).clamp(0.0, 50.0) as usize).map(|i| step.times(first + i as f64)).collect();
+    let largest = at.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let power = largest.max(1e-300).log10().floor() as i32;
+    let scientific_wanted = power >= 6 || step.exponent < -5 || power < -3;
+    let label = |&v: &f64| match () {
+        () if v == 0.0 => "0".to_owned(),
+        () if scientific_wanted => scientific(v, power, (power - step.exponent).clamp(0, 12) as usize),
+        () => number(v, (-step.exponent).max(0) as usize),
+    };
+    at.iter().map(|v| Tick { at: *v, label: label(v) }).collect()
+}
+
+/// `v` as a multiple of a power of ten.
+fn scientific(v: f64, power: i32, decimals: usize) -> String {
+    // In two factors, because the power alone may overflow.
+    let v = v / 10f64.powi(power / 2) / 10f64.powi(power - power / 2);
+    format!("{}×{}", number(v, decimals), power_of_ten(power))
+}
+
+/// Decades with minor ticks between; 1-2-5 where the decades are few; linear steps within one.
+pub(super) fn log(low: f64, high: f64, count: usize) -> Vec<Tick> {
+    let decades = (high / low).log10();
+    let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
+    let within = |v: f64| v >= low * (1.0 - 1e-9) && v <= high * (1.0 + 1e-9);
+    let stride = ((f64::from(last - first) / count.max(1) as f64).ceil() as i32).max(1);
+    let dense = 3.0 * decades <= count as f64 + 2.5;
+    let mut ticks = Vec::new();
+    for decade in first..=last {
+        for digit in 1..=9 {
+            let at = decade_times(decade, digit);
+            let labelled = (digit == 1 && decade.rem_euclid(stride) == 0) || (dense && matches!(digit, 2 | 5));
+            let crowded = if digit == 1 { last - first > 30 } else { last - first > 8 };
+            if within(at) && (labelled || !crowded) {
+                ticks.push(Tick { at, label: if labelled { log_label(decade, digit) } else { String::new() } });
+            }
+        }
+    }
+    let labelled = ticks.iter().filter(|t| !t.label.is_empty()).count();
+    if labelled >= 2 { ticks } else { linear(low, high, Step::nice((high - low) / count.max(1) as f64)) }
+}
+
+fn decade_times(decade: i32, digit: i32) -> f64 {
+    if decade < 0 { f64::from(digit) / 10f64.powi(-decade) } else { f64::from(digit) * 10f64.powi(decade) }
+}
+
+fn log_label(decade: i32, digit: i32) -> String {
+    match (decade, digit) {
+        (-3..=4, _) => number(decade_times(decade, digit), (-decade).max(0) as usize),
+        (_, 1) => power_of_ten(decade),
+        _ => format!("{digit}×{}", power_of_ten(decade)),
+    }
+}
+
+/// The last of 1, 2, 5 times a power of ten up to `v`.
+pub(super) fn log_floor(v: f64) -> f64 {
+    around(v).rev().find(|c| *c <= v * (1.0 + 1e-9)).unwrap_or(v)
+}
+
+/// The first of 1, 2, 5 times a power of ten from `v` on.
+pub(super) fn log_ceil(v: f64) -> f64 {
+    around(v).find(|c| *c >= v * (1.0 - 1e-9)).unwrap_or(v)
+}
+
+fn around(v: f64) -> impl DoubleEndedIterator<Item = f64> {
+    let decade = v.log10().floor() as i32;
+    (decade - 1..=decade + 1).flat_map(|d| [1, 2, 5].map(|m| decade_times(d, m)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn labels(ticks: &[Tick]) -> Vec<&str> {
+        ticks.iter().map(|t| t.label.as_str()).filter(|l| !l.is_empty()).collect()
+    }
+
+    #[test]
+    fn labels_have_the_decimals_of_their_step() {
+        assert_eq!(labels(&linear(-0.1, 0.1, Step::nice(0.05))), ["−0.10", "−0.05", "0", "0.05", "0.10"]);
+        assert_eq!(labels(&linear(0.0, 3e-6, Step::nice(1e-6))), ["0", "1×10⁻⁶", "2×10⁻⁶", "3×10⁻⁶"]);
+        assert_eq!(labels(&linear(0.0, 20_000.0, Step::nice(1e4))), ["0", "10\u{2009}000", "20\u{2009}000"]);
+    }
+
+    #[test]
+    fn a_log_axis_shows_decades_or_one_two_five_or_linear_steps() {
+        let decades = ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1", "1", "10", "100"];
+        assert_eq!(labels(&log(1e-6, 1e2, 9)), decades);
+        assert_eq!(labels(&log(5.0, 200.0, 6)), ["5", "10", "20", "50", "100", "200"]);
+        assert_eq!(labels(&log(2.1, 2.9, 4)), ["2.2", "2.4", "2.6", "2.8"]);
+        assert!(log(1.0, 1e3, 3).iter().any(|t| t.at == 20.0 && t.label.is_empty()), "minor ticks");
+    }
+
+    proptest! {
+        #[test]
+        fn ticks_step_by_one_two_or_five_and_cover_the_data_to_two_fifths_of_a_step(
+            low in -1e6..1e6f64,
+            span in 1e-3..1e6f64,
+            count in 3..9usize,
+        ) {
+            let high = low + span;
+            let step = Step::nice(span / count as f64);
+            prop_assert!([1.0, 2.0, 5.0].contains(&step.mantissa));
+            let (from, to) = step.enclose(low, high);
+            let ticks = linear(from, to, step);
+            prop_assert!((2..=count + 2).contains(&ticks.len()));
+            let slack = 1e-8 * step.times(1.0);
+            prop_assert!(from <= low + slack && to >= high - slack);
+            let beyond = 0.4 * step.times(1.0) + slack;
+            prop_assert!(ticks[0].at <= low + beyond && ticks[ticks.len() - 1].at >= high - beyond);
+            for pair in ticks.windows(2) {
+                prop_assert!((step.count(pair[1].at - pair[0].at) - 1.0).abs() < 1e-6);
+            }
+        }
+
+        #[test]
+        fn log_ends_enclose_the_data_by_less_than_a_factor_of_two_and_a_half(v in 1e-9..1e9f64) {
+            let (low, high) = (log_floor(v), log_ceil(v));
+            prop_assert!(low <= v * (1.0 + 1e-8) && v <= high * (1.0 + 1e-8));
+            prop_assert!(v / low < 2.51 && high / v < 2.51);
+        }
+    }
+}
