@@ -16,12 +16,13 @@ pub mod plant;
 pub mod plot;
 pub mod progress;
 pub mod record;
+pub mod report;
 pub mod spline;
 pub mod study;
 pub mod system;
-pub mod validation;
 #[cfg(test)]
 mod testing;
+pub mod validation;
 
 pub use error::Error;
 pub use hammerstein::Model;

@@ -1,7 +1,7 @@
 //! Excitations: the voltages that make an actuator show what it is.
 //!
 //! Small and broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; rich ones ([`RisingSine`], [`Sine`],
-//! [`Triangle`], [`Staircase`]) exercise the hysteresis; a [`Chirp`] passes through the resonance. [`Limits`] tells
+//! [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] passes through the resonance. [`Limits`] tells
 //! whether a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts where its own
 //! page says, and is the same for the same settings.
 //!
@@ -22,6 +22,7 @@ mod prbs;
 mod rising_sine;
 mod sine;
 mod staircase;
+mod stepped_sine;
 mod triangle;
 
 pub use chirp::{Chirp, Sweep};
@@ -33,6 +34,7 @@ pub use prbs::Prbs;
 pub use rising_sine::RisingSine;
 pub use sine::Sine;
 pub use staircase::Staircase;
+pub use stepped_sine::SteppedSine;
 pub use triangle::Triangle;
 
 use crate::error::{Error, positive};
@@ -53,8 +55,16 @@ pub struct Excitation {
 }
 
 /// Every kind there is.
-pub static EXCITATIONS: &[Excitation] =
-    &[prbs::ROW, multisine::ROW, chirp::ROW, sine::ROW, rising_sine::ROW, triangle::ROW, staircase::ROW];
+pub static EXCITATIONS: &[Excitation] = &[
+    prbs::ROW,
+    multisine::ROW,
+    chirp::ROW,
+    sine::ROW,
+    rising_sine::ROW,
+    triangle::ROW,
+    staircase::ROW,
+    stepped_sine::ROW,
+];
 
 const PINTELON_SCHOUKENS: &str = "Pintelon and Schoukens, System Identification, 2012, DOI 10.1002/9781118287422";
 

@@ -1,12 +1,13 @@
-//! Staircase: a sine rounded to evenly spaced levels, the paper's "periodic step-wise" test signal.
+//! Staircase: a sine rounded to evenly spaced levels.
 //!
 //! `u = offset + amplitude (2 l / (levels - 1) - 1)`, where `l` is the level from 0 to `levels - 1` that lies nearest to
 //! `sin(2 pi frequency t)`. It holds its level between jumps, which is what catches a model that reads a held input
 //! as a falling one. An odd number of levels has one at the offset; with an even number it starts at the next one
-//! above. A sine half way between two levels takes the upper one. The paper states neither number nor spacing.
+//! above. A sine half way between two levels takes the upper one. A [`SteppedSine`](super::SteppedSine) has steps of
+//! equal length instead.
 //!
 //! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
-//! 2025, section 3.
+//! 2025, section 3: a step-wise test signal, of unstated form.
 
 use super::Excitation;
 use super::drive::Drive;
@@ -70,7 +71,7 @@ const LEVELS: Parameter =
 
 pub(super) const ROW: Excitation = Excitation {
     name: "staircase",
-    summary: "sine in steps that hold their level: the paper's periodic step-wise test signal",
+    summary: "sine in steps of equal height: catches a model that reads a held input as a falling one",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     parameters: &[AMPLITUDE, FREQUENCY, LEVELS, OFFSET],
     generate: |v, ts, n| {

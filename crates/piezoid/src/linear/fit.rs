@@ -23,10 +23,17 @@ pub struct Estimator {
     estimate: fn(&Regression, &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
 }
 
-/// Theta, and the best cost by iteration where the estimator iterates.
+/// Theta, and the best cost and theta by iteration where the estimator iterates.
 struct Solution {
     theta: Vec<f64>,
     history: Vec<f64>,
+    courses: Vec<Vec<f64>>,
+}
+
+impl From<Vec<f64>> for Solution {
+    fn from(theta: Vec<f64>) -> Self {
+        Solution { theta, history: Vec::new(), courses: Vec::new() }
+    }
 }
 
 /// The estimators there are.
@@ -42,23 +49,20 @@ pub static ESTIMATORS: &[Estimator] = &[
                 let (done, total) = (minimum.history.len() - 1, settings.iterations);
                 return Err(Error::Cancelled { what: "the swarm".into(), done, total });
             }
-            Ok(Solution { theta: minimum.x, history: minimum.history })
+            Ok(Solution { theta: minimum.x, history: minimum.history, courses: minimum.courses })
         },
     },
     Estimator {
         name: "least-squares",
         summary: "sum of squared errors, exactly, by QR",
         reference: "Ljung 1998, System Identification: Theory for the User",
-        estimate: |regression, _, _| Ok(Solution { theta: least_squares(regression)?.0, history: Vec::new() }),
+        estimate: |regression, _, _| Ok(least_squares(regression)?.0.into()),
     },
     Estimator {
         name: "least-absolute",
         summary: "sum of absolute errors, exactly, by linear programming: the yardstick of the swarm",
         reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
-        estimate: |regression, _, _| {
-            let theta = least_absolute(&regression.rows, regression.orders.parameters())?.x;
-            Ok(Solution { theta, history: Vec::new() })
-        },
+        estimate: |regression, _, _| Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into()),
     },
 ];
 
@@ -84,6 +88,8 @@ pub struct Fit {
     pub residuals: Residuals,
     /// Best cost at the start and after each iteration; empty for estimators that do not iterate.
     pub history: Vec<f64>,
+    /// Best theta at the start and after each iteration, likewise.
+    pub courses: Vec<Vec<f64>>,
 }
 
 /// One-step prediction errors e_t = y_t - psi_t' theta, in the output unit.
@@ -129,11 +135,11 @@ pub fn fit(
     let (_, offsets) = least_squares(&regression)?;
     let centred = regression.centred(&offsets);
     let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
-    let Solution { theta, history } = (estimator.estimate)(&centred, settings, named)?;
+    let Solution { theta, history, courses } = (estimator.estimate)(&centred, settings, named)?;
     let (a, b) = theta.split_at(orders.na);
     let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();
     let arx = Arx::new(regression.ts, a.to_vec(), b)?;
-    Ok(Fit { estimator: estimator.name, arx, offsets, residuals: residuals(&centred, &theta), history })
+    Ok(Fit { estimator: estimator.name, arx, offsets, residuals: residuals(&centred, &theta), history, courses })
 }
 
 /// Theta and the output offset of each record, by QR of the rows with one constant a record.

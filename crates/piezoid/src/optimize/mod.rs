@@ -16,6 +16,8 @@ pub struct Minimum {
     pub cost: f64,
     /// Best cost at the start and after each iteration; it never rises.
     pub history: Vec<f64>,
+    /// Best point at the start and after each iteration.
+    pub courses: Vec<Vec<f64>>,
     /// Why the search ended.
     pub reason: Reason,
 }

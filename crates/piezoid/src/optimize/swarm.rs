@@ -11,9 +11,11 @@
 //! Kennedy & Eberhart 1995 (doi:10.1109/ICNN.1995.488968); inertia: Shi & Eberhart 1998
 //! (doi:10.1109/ICEC.1998.699146); acceleration: Ratnaweera et al. 2004 (doi:10.1109/TEVC.2004.826071).
 //!
-//! Where the paper is silent: r1 and r2 are drawn anew for every dimension; a velocity is limited to a share of the
-//! box; a particle that reaches a wall stays on it and loses the velocity that took it there; a cost that is not a
-//! number counts as the worst there is. Each particle draws from a random stream of its own, so threads change nothing.
+//! r1 and r2 are one number each a particle and iteration, as (2) is written. (Drawn for every dimension, as is common
+//! too, they end on the kinks of a sum of absolute errors more often.) Where the paper is silent: a velocity is limited
+//! to a share of the box; a particle that reaches a wall stays on it and loses the velocity that took it there; a cost
+//! that is not a number counts as the worst there is. Each particle draws from a random stream of its own, so threads
+//! change nothing.
 
 use super::{Bounds, Minimum, Reason};
 use crate::error::Error;
@@ -102,6 +104,7 @@ pub struct Swarm {
     p_cost: Vec<f64>,
     g_best: Vec<f64>,
     history: Vec<f64>,
+    courses: Vec<Vec<f64>>,
     improved: usize,
 }
 
@@ -132,7 +135,8 @@ impl Swarm {
             p_best: vec![0.0; s * d],
             p_cost: vec![f64::MAX; s],
             g_best: vec![0.0; d],
-            history: Vec::with_capacity(settings.iterations + 1),
+            history: Vec::new(),
+            courses: Vec::new(),
             improved: 0,
             settings,
             bounds,
@@ -146,6 +150,7 @@ impl Swarm {
             }
         }
         swarm.p_best.clone_from(&swarm.x);
+        swarm.g_best.copy_from_slice(&swarm.x[..d]);
         swarm.judge(cost);
         Ok(swarm)
     }
@@ -160,7 +165,7 @@ impl Swarm {
     pub fn run(&mut self, cost: &impl Cost, progress: &mut Progress) -> Minimum {
         let d = self.bounds.dimension();
         let mut streams: Vec<_> =
-            (0..self.settings.particles).map(|m| self.stream(m, words(d) * (1 + self.iteration() as u128))).collect();
+            (0..self.settings.particles).map(|m| self.stream(m, words(d, self.iteration()))).collect();
         let reason = loop {
             let (done, total) = (self.iteration(), self.settings.iterations);
             if let Some(reason) = self.ended() {
@@ -173,7 +178,8 @@ impl Swarm {
             self.judge(cost);
         };
         let best = self.history[self.iteration()];
-        Minimum { x: self.g_best.clone(), cost: best, history: self.history.clone(), reason }
+        let (history, courses) = (self.history.clone(), self.courses.clone());
+        Minimum { x: self.g_best.clone(), cost: best, history, courses, reason }
     }
 
     /// Step 7: whether the search has ended, and why.
@@ -197,11 +203,11 @@ impl Swarm {
         let (c1, c2) = (2.5 - 2.0 * share, 0.5 + 2.0 * share);
         let w = s.inertia_max - (s.inertia_max - s.inertia_min) * share;
         for (m, random) in streams.iter_mut().enumerate() {
+            let (r1, r2): (f64, f64) = (random.random(), random.random());
             for i in 0..d {
                 let k = m * d + i;
                 let (low, high) = (self.bounds.low[i], self.bounds.high[i]);
                 let v_max = s.velocity_max * (high - low);
-                let (r1, r2): (f64, f64) = (random.random(), random.random());
                 let v = w * self.v[k] + c1 * r1 * (self.p_best[k] - self.x[k]) + c2 * r2 * (self.g_best[i] - self.x[k]);
                 self.v[k] = v.clamp(-v_max, v_max);
                 self.x[k] += self.v[k];
@@ -225,7 +231,7 @@ impl Swarm {
         } else {
             cost.evaluate(&self.x, &self.p_cost, &mut costs);
         }
-        let mut best = self.history.last().copied().unwrap_or(f64::INFINITY);
+        let mut best = self.history.last().copied().unwrap_or(f64::MAX);
         for (m, &f) in costs.iter().enumerate() {
             let particle = m * d..(m + 1) * d;
             if f < self.p_cost[m] {
@@ -239,6 +245,7 @@ impl Swarm {
             }
         }
         self.history.push(best);
+        self.courses.push(self.g_best.clone());
     }
 
     /// The random stream of particle `m`, from the 32-bit word `at` on.
@@ -250,9 +257,9 @@ impl Swarm {
     }
 }
 
-/// 32-bit words a particle draws an iteration, and once before the first: two numbers of 64 bits a dimension.
-fn words(dimension: usize) -> u128 {
-    4 * dimension as u128
+/// 32-bit words a particle has drawn after `iterations`: two numbers of 64 bits a dimension at first, two an iteration.
+fn words(dimension: usize, iterations: usize) -> u128 {
+    4 * (dimension as u128 + iterations as u128)
 }
 
 fn check(s: &Settings) -> Result<(), Error> {
@@ -269,4 +276,108 @@ fn check(s: &Settings) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::unwatched;
+    use proptest::prelude::*;
+    use std::ops::ControlFlow;
+
+    fn rosenbrock(x: &[f64]) -> f64 {
+        x.windows(2).map(|w| 100.0 * (w[1] - w[0] * w[0]).powi(2) + (1.0 - w[0]).powi(2)).sum()
+    }
+
+    fn bounds(d: usize) -> Bounds {
+        Bounds::new(vec![-2.0; d], vec![3.0; d]).unwrap()
+    }
+
+    #[test]
+    fn the_velocity_is_that_of_equation_2() {
+        let settings = Settings { particles: 3, iterations: 10, ..Settings::default() };
+        let before = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
+        let mut after = before.clone();
+        let mut streams: Vec<_> = (0..3).map(|m| before.stream(m, words(2, 0))).collect();
+        after.advance(&mut streams);
+        for m in 0..3 {
+            let mut random = before.stream(m, 8);
+            let (r1, r2): (f64, f64) = (random.random(), random.random());
+            for i in 0..2 {
+                let k = 2 * m + i;
+                let by_hand = 0.85 * before.v[k]
+                    + 2.3 * r1 * (before.p_best[k] - before.x[k])
+                    + 0.7 * r2 * (before.g_best[i] - before.x[k]);
+                let inside = by_hand.clamp(-1.0, 1.0);
+                let free = (-2.0..=3.0).contains(&(before.x[k] + inside));
+                crate::testing::assert_close(&[after.v[k]], &[if free { inside } else { 0.0 }], 1e-12, 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn an_interrupted_search_gives_the_same_bytes_as_one_that_was_not() {
+        let settings = Settings { iterations: 120, ..Settings::default() };
+        let whole = minimise(&rosenbrock, bounds(3), settings.clone(), &mut unwatched).unwrap();
+        let mut swarm = Swarm::new(&rosenbrock, bounds(3), settings).unwrap();
+        let until_70 = |s: Stage| if s.done == 70 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let part = swarm.run(&rosenbrock, &mut { until_70 });
+        assert_eq!((part.reason, part.history.len()), (Reason::Cancelled, 71));
+        let checkpoint = serde_json::to_string(&swarm).unwrap();
+        let mut resumed: Swarm = serde_json::from_str(&checkpoint).unwrap();
+        assert_eq!(resumed.run(&rosenbrock, &mut unwatched), whole);
+        assert_eq!(serde_json::to_string(&resumed).unwrap(), {
+            swarm.run(&rosenbrock, &mut unwatched);
+            serde_json::to_string(&swarm).unwrap()
+        });
+    }
+
+    #[test]
+    fn threads_change_nothing() {
+        let settings = Settings { iterations: 60, ..Settings::default() };
+        let parallel = Settings { parallel: true, ..settings.clone() };
+        let one = minimise(&rosenbrock, bounds(4), settings, &mut unwatched).unwrap();
+        assert_eq!(minimise(&rosenbrock, bounds(4), parallel, &mut unwatched).unwrap(), one);
+    }
+
+    #[test]
+    fn how_it_ended_is_told() {
+        let reason = |settings| minimise(&rosenbrock, bounds(2), settings, &mut unwatched).unwrap().reason;
+        let settings = Settings { iterations: 300, ..Settings::default() };
+        assert_eq!(reason(settings.clone()), Reason::Iterations);
+        assert_eq!(reason(Settings { threshold: Some(1.0), ..settings.clone() }), Reason::Threshold);
+        let flat = |_: &[f64]| 1.0;
+        let stalled = Settings { stall: Some(7), ..settings };
+        let minimum = minimise(&flat, bounds(2), stalled, &mut unwatched).unwrap();
+        assert_eq!((minimum.reason, minimum.history.len()), (Reason::Stall, 8));
+    }
+
+    #[test]
+    fn a_cost_that_is_no_number_is_the_worst() {
+        let half = |x: &[f64]| if x[0] < 0.0 { f64::NAN } else { x[0] };
+        let minimum = minimise(&half, bounds(1), Settings::default(), &mut unwatched).unwrap();
+        assert!((0.0..1e-6).contains(&minimum.cost));
+        let never = minimise(&|_: &[f64]| f64::NAN, bounds(1), Settings::default(), &mut unwatched).unwrap();
+        assert_eq!(never.cost, f64::MAX);
+    }
+
+    #[test]
+    fn settings_that_make_no_swarm_are_refused() {
+        let message = |settings| Swarm::new(&rosenbrock, bounds(2), settings).unwrap_err().to_string();
+        assert!(message(Settings { particles: 0, ..Settings::default() }).contains("particles = 0"));
+        assert!(message(Settings { inertia_min: f64::NAN, ..Settings::default() }).contains("inertia_min = NaN"));
+        assert!(Bounds::new(vec![1.0], vec![1.0]).unwrap_err().to_string().contains("bounds[0] = 1 to 1"));
+    }
+
+    proptest! {
+        #[test]
+        fn the_best_never_worsens_and_is_a_point_that_was_visited(seed: u64, particles in 1..20usize) {
+            let settings = Settings { seed, particles, iterations: 30, ..Settings::default() };
+            let minimum = minimise(&rosenbrock, bounds(3), settings, &mut unwatched).unwrap();
+            prop_assert!(minimum.history.windows(2).all(|w| w[1] <= w[0]));
+            prop_assert_eq!(rosenbrock(&minimum.x), minimum.cost);
+            prop_assert!(minimum.courses.iter().zip(&minimum.history).all(|(x, f)| rosenbrock(x) == *f));
+            prop_assert!(minimum.x.iter().all(|x| (-2.0..=3.0).contains(x)));
+        }
+    }
 }

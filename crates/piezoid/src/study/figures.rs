@@ -1,1 +1,184 @@
-//! stub
+//! The figures of the study: the paper's Figs 2 to 5, and those that show why its errors come about.
+
+use super::{Frequency, METHODS, PRINTED_MSE, Study, TS};
+use crate::hysteresis::Branches;
+use crate::linear::Arx;
+use crate::plot::{Axes, Axis, Figure, Role, Series};
+
+/// Periods of the test that a figure shows.
+const PERIODS: f64 = 2.0;
+
+/// Every figure of a study with the name of its file, in the order of the page.
+pub fn figures(study: &Study) -> Vec<(String, Figure)> {
+    let name = |what: &str| format!("{}-{what}", study.plant.name);
+    let mut all = vec![
+        (name("convergence"), convergence(study)),
+        (name("courses"), courses(study)),
+        (name("response"), response(study)),
+    ];
+    all.extend(study.frequencies.iter().map(|f| (name(&format!("loop-{:03.0}hz", f.hz)), hysteresis_loop(f))));
+    all.extend(study.frequencies.iter().map(|f| (name(&format!("test-{:03.0}hz", f.hz)), test(f))));
+    all.push((name("width"), width(study)));
+    all.push((name("error"), error(study)));
+    all
+}
+
+fn iterations(n: usize) -> Vec<f64> {
+    (0..n).map(|i| i as f64).collect()
+}
+
+/// The swarm's best cost over the optimum: Fig 3, first half.
+pub(super) fn convergence(study: &Study) -> Figure {
+    let best = &study.convergence;
+    let last = best.last().copied().unwrap_or(f64::NAN);
+    let caption = format!(
+        "The best sum of absolute errors falls from {:.3} to {last:.6} mm in {} iterations. No block of this form can go \
+         below {:.6} mm, which linear programming finds exactly: the swarm ends {:.1e} above it.",
+        best[0],
+        best.len() - 1,
+        study.optimum,
+        (last / study.optimum - 1.0).max(0.0)
+    );
+    Figure::new("Swarm convergence", caption).panel(
+        Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
+            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("best of the swarm"))
+            .at_y(study.optimum, "exact optimum"),
+    )
+}
+
+/// The course of each coefficient: Fig 3, as the paper draws it.
+pub(super) fn courses(study: &Study) -> Figure {
+    let courses = study.blocks[1].fit.as_ref().map(|f| f.courses.as_slice()).unwrap_or_default();
+    let (t, names) = (iterations(courses.len()), ["a1", "a2", "b0", "b1", "b2"]);
+    let line = |k: usize| {
+        let course: Vec<f64> = courses.iter().map(|theta| theta[k]).collect();
+        Series::line(&t, &course).role(Role::accent(k)).named(names[k])
+    };
+    let a = Axes::new("iteration", "a").with(line(0)).with(line(1));
+    let b = Axes::new("iteration", "b [mm/V]").with(line(2)).with(line(3)).with(line(4));
+    let settled = courses.iter().position(|theta| {
+        courses[courses.len() - 1].iter().zip(theta).all(|(end, now)| (end - now).abs() < 0.01 * end.abs() + 1e-5)
+    });
+    let caption = format!(
+        "The coefficients of the best particle by iteration (the paper's Fig. 3). They stay within 1 % of where they end from \
+         iteration {} on.",
+        settled.unwrap_or(0)
+    );
+    Figure::new("Course of the estimated coefficients", caption).panel(a).panel(b).stacked()
+}
+
+/// Gain and phase of the printed and of the estimated block.
+pub(super) fn response(study: &Study) -> Figure {
+    let hz: Vec<f64> = (0..=300).map(|k| 2.0 * (450.0f64).powf(f64::from(k) / 300.0)).collect();
+    let curve = |arx: &Arx, what: &dyn Fn(crate::linear::Response) -> f64| {
+        hz.iter().map(|&f| what(arx.response(f))).collect::<Vec<f64>>()
+    };
+    let (printed, own) = (&study.blocks[0].arx, &study.blocks[1].arx);
+    let gain = |arx: &Arx| curve(arx, &|r| r.gain / arx.dc_gain().abs());
+    let phase = |arx: &Arx| curve(arx, &|r| r.phase.to_degrees());
+    let axis = || Axis::log("f [Hz]").ticks(&[2.0, 5.0, 20.0, 40.0, 80.0, 160.0, 300.0, 900.0]).tight();
+    let caption = format!(
+        "Gain over static gain, and phase. At 80 Hz the block printed in Table 2 leads by {:.0}°, the block estimated here is at \
+         {:.0}°. A lead that no beam has is put back by the inverse as a lag, which is a loop where there is none.",
+        printed.response(80.0).phase.to_degrees(),
+        own.response(80.0).phase.to_degrees()
+    );
+    Figure::new("Frequency response of the linear blocks", caption)
+        .panel(
+            Axes::new(axis(), Axis::log("gain / static gain"))
+                .with(Series::line(&hz, &gain(printed)).role(Role::Descending).named("Table 2 as printed"))
+                .with(Series::line(&hz, &gain(own)).role(Role::Model).named("estimated by the swarm")),
+        )
+        .panel(
+            Axes::new(axis(), "phase [°]")
+                .with(Series::line(&hz, &phase(printed)).role(Role::Descending))
+                .with(Series::line(&hz, &phase(own)).role(Role::Model)),
+        )
+        .stacked()
+}
+
+fn branch(branches: &Branches, read: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+    let (low, high) = branches.range();
+    (0..=120).map(|k| low + (high - low) * f64::from(k) / 120.0).map(|u| (u, read(u))).unzip()
+}
+
+/// The loop of the hidden variable with its separating line and branches: Figs 2, 4 and 5.
+pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
+    let found = &f.own.found;
+    let (up_u, up_z) = branch(&found.branches, |u| found.branches.ascending(u));
+    let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
+    let [(u0, z0), (u1, z1)] = found.line;
+    let caption = format!(
+        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that their direction says.",
+        100.0 * found.branches.width(),
+        100.0 * found.agreement
+    );
+    Figure::new(format!("{} Hz", f.hz), caption).small().panel(
+        Axes::new("u [V]", "z [V]")
+            .with(Series::dots(&f.own.u, &f.own.z).role(Role::Muted).named("(u, z)"))
+            .with(Series::line(&up_u, &up_z).role(Role::Ascending).named("ascending"))
+            .with(Series::line(&down_u, &down_z).role(Role::Descending).named("descending"))
+            .with(Series::dashed(&[u0, u1], &[z0, z1]).role(Role::Reference)),
+    )
+}
+
+/// Test and predictions over the last periods, with what each leaves.
+pub(super) fn test(f: &Frequency) -> Figure {
+    let y = f.test.y();
+    let from = y.len() - ((PERIODS / (f.hz * TS)).round() as usize).clamp(1, y.len());
+    let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
+    let mut answer =
+        Axes::new("t [ms]", "y [mm]").height(0.6).with(Series::line(&t, &y[from..]).role(Role::Measured).named("twin"));
+    let mut left = Axes::new("t [ms]", "error [mm]").height(0.4);
+    let shown =
+        [("printed-rule", "rule as printed", Role::Descending), ("held-direction", "direction held", Role::Model)];
+    let mut words = Vec::new();
+    for (method, name, role) in shown {
+        let Some(row) = f.row(method) else { continue };
+        let error: Vec<f64> = row.simulated[from..].iter().zip(&y[from..]).map(|(s, y)| y - s).collect();
+        answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).named(name));
+        left = left.with(Series::line(&t, &error).role(role));
+        words.push(format!("{} leaves {:.2} % of peak-to-peak", name, row.metrics.rms_pp_percent));
+    }
+    let caption = format!("{}.", words.join("; the "));
+    Figure::new(format!("{} Hz", f.hz), format!("The {caption}")).panel(answer).panel(left).stacked()
+}
+
+/// Width of the loops by the estimated block and by that of Table 2.
+pub(super) fn width(study: &Study) -> Figure {
+    let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
+    let widths = |found: &dyn Fn(&Frequency) -> f64| {
+        study.frequencies.iter().map(|f| 100.0 * found(f).abs()).collect::<Vec<_>>()
+    };
+    let own = widths(&|f| f.own.found.branches.width());
+    let printed = widths(&|f| f.by_table_2.found.branches.width());
+    let caption = format!(
+        "The same records, seen through two linear blocks. By the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
+         at {} Hz; by that of Table 2 it seems to grow from {:.0} % to {:.0} %.",
+        own[0],
+        hz[0],
+        own[own.len() - 1],
+        hz[hz.len() - 1],
+        printed[0],
+        printed[printed.len() - 1]
+    );
+    Figure::new("Width of the loop against frequency", caption).panel(
+        Axes::new(Axis::log("f [Hz]").ticks(&hz), Axis::new("loop width [% of height]").from(0.0))
+            .with(Series::marked(&hz, &printed).role(Role::Descending).named("by Table 2 as printed"))
+            .with(Series::marked(&hz, &own).role(Role::Model).named("by the estimated block")),
+    )
+}
+
+/// Mean squared error of every method against frequency, with the printed Table 1.
+pub(super) fn error(study: &Study) -> Figure {
+    let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
+    let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual];
+    let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&hz), Axis::log("MSE [mm²]"));
+    for (method, role) in METHODS.iter().zip(roles) {
+        let mse: Vec<f64> = study.frequencies.iter().filter_map(|f| f.row(method.name)).map(|r| r.mse).collect();
+        axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
+    }
+    let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
+    axes = axes.with(Series::marked(&f, &mse).role(Role::Reference).named("Table 1 as printed"));
+    Figure::new("Error on the test signal against frequency", super::page::error_words(study)).panel(axes)
+}

@@ -1,0 +1,98 @@
+//! Stepped sine: a sine held for equal times, the paper's "periodic step-wise" test signal.
+//!
+//! `u = offset + amplitude sin(2 pi k / steps)` while the k-th part of the period lasts. Every step is held equally long,
+//! which is what catches a model that reads a held input as a falling one. The paper states neither the number of steps
+//! nor their form; 20 a period give errors next to those of its Table 1. Where a step would be shorter than a sample,
+//! steps are left out. A [`Staircase`](super::Staircase) has steps of equal height instead.
+//!
+//! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
+//! 2025, section 3.
+
+use super::Excitation;
+use super::drive::Drive;
+use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET, Parameter};
+use crate::error::Error;
+use std::f64::consts::TAU;
+
+/// A sine in steps of equal length.
+///
+/// ```
+/// use piezoid::excitation::SteppedSine;
+/// let u = SteppedSine { amplitude: 2.0, frequency: 1.0, steps: 4, offset: 0.0 }.samples(0.125, 8)?;
+/// assert_eq!((u[0], u[2], u[3], u[6], u[7]), (0.0, 2.0, 2.0, -2.0, -2.0));
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteppedSine {
+    /// Largest distance from the offset [V].
+    pub amplitude: f64,
+    /// Periods a second [Hz].
+    pub frequency: f64,
+    /// Steps a period, at least 2.
+    pub steps: u32,
+    /// Mean [V].
+    pub offset: f64,
+}
+
+impl Default for SteppedSine {
+    /// 1 V, 1 Hz, 20 steps, no offset.
+    fn default() -> Self {
+        SteppedSine { amplitude: 1.0, frequency: 1.0, steps: 20, offset: 0.0 }
+    }
+}
+
+impl SteppedSine {
+    /// `n` samples [V], every `ts` [s].
+    ///
+    /// # Errors
+    /// The amplitude must be positive, the frequency positive and below half the sampling rate, the steps at least 2.
+    pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
+        const ROUNDING: f64 = 1e-9; // sample 20 of 400 begins step 1 of 20 however the quotient rounds
+        let drive = Drive::new(self.amplitude, self.offset, ts)?;
+        let frequency = drive.shows("frequency", self.frequency)?;
+        if self.steps < 2 {
+            return Err(Error::parameter("steps", self.steps, "must be at least 2"));
+        }
+        let steps = f64::from(self.steps);
+        Ok(drive.periodic(frequency, n, |passed| (TAU * (passed * steps + ROUNDING).floor() / steps).sin()))
+    }
+}
+
+const STEPS: Parameter = Parameter { name: "steps", unit: "", default: Some(20.0), help: "steps a period, at least 2" };
+
+pub(super) const ROW: Excitation = Excitation {
+    name: "stepped-sine",
+    summary: "sine in steps of equal length: the paper's periodic step-wise test signal",
+    reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
+    parameters: &[AMPLITUDE, FREQUENCY, STEPS, OFFSET],
+    generate: |v, ts, n| {
+        SteppedSine {
+            amplitude: v.get(&AMPLITUDE)?,
+            frequency: v.get(&FREQUENCY)?,
+            steps: v.whole(&STEPS)?,
+            offset: v.get(&OFFSET)?,
+        }
+        .samples(ts, n)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_step_is_equally_long_and_on_the_sine() {
+        let u = SteppedSine { amplitude: 30.0, frequency: 5.0, ..SteppedSine::default() }.samples(5e-4, 400).unwrap();
+        for (k, step) in u.chunks(20).enumerate() {
+            assert!(step.iter().all(|v| *v == step[0]), "step {k}");
+            crate::testing::assert_close(&step[..1], &[30.0 * (TAU * k as f64 / 20.0).sin()], 0.0, 1e-12);
+        }
+    }
+
+    #[test]
+    fn steps_shorter_than_a_sample_leave_the_sine() {
+        let stepped = SteppedSine { frequency: 250.0, steps: 8, ..SteppedSine::default() }.samples(5e-4, 80).unwrap();
+        let sine = super::super::Sine { frequency: 250.0, ..Default::default() }.samples(5e-4, 80).unwrap();
+        crate::testing::assert_close(&stepped, &sine, 0.0, 1e-9);
+    }
+}
