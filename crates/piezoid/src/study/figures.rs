@@ -5,6 +5,9 @@ use crate::hysteresis::Branches;
 use crate::linear::Arx;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 
+/// Frequencies that are named on axes [Hz]: all would not fit.
+const TICKS: [f64; 7] = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 250.0];
+
 /// Periods of the test that a figure shows.
 const PERIODS: f64 = 2.0;
 
@@ -113,9 +116,10 @@ pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
         100.0 * found.branches.width(),
         100.0 * found.agreement
     );
-    Figure::new(format!("{} Hz", f.hz), caption).small().panel(
-        Axes::new("u [V]", "z [V]")
-            .with(Series::dots(&f.own.u, &f.own.z).role(Role::Muted).named("(u, z)"))
+    Figure::new(format!("Loop at {} Hz", f.hz), caption).small().panel(
+        Axes::new(Axis::new("u [V]").tight(), "z [V]")
+            .titled(format!("{} Hz: {:.1} % wide", f.hz, 100.0 * found.branches.width()))
+            .with(Series::dots(&f.own.u, &f.own.z).role(Role::Muted))
             .with(Series::line(&up_u, &up_z).role(Role::Ascending).named("ascending"))
             .with(Series::line(&down_u, &down_z).role(Role::Descending).named("descending"))
             .with(Series::dashed(&[u0, u1], &[z0, z1]).role(Role::Reference)),
@@ -141,7 +145,7 @@ pub(super) fn test(f: &Frequency) -> Figure {
         words.push(format!("{} leaves {:.2} % of peak-to-peak", name, row.metrics.rms_pp_percent));
     }
     let caption = format!("{}.", words.join("; the "));
-    Figure::new(format!("{} Hz", f.hz), format!("The {caption}")).panel(answer).panel(left).stacked()
+    Figure::new(format!("Test at {} Hz", f.hz), format!("The {caption}")).panel(answer).panel(left).stacked()
 }
 
 /// Width of the loops by the estimated block and by that of Table 2.
@@ -163,7 +167,7 @@ pub(super) fn width(study: &Study) -> Figure {
         printed[printed.len() - 1]
     );
     Figure::new("Width of the loop against frequency", caption).panel(
-        Axes::new(Axis::log("f [Hz]").ticks(&hz), Axis::new("loop width [% of height]").from(0.0))
+        Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::new("loop width [% of height]").from(0.0))
             .with(Series::marked(&hz, &printed).role(Role::Descending).named("by Table 2 as printed"))
             .with(Series::marked(&hz, &own).role(Role::Model).named("by the estimated block")),
     )
@@ -173,7 +177,7 @@ pub(super) fn width(study: &Study) -> Figure {
 pub(super) fn error(study: &Study) -> Figure {
     let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
     let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual];
-    let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&hz), Axis::log("MSE [mm²]"));
+    let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]"));
     for (method, role) in METHODS.iter().zip(roles) {
         let mse: Vec<f64> = study.frequencies.iter().filter_map(|f| f.row(method.name)).map(|r| r.mse).collect();
         axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
