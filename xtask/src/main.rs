@@ -1,2 +1,94 @@
-//! The project's own automation.
-fn main() {}
+//! The project's own automation: `cargo xtask test|bench|golden|docs`.
+//!
+//! Needs a Rust toolchain with rustfmt and clippy; `bench` and `golden` need Python 3 too. What is missing is said.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+/// What can be done, each with what it is for.
+const VERBS: [(&str, &str, fn() -> Result<(), String>); 4] = [
+    ("test", "format, clippy with warnings denied, all tests, documentation", test),
+    ("bench", "criterion benches, then the swarm beside pyswarms (Python, makes its own environment)", bench),
+    ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
+    ("docs", "build the documentation and say where it is", docs),
+];
+
+fn main() -> ExitCode {
+    let wanted = std::env::args().nth(1).unwrap_or_default();
+    let Some((_, _, run)) = VERBS.iter().find(|(name, ..)| *name == wanted) else {
+        eprintln!("usage: cargo xtask VERB");
+        VERBS.iter().for_each(|(name, what, _)| eprintln!("  {name:8}{what}"));
+        return ExitCode::from(2);
+    };
+    let start = Instant::now();
+    match run() {
+        Ok(()) => {
+            eprintln!("xtask {wanted}: all well, {:.0} s", start.elapsed().as_secs_f64());
+            ExitCode::SUCCESS
+        }
+        Err(what) => {
+            eprintln!("xtask {wanted}: {what}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn test() -> Result<(), String> {
+    for (component, arguments) in [("rustfmt", ["fmt", "--version"]), ("clippy", ["clippy", "--version"])] {
+        let there = cargo(&arguments).output().is_ok_and(|o| o.status.success());
+        if !there {
+            return Err(format!(
+                "`cargo {}` is missing: install it with `rustup component add {component}`",
+                arguments[0]
+            ));
+        }
+    }
+    step(&mut cargo(&["fmt", "--all", "--check"]))?;
+    step(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    step(&mut cargo(&["test", "--workspace"]))?;
+    step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+fn bench() -> Result<(), String> {
+    step(&mut cargo(&["bench", "--package", "piezoid-bench"]))?;
+    step(python().arg(root().join("bench/swarm.py")))
+}
+
+fn golden() -> Result<(), String> {
+    let folder = root().join("crates/piezoid/tests/golden");
+    let entries = std::fs::read_dir(&folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+    let mut scripts: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
+    scripts.retain(|path| path.extension().is_some_and(|e| e == "py"));
+    scripts.sort();
+    scripts.iter().try_for_each(|script| step(python().arg(script)))
+}
+
+fn docs() -> Result<(), String> {
+    step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;
+    eprintln!("open {}", root().join("target/doc/piezoid/index.html").display());
+    Ok(())
+}
+
+/// Runs a command in the workspace, its output on ours.
+fn step(command: &mut Command) -> Result<(), String> {
+    let line: Vec<_> = std::iter::once(command.get_program()).chain(command.get_args()).collect();
+    let line = line.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ");
+    eprintln!("== {line}");
+    let status = command.current_dir(root()).status().map_err(|e| format!("cannot start `{line}`: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("`{line}` failed ({status})")) }
+}
+
+fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments);
+    command
+}
+
+fn python() -> Command {
+    Command::new(if cfg!(windows) { "python" } else { "python3" })
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}

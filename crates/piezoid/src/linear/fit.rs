@@ -4,9 +4,10 @@
 //! the sensor adds to y by least squares with one constant a record: a constant forgotten puts a pole at 0 Hz.
 
 use super::Arx;
-use super::regression::{AbsoluteError, Orders, Regression};
+use super::absolute_error::AbsoluteError;
+use super::regression::{Orders, Regression};
 use crate::error::Error;
-use crate::optimize::{Bounds, Reason, least_absolute, swarm};
+use crate::optimize::{Reason, least_absolute, swarm};
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
@@ -44,7 +45,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         reference: "paper, equations (2)-(7); Shi & Eberhart 1998, doi:10.1109/ICEC.1998.699146",
         estimate: |regression, settings, progress| {
             let cost = AbsoluteError::from(regression);
-            let minimum = swarm::minimise(&cost, search_box(regression)?, settings.clone(), progress)?;
+            let minimum = swarm::minimise(&cost, regression.search_box()?, settings.clone(), progress)?;
             if minimum.reason == Reason::Cancelled {
                 let (done, total) = (minimum.history.len() - 1, settings.iterations);
                 return Err(Error::Cancelled { what: "the swarm".into(), done, total });
@@ -181,20 +182,6 @@ fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f64>), Error>
         });
     }
     Ok((theta, offsets))
-}
-
-/// Where the swarm looks. The coefficients of a stable 1 - a1 q^-1 - ... - an q^-n are at most binomial(n, k) in size;
-/// each b is taken to be at most the largest output over the largest input.
-fn search_box(regression: &Regression) -> Result<Bounds, Error> {
-    let Orders { na, nb, .. } = regression.orders;
-    let stride = regression.stride();
-    let peak = |columns: std::ops::Range<usize>| {
-        regression.rows.chunks_exact(stride).flat_map(|row| &row[columns.clone()]).fold(0.0f64, |m, v| m.max(v.abs()))
-    };
-    let b_max = peak(0..1) / peak(1 + na..stride);
-    let binomial = |k: usize| (1..=k).fold(1.0, |c, i| c * (na + 1 - i) as f64 / i as f64);
-    let high: Vec<f64> = (1..=na).map(binomial).chain(std::iter::repeat_n(b_max, nb)).collect();
-    Bounds::new(high.iter().map(|h| -h).collect(), high)
 }
 
 fn residuals(regression: &Regression, theta: &[f64]) -> Residuals {

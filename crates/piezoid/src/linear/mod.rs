@@ -1,13 +1,15 @@
 //! The linear block: an ARX difference equation, its analysis, its inverses, and the estimators that fit it.
 
+mod absolute_error;
 mod analysis;
 mod arx;
 mod fit;
 mod inverse;
 mod regression;
 
+pub use absolute_error::AbsoluteError;
 pub use analysis::{Pole, Response, Root};
 pub use arx::Arx;
 pub use fit::{ESTIMATORS, Estimator, Fit, Residuals, estimator, fit};
 pub use inverse::Inverse;
-pub use regression::{AbsoluteError, Orders, Regression};
+pub use regression::{Orders, Regression};

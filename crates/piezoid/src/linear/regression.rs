@@ -1,13 +1,8 @@
-//! The regression of equation (1): one row `[y_t, psi_t]` a sample, and the cost the paper's swarm minimises over it.
-//!
-//! ```text
-//! f(theta) = sum_t |y_t - psi_t' theta|,   psi_t = [y_{t-1}, ..., u_{t-d}, u_{t-d-1}, ...]
-//! ```
+//! The regression of equation (1): one row `[y_t, psi_t]` a sample, psi_t = [y_{t-1}, ..., u_{t-d}, u_{t-d-1}, ...].
 
 use crate::error::Error;
-use crate::optimize::swarm::Cost;
+use crate::optimize::Bounds;
 use crate::record::{Record, same_sampling};
-use multiversion::{multiversion, target::target_cfg_f};
 use serde::{Deserialize, Serialize};
 
 /// How many coefficients the block has.
@@ -90,6 +85,27 @@ impl Regression {
         self.rows.len() / self.stride()
     }
 
+    /// The rows, `[y_t, psi_t...]` each.
+    pub fn rows(&self) -> impl Iterator<Item = &[f64]> {
+        self.rows.chunks_exact(self.stride())
+    }
+
+    /// Where a search for theta looks. The coefficients of a stable 1 - a1 q^-1 - ... - an q^-n are at most
+    /// binomial(n, k) in size; each b is taken to be at most the largest output over the largest input.
+    ///
+    /// # Errors
+    /// Refused when inputs or outputs are all zero.
+    pub fn search_box(&self) -> Result<Bounds, Error> {
+        let Orders { na, nb, .. } = self.orders;
+        let peak = |columns: std::ops::Range<usize>| {
+            self.rows().flat_map(|row| &row[columns.clone()]).fold(0.0f64, |m, v| m.max(v.abs()))
+        };
+        let b_max = peak(0..1) / peak(1 + na..self.stride());
+        let binomial = |k: usize| (1..=k).fold(1.0, |c, i| c * (na + 1 - i) as f64 / i as f64);
+        let high: Vec<f64> = (1..=na).map(binomial).chain(std::iter::repeat_n(b_max, nb)).collect();
+        Bounds::new(high.iter().map(|h| -h).collect(), high)
+    }
+
     /// Numbers a row.
     pub(crate) fn stride(&self) -> usize {
         self.orders.parameters() + 1
@@ -116,93 +132,4 @@ pub(crate) fn join(items: &[impl ToString]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
         _ => texts.concat(),
     }
-}
-
-/// The paper's fitness: the sum of absolute one-step prediction errors, for many particles at once.
-///
-/// The lanes of the vector unit are particles: each sums its own rows in order, so its cost is the same to the bit
-/// whatever the width, the company it is evaluated in, and the number of threads.
-#[derive(Debug, Clone, Copy)]
-pub struct AbsoluteError<'a> {
-    rows: &'a [f64],
-    stride: usize,
-}
-
-/// Rows between two looks at which particles can still beat their limits.
-const BLOCK: usize = 128;
-
-impl<'a> AbsoluteError<'a> {
-    /// The cost over `rows`, which hold `[y, psi...]` one after another, `dimension` numbers in psi.
-    pub fn new(rows: &'a [f64], dimension: usize) -> Self {
-        AbsoluteError { rows, stride: dimension + 1 }
-    }
-}
-
-impl<'a> From<&'a Regression> for AbsoluteError<'a> {
-    fn from(regression: &'a Regression) -> Self {
-        AbsoluteError { rows: &regression.rows, stride: regression.stride() }
-    }
-}
-
-impl Cost for AbsoluteError<'_> {
-    fn evaluate(&self, positions: &[f64], limits: &[f64], costs: &mut [f64]) {
-        costs.fill(0.0);
-        let d = self.stride - 1;
-        let mut theta = vec![0.0; 32 * d];
-        let mut live: Vec<usize> = (0..costs.len()).collect();
-        for block in self.rows.chunks(BLOCK * self.stride) {
-            let mut rest = live.as_slice();
-            while !rest.is_empty() {
-                let (company, others) = rest.split_at(rest.len().min(32));
-                match company.len() {
-                    1..=8 => together::<8>(block, company, positions, &mut theta, costs),
-                    9..=16 => together::<16>(block, company, positions, &mut theta, costs),
-                    17..=24 => together::<24>(block, company, positions, &mut theta, costs),
-                    _ => together::<32>(block, company, positions, &mut theta, costs),
-                }
-                rest = others;
-            }
-            live.retain(|&m| costs[m] < limits[m]);
-        }
-    }
-}
-
-/// Adds the rows' errors to the costs of a company of at most `L` particles.
-fn together<const L: usize>(rows: &[f64], company: &[usize], positions: &[f64], theta: &mut [f64], costs: &mut [f64]) {
-    let d = theta.len() / 32;
-    let (theta, _) = theta.as_chunks_mut::<L>();
-    let mut sums = [0.0; L];
-    for (lane, &m) in company.iter().enumerate() {
-        sums[lane] = costs[m];
-        for (k, theta) in theta[..d].iter_mut().enumerate() {
-            theta[lane] = positions[m * d + k];
-        }
-    }
-    accumulate::<L>(rows, &theta[..d], &mut sums);
-    for (lane, &m) in company.iter().enumerate() {
-        costs[m] = sums[lane];
-    }
-}
-
-/// sums[lane] += sum over rows of |y - psi' theta[lane]|.
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn accumulate<const L: usize>(rows: &[f64], theta: &[[f64; L]], sums: &mut [f64; L]) {
-    let mut sum = *sums;
-    for row in rows.chunks_exact(theta.len() + 1) {
-        let mut error = [row[0]; L];
-        for (psi, theta) in row[1..].iter().zip(theta) {
-            for lane in 0..L {
-                // A fused step only where it is an instruction: elsewhere it is a slow library call.
-                error[lane] = if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
-                    (-psi).mul_add(theta[lane], error[lane])
-                } else {
-                    error[lane] - psi * theta[lane]
-                };
-            }
-        }
-        for lane in 0..L {
-            sum[lane] += error[lane].abs();
-        }
-    }
-    *sums = sum;
 }

@@ -36,11 +36,11 @@ pub(super) fn convergence(study: &Study) -> Figure {
     let last = best.last().copied().unwrap_or(f64::NAN);
     let caption = format!(
         "The best sum of absolute errors falls from {:.3} to {last:.6} mm in {} iterations. No block of this form can go \
-         below {:.6} mm, which linear programming finds exactly: the swarm ends {:.1e} above it.",
+         below {:.6} mm, which linear programming finds exactly: the swarm ends within {:.0e} of it.",
         best[0],
         best.len() - 1,
         study.optimum,
-        (last / study.optimum - 1.0).max(0.0)
+        (last / study.optimum - 1.0).max(1e-12)
     );
     Figure::new("Swarm convergence", caption).panel(
         Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
@@ -131,8 +131,7 @@ pub(super) fn test(f: &Frequency) -> Figure {
     let y = f.test.y();
     let from = y.len() - ((PERIODS / (f.hz * TS)).round() as usize).clamp(1, y.len());
     let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
-    let mut answer =
-        Axes::new("t [ms]", "y [mm]").height(0.6).with(Series::line(&t, &y[from..]).role(Role::Measured).named("twin"));
+    let mut answer = Axes::new("t [ms]", "y [mm]").height(0.6).titled(format!("{} Hz", f.hz));
     let mut left = Axes::new("t [ms]", "error [mm]").height(0.4);
     let shown =
         [("printed-rule", "rule as printed", Role::Descending), ("held-direction", "direction held", Role::Model)];
@@ -142,10 +141,10 @@ pub(super) fn test(f: &Frequency) -> Figure {
         let error: Vec<f64> = row.simulated[from..].iter().zip(&y[from..]).map(|(s, y)| y - s).collect();
         answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).named(name));
         left = left.with(Series::line(&t, &error).role(role));
-        words.push(format!("{} leaves {:.2} % of peak-to-peak", name, row.metrics.rms_pp_percent));
+        words.push(format!("the {name} leaves {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
     }
-    let caption = format!("{}.", words.join("; the "));
-    Figure::new(format!("Test at {} Hz", f.hz), format!("The {caption}")).panel(answer).panel(left).stacked()
+    let answer = answer.with(Series::dashed(&t, &y[from..]).role(Role::Measured).named("twin"));
+    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(left).stacked()
 }
 
 /// Width of the loops by the estimated block and by that of Table 2.
@@ -173,13 +172,17 @@ pub(super) fn width(study: &Study) -> Figure {
     )
 }
 
+/// Errors below this are drawn as this [mm^2].
+const FLOOR: f64 = 1e-6;
+
 /// Mean squared error of every method against frequency, with the printed Table 1.
 pub(super) fn error(study: &Study) -> Figure {
     let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
     let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual];
-    let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]"));
+    let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]").from(FLOOR));
     for (method, role) in METHODS.iter().zip(roles) {
-        let mse: Vec<f64> = study.frequencies.iter().filter_map(|f| f.row(method.name)).map(|r| r.mse).collect();
+        let rows = study.frequencies.iter().filter_map(|f| f.row(method.name));
+        let mse: Vec<f64> = rows.map(|r| r.mse.max(FLOOR)).collect();
         axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();

@@ -15,7 +15,7 @@ use crate::hammerstein::{Model, hidden};
 use crate::hysteresis::{Branches, Hysteresis, Loop, Proportional, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::optimize::swarm;
-use crate::plant::{Plant, Preset};
+use crate::plant::{Plant, Preset, Saturation};
 use crate::progress::{Progress, Stage, unwatched};
 use crate::record::{Record, Units};
 use crate::system::System;
@@ -201,10 +201,10 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
     let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
     if let Err(why) = own.0.inverse() {
         notes.push(format!(
-            "{why}. The loops below stand on the inverse of the whole record, forward and backward in time"
+            "The paper's inverse (8) cannot be used: {why}. The loops stand on the inverse of the whole record instead, which runs \
+             forward and backward in time."
         ));
     }
-
     notes.extend(second_mode(&small_signal, &squares));
 
     let mut frequencies = Vec::new();
@@ -216,9 +216,7 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
         }
         frequencies.push(bench.frequency(hz, &own, &table_2, &mut limits)?);
     }
-    if !limits.is_empty() {
-        notes.push(format!("limits of the bench were reached: {}", limits.join("; ")));
-    }
+    notes.extend(limits_in_words(&limits));
     let block = |fit: &Fit| Block { name: fit.estimator, arx: fit.arx.clone(), fit: Some(fit.clone()) };
     Ok(Study {
         plant,
@@ -237,6 +235,22 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
     })
 }
 
+/// The records in which a limit of the plant was reached, one sentence a limit.
+fn limits_in_words(limits: &[(String, Saturation)]) -> Vec<String> {
+    type Count = fn(&Saturation) -> usize;
+    let kinds: [(&str, Count); 3] = [
+        ("The driver clamped its voltage", |s| s.clamped),
+        ("The driver's current limit was reached", |s| s.current_limited),
+        ("The sensor was driven out of its range", |s| s.sensor_clipped),
+    ];
+    let sentence = |(what, count): &(&str, Count)| {
+        let hit = limits.iter().filter(|(_, s)| count(s) > 0);
+        let records: Vec<String> = hit.map(|(record, s)| format!("{record} ({})", count(s))).collect();
+        (!records.is_empty()).then(|| format!("{what} in, with the number of samples: {}.", records.join(", ")))
+    };
+    kinds.iter().filter_map(sentence).collect()
+}
+
 /// What a block of twice the order says, where the paper's order 2 leaves a visible part of the record unexplained.
 fn second_mode(small_signal: &Record, second_order: &Fit) -> Option<String> {
     let power: f64 = small_signal.y().iter().map(|y| y * y).sum();
@@ -249,9 +263,9 @@ fn second_mode(small_signal: &Record, second_order: &Fit) -> Option<String> {
         fit.arx.poles().into_iter().filter(|p| p.z.im > 0.0).min_by(|p, q| p.damping.total_cmp(&q.damping))?;
     (left > 0.02 && times > 2.0).then(|| {
         format!(
-            "order 2 has room for one mode and leaves {:.0} % of this record's rms in prediction; order 4 predicts {times:.0} times as \
+            "Order 2 has room for one mode and leaves {:.0} % of this record's rms in prediction; order 4 predicts {times:.0} times as \
              well and puts the resonance at {:.1} Hz with damping {:.3}. Modes above half the sampling rate, as every bender has, fold back below it, \
-             and the paper's block has to bend to them",
+             and the paper's block has to bend to them.",
             100.0 * left,
             sharpest.hz,
             sharpest.damping
@@ -280,10 +294,10 @@ struct Bench {
 
 impl Bench {
     /// Drives the plant from rest and records it; what limits were reached is added to `limits`.
-    fn measure(&self, u: Vec<f64>, what: &str, limits: &mut Vec<String>) -> Result<Record, Error> {
+    fn measure(&self, u: Vec<f64>, what: &str, limits: &mut Vec<(String, Saturation)>) -> Result<Record, Error> {
         let run = self.plant.run(&u);
         if run.saturation.any() {
-            limits.push(format!("{what}, {}", run.saturation));
+            limits.push((what.into(), run.saturation));
         }
         let units = Units { u: "V".into(), y: "mm".into() };
         let y = run.y.iter().map(|y| 1e3 * y).collect();
@@ -314,7 +328,7 @@ impl Bench {
         hz: f64,
         own: &(Arx, f64),
         table_2: &Arx,
-        limits: &mut Vec<String>,
+        limits: &mut Vec<(String, Saturation)>,
     ) -> Result<Frequency, Error> {
         let n = (DURATION / TS) as usize;
         let frequency = hz;

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""The paper's swarm problem, side by side: piezoid against pyswarms 1.3.0 with a vectorised numpy cost.
+
+    python3 bench/swarm.py [PAIRS]
+
+50 particles, 500 iterations, 4093 rows, 5 parameters, one thread each, the same rows, box and fitness. The script makes
+its own virtual environment in bench/.venv and builds what it times. Each pair runs one search of each, in turn, and
+times the search alone, without start-up and reading. Printed: the median of each, their ratio, and the time a core
+would need at its multiply-add peak for as many evaluations.
+"""
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+import venv
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+NEEDS = ["numpy", "pyswarms==1.3.0"]
+PARTICLES, ITERATIONS = 50, 500
+
+
+def inside_own_environment():
+    """Goes on in bench/.venv, made on the first run."""
+    home = HERE / ".venv"
+    python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    if Path(sys.prefix).resolve() == home.resolve():
+        return
+    if not (home / "ready").exists():
+        print(f"making {home.relative_to(ROOT)} with {', '.join(NEEDS)}", file=sys.stderr)
+        venv.create(home, with_pip=True, clear=True)
+        subprocess.run([python, "-m", "pip", "install", "--quiet", *NEEDS], check=True)
+        (home / "ready").touch()
+    one_thread = dict.fromkeys(["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"], "1")
+    raise SystemExit(subprocess.run([python, *sys.argv], env={**os.environ, **one_thread}).returncode)
+
+
+def build():
+    """The binary that runs our side."""
+    command = ["cargo", "build", "--release", "--quiet", "--package", "piezoid-bench", "--message-format=json"]
+    lines = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+    binaries = [json.loads(line).get("executable") for line in lines]
+    return next(path for path in reversed(binaries) if path)
+
+
+def main():
+    import numpy as np
+    import pyswarms
+
+    pairs = int(sys.argv[1]) if len(sys.argv) > 1 else 7
+    binary = build()
+    rows = subprocess.run([binary, "rows"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    data = np.array([[float(cell) for cell in line.split(",")] for line in rows.splitlines()])
+    y, psi = data[:, 0].copy(), np.ascontiguousarray(data[:, 1:].T)
+    b_max = np.abs(y).max() / np.abs(psi[2:]).max()
+    high = np.array([2.0, 1.0, b_max, b_max, b_max])
+
+    def fitness(theta):
+        return np.abs(y - theta @ psi).sum(axis=1)
+
+    def theirs(seed):
+        np.random.seed(seed)
+        swarm = pyswarms.single.GlobalBestPSO(
+            PARTICLES, 5, options={"c1": 1.5, "c2": 1.5, "w": 0.65}, bounds=(-high, high)
+        )
+        start = time.perf_counter()
+        cost, _ = swarm.optimize(fitness, iters=ITERATIONS, verbose=False)
+        return time.perf_counter() - start, cost
+
+    def ours(seed):
+        return json.loads(subprocess.run([binary, "run", str(seed)], check=True, stdout=subprocess.PIPE).stdout)
+
+    print(f"{len(y)} rows, {PARTICLES} particles, {ITERATIONS} iterations, {pairs} pairs", file=sys.stderr)
+    ours(0), theirs(0)  # warm-up
+    left, right = [], []
+    for seed in range(1, pairs + 1):
+        left.append(ours(seed))
+        right.append(theirs(seed))
+    times = [[run["seconds"] for run in left], [seconds for seconds, _ in right]]
+    costs = [[run["cost"] for run in left], [cost for _, cost in right]]
+    for name, seconds, cost in zip(["piezoid", "pyswarms 1.3.0"], times, costs):
+        spread = f"{1e3 * min(seconds):8.2f} to {1e3 * max(seconds):8.2f}"
+        print(f"{name:15}{1e3 * statistics.median(seconds):9.2f} ms ({spread}), worst cost {max(cost):.6f} um")
+    ratio = statistics.median(b / a for a, b in zip(*times))
+    peak = statistics.median(run["multiply_adds"] / run["peak_multiply_adds_per_second"] for run in left)
+    print(f"piezoid is {ratio:.0f} times as fast (median of pairs)")
+    print(f"bound: {1e3 * peak:.2f} ms, all multiply-adds of all evaluations at this core's peak")
+
+
+if __name__ == "__main__":
+    inside_own_environment()
+    main()
