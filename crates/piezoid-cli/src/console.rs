@@ -82,10 +82,11 @@ impl Console {
         if bar.message() != stage.what || bar.length() != Some(stage.total as u64) {
             bar.finish_and_clear();
             *bar = ProgressBar::with_draw_target(Some(stage.total as u64), ProgressDrawTarget::stderr());
-            // Shorter than the line, so that the terminal's own `^C` does not break it.
-            let (width, _) =
-                terminal_size::terminal_size_of(std::io::stderr()).map_or((USUAL, 0), |(w, _)| (w.0.into(), 0));
-            let template = if width < ROOM_FOR_A_BAR { "{percent:>3} % {msg}" } else { "{msg}  {bar:20}  {pos}/{len}" };
+            let width = terminal_size::terminal_size_of(std::io::stderr()).map_or(USUAL, |(width, _)| width.0.into());
+            let template = match width {
+                ..ROOM_FOR_A_BAR => "{percent:>3} % {msg}",
+                _ => "{msg}  {bar:20}  {pos}/{len}",
+            };
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style.progress_chars("━╸ "));
             }

@@ -169,10 +169,11 @@ fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console
         console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
     };
     let each = |values: &[f64]| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>();
-    let mut text = match arx.a() {
-        [] => format!("Linear block: a gain without dynamics, every {} s\n", arx.ts()),
-        _ => format!("Linear block: y = a1 y1 + ... + b0 u + b1 u1 + ..., every {} s\n", arx.ts()),
+    let form = match arx.a() {
+        [] => "a gain without dynamics",
+        _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
     };
+    let mut text = console.paragraph(&format!("Linear block: {form}, every {} s", arx.ts()), "  ");
     if !arx.a().is_empty() {
         text += &listed("a", each(arx.a()));
         text += &listed("b", each(arx.b()));

@@ -19,9 +19,8 @@ Examples:
     piezoid validate --model model.json --data record.csv --from 20 --offset free \\
         --json -
 
-The model runs free: it sees the input alone, and starts as if the first input
-had stood for long. nrmse % is 100 rmse / standard deviation of y, rms/pp % is
-100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.";
+The model runs free: it sees the input alone, and starts as if the first input had stood for long. \
+nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
