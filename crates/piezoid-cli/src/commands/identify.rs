@@ -158,6 +158,12 @@ impl Identify {
         for note in &found.notes {
             console.remark(note);
         }
+        if !found.model.linear().is_stable() {
+            console.remark(
+                "the linear block is unstable, so the model grows without bound: more --iterations, a lower --order or \
+                 --estimator least-squares may help",
+            );
+        }
         files::write_json(self.json.as_deref(), &result(&found, &on_itself), console)?;
         files::write(&self.output, &model.to_json(), console)
     }

@@ -79,6 +79,10 @@ impl Simulate {
             }
             _ => bail!("name a --plant or a --model"),
         };
+        if let Some(k) = y.iter().position(|y| !y.is_finite()) {
+            let time = k as f64 * ts;
+            bail!("the answer grows beyond all numbers at {time} s: the model is unstable, or the input far too large");
+        }
         let (u_name, y_name) = (format!("u_{u_unit}"), format!("y_{y_unit}"));
         files::write(&self.output, &piezoid::formats::csv::write(ts, &[(&u_name, u), (&y_name, &y)])?, console)
     }
