@@ -1,19 +1,21 @@
 //! Files: records in, results out. What is written is whole or not there: it is written beside and renamed.
 
-use anyhow::{Context, Result, bail};
+use crate::values::{period, seconds};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use piezoid::formats::{Selection, Signal, Table};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 
 /// Which columns and which part of a data file are meant.
 #[derive(Args, Clone)]
 pub(crate) struct Columns {
     /// Sampling period, for files without a time column.
-    #[arg(long, value_name = "SECONDS", help_heading = "Data files")]
+    #[arg(long, value_name = "SECONDS", value_parser = period, allow_negative_numbers = true)]
+    #[arg(help_heading = "Data files")]
     ts: Option<f64>,
     /// Name of the input column [default: u_V].
     #[arg(long, value_name = "NAME", help_heading = "Data files")]
@@ -25,11 +27,20 @@ pub(crate) struct Columns {
     #[arg(long, value_name = "NAME", help_heading = "Data files")]
     time_col: Option<String>,
     /// Use the data from this time on, counted from the first row.
-    #[arg(long, value_name = "SECONDS", help_heading = "Data files")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(help_heading = "Data files")]
     from: Option<f64>,
-    /// Use the data up to this time.
-    #[arg(long, value_name = "SECONDS", help_heading = "Data files")]
+    /// Use the data up to this time, counted from the first row.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(help_heading = "Data files")]
     to: Option<f64>,
+}
+
+/// A record and the file it comes from.
+pub(crate) struct Measured {
+    pub(crate) record: Record,
+    /// Name and hash, as results tell where they come from.
+    pub(crate) origin: Value,
 }
 
 impl Columns {
@@ -46,45 +57,58 @@ impl Columns {
         (self.from.unwrap_or(0.0), self.to.unwrap_or(f64::INFINITY))
     }
 
-    /// The record in a file.
-    pub(crate) fn record(&self, path: &Path) -> Result<Record> {
+    /// The record in a file, which is read once: it may be a pipe.
+    pub(crate) fn record(&self, path: &Path) -> Result<Measured> {
         let (from, to) = self.part();
-        let table = parse(path)?;
-        table.record(&self.selection()).and_then(|r| r.part(from, to)).with_context(|| path.display().to_string())
-    }
-
-    /// The records in files, in their order.
-    pub(crate) fn records(&self, paths: &[PathBuf]) -> Result<Vec<Record>> {
-        paths.iter().map(|p| self.record(p)).collect()
+        let (table, bytes) = parse(path)?;
+        let record = table.record(&self.selection()).and_then(|r| r.part(from, to)).with_context(|| named(path))?;
+        let hex: String = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Measured { record, origin: json!({"file": short(&named(path)), "sha256": hex}) })
     }
 
     /// The input in a file that may hold nothing else.
     pub(crate) fn input(&self, path: &Path) -> Result<Signal> {
-        parse(path)?.input(&self.selection()).with_context(|| path.display().to_string())
+        let (from, to) = self.part();
+        let input = || {
+            let Signal { ts, samples, unit } = parse(path)?.0.input(&self.selection())?;
+            let range = piezoid::record::span(from, to, ts, samples.len())?;
+            Ok(Signal { ts, samples: samples[range].to_vec(), unit })
+        };
+        input().map_err(|e: Error| if e.is::<piezoid::Error>() { e.context(named(path)) } else { e })
     }
 }
 
-fn parse(path: &Path) -> Result<Table> {
-    let name = || path.display().to_string();
-    match path.extension().and_then(|e| e.to_str()) {
-        Some("mat" | "npz" | "dat") => bail!("{}: this version reads CSV files; export the record as CSV", name()),
-        _ => Table::parse(&read(path)?).with_context(name),
+fn named(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn parse(path: &Path) -> Result<(Table, Vec<u8>)> {
+    if let Some(kind @ ("mat" | "npz" | "dat")) = path.extension().and_then(|e| e.to_str()) {
+        bail!("{}: this version does not read .{kind} files: export the record as CSV", named(path));
     }
+    let bytes = read(path)?;
+    Ok((Table::parse(&bytes).with_context(|| named(path))?, bytes))
 }
 
 /// The bytes of a file.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))
+    std::fs::read(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => anyhow!("{}: there is no such file: check its name and folder", named(path)),
+        ErrorKind::PermissionDenied => anyhow!("{}: this file may not be read: check its permissions", named(path)),
+        _ if path.is_dir() => anyhow!("{}: this is a folder: name a file in it", named(path)),
+        _ => Error::new(error).context(format!("cannot read {}", named(path))),
+    })
 }
 
 /// The text of a file.
 pub(crate) fn read_text(path: &Path) -> Result<String> {
-    String::from_utf8(read(path)?).map_err(|_| anyhow::anyhow!("{}: not a text file (it is not UTF-8)", path.display()))
+    String::from_utf8(read(path)?).map_err(|_| anyhow!("{}: this is not a text file (it is not UTF-8)", named(path)))
 }
 
 /// The model in a file.
 pub(crate) fn model(path: &Path) -> Result<Model> {
-    Model::from_json(&read_text(path)?).with_context(|| path.display().to_string())
+    let text = read_text(path)?;
+    Model::from_json(&text).map_err(|e| anyhow!("{}: {e}; a model is what `piezoid identify` writes", named(path)))
 }
 
 /// Writes a file beside its place and renames it there; `-` is stdout.
@@ -92,20 +116,47 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
     if path == Path::new("-") {
         return console.print(text);
     }
-    let name = || format!("cannot write {}", path.display());
-    if path.is_dir() {
-        bail!("{}: it is a folder; name a file in it", name());
+    match std::fs::metadata(path) {
+        Ok(what) if what.is_dir() => bail!("cannot write {}: this is a folder: name a file in it", named(path)),
+        // A pipe or a device stays what it is.
+        Ok(what) if !what.is_file() => {
+            let mut open = std::fs::OpenOptions::new();
+            return open.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes())).or_else(|error| {
+                match error.kind() {
+                    ErrorKind::BrokenPipe => Ok(()),
+                    _ => Err(Error::new(error).context(format!("cannot write {}", named(path)))),
+                }
+            });
+        }
+        _ => {}
     }
-    let folder = match path.parent() {
+    // Through a link to its end: the link stays.
+    let end = std::fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    let folder = match end.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
     };
+    replace(&end, folder, text).map_err(|error| {
+        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        let why = match error.kind() {
+            ErrorKind::NotFound => format!("there is no folder {}: make it first", folder.display()),
+            ErrorKind::NotADirectory => format!("{} is not a folder: name a file in a folder", folder.display()),
+            ErrorKind::PermissionDenied => {
+                format!("the folder {} may not be written to: name another", folder.display())
+            }
+            other => other.to_string(),
+        };
+        anyhow!("cannot write {}: {why}", named(path))
+    })
+}
+
+fn replace(path: &Path, folder: &Path, text: &str) -> io::Result<()> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut beside = builder.prefix(".piezoid-").tempfile_in(folder).with_context(name)?;
-    beside.write_all(text.as_bytes()).with_context(name)?;
-    beside.persist(path).with_context(name)?;
+    let mut beside = builder.prefix(".piezoid-").tempfile_in(folder)?;
+    beside.write_all(text.as_bytes())?;
+    beside.persist(path).map_err(|failed| failed.error)?;
     Ok(())
 }
 
@@ -119,20 +170,31 @@ pub(crate) fn write_json(path: Option<&Path>, value: &Value, console: &crate::co
 
 /// Where a result comes from: the command, its files with their hashes, the version. Folders are left out, so that
 /// the same work gives the same bytes wherever it is done.
-pub(crate) fn provenance(files: &[&PathBuf]) -> Result<Value> {
-    let short = |text: &str| match Path::new(text).file_name() {
-        Some(name) if text.contains(['/', '\\']) => name.to_string_lossy().into_owned(),
-        _ => text.to_string(),
+pub(crate) fn provenance(origins: Vec<Value>) -> Value {
+    let word = |argument: std::ffi::OsString| {
+        let argument = argument.to_string_lossy();
+        let word = match argument.split_once('=') {
+            Some((flag, value)) if flag.starts_with("--") => format!("{flag}={}", short(value)),
+            _ => short(&argument),
+        };
+        if word.is_empty() || word.contains([' ', '\'', '"']) {
+            format!("'{}'", word.replace('\'', "'\\''"))
+        } else {
+            word
+        }
     };
-    let command: Vec<String> = std::env::args().skip(1).map(|a| short(&a)).collect();
-    let hashes = files.iter().map(|path| {
-        let digest = Sha256::digest(read(path)?);
-        let hex: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(json!({"file": short(&path.display().to_string()), "sha256": hex}))
-    });
-    Ok(json!({
+    let command: Vec<String> = std::env::args_os().skip(1).map(word).collect();
+    json!({
         "command": format!("piezoid {}", command.join(" ")),
         "version": env!("CARGO_PKG_VERSION"),
-        "files": hashes.collect::<Result<Vec<_>>>()?,
-    }))
+        "files": origins,
+    })
+}
+
+/// The name of a file without its folder.
+fn short(text: &str) -> String {
+    match Path::new(text).file_name() {
+        Some(name) if text.contains(['/', '\\']) => name.to_string_lossy().into_owned(),
+        _ => text.to_string(),
+    }
 }

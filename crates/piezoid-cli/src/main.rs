@@ -5,30 +5,53 @@
 mod commands;
 mod console;
 mod files;
+mod layout;
+mod values;
 
-use clap::Parser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
 use commands::Verb;
 use console::Console;
 use std::process::ExitCode;
 
-/// Piezo actuators: measure, identify, prove, compensate, export.
+const EXAMPLES: &str = "\
+Start with:
+  piezoid study                      the paper's experiment, and report.html
+  piezoid identify --help            a model from your own records
+  piezoid help VERB                  all about one verb";
+
+/// Piezo actuators: measure, identify and prove.
 #[derive(Parser)]
 #[command(name = "piezoid", version, max_term_width = 100, arg_required_else_help = true)]
+#[command(subcommand_value_name = "VERB", subcommand_help_heading = "Verbs", after_help = EXAMPLES)]
 pub(crate) struct Cli {
-    /// No progress on stderr.
-    #[arg(long, global = true)]
+    /// Show no progress.
+    #[arg(long, global = true, display_order = 900)]
     quiet: bool,
     #[command(subcommand)]
     verb: Verb,
 }
 
 fn main() -> ExitCode {
-    let Cli { quiet, verb } = Cli::parse();
+    let Cli { quiet, verb } = Cli::try_parse().unwrap_or_else(|wrong| with_the_names_there_are(wrong).exit());
     match verb.run(&Console::new(quiet)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             console::complain(&error);
-            ExitCode::FAILURE
+            ExitCode::from(if error.is::<values::Misused>() { 2 } else { 1 })
         }
     }
+}
+
+/// A verb or kind that does not exist is answered with those that do.
+fn with_the_names_there_are(mut wrong: clap::Error) -> clap::Error {
+    let given: Vec<String> = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
+    let cli = Cli::command();
+    let asked = given.iter().find_map(|word| cli.find_subcommand(word)).filter(|verb| verb.has_subcommands());
+    if wrong.kind() == ErrorKind::InvalidSubcommand && wrong.get(ContextKind::SuggestedSubcommand).is_none() {
+        let names = asked.unwrap_or(&cli).get_subcommands().map(|c| c.get_name()).collect::<Vec<_>>().join(", ");
+        let tip = clap::builder::StyledStr::from(format!("there are {names}"));
+        wrong.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+    }
+    wrong
 }

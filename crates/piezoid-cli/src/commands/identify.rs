@@ -1,8 +1,10 @@
 //! `piezoid identify`: from measured records to a model.
 
-use crate::console::{Console, number, table};
-use crate::files::{self, Columns};
-use anyhow::{Result, bail};
+use crate::console::Console;
+use crate::files::{self, Columns, Measured};
+use crate::layout::{number, round, table};
+use crate::values::{apart, count};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use piezoid::hammerstein::{Identified, Paper, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
@@ -13,7 +15,22 @@ use piezoid::{Record, System};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
+const EXAMPLES: &str = "\
+Examples:
+  The paper's way: a small PRBS for the linear block, a sine a frequency for the hysteresis:
+    piezoid identify --linear prbs.csv --rich sine5.csv sine20.csv -o model.json
+  One record and nothing else, without its start-up:
+    piezoid identify --data record.csv --from 1.5 --to 20 -o model.json
+  Columns of other names, and no time column:
+    piezoid identify --data log.csv --ts 0.005 --input-col cmd_V \\
+        --output-col pos_um -o model.json";
+
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "\
+piezoid identify --linear <FILE>... --rich <FILE>...
+           [OPTIONS] -o <FILE>
+       piezoid identify --data <FILE>... [OPTIONS] -o <FILE>")]
 pub(crate) struct Identify {
     /// Small-signal records for the linear block: a PRBS of about 1 V.
     #[arg(long, value_name = "FILE", num_args = 1..)]
@@ -25,34 +42,35 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["linear", "rich"])]
     data: Vec<PathBuf>,
     /// The way to identify.
-    #[arg(long, value_enum, default_value_t = Method::Paper)]
+    #[arg(long, value_name = "WAY", value_enum, default_value_t = Method::Paper)]
     method: Method,
-    /// The hysteresis operator (see `piezoid operators`); auto: two-branch for one frequency, rate-scheduled for more.
+    /// The hysteresis operator, by name (see `piezoid operators`); auto is two-branch for one frequency and
+    /// rate-scheduled for more.
     #[arg(long, value_name = "NAME", default_value = "auto")]
     operator: String,
     /// Order of the linear block.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=12))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=12), allow_negative_numbers = true)]
     order: u8,
     /// The estimator of the linear block (see `piezoid estimators`).
     #[arg(long, value_name = "NAME", default_value = "swarm")]
     estimator: String,
     /// How the points of a loop are told apart.
-    #[arg(long, value_enum, default_value_t = SplitBy::Line)]
+    #[arg(long, value_name = "WAY", value_enum, default_value_t = SplitBy::Line)]
     split: SplitBy,
-    /// Averages a branch.
-    #[arg(long, value_name = "N", default_value_t = Paper::default().bins)]
+    /// Averages on each branch, between the turning points.
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true, default_value_t = Paper::default().bins)]
     bins: usize,
     /// Which branch is read while the input is held.
-    #[arg(long, value_enum, default_value_t = Read::Held)]
+    #[arg(long, value_name = "RULE", value_enum, default_value_t = Read::Held)]
     reading: Read,
     /// Particles of the swarm.
-    #[arg(long, value_name = "N", default_value_t = swarm::Settings::default().particles)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true, default_value_t = swarm::Settings::default().particles)]
     particles: usize,
     /// Iterations of the swarm.
-    #[arg(long, value_name = "N", default_value_t = swarm::Settings::default().iterations)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true, default_value_t = swarm::Settings::default().iterations)]
     iterations: usize,
     /// Seed of the swarm.
-    #[arg(long, default_value_t = swarm::Settings::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = swarm::Settings::default().seed)]
     seed: u64,
     /// The model file to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
@@ -89,9 +107,21 @@ enum Read {
 impl Identify {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let Method::Paper = self.method;
-        let linear = self.columns.records(&self.linear)?;
         let rich_files: Vec<&PathBuf> = self.rich.iter().chain(&self.data).collect();
-        let rich: Vec<Record> = rich_files.iter().map(|p| self.columns.record(p)).collect::<Result<_>>()?;
+        let files: Vec<&PathBuf> = self.linear.iter().chain(rich_files.iter().copied()).collect();
+        apart(&[Some(&self.output), self.json.as_deref()], &files)?;
+        piezoid::linear::estimator(&self.estimator)?;
+        if self.operator != "auto" {
+            piezoid::hysteresis::operator(&self.operator)?;
+        }
+        let mut origins = Vec::new();
+        let mut read = |path: &&PathBuf| {
+            let Measured { record, origin } = self.columns.record(path)?;
+            origins.push(origin);
+            Ok(record)
+        };
+        let linear: Vec<Record> = self.linear.iter().map(|path| read(&path)).collect::<Result<_>>()?;
+        let rich: Vec<Record> = rich_files.iter().map(read).collect::<Result<_>>()?;
         let how = Paper {
             order: self.order.into(),
             estimator: self.estimator.clone(),
@@ -112,12 +142,9 @@ impl Identify {
                 ..swarm::Settings::default()
             },
         };
-        let found = identify_paper(&linear, &rich, &how, &mut console.progress());
-        console.done();
-        let found = found?;
+        let found = console.done(identify_paper(&linear, &rich, &how, &mut console.progress()))?;
 
-        let files: Vec<&PathBuf> = self.linear.iter().chain(rich_files.iter().copied()).collect();
-        let mut made = files::provenance(&files)?;
+        let mut made = files::provenance(origins);
         made["seed"] = json!(self.seed);
         let on_itself = rich
             .iter()
@@ -125,57 +152,68 @@ impl Identify {
             .collect::<Result<Vec<Metrics>>>()?;
         let model = found.model.clone().with_provenance(made);
 
-        if [Some(self.output.as_path()), self.json.as_deref()].contains(&Some(Path::new("-"))) {
-            if self.json.as_deref() == Some(self.output.as_path()) {
-                bail!("the model and --json cannot both go to stdout: name a file for one of them");
-            }
-        } else {
-            console.print(&summary(&found, &rich_files, &on_itself))?;
+        if ![Some(self.output.as_path()), self.json.as_deref()].contains(&Some(Path::new("-"))) {
+            console.print(&summary(&found, &rich_files, &on_itself, console))?;
         }
         for note in &found.notes {
             console.remark(note);
+        }
+        if !found.model.linear().is_stable() {
+            console.remark(
+                "the linear block is unstable, so the model grows without bound: more --iterations, a lower --order or \
+                 --estimator least-squares may help",
+            );
         }
         files::write_json(self.json.as_deref(), &result(&found, &on_itself), console)?;
         files::write(&self.output, &model.to_json(), console)
     }
 }
 
-fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics]) -> String {
-    let arx = found.model.linear();
-    let units = found.model.units();
-    let mut text = format!(
-        "linear block, {} every {} s\n  a = {:?}\n  b = {:?}\n  gain {} {}/{}, offset {} {}\n",
-        if arx.a().is_empty() { "without dynamics" } else { "y = a1 y1 + ... + b0 u + b1 u1 + ..." },
-        arx.ts(),
-        arx.a(),
-        arx.b(),
-        number(arx.dc_gain()),
-        units.y,
-        units.u,
-        number(found.model.offset()),
-        units.y,
-    );
-    for pole in arx.poles() {
-        text += &format!("  pole {} Hz, damping {}\n", number(pole.hz), number(pole.damping));
+fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console: &Console) -> String {
+    let (arx, units) = (found.model.linear(), found.model.units());
+    let listed = |name: &str, values: Vec<String>| {
+        console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
+    };
+    let each = |values: &[f64]| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>();
+    let form = match arx.a() {
+        [] => "a gain without dynamics",
+        _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
+    };
+    let mut text = console.paragraph(&format!("Linear block: {form}, every {} s", arx.ts()), "  ");
+    if !arx.a().is_empty() {
+        text += &listed("a", each(arx.a()));
+        text += &listed("b", each(arx.b()));
+        text += &listed(
+            "poles",
+            arx.poles().iter().map(|p| format!("{} Hz (damping {})", number(p.hz), round(p.damping))).collect(),
+        );
+        text += &listed("zeros", arx.zeros().iter().map(Root::to_string).collect());
     }
-    let zeros: Vec<String> = arx.zeros().iter().map(Root::to_string).collect();
-    if !zeros.is_empty() {
-        text += &format!("  zeros {}\n", zeros.join(", "));
-    }
+    text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
+    text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
     if let Some(gain) = arx.noise_gain() {
-        text += &format!("  its inverse makes {} {} of 1 {} of noise\n", number(gain), units.u, units.y);
+        text += &format!("  inverse   makes {} {} of 1 {} of noise\n", number(gain), units.u, units.y);
     }
-    text += &format!("hysteresis block: {}\n", found.model.hysteresis().operator().name);
+    text += &format!("\nHysteresis block: {}\n", found.model.hysteresis().operator().name);
     if !found.loops.is_empty() {
         let row = |l: &piezoid::hammerstein::HiddenLoop| {
             let (low, high) = l.found.branches.range();
             let side = if l.found.ascending_below { "below" } else { "above" };
-            let frequency = l.frequency_hz.map_or("-".into(), number);
             let width = number(100.0 * l.found.branches.width());
-            vec![frequency, number(low), number(high), width, side.into(), number(100.0 * l.found.agreement)]
+            let range = [round(low), round(high)];
+            let [low, high] = range;
+            vec![
+                l.frequency_hz.map_or("-".into(), round),
+                low,
+                high,
+                width,
+                side.into(),
+                round(100.0 * l.found.agreement),
+            ]
         };
-        let header = ["f [Hz]", "from", "to", "width %", "ascending", "by direction %"];
-        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>());
+        let (from, to) = (format!("from [{}]", units.u), format!("to [{}]", units.u));
+        let header = ["f [Hz]", &from, &to, "width %", "ascending", "agreement %"];
+        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), None);
     }
     if !on_itself.is_empty() {
         let row = |(path, m): (&&PathBuf, &Metrics)| {
@@ -183,7 +221,8 @@ fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics]) -> Stri
         };
         let rmse = format!("rmse [{}]", units.y);
         let rows: Vec<_> = rich.iter().zip(on_itself).map(row).collect();
-        text += &table(&["on its own data, free run", &rmse, "nrmse %", "rms/pp %"], &rows);
+        let header = ["its own data", &rmse, "nrmse %", "rms/pp %"];
+        text += &format!("\nFree run\n{}", table(&header, &rows, console.room()));
     }
     text
 }

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::files;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Args;
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::OPERATORS;
@@ -45,8 +45,10 @@ impl List {
     pub(crate) fn run(self, rows: &[Row], console: &Console) -> Result<()> {
         if self.json.as_deref() != Some(Path::new("-")) {
             let width = rows.iter().map(|r| r.0.len()).max().unwrap_or(0);
-            let text: String = rows.iter().map(|(name, summary, _)| format!("{name:width$}  {summary}\n")).collect();
-            console.print(&text)?;
+            let indent = " ".repeat(width + 2);
+            for (name, summary, _) in rows {
+                console.print(&console.paragraph(&format!("{name:width$}  {summary}"), &indent))?;
+            }
         }
         let row = |(name, summary, reference): &Row| json!({"name": name, "summary": summary, "reference": reference});
         files::write_json(self.json.as_deref(), &rows.iter().map(row).collect(), console)
@@ -55,8 +57,8 @@ impl List {
 
 #[derive(Args)]
 pub(crate) struct Plants {
-    /// Print the parameters of a plant, to save, change and give back with --plant FILE.
-    #[arg(long, value_name = "NAME")]
+    /// Print the parameters of a plant, to save, change and give back to `piezoid simulate --plant FILE`.
+    #[arg(long, value_name = "NAME", conflicts_with = "json")]
     show: Option<String>,
     #[command(flatten)]
     list: List,
@@ -76,6 +78,6 @@ pub(crate) fn plant(name: &str) -> Result<Spec> {
     if name.ends_with(".json") {
         return Spec::from_json(&files::read_text(Path::new(name))?).with_context(|| name.to_string());
     }
-    let unknown = || "a plant of your own goes into a file that ends in .json (see `piezoid plants --show`)";
-    Ok((plant::find(name).with_context(unknown)?.spec)())
+    let unknown = |e| anyhow!("{e} (a plant of your own goes into a .json file: see `piezoid plants --show`)");
+    Ok((plant::find(name).map_err(unknown)?.spec)())
 }

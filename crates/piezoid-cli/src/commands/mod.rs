@@ -16,17 +16,17 @@ use clap::Subcommand;
 /// What can be done.
 #[derive(Subcommand)]
 pub(crate) enum Verb {
-    /// The paper's experiment from end to end, as tables and a report.
+    /// Repeat the paper's experiment from end to end, as tables and a report.
     Study(study::Study),
-    /// Make a drive signal.
+    /// Make a drive signal: PRBS, sines, sweeps, steps.
     Excite(excite::Excite),
     /// Run a plant or a model on a drive signal.
     Simulate(simulate::Simulate),
-    /// Find a model from measured records.
+    /// Find a model that predicts measured records.
     Identify(identify::Identify),
     /// Compare a model with records it has not seen.
     Validate(validate::Validate),
-    /// A self-contained page on a model and how it meets records.
+    /// Write a self-contained page on a model and how it meets records.
     Report(report::Report),
     /// List the hysteresis operators.
     Operators(lists::List),
@@ -38,10 +38,10 @@ pub(crate) enum Verb {
     Estimators(lists::List),
     /// List the drivers whose limits are known.
     Drivers(lists::List),
-    /// A completion script for a shell.
+    /// Print a completion script for a shell.
     Completions(shell::Completions),
-    /// The manual page.
-    Man,
+    /// Print the manual page.
+    Man(shell::Manual),
 }
 
 impl Verb {
@@ -59,7 +59,7 @@ impl Verb {
             Verb::Estimators(verb) => verb.run(&lists::estimators(), console),
             Verb::Drivers(verb) => verb.run(&lists::drivers(), console),
             Verb::Completions(verb) => verb.run(console),
-            Verb::Man => shell::man(console),
+            Verb::Man(verb) => verb.run(console),
         }
     }
 }

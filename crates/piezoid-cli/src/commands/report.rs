@@ -3,12 +3,19 @@
 use super::validate::Proof;
 use crate::console::Console;
 use crate::files;
+use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::report::{Trial, report};
 use std::path::PathBuf;
 
+const EXAMPLES: &str = "\
+Example:
+  piezoid report --model model.json --data test5.csv test20.csv -o report.html";
+
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid report --model <FILE> --data <FILE>...\n           [OPTIONS] -o <FILE>")]
 pub(crate) struct Report {
     #[command(flatten)]
     proof: Proof,
@@ -19,6 +26,7 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
+        apart(&[Some(&self.output)], &self.proof.inputs())?;
         let (model, proven) = self.proof.run()?;
         let trials: Vec<Trial> =
             proven.iter().map(|p| Trial { name: &p.file, record: &p.record, validation: &p.validation }).collect();

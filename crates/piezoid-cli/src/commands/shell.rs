@@ -2,10 +2,17 @@
 
 use crate::Cli;
 use crate::console::Console;
+use crate::values::Misused;
 use anyhow::Result;
 use clap::{Args, CommandFactory};
 
+const COMPLETE: &str = "\
+Examples:
+  piezoid completions bash > /etc/bash_completion.d/piezoid
+  piezoid completions fish > ~/.config/fish/completions/piezoid.fish";
+
 #[derive(Args)]
+#[command(after_help = COMPLETE)]
 pub(crate) struct Completions {
     /// The shell to complete for.
     shell: clap_complete::Shell,
@@ -19,8 +26,31 @@ impl Completions {
     }
 }
 
-pub(crate) fn man(console: &Console) -> Result<()> {
-    let mut page = Vec::new();
-    clap_mangen::Man::new(Cli::command()).render(&mut page)?;
-    console.print(&String::from_utf8_lossy(&page))
+const READ: &str = "\
+Examples:
+  piezoid man | man -l -
+  piezoid man identify > piezoid-identify.1";
+
+#[derive(Args)]
+#[command(after_help = READ)]
+pub(crate) struct Manual {
+    /// The page of one verb [default: the page of the whole command].
+    verb: Option<String>,
+}
+
+impl Manual {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let mut cli = Cli::command();
+        cli.build();
+        let page = match &self.verb {
+            None => &cli,
+            Some(verb) => cli.find_subcommand(verb).ok_or_else(|| {
+                let names: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+                Misused(format!("there is no verb called `{verb}`: there are {}", names.join(", ")))
+            })?,
+        };
+        let mut text = Vec::new();
+        clap_mangen::Man::new(page.clone()).render(&mut text)?;
+        console.print(&String::from_utf8_lossy(&text))
+    }
 }

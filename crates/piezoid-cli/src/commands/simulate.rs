@@ -3,17 +3,32 @@
 use super::lists;
 use crate::console::Console;
 use crate::files::{self, Columns};
+use crate::values::apart;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::System;
 use piezoid::plant::Plant;
 use std::path::PathBuf;
 
+const EXAMPLES: &str = "\
+Examples:
+  What the paper's actuator answers to a drive signal:
+    piezoid simulate --plant paper --input sine20.csv -o answer.csv
+  What a model says it answers:
+    piezoid simulate --model model.json --input sine20.csv -o predicted.csv
+  An actuator of your own:
+    piezoid plants --show pl140 > mine.json
+    piezoid simulate --plant mine.json --input sine20.csv -o answer.csv";
+
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(
+    override_usage = "piezoid simulate (--plant <NAME|FILE> | --model <FILE>)\n           --input <FILE> [OPTIONS] -o <FILE>"
+)]
 #[group(id = "system", required = true, multiple = false, args = ["plant", "model"])]
 pub(crate) struct Simulate {
     /// A plant by name (see `piezoid plants`), or a JSON file of its parameters.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME|FILE")]
     plant: Option<String>,
     /// A model file.
     #[arg(long, value_name = "FILE")]
@@ -28,7 +43,7 @@ pub(crate) struct Simulate {
     #[arg(long)]
     settled: bool,
     /// Seed of the plant's noise.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     #[command(flatten)]
     columns: Columns,
@@ -36,6 +51,7 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
+        apart(&[Some(&self.output)], &[&self.input])?;
         let input = self.columns.input(&self.input)?;
         let (u, ts) = (&input.samples, input.ts);
         let (y, u_unit, y_unit) = match (&self.plant, &self.model) {
@@ -53,7 +69,8 @@ impl Simulate {
                 let model = files::model(path)?;
                 let units = model.units();
                 if input.unit != units.u {
-                    bail!("the input is in {} but the model takes {}: convert it beforehand", input.unit, units.u);
+                    let (name, found) = (self.input.display(), &input.unit);
+                    bail!("{name}: the input is in {found} but the model takes {}: convert it beforehand", units.u);
                 }
                 piezoid::record::same_sampling("the model", model.ts(), "the input", ts)
                     .with_context(|| self.input.display().to_string())?;
@@ -62,6 +79,10 @@ impl Simulate {
             }
             _ => bail!("name a --plant or a --model"),
         };
+        if let Some(k) = y.iter().position(|y| !y.is_finite()) {
+            let time = k as f64 * ts;
+            bail!("the answer grows beyond all numbers at {time} s: the model is unstable, or the input far too large");
+        }
         let (u_name, y_name) = (format!("u_{u_unit}"), format!("y_{y_unit}"));
         files::write(&self.output, &piezoid::formats::csv::write(ts, &[(&u_name, u), (&y_name, &y)])?, console)
     }

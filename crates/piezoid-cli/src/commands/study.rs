@@ -1,23 +1,32 @@
 //! `piezoid study`: the paper's experiment from end to end.
 
-use crate::console::{Console, number, table};
+use crate::console::Console;
 use crate::files;
-use anyhow::{Context, Result};
+use crate::layout::{number, round, table};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use piezoid::plant;
 use piezoid::study::{self, METHODS, PRINTED_MSE, Study as Outcome};
 use std::path::{Path, PathBuf};
 
+const EXAMPLES: &str = "\
+Examples:
+  Both simulated actuators, into the folder study:
+    piezoid study
+  The paper's own, its tables also as JSON:
+    piezoid study --plant paper --out paper --json paper/tables.json";
+
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct Study {
     /// The folder to write the report and the figures to.
     #[arg(long, value_name = "DIR", default_value = "study")]
     out: PathBuf,
     /// The plant to study [default: both].
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "NAME", value_enum)]
     plant: Option<Twin>,
     /// Seed of the swarm and of the plant's noise.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Write the tables as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
@@ -34,6 +43,9 @@ enum Twin {
 
 impl Study {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
+        if self.out.exists() && !self.out.is_dir() {
+            bail!("{}: this is a file, not a folder: name a folder with --out", self.out.display());
+        }
         let names: &[&str] = match self.plant {
             None => &["paper", "pl140"],
             Some(Twin::Paper) => &["paper"],
@@ -43,10 +55,10 @@ impl Study {
             .iter()
             .map(|name| study::run(plant::find(name)?, self.seed, &mut console.progress()))
             .collect::<Result<Vec<Outcome>, _>>();
-        console.done();
-        let studies = studies?;
+        let studies = console.done(studies)?;
 
-        std::fs::create_dir_all(&self.out).with_context(|| format!("cannot make the folder {}", self.out.display()))?;
+        std::fs::create_dir_all(&self.out)
+            .with_context(|| format!("cannot make the folder {}: name another with --out", self.out.display()))?;
         for (name, figure) in studies.iter().flat_map(study::figures) {
             files::write(&self.out.join(format!("{name}.svg")), &figure.svg(), console)?;
         }
@@ -54,44 +66,52 @@ impl Study {
         files::write(&page, &study::page(&studies).html(), console)?;
         if self.json.as_deref() != Some(Path::new("-")) {
             for study in &studies {
-                console.print(&summary(study))?;
+                console.print(&summary(study, console))?;
             }
-            console.print(&format!("report: {}\n", page.display()))?;
+            console.print(&format!("Report: {}\n", page.display()))?;
         }
         files::write_json(self.json.as_deref(), &study::to_json(&studies), console)
     }
 }
 
-fn summary(study: &Outcome) -> String {
-    let mut text = format!("PLANT {}: {}\n\n", study.plant.name, study.plant.summary);
-    let by_method = |title: &str, figure: &dyn Fn(&study::Row) -> f64, printed: bool| {
+fn summary(study: &Outcome, console: &Console) -> String {
+    let mut text = console.paragraph(&format!("PLANT {}: {}", study.plant.name, study.plant.summary), "  ");
+    let of_frequencies = |title: &str, figure: &dyn Fn(&study::Row) -> f64, printed: bool| {
         let row = |f: &study::Frequency| {
             let mse = PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map_or("-".into(), |(_, mse)| number(*mse));
             let cells = METHODS.iter().map(|m| f.row(m.name).map_or("-".into(), |r| number(figure(r))));
-            let last = if printed { Some(mse) } else { None };
-            [number(f.hz), number(f.amplitude)].into_iter().chain(cells).chain(last).collect()
+            [round(f.hz), round(f.amplitude)].into_iter().chain(cells).chain(printed.then_some(mse)).collect()
         };
         let mut header = vec!["f [Hz]", "u [V]"];
         header.extend(METHODS.iter().map(|m| m.name));
         header.extend(printed.then_some("paper"));
-        format!("{title}\n{}\n", table(&header, &study.frequencies.iter().map(row).collect::<Vec<_>>()))
+        let rows: Vec<_> = study.frequencies.iter().map(row).collect();
+        format!("\n{}\n{}", title, table(&header, &rows, None))
     };
-    text += &by_method("Table 1: mean squared error on the staircase [mm^2]", &|r| r.mse, true);
-    text += &by_method("the same as rms error, % of peak-to-peak", &|r| r.metrics.rms_pp_percent, false);
-    let fit = |f: &study::Block| {
-        let c = f.coefficients();
-        let pole = f.arx.poles().last().map_or("-".into(), |p| format!("{} / {}", number(p.hz), number(p.damping)));
-        let zeros: Vec<String> = f.arx.zeros().iter().map(|z| format!("{:.3}", z.modulus())).collect();
-        let inverse = if f.arx.inverse().is_ok() { "stable" } else { "unstable" };
-        let mut cells = vec![f.name.to_string()];
-        cells.extend(c.iter().map(|c| format!("{c:.4}")));
-        cells.extend([pole, zeros.join(" "), inverse.into()]);
-        cells
+    text += &of_frequencies("Table 1: mean squared error on the stepped sine [mm^2]", &|r| r.mse, true);
+    text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
+
+    let coefficients = |b: &study::Block| {
+        let values = b.coefficients().into_iter().map(|c| format!("{c:.4}"));
+        [b.name.to_string()].into_iter().chain(values).collect()
     };
-    let header = ["Table 2", "a1", "a2", "b0", "b1", "b2", "pole Hz / damping", "|zeros|", "(8)"];
-    text += &table(&header, &study.blocks.iter().map(fit).collect::<Vec<_>>());
+    let rows: Vec<_> = study.blocks.iter().map(coefficients).collect();
+    let header = ["estimator", "a1", "a2", "b0", "b1", "b2"];
+    text += &format!("\nTable 2: the linear block [b in mm/V]\n{}", table(&header, &rows, None));
+
+    let dynamics = |b: &study::Block| {
+        let pole = b.arx.poles().pop();
+        let zeros: Vec<String> = b.arx.zeros().iter().map(|z| format!("{:.3}", z.modulus())).collect();
+        let inverse = if b.arx.inverse().is_ok() { "stable" } else { "unstable" };
+        let part = |what: &dyn Fn(piezoid::linear::Pole) -> f64| pole.map_or("-".into(), |p| number(what(p)));
+        vec![b.name.into(), part(&|p| p.hz), part(&|p| p.damping), zeros.join("  "), inverse.into()]
+    };
+    let rows: Vec<_> = study.blocks.iter().map(dynamics).collect();
+    let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse (8)"];
+    text += &format!("\nWhat it means\n{}", table(&header, &rows, None));
     for note in &study.notes {
-        text += &format!("\n* {note}\n");
+        text += "\n";
+        text += &console.paragraph(&format!("* {note}"), "  ");
     }
     text + "\n"
 }

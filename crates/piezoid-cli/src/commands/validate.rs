@@ -1,15 +1,30 @@
 //! `piezoid validate`: a model against records it has not seen, in free run.
 
-use crate::console::{Console, number, table};
+use crate::console::Console;
 use crate::files::{self, Columns};
-use anyhow::{Context, Result};
+use crate::layout::{number, round, table};
+use crate::values::{apart, seconds};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use piezoid::validation::{self, Metrics, Settings, Validation};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
+const EXAMPLES: &str = "\
+Examples:
+  Records the model has not seen, without their first half second:
+    piezoid validate --model model.json --data test5.csv test20.csv --skip 0.5
+  The second half of a record whose sensor drifts, as JSON:
+    piezoid validate --model model.json --data record.csv --from 20 --offset free \\
+        --json -
+
+The model runs free: it sees the input alone, and starts as if the first input had stood for long. \
+nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.";
+
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid validate --model <FILE>\n           --data <FILE>... [OPTIONS]")]
 pub(crate) struct Validate {
     #[command(flatten)]
     proof: Proof,
@@ -28,7 +43,7 @@ pub(crate) struct Proof {
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) data: Vec<PathBuf>,
     /// Seconds at the start of each record that do not count.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
     skip: f64,
     /// Whether to take the mean error off first, since sensors drift.
     #[arg(long, value_enum, default_value_t = Offset::Kept)]
@@ -53,12 +68,21 @@ pub(crate) struct Proven {
 }
 
 impl Proof {
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> Vec<&PathBuf> {
+        self.data.iter().chain([&self.model]).collect()
+    }
+
     pub(crate) fn run(&self) -> Result<(Model, Vec<Proven>)> {
         let model = files::model(&self.model)?;
         let settings = Settings { skip: self.skip, free_offset: matches!(self.offset, Offset::Free) };
         let prove = |path: &PathBuf| {
-            let record = self.columns.record(path)?;
+            let record = self.columns.record(path)?.record;
             let file = path.display().to_string();
+            if self.skip >= record.duration() {
+                let (skip, duration) = (self.skip, round(record.duration()));
+                bail!("{file}: --skip {skip} leaves nothing of this record, which lasts {duration} s: skip less");
+            }
             let validation = validation::validate(&model, &record, settings).with_context(|| file.clone())?;
             Ok(Proven { file, record, validation })
         };
@@ -69,6 +93,7 @@ impl Proof {
 
 impl Validate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
+        apart(&[self.json.as_deref()], &self.proof.inputs())?;
         let (_, proven) = self.proof.run()?;
         let each: Vec<Metrics> = proven.iter().map(|p| p.validation.metrics).collect();
         let total = Metrics::total(&each);
@@ -80,9 +105,13 @@ impl Validate {
             }
             let rmse = format!("rmse [{unit}]");
             let max = format!("max [{unit}]");
-            console.print(&table(&["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"], &rows))?;
+            let header = ["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"];
+            console.print(&table(&header, &rows, console.room()))?;
         }
         for p in &proven {
+            if !p.validation.metrics.nrmse_percent.is_finite() {
+                console.remark(&format!("{}: {}", p.file, no_share(&p.validation.metrics)));
+            }
             for remark in &p.validation.remarks {
                 console.remark(&format!("{}: {remark}", p.file));
             }
@@ -95,6 +124,14 @@ impl Validate {
         };
         let result = json!({"files": proven.iter().map(file).collect::<Vec<_>>(), "total": total});
         files::write_json(self.json.as_deref(), &result, console)
+    }
+}
+
+/// Why an error has no share of the output.
+fn no_share(m: &Metrics) -> &'static str {
+    match m.rmse.is_finite() {
+        true => "the output does not change, so its error has no share of it: - in the table, null in JSON",
+        false => "the error is beyond what numbers can hold: - in the table, null in JSON",
     }
 }
 

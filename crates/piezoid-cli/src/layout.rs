@@ -1,0 +1,130 @@
+//! Numbers, tables and paragraphs as plain text.
+
+/// Narrowest that the first column of a table is made.
+const NARROWEST: usize = 12;
+
+/// Rows in columns as wide as they need: the first column to the left, the others to the right. Where they are wider
+/// than `room`, the first column gives way: its cells lose their beginning, as the end of a path tells more.
+pub(crate) fn table(header: &[&str], rows: &[Vec<String>], room: Option<usize>) -> String {
+    let width = |k: usize| {
+        let cells = rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count());
+        cells.chain([header[k].chars().count()]).max().unwrap_or(0)
+    };
+    let mut widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let total = |widths: &[usize]| widths.iter().sum::<usize>() + 2 * widths.len().saturating_sub(1);
+    let over = room.map_or(0, |room| total(&widths).saturating_sub(room));
+    if let (Some(first), Some(head)) = (widths.first_mut(), header.first()) {
+        *first = (*first).min(first.saturating_sub(over).max(NARROWEST).max(head.chars().count()));
+    }
+    let line = |cells: Vec<&str>| {
+        let padded = cells.iter().zip(&widths).enumerate().map(|(k, (cell, &w))| match k {
+            0 => format!("{:<w$}", ending(cell, w)),
+            _ => format!("{cell:>w$}"),
+        });
+        padded.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
+    };
+    let head = line(header.to_vec());
+    let rule = "-".repeat(total(&widths)) + "\n";
+    let body = rows.iter().map(|r| line(r.iter().map(String::as_str).collect()));
+    [head, rule].into_iter().chain(body).collect()
+}
+
+/// The last `width` characters, with a mark where some are left out.
+fn ending(text: &str, width: usize) -> String {
+    let count = text.chars().count();
+    if count <= width {
+        return text.into();
+    }
+    let kept: String = text.chars().skip(count - width.saturating_sub(1)).collect();
+    format!("…{kept}")
+}
+
+/// A paragraph in lines of at most `width` characters, words whole; all lines but the first begin with `indent`. Spaces
+/// in a row are kept.
+pub(crate) fn wrapped(text: &str, width: usize, indent: &str) -> String {
+    let mut lines = vec![String::new()];
+    // Of the last line: its length, and whether a word stands on it.
+    let (mut length, mut begun) = (0, false);
+    for (k, word) in text.split(' ').enumerate() {
+        let last = lines.len() - 1;
+        let long = word.chars().count();
+        if begun && !word.is_empty() && length + 1 + long > width {
+            let end = lines[last].trim_end().len();
+            lines[last].truncate(end);
+            lines.push(format!("{indent}{word}"));
+            length = indent.chars().count() + long;
+        } else {
+            let gap = if k > 0 { " " } else { "" };
+            lines[last] += gap;
+            lines[last] += word;
+            length += gap.len() + long;
+            begun |= !word.is_empty();
+        }
+    }
+    lines.join("\n")
+}
+
+/// A measured number with four significant digits, as people write it.
+pub(crate) fn number(x: f64) -> String {
+    match x.abs() {
+        _ if !x.is_finite() => "-".into(),
+        0.0 => "0".into(),
+        a if (1e-3..1e5).contains(&a) => {
+            let decimals = (3 - a.log10().floor() as i32).max(0) as usize;
+            format!("{x:.decimals$}")
+        }
+        _ => format!("{x:.3e}"),
+    }
+}
+
+/// A number that was set, or is known as a round one: as [`number`], without zeros at its end.
+pub(crate) fn round(x: f64) -> String {
+    let text = number(x);
+    let (digits, exponent) = text.split_once('e').unwrap_or((&text, ""));
+    let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
+    if exponent.is_empty() { digits.into() } else { format!("{digits}e{exponent}") }
+}
+
+/// The same text with a capital at its beginning.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        let shown: Vec<String> = [0.0, 0.01289, 146.72, 1e-7, -33.333333, 123456.0, f64::NAN].map(number).to_vec();
+        assert_eq!(shown, ["0", "0.01289", "146.7", "1.000e-7", "-33.33", "1.235e5", "-"]);
+    }
+
+    #[test]
+    fn round_numbers_have_no_zeros_at_their_end() {
+        let shown: Vec<String> = [5.0, 120.0, -30.0, 0.061, 12.5, 1e-7, 1e6, 0.0, f64::NAN].map(round).to_vec();
+        assert_eq!(shown, ["5", "120", "-30", "0.061", "12.5", "1e-7", "1e6", "0", "-"]);
+    }
+
+    #[test]
+    fn columns_line_up() {
+        let rows = [vec!["5 Hz".into(), "1".into()], vec!["x".into(), "0.25".into()]];
+        assert_eq!(table(&["f", "mse"], &rows, None), "f      mse\n----------\n5 Hz     1\nx     0.25\n");
+    }
+
+    #[test]
+    fn a_long_path_gives_way_to_the_figures() {
+        let rows = [vec!["../measured/monday/sine-5hz.csv".into(), "1.0".into()]];
+        let text = table(&["file", "rmse"], &rows, Some(24));
+        assert_eq!(text, "file                rmse\n------------------------\n…nday/sine-5hz.csv   1.0\n");
+        assert!(text.lines().all(|line| line.chars().count() <= 24), "{text}");
+    }
+
+    #[test]
+    fn paragraphs_break_between_words() {
+        assert_eq!(wrapped("* one two three", 8, "  "), "* one\n  two\n  three");
+        assert_eq!(wrapped("immeasurable", 4, ""), "immeasurable");
+        assert_eq!(wrapped("  a    1.5  2.5  3.5", 14, "       "), "  a    1.5\n       2.5\n       3.5");
+    }
+}

@@ -1,0 +1,150 @@
+//! Files that are not what they should be, by the dozen: one message each, and nothing left behind.
+
+use crate::bench::Bench;
+
+/// A data file and what the message on it must hold. `input`: whether its input alone is bad too.
+struct Bad {
+    name: &'static str,
+    bytes: &'static [u8],
+    says: &'static [&'static str],
+    input: bool,
+}
+
+const fn bad(name: &'static str, bytes: &'static [u8], says: &'static [&'static str]) -> Bad {
+    Bad { name, bytes, says, input: true }
+}
+
+/// Bad for whoever needs the output only.
+const fn bad_output(name: &'static str, bytes: &'static [u8], says: &'static [&'static str]) -> Bad {
+    Bad { name, bytes, says, input: false }
+}
+
+const BAD: &[Bad] = &[
+    bad("short.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1\n1e-3,1,2\n", &["line 3", "2 fields", "3 columns", "complete"]),
+    bad("long.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,2,3\n", &["line 3", "4 fields", "3 columns", "remove"]),
+    bad("cut.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n1e-3,2", &["line 4", "cut short", "delete"]),
+    bad("word.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,abc,2\n", &["line 3", "column u_V", "`abc`"]),
+    bad("hole.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,,2\n", &["line 3", "column u_V"]),
+    bad("nan.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,NaN,2\n", &["line 3", "column u_V", "`NaN`", "repair"]),
+    bad("inf.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,2\n1e-3,-inf,2\n", &["line 4", "column u_V", "`-inf`"]),
+    bad("overflow.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1e999,2\n", &["line 3", "column u_V", "`1e999`"]),
+    bad_output("y-word.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,none\n1e-3,1,1\n", &["line 3", "column y_um", "`none`"]),
+    bad_output("y-nan.csv", b"t_s,u_V,y_um\n0,0,nan\n5e-4,1,2\n", &["line 2", "column y_um", "`nan`"]),
+    bad(
+        "gap.csv",
+        b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n1e-3,1,1\n2e-3,1,1\n2.5e-3,1,1\n3e-3,1,1\n",
+        &["line 5", "column t_s", "0.001 s", "0.0005 s", "1 row seems to be missing", "split"],
+    ),
+    bad("back.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n2e-4,1,1\n", &["line 4", "column t_s", "goes back", "0.0002 s"]),
+    bad("still.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n5e-4,1,1\n", &["line 4", "column t_s", "stands still", "--ts"]),
+    bad("ms.csv", b"t_ms,u_V,y_um\n0,0,0\n0.5,1,1\n", &["line 1", "`t_s`", "`t_ms`", "--ts"]),
+    bad("one.csv", b"t_s,u_V,y_um\n0,0,0\n", &["line 2", "column t_s", "--ts"]),
+    bad("no-time.csv", b"u_V,y_um\n0,0\n1,2\n", &["line 1", "no time column", "--ts"]),
+    bad(
+        "no-input.csv",
+        b"t_s,voltage,y_um\n0,0,0\n5e-4,1,1\n",
+        &["line 1", "no input column", "--input-col \"voltage\""],
+    ),
+    bad_output(
+        "no-output.csv",
+        b"t_s,u_V,pos\n0,0,0\n5e-4,1,1\n",
+        &["line 1", "no output column", "--output-col \"pos\""],
+    ),
+    bad("twice.csv", b"t_s,u_V,u_V,y_um\n0,0,0,0\n5e-4,1,1,1\n", &["line 1", "column 3", "`u_V`", "rename"]),
+    bad_output(
+        "two-outputs.csv",
+        b"t_s,u_V,y_um,y_mm\n0,0,0,0\n5e-4,1,1,1\n",
+        &["line 1", "`y_um`, `y_mm`", "--output-col"],
+    ),
+    bad("two-inputs.csv", b"t_s,u_a,u_b,y_um\n0,0,0,0\n5e-4,1,1,1\n", &["line 1", "`u_a`, `u_b`", "--input-col"]),
+    bad("empty.csv", b"", &["empty", "header"]),
+    bad("bare.csv", b"t_s,u_V,y_um\n", &["no numbers", "line 1"]),
+    bad("headless.csv", b"0,0,0\n5e-4,1,1\n", &["line 1", "no header", "t_s,u_V,y_um"]),
+    bad("spaces.csv", b"t_s u_V y_um\n0 0 0\n5e-4 1 1\n", &["line 1", "commas"]),
+    bad("thousands.csv", b"t_s,u_V,y_um\n0,0,5,1,2,0\n", &["line 2", "6 fields", "decimal commas", "semicolons"]),
+    bad("mixed.csv", b"t_s;u_V;y_um\n0,0;0.5;0,0\n0,0005;1.5;1,0\n", &["line 2", "decimal comma", "decimal point"]),
+    bad("blank.csv", b"t_s,u_V,y_um\n0,0,0\n\n5e-4,1,1\n", &["line 3", "empty"]),
+    bad("quote.csv", b"t_s,u_V,y_um\n0,\"0,0\n5e-4,1,1\n", &["line 2"]),
+    bad("nul.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,\x001\n", &["line 3", "NUL"]),
+    bad("elf.csv", b"\x7fELF\x02\x01\x01\x00\x00\xff\xfe\x80", &["not look like a CSV file"]),
+    bad("book.csv", b"PK\x03\x04\x14\x00", &["zip archive", "export it as CSV"]),
+    bad("latin.csv", b"t_s,u_V,y_\xb5m\n0,0,0\n5e-4,1,1\n", &["line 1", "0xb5", "UTF-8"]),
+    bad("utf16.csv", b"\xff\xfet\x00_\x00s\x00,\x00", &["UTF-16", "iconv"]),
+    bad("utf16be.csv", b"\x00t\x00_\x00s\x00,", &["UTF-16", "UTF-8"]),
+    bad("model.csv", b"{\"piezoid\": 1}", &["JSON"]),
+    bad("page.csv", b"<html></html>", &["HTML"]),
+];
+
+#[test]
+fn a_bad_data_file_is_refused_by_every_verb_that_reads_it() {
+    let bench = Bench::stocked();
+    for file in BAD {
+        bench.write(file.name, file.bytes);
+    }
+    for Bad { name, says, input, .. } in BAD {
+        let says: Vec<&str> = [&[*name], *says].concat();
+        bench.refused(&format!("validate --model model.json --data {name} --json figures.json")).says(&says);
+        bench.refused(&format!("report --model model.json --data {name} -o page.html")).says(&says);
+        bench.refused(&format!("identify --data {name} -o new.json --json found.json")).says(&says);
+        bench.refused(&format!("identify --linear prbs.csv --rich sine5.csv {name} -o new.json")).says(&says);
+        if *input {
+            bench.refused(&format!("simulate --plant paper --input {name} -o y.csv")).says(&says);
+            bench.refused(&format!("simulate --model model.json --input {name} -o y.csv")).says(&says);
+        }
+    }
+}
+
+#[test]
+fn a_column_that_is_not_needed_may_hold_anything() {
+    let bench = Bench::stocked();
+    for file in BAD.iter().filter(|file| !file.input) {
+        bench.write(file.name, file.bytes);
+        bench.run(&format!("simulate --plant paper --input {} -o y.csv", file.name)).ok();
+    }
+}
+
+#[test]
+fn the_same_record_in_another_dress_gives_the_same_figures() {
+    let bench = Bench::stocked();
+    let plain = bench.text("sine5.csv");
+    let european = plain.replace(',', ";").replace('.', ",");
+    let bom = format!("\u{feff}{plain}");
+    let more = plain.replace('\n', ",x\n").replacen(",x", ",remark", 1);
+    let remarks = format!("# measured on a Monday\n\n{plain}\n\n");
+    let dresses = [
+        ("crlf.csv", plain.replace('\n', "\r\n")),
+        ("tab.tsv", plain.replace(',', "\t")),
+        ("excel.csv", bom.replace('\n', "\r\n").replace(',', ";").replace('.', ",")),
+        ("semicolon.csv", european),
+        ("bom.csv", bom),
+        ("mac.csv", plain.replace('\n', "\r")),
+        ("extra.csv", more),
+        ("quoted.csv", plain.replacen("t_s,u_V,y_um", "\"t_s\", \"u_V\", \"y_um\"", 1)),
+        ("comments.txt", remarks),
+    ];
+    let figures = |name: &str| {
+        let mut json = bench.run(&format!("validate --model model.json --data {name} --json -")).ok().out_json();
+        json["files"][0]["file"].take();
+        json
+    };
+    for (name, text) in dresses {
+        bench.write(name, text);
+        assert_eq!(figures(name), figures("sine5.csv"), "{name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_opened_is_named_with_what_to_do() {
+    let bench = Bench::stocked();
+    std::fs::create_dir(bench.path("folder")).unwrap();
+    for (name, says) in [("none.csv", "no such file"), ("folder", "this is a folder"), ("log.mat", ".mat files")] {
+        bench.refused(&format!("validate --model model.json --data {name} --json f.json")).says(&[name, says]);
+        bench.refused(&format!("identify --data {name} -o new.json")).says(&[name, says]);
+        bench.refused(&format!("simulate --plant paper --input {name} -o y.csv")).says(&[name, says]);
+    }
+    for (name, says) in [("none.json", "no such file"), ("folder", "this is a folder")] {
+        bench.refused(&format!("validate --model {name} --data sine5.csv")).says(&[name, says]);
+        bench.refused(&format!("simulate --model {name} --input sine5.csv -o y.csv")).says(&[name, says]);
+    }
+    bench.refused("simulate --plant none.json --input sine5.csv -o y.csv").says(&["none.json", "no such file"]);
+}

@@ -1,0 +1,18 @@
+//! The real binary in a temporary directory, as a user meets it.
+
+// Helpers of tests are tests too.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod bad_files;
+mod bench;
+mod bytes;
+mod drive;
+mod files;
+mod lists;
+mod measured;
+mod misfits;
+mod process;
+mod proof;
+mod study;
+mod usage;
+mod workflow;

@@ -1,0 +1,70 @@
+//! The process among others: closed pipes, full disks, Ctrl-C.
+#![cfg(unix)]
+
+use crate::bench::{Bench, Run};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let bench = Bench::stocked();
+    for line in [
+        "man",
+        "completions bash",
+        "plants",
+        "identify --help",
+        "excite sine --ts 1e-4 --duration 10 --amplitude 1 --frequency 5 -o -",
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = bench.command(line).stdout(writer).output().unwrap();
+        let run = Run::of(line, &output);
+        assert_eq!((run.code, run.err.as_str()), (Some(0), ""), "{line}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_a_failure() {
+    let bench = Bench::stocked();
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    for line in ["man", "simulate --plant paper --input drive5.csv -o -"] {
+        let output = bench.command(line).stdout(full()).output().unwrap();
+        Run::of(line, &output).exits(1).says(&["error: cannot write to stdout"]);
+    }
+}
+
+/// Whether the process handles Ctrl-C by now.
+#[cfg(target_os = "linux")]
+fn handles_interrupts(pid: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
+    u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 0b10 != 0)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn handles_interrupts(_: u32) -> bool {
+    std::thread::sleep(Duration::from_secs(2));
+    true
+}
+
+#[test]
+fn ctrl_c_ends_a_long_identification_in_good_order() {
+    let bench = Bench::stocked();
+    bench.write("m.json", "precious");
+    let before = bench.files();
+    let line = "identify --linear prbs.csv --rich sine5.csv --iterations 2000000 -o m.json --json f.json";
+    let child = bench.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let started = Instant::now();
+    while !handles_interrupts(child.id()) && started.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let interrupted = Instant::now();
+    let run = Run::of(line, &child.wait_with_output().unwrap()).exits(1);
+    assert!(interrupted.elapsed() < Duration::from_secs(2), "{:?}", interrupted.elapsed());
+    let run = run.says(&["error: ", "was cancelled at ", " of 2000000", "nothing was written"]);
+    assert_eq!((run.err.lines().count(), run.out.as_str()), (1, ""));
+    assert!(before == bench.files());
+}

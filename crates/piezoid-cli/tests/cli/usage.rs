@@ -1,0 +1,127 @@
+//! Wrong command lines: status 2, and the word that was meant where it can be told.
+
+use crate::bench::Bench;
+
+#[test]
+fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
+    let bench = Bench::stocked();
+    let lines: &[(&str, &[&str])] = &[
+        ("frobnicate", &["frobnicate", "there are study, excite"]),
+        ("identfy", &["a similar subcommand exists: 'identify'"]),
+        ("validate --modle model.json --data sine5.csv", &["--modle", "'--model'"]),
+        ("simulate --plant paper --input drive5.csv", &["--output"]),
+        ("simulate --input drive5.csv -o y.csv", &["--plant", "--model"]),
+        ("simulate --plant paper --model model.json --input drive5.csv -o y.csv", &["cannot be used with"]),
+        ("excite noise --ts 1 --duration 1 -o u.csv", &["noise", "there are prbs, multisine"]),
+        ("excite sin --ts 1 --duration 1 -o u.csv", &["'sine'"]),
+        ("excite prbs --ts 5e-4 --duration 1 --amplitude 1", &["--output"]),
+        ("excite prbs --ts 5e-4 --duration 1 --amplitude 1 --frequency 3 -o u.csv", &["--frequency"]),
+        ("excite sine --ts 5e-4 --duration 1 --amplitude 1 -o u.csv", &["--frequency <Hz>"]),
+        ("excite sine --ts -1 --duration 1 --amplitude 1 --frequency 5 -o u.csv", &["'-1'", "--ts", "positive"]),
+        ("excite sine --ts 5e-4 --duration 0 --amplitude 1 --frequency 5 -o u.csv", &["'0'", "--duration"]),
+        ("excite sine --ts 5e-4 --duration 1 --amplitude one --frequency 5 -o u.csv", &["'one'", "--amplitude"]),
+        ("excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --clip -o u.csv", &["--driver"]),
+        (
+            "excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --driver bd300 -o u.csv",
+            &["bd300", "--capacitance", "farad"],
+        ),
+        ("identify -o m.json", &["--rich"]),
+        ("identify --data sine5.csv", &["--output"]),
+        ("identify --data sine5.csv --rich sine5.csv -o m.json", &["cannot be used with"]),
+        ("identify --data sine5.csv --order 0 -o m.json", &["'0'", "--order", "1..=12"]),
+        ("identify --data sine5.csv --order 99 -o m.json", &["'99'", "--order"]),
+        ("identify --data sine5.csv --iterations 0 -o m.json", &["'0'", "--iterations", "1 or more"]),
+        ("identify --data sine5.csv --particles -3 -o m.json", &["'-3'", "--particles"]),
+        ("identify --data sine5.csv --bins 0 -o m.json", &["'0'", "--bins"]),
+        ("identify --data sine5.csv --method jiont -o m.json", &["'jiont'", "paper"]),
+        ("identify --data sine5.csv -o - --json -", &["stdout"]),
+        ("identify --data sine5.csv -o m.json --json m.json", &["m.json", "another file"]),
+        ("identify --data sine5.csv -o sine5.csv", &["sine5.csv", "overwritten"]),
+        ("simulate --plant paper --input drive5.csv -o drive5.csv", &["drive5.csv", "overwritten"]),
+        ("report --model model.json --data sine5.csv -o model.json", &["model.json", "overwritten"]),
+        ("validate --model model.json --data sine5.csv --json ./sine5.csv", &["sine5.csv", "overwritten"]),
+        ("validate --model model.json", &["--data"]),
+        ("validate --model model.json --data sine5.csv --skip -5", &["'-5'", "--skip", "0 or more"]),
+        ("validate --model model.json --data sine5.csv --skip nan", &["'nan'", "--skip"]),
+        ("validate --model model.json --data sine5.csv --from inf", &["'inf'", "--from"]),
+        ("validate --model model.json --data sine5.csv --ts 0", &["'0'", "--ts", "positive"]),
+        ("validate --model model.json --data sine5.csv --offset fre", &["'fre'", "free"]),
+        ("study --plant papr", &["'papr'", "paper"]),
+        ("study --seed minus", &["'minus'", "--seed"]),
+        ("completions tcsh", &["'tcsh'", "zsh"]),
+        ("man identfy", &["identfy", "identify"]),
+    ];
+    let before = bench.files();
+    for (line, says) in lines {
+        let run = bench.run(line).exits(2).says(says);
+        assert!(run.err.starts_with("error: ") && run.out.is_empty(), "{run:?}");
+    }
+    assert!(before == bench.files(), "a wrong command line left {:?}", bench.names());
+}
+
+#[test]
+fn an_unknown_name_is_answered_with_the_nearest_one() {
+    let bench = Bench::stocked();
+    let lines = [
+        ("simulate --plant papr --input drive5.csv -o y.csv", "`paper`"),
+        ("simulate --plant pl14o --input drive5.csv -o y.csv", "`pl140`"),
+        ("plants --show pl1400", "`pl140`"),
+        ("identify --data sine5.csv --operator twobranch -o m.json", "`two-branch`"),
+        ("identify --data sine5.csv --estimator swrm -o m.json", "`swarm`"),
+        ("excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --driver pl40 -o u.csv", "`pl140`"),
+        ("validate --model model.json --data sine5.csv --output-col y_u", "`y_um`"),
+    ];
+    for (line, meant) in lines {
+        bench.refused(line).says(&["known are", "did you mean", meant]);
+    }
+}
+
+#[test]
+fn a_setting_outside_its_domain_is_refused_with_its_value() {
+    let bench = Bench::new();
+    let sine = "excite sine --ts 5e-4 --amplitude 1 -o u.csv";
+    bench.refused(&format!("{sine} --duration 1 --frequency 5000")).says(&["frequency = 5000 Hz", "1000 Hz"]);
+    bench.refused(&format!("{sine} --duration 1e9 --frequency 5")).says(&["duration = 1000000000 s", "samples"]);
+    bench.refused(&format!("{sine} --duration 1 --frequency nan")).says(&["frequency", "finite"]);
+    let prbs = "excite prbs --ts 5e-4 --duration 1 --amplitude 1 -o u.csv";
+    bench.refused(&format!("{prbs} --order 2.5")).says(&["order = 2.5", "whole number"]);
+    bench.refused(&format!("{prbs} --order 99")).says(&["order = 99", "31"]);
+    bench.refused(&format!("{prbs} --clock-divider 0")).says(&["clock-divider = 0"]);
+}
+
+#[test]
+fn help_fits_a_terminal_of_80_columns_and_every_working_verb_has_examples() {
+    let bench = Bench::new();
+    let kinds: Vec<String> = bench
+        .run("excitations --json -")
+        .ok()
+        .out_json()
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| format!("excite {}", row["name"].as_str().unwrap()))
+        .collect();
+    let verbs = ["", "study", "excite", "simulate", "identify", "validate", "report", "plants", "completions", "man"];
+    for verb in verbs.into_iter().chain(kinds.iter().map(String::as_str)) {
+        for flag in ["-h", "--help"] {
+            let output = bench.command(verb).arg(flag).env("COLUMNS", "80").output().unwrap();
+            let run = crate::bench::Run::of(verb, &output).ok();
+            let longest = run.out.lines().map(|line| line.chars().count()).max().unwrap();
+            assert!(longest <= 80, "{longest} columns: {run:#?}");
+            if ["study", "excite", "simulate", "identify", "validate", "report"].contains(&verb) {
+                assert!(run.out.contains("Example"), "{verb}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_drive_signal_is_described_in_its_help() {
+    let bench = Bench::new();
+    let help = bench.run("excite --help").ok();
+    for row in bench.run("excitations --json -").ok().out_json().as_array().unwrap() {
+        let (name, summary) = (row["name"].as_str().unwrap(), row["summary"].as_str().unwrap());
+        let line = help.out.lines().find(|line| line.trim_start().starts_with(&format!("{name} "))).unwrap();
+        assert!(line.contains(&summary[1..20]), "{line}");
+    }
+}
