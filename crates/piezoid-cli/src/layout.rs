@@ -1,4 +1,4 @@
-//! Numbers, tables and paragraphs as plain text.
+//! Tables and paragraphs as plain text.
 
 /// Narrowest that the first column of a table is made.
 const NARROWEST: usize = 12;
@@ -64,27 +64,6 @@ pub(crate) fn wrapped(text: &str, width: usize, indent: &str) -> String {
     lines.join("\n")
 }
 
-/// A measured number with four significant digits, as people write it.
-pub(crate) fn number(x: f64) -> String {
-    match x.abs() {
-        _ if !x.is_finite() => "-".into(),
-        0.0 => "0".into(),
-        a if (1e-3..1e5).contains(&a) => {
-            let decimals = (3 - a.log10().floor() as i32).max(0) as usize;
-            format!("{x:.decimals$}")
-        }
-        _ => format!("{x:.3e}"),
-    }
-}
-
-/// A number that was set, or is known as a round one: as [`number`], without zeros at its end.
-pub(crate) fn round(x: f64) -> String {
-    let text = number(x);
-    let (digits, exponent) = text.split_once('e').unwrap_or((&text, ""));
-    let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
-    if exponent.is_empty() { digits.into() } else { format!("{digits}e{exponent}") }
-}
-
 /// The same text with a capital at its beginning.
 pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
@@ -94,18 +73,6 @@ pub(crate) fn capitalised(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_keep_four_digits() {
-        let shown: Vec<String> = [0.0, 0.01289, 146.72, 1e-7, -33.333333, 123456.0, f64::NAN].map(number).to_vec();
-        assert_eq!(shown, ["0", "0.01289", "146.7", "1.000e-7", "-33.33", "1.235e5", "-"]);
-    }
-
-    #[test]
-    fn round_numbers_have_no_zeros_at_their_end() {
-        let shown: Vec<String> = [5.0, 120.0, -30.0, 0.061, 12.5, 1e-7, 1e6, 0.0, f64::NAN].map(round).to_vec();
-        assert_eq!(shown, ["5", "120", "-30", "0.061", "12.5", "1e-7", "1e6", "0", "-"]);
-    }
 
     #[test]
     fn columns_line_up() {

@@ -118,7 +118,7 @@ pub enum Error {
     #[error("the drive exceeds its limits: {0}")]
     Limits(String),
     /// The caller asked to stop.
-    #[error("{what} was cancelled at {done} of {total}")]
+    #[error("cancelled: {what} stopped at {done} of {total}")]
     Cancelled {
         /// The work.
         what: String,

@@ -10,6 +10,7 @@ mod fourier;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod linear;
+pub mod number;
 pub mod optimize;
 pub mod page;
 pub mod plant;

@@ -156,11 +156,9 @@ pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usi
     if start < end {
         return Ok(start..end);
     }
-    Err(Error::parameter(
-        "from, to",
-        format!("{from} s, {to} s"),
-        format!("no sample lies between them; the data span 0 s to {} s", (n.max(1) - 1) as f64 * ts),
-    ))
+    let asked = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
+    let last = (n.max(1) - 1) as f64 * ts;
+    Err(Error::Content(format!("no sample lies {asked}: the data span 0 s to {last} s")))
 }
 
 /// Refuses sampling periods that differ by more than a millionth, naming what has them.

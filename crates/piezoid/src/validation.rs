@@ -5,6 +5,7 @@
 
 use crate::error::Error;
 use crate::hammerstein::Model;
+use crate::number::short;
 use crate::record::{Record, same_sampling};
 use crate::system::System;
 use serde::Serialize;
@@ -30,6 +31,10 @@ pub struct Metrics {
     pub max_abs: f64,
     /// 100 - nrmse_percent.
     pub fit_percent: f64,
+    /// Standard deviation of y [unit].
+    pub std: f64,
+    /// Peak-to-peak of y [unit].
+    pub peak_to_peak: f64,
 }
 
 impl Metrics {
@@ -46,7 +51,7 @@ impl Metrics {
         let variance = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64;
         let (low, high) = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
         let max_abs = y.iter().zip(simulated).fold(0.0, |m: f64, (y, s)| m.max((y - s).abs()));
-        Metrics::from_sums(n, squares, variance, high - low, max_abs)
+        Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
     }
 
     /// All records as one: squared errors and variances (about each record's own mean, since offsets between records
@@ -54,16 +59,14 @@ impl Metrics {
     pub fn total(records: &[Metrics]) -> Self {
         let n: usize = records.iter().map(|m| m.n).sum();
         let pooled = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(|m| m.n as f64 * f(m)).sum::<f64>() / n as f64;
-        let variance = pooled(&|m| (100.0 * m.rmse / m.nrmse_percent).powi(2));
         let widest = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(f).fold(0.0, f64::max);
-        let peak_to_peak = widest(&|m| 100.0 * m.rmse / m.rms_pp_percent);
-        Metrics::from_sums(n, pooled(&|m| m.mse) * n as f64, variance, peak_to_peak, widest(&|m| m.max_abs))
+        let (mse, variance) = (pooled(&|m| m.mse), pooled(&|m| m.std.powi(2)));
+        Metrics::from_parts(n, mse, variance.sqrt(), widest(&|m| m.peak_to_peak), widest(&|m| m.max_abs))
     }
 
-    fn from_sums(n: usize, squares: f64, variance: f64, peak_to_peak: f64, max_abs: f64) -> Self {
-        let mse = squares / n as f64;
+    fn from_parts(n: usize, mse: f64, std: f64, peak_to_peak: f64, max_abs: f64) -> Self {
         let rmse = mse.sqrt();
-        let nrmse_percent = 100.0 * rmse / variance.sqrt();
+        let nrmse_percent = 100.0 * rmse / std;
         Metrics {
             n,
             mse,
@@ -72,6 +75,8 @@ impl Metrics {
             rms_pp_percent: 100.0 * rmse / peak_to_peak,
             max_abs,
             fit_percent: 100.0 - nrmse_percent,
+            std,
+            peak_to_peak,
         }
     }
 }
@@ -135,7 +140,11 @@ fn remarks(model: &Model, record: &Record, start: usize) -> Vec<String> {
     let (lowest, highest) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
     if lowest < low - 0.01 * (high - low) || highest > high + 0.01 * (high - low) {
         remarks.push(format!(
-            "the input runs from {lowest:.3} to {highest:.3} {unit}, but the model was identified from {low:.3} to {high:.3} {unit}: beyond that it extrapolates"
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: beyond that it extrapolates",
+            short(lowest),
+            short(highest),
+            short(low),
+            short(high)
         ));
     }
     let turns = inner_turns(u, low, high);

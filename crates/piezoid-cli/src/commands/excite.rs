@@ -3,11 +3,12 @@
 
 use crate::console::Console;
 use crate::files;
-use crate::layout::{capitalised, number, round, wrapped};
+use crate::layout::{capitalised, wrapped};
 use crate::values::{Misused, farads, period};
 use anyhow::{Result, anyhow, bail};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind, value_parser};
 use piezoid::excitation::{self, Driver, EXCITATIONS, Excitation, Limits, Parameter};
+use piezoid::number::{round, short as number};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -2,13 +2,14 @@
 
 use crate::console::Console;
 use crate::files::{self, Columns, Measured};
-use crate::layout::{number, round, table};
+use crate::layout::table;
 use crate::values::{apart, count};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use piezoid::hammerstein::{Identified, Paper, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
 use piezoid::linear::Root;
+use piezoid::number::{round, short as number};
 use piezoid::optimize::swarm;
 use piezoid::validation::{self, Metrics};
 use piezoid::{Record, System};
@@ -157,12 +158,6 @@ impl Identify {
         }
         for note in &found.notes {
             console.remark(note);
-        }
-        if !found.model.linear().is_stable() {
-            console.remark(
-                "the linear block is unstable, so the model grows without bound: more --iterations, a lower --order or \
-                 --estimator least-squares may help",
-            );
         }
         files::write_json(self.json.as_deref(), &result(&found, &on_itself), console)?;
         files::write(&self.output, &model.to_json(), console)

@@ -2,9 +2,10 @@
 
 use crate::console::Console;
 use crate::files;
-use crate::layout::{number, round, table};
+use crate::layout::table;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use piezoid::number::{round, short as number};
 use piezoid::plant;
 use piezoid::study::{self, METHODS, PRINTED_MSE, Study as Outcome};
 use std::path::{Path, PathBuf};

@@ -2,10 +2,11 @@
 
 use crate::console::Console;
 use crate::files::{self, Columns};
-use crate::layout::{number, round, table};
+use crate::layout::table;
 use crate::values::{apart, seconds};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
+use piezoid::number::{round, short as number};
 use piezoid::validation::{self, Metrics, Settings, Validation};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};

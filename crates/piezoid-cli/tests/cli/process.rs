@@ -64,7 +64,7 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     let interrupted = Instant::now();
     let run = Run::of(line, &child.wait_with_output().unwrap()).exits(1);
     assert!(interrupted.elapsed() < Duration::from_secs(2), "{:?}", interrupted.elapsed());
-    let run = run.says(&["error: ", "was cancelled at ", " of 2000000", "nothing was written"]);
+    let run = run.says(&["error: ", "cancelled: ", " of 2000000", "nothing was written"]);
     assert_eq!((run.err.lines().count(), run.out.as_str()), (1, ""));
     assert!(before == bench.files());
 }

@@ -52,7 +52,7 @@ impl Sine {
 
 pub(super) const ROW: Excitation = Excitation {
     name: "sine",
-    summary: "sine: one hysteresis loop, over and over",
+    summary: "one hysteresis loop, over and over",
     reference: PINTELON_SCHOUKENS,
     parameters: &[AMPLITUDE, FREQUENCY, OFFSET],
     generate: |v, ts, n| {

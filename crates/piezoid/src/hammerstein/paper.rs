@@ -5,10 +5,11 @@
 //! give as much of the linear block as they can. Either is told in the notes.
 
 use super::Model;
-use super::rich::{LinearPart, dominant_frequency, linear_from_rich};
+use super::rich::{LinearPart, dominant_frequency, linear_from_rich, rich_enough};
 use crate::error::Error;
 use crate::hysteresis::{Branches, Hysteresis, Loop, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
+use crate::number::round;
 use crate::optimize::swarm;
 use crate::progress::Progress;
 use crate::record::{Record, Units, same_sampling};
@@ -94,6 +95,13 @@ pub fn identify_paper(
 
     let part = linear_part(&linear, &rich, how, progress)?;
     let mut notes = vec![format!("linear block: {}", part.reason)];
+    if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
+        notes.push(format!(
+            "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try more iterations, a \
+             lower order, or another estimator",
+            pole.z
+        ));
+    }
     let mut loops = Vec::new();
     if how.operator != "proportional" {
         for record in &rich {
@@ -112,6 +120,14 @@ pub fn identify_paper(
         pool(&mut loops);
     }
     let loops = loops.into_iter().map(|l| l.split(how)).collect::<Result<Vec<_>, _>>()?;
+    let turned: Vec<f64> = loops.iter().filter(|l| !l.found.ascending_below).filter_map(|l| l.frequency_hz).collect();
+    if !turned.is_empty() {
+        notes.push(format!(
+            "at {} Hz the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
+             resonance that it misses or that the sampling is too slow for",
+            turned.iter().map(|hz| round(*hz)).collect::<Vec<_>>().join(", ")
+        ));
+    }
     let (ts, mut offset) = (part.arx.ts(), part.offset);
     let hysteresis: Arc<dyn Hysteresis> = match (operator, loops.as_slice()) {
         ("two-branch", [one, ..]) => Arc::new(TwoBranch::new(ts, one.found.branches.clone(), how.reading)),
@@ -162,6 +178,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
         }
         return linear_from_rich(rich, how.order);
     }
+    rich_enough(linear, how.order)?;
     let fit = linear::fit(linear, Orders::of(how.order), linear::estimator(&how.estimator)?, &how.swarm, progress)?;
     let reason = format!("order {} by {} on {} samples of small signal", how.order, fit.estimator, fit.residuals.n);
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })

@@ -6,6 +6,7 @@
 use crate::error::Error;
 use crate::fourier::forward;
 use crate::linear::{self, Arx, Fit, Orders};
+use crate::number::round;
 use crate::optimize::swarm;
 use crate::progress::unwatched;
 use crate::record::Record;
@@ -71,21 +72,9 @@ pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPar
             reason: format!("a pure gain: {reason}"),
         })
     };
-    let lines = records.iter().flat_map(excited).fold(Vec::new(), |mut lines: Vec<f64>, hz| {
-        if !lines.iter().any(|l| (l / hz - 1.0).abs() < 0.1) {
-            lines.push(hz);
-        }
-        lines
-    });
-    let needed = Orders::of(n).parameters().div_ceil(2);
-    if lines.len() < needed {
-        let held = match lines.as_slice() {
-            [one] => format!("one frequency ({one:.3} Hz)"),
-            many => format!("{} frequencies", many.len()),
-        };
-        return plain(format!(
-            "the input holds {held}, and a block of order {n} needs {needed}; add a small-signal PRBS record to learn the dynamics"
-        ));
+    let lines = lines(records);
+    if let Some(why) = too_poor(&lines, n) {
+        return plain(format!("{why}; add a small-signal PRBS record to learn the dynamics"));
     }
     let highest = lines.iter().fold(0.0f64, |h, &l| h.max(l));
     let least_squares = linear::estimator("least-squares")?;
@@ -151,20 +140,63 @@ fn left_by(fit: &Fit, records: &[Record]) -> Option<f64> {
     Some((error / power).sqrt())
 }
 
-/// The frequencies [Hz] at which the input has a spectral peak worth the name, under a Hann window.
+/// Refuses records whose inputs hold too few frequencies for a block of order `n`.
+pub(super) fn rich_enough(records: &[Record], n: usize) -> Result<(), Error> {
+    match too_poor(&lines(records), n) {
+        None => Ok(()),
+        Some(why) => Err(Error::Unidentifiable {
+            what: "the linear block".into(),
+            because: format!("{why}; give a PRBS as the small-signal record, or this one as a rich record"),
+        }),
+    }
+}
+
+/// Why these frequencies do not suffice for a block of order `n`, if so.
+fn too_poor(lines: &[f64], n: usize) -> Option<String> {
+    let needed = Orders::of(n).parameters().div_ceil(2);
+    let held = match lines {
+        [] => "no frequency at all".into(),
+        [one] => format!("one frequency ({} Hz)", round(*one)),
+        many => format!("{} frequencies", many.len()),
+    };
+    (lines.len() < needed).then(|| format!("the input holds {held}, and a block of order {n} needs {needed}"))
+}
+
+/// The frequencies [Hz] that the inputs of all records hold, those within a tenth of each other once.
+fn lines(records: &[Record]) -> Vec<f64> {
+    records.iter().flat_map(excited).fold(Vec::new(), |mut lines: Vec<f64>, hz| {
+        if !lines.iter().any(|l| (l / hz - 1.0).abs() < 0.1) {
+            lines.push(hz);
+        }
+        lines
+    })
+}
+
+/// The frequencies [Hz] at which the input has power worth the name. The window (Harris 1978, four terms,
+/// doi:10.1109/PROC.1978.10837) makes a line eight bins wide with nothing beside it, so bins in a row count as a line each
+/// eight.
 fn excited(record: &Record) -> Vec<f64> {
     let n = record.len();
     let mean = record.u().iter().sum::<f64>() / n as f64;
-    let hann = |t: usize| (std::f64::consts::PI * (t as f64 + 0.5) / n as f64).sin().powi(2);
+    let window = |t: usize| {
+        let turn = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
+        0.35875 - 0.48829 * turn.cos() + 0.14128 * (2.0 * turn).cos() - 0.01168 * (3.0 * turn).cos()
+    };
     let mut spectrum: Vec<Complex<f64>> =
-        record.u().iter().enumerate().map(|(t, u)| Complex::from((u - mean) * hann(t))).collect();
+        record.u().iter().enumerate().map(|(t, u)| Complex::from((u - mean) * window(t))).collect();
     forward(n).process(&mut spectrum);
     let power: Vec<f64> = spectrum[..=n / 2].iter().map(|c| c.norm_sqr()).collect();
     let strongest = power.iter().copied().fold(0.0, f64::max);
-    let peak = |k: &usize| {
-        power[*k] > EXCITED * strongest && power[*k] >= power[k - 1] && power.get(k + 1).is_none_or(|&p| power[*k] > p)
-    };
-    (1..power.len()).filter(peak).map(|k| k as f64 / (n as f64 * record.ts())).collect()
+    let hz = |bin: f64| bin / (n as f64 * record.ts());
+    let strong: Vec<usize> = (1..power.len()).filter(|&k| power[k] > EXCITED * strongest).collect();
+    let runs = strong.chunk_by(|p, q| q - p == 1);
+    runs.flat_map(|run| {
+        let many = (run.len() / 8).max(1);
+        let part = run.len() as f64 / many as f64;
+        (0..many).map(move |i| run[0] as f64 + part * (i as f64 + 0.5) - 0.5).collect::<Vec<_>>()
+    })
+    .map(hz)
+    .collect()
 }
 
 #[cfg(test)]
@@ -187,7 +219,7 @@ mod tests {
     fn one_frequency_leaves_a_gain_and_says_so() {
         let part = linear_from_rich(&[record(&[5.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty());
-        assert!(part.reason.contains("one frequency (5.000 Hz)"), "{}", part.reason);
+        assert!(part.reason.contains("one frequency (5 Hz)"), "{}", part.reason);
     }
 
     #[test]

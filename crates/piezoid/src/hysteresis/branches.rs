@@ -177,6 +177,11 @@ impl Branches {
             Split::Line => side * (line(u) - z) > 0.0,
             Split::Direction => d > 0.0,
         };
+        if let Some(way) = [1.0, -1.0].into_iter().find(|way| !points.iter().any(|p| p.2 == *way)) {
+            let because =
+                format!("the input never {}: it must go up and down", if way > 0.0 { "rises" } else { "falls" });
+            return Err(Error::Unidentifiable { what: "the hysteresis loop".into(), because });
+        }
         let (up, down): (Vec<_>, Vec<_>) = points.iter().filter(|p| p.2 != 0.0).partition(|p| rises(p));
         let average = |points: Vec<&(f64, f64, f64)>| {
             let mut sums = vec![(0.0, 0.0, 0.0); bins.max(1)];
@@ -236,5 +241,7 @@ mod tests {
     fn an_input_that_stands_still_has_no_loop() {
         let error = Branches::of_loop(&[2.0; 9], &[1.0; 9], 5, Split::Line).unwrap_err().to_string();
         assert!(error.contains("the input stays at 2"), "{error}");
+        let error = Branches::of_loop(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], 5, Split::Line).unwrap_err().to_string();
+        assert!(error.contains("never falls"), "{error}");
     }
 }

@@ -37,9 +37,11 @@ impl Root {
 
 impl std::fmt::Display for Root {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.im {
-            0.0 => write!(f, "{:.3}", self.re),
-            im => write!(f, "{:.3}{:+.3}i", self.re, im),
+        // Adding zero turns the -0 that rounding leaves into 0.
+        let rounded = |x: f64| (1e3 * x).round() / 1e3 + 0.0;
+        match rounded(self.im) {
+            0.0 => write!(f, "{:.3}", rounded(self.re)),
+            im => write!(f, "{:.3}{im:+.3}i", rounded(self.re)),
         }
     }
 }

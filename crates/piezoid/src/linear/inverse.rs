@@ -37,11 +37,12 @@ impl Arx {
             let because = format!("b0 = 0: the input acts {} samples late, and (8) divides by b0", self.delay());
             return Err(Error::NoInverse { kind: "causal", because });
         }
-        let zeros = self.zeros();
-        if zeros.iter().any(|z| z.modulus() >= 1.0 - ON_THE_CIRCLE) {
+        let outside: Vec<Root> = self.zeros().into_iter().filter(|z| z.modulus() >= 1.0 - ON_THE_CIRCLE).collect();
+        if !outside.is_empty() {
+            let zeros = if outside.len() == 1 { "its zero" } else { "its zeros" };
             let because = format!(
-                "its zeros {} are the poles of (8), and one is not inside the unit circle, so (8) grows without bound",
-                join(&zeros)
+                "{zeros} {}, not inside the unit circle, would be poles of (8), which grows without bound",
+                join(&outside)
             );
             return Err(Error::NoInverse { kind: "stable causal", because });
         }

@@ -1,0 +1,50 @@
+//! Numbers as people write them.
+
+/// `x` with four significant digits, plain where that is short and with a power of ten otherwise; `-` for what is no
+/// finite number.
+///
+/// ```
+/// use piezoid::number::short;
+/// assert_eq!([0.0, 0.01289, 146.72, 1e-7, 123456.0, f64::NAN].map(short), ["0", "0.01289", "146.7", "1.000e-7", "1.235e5", "-"]);
+/// ```
+pub fn short(x: f64) -> String {
+    match x.abs() {
+        a if !a.is_finite() => "-".into(),
+        0.0 => "0".into(),
+        a if (1e-3..1e5).contains(&a) => {
+            let decimals = (3 - a.log10().floor() as i32).max(0) as usize;
+            format!("{x:.decimals$}")
+        }
+        _ => format!("{x:.3e}"),
+    }
+}
+
+/// As [`short`], without zeros at the end: for numbers that were set, or are known to be round.
+///
+/// ```
+/// use piezoid::number::round;
+/// assert_eq!([5.0, 0.061, 12.5, 1e6].map(round), ["5", "0.061", "12.5", "1e6"]);
+/// ```
+pub fn round(x: f64) -> String {
+    let text = short(x);
+    let (digits, exponent) = text.split_once('e').unwrap_or((&text, ""));
+    let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
+    if exponent.is_empty() { digits.into() } else { format!("{digits}e{exponent}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        let shown = [-33.333333, 0.061, 99999.5, 1e308].map(short);
+        assert_eq!(shown, ["-33.33", "0.06100", "100000", "1.000e308"]);
+    }
+
+    #[test]
+    fn round_numbers_have_no_zeros_at_their_end() {
+        let shown = [120.0, -30.0, 1e-7, 0.0, f64::NAN].map(round);
+        assert_eq!(shown, ["120", "-30", "1e-7", "0", "-"]);
+    }
+}
