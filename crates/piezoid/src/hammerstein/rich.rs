@@ -177,13 +177,15 @@ fn lines(records: &[Record]) -> Vec<f64> {
 /// eight.
 fn excited(record: &Record) -> Vec<f64> {
     let n = record.len();
-    let mean = record.u().iter().sum::<f64>() / n as f64;
     let window = |t: usize| {
         let turn = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
         0.35875 - 0.48829 * turn.cos() + 0.14128 * (2.0 * turn).cos() - 0.01168 * (3.0 * turn).cos()
     };
+    let weights: Vec<f64> = (0..n).map(window).collect();
+    // The mean under the window: any other leaves a line at 0 Hz.
+    let mean = record.u().iter().zip(&weights).map(|(u, w)| u * w).sum::<f64>() / weights.iter().sum::<f64>();
     let mut spectrum: Vec<Complex<f64>> =
-        record.u().iter().enumerate().map(|(t, u)| Complex::from((u - mean) * window(t))).collect();
+        record.u().iter().zip(&weights).map(|(u, w)| Complex::from((u - mean) * w)).collect();
     forward(n).process(&mut spectrum);
     let power: Vec<f64> = spectrum[..=n / 2].iter().map(|c| c.norm_sqr()).collect();
     let strongest = power.iter().copied().fold(0.0, f64::max);
