@@ -1,0 +1,21 @@
+//! Rows of a golden file, read so that a missing number stops the test.
+
+use serde_json::Value;
+
+/// The rows of a file that a script of `golden/` wrote.
+#[track_caller]
+pub(crate) fn rows(json: &str) -> Vec<Value> {
+    serde_json::from_str(json).expect("a golden file is a list of rows")
+}
+
+#[track_caller]
+pub(crate) fn text<'a>(row: &'a Value, key: &str) -> &'a str {
+    row[key].as_str().unwrap_or_else(|| panic!("{key} is a text in every row"))
+}
+
+/// All the numbers under `key`, of which none may be null.
+#[track_caller]
+pub(crate) fn numbers(row: &Value, key: &str) -> Vec<f64> {
+    let list = row[key].as_array().unwrap_or_else(|| panic!("{key} is a list in every row"));
+    list.iter().map(|v| v.as_f64().unwrap_or_else(|| panic!("{key} holds numbers, not {v}"))).collect()
+}

@@ -1,0 +1,47 @@
+//! Splines against the numbers of scipy; `golden/cubic_spline.py` writes them.
+
+#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+
+#[path = "common/close.rs"]
+mod close;
+#[path = "common/golden.rs"]
+mod golden;
+
+use close::assert_close;
+use golden::{numbers, rows, text};
+use piezoid::spline::Spline;
+
+/// Relative to the value, plus as much of the largest knot: a curve that passes through zero adds terms of the size of
+/// its knots there, and their rounding stays.
+const TOLERANCE: f64 = 1e-12;
+
+#[track_caller]
+fn assert_close_beside_knots(name: &str, ours: &[f64], theirs: &[f64], knots: &[f64]) {
+    let largest = knots.iter().fold(0.0f64, |m, y| m.max(y.abs()));
+    assert_close(name, ours, theirs, TOLERANCE, TOLERANCE * largest);
+}
+
+#[test]
+fn a_spline_is_scipys_not_a_knot_spline_between_and_beyond_its_knots() {
+    let rows = rows(include_str!("golden/cubic_spline.json"));
+    assert_eq!(rows.len(), 40);
+    for row in &rows {
+        let [x, y, at, value] = ["x", "y", "at", "value"].map(|key| numbers(row, key));
+        let spline = Spline::new(&x, &y).expect("knots that scipy takes");
+        let ours: Vec<f64> = at.iter().map(|&x| spline.at(x)).collect();
+        assert_close_beside_knots(text(row, "name"), &ours, &value, &y);
+    }
+}
+
+#[test]
+fn a_spline_passes_through_its_knots() {
+    for row in rows(include_str!("golden/cubic_spline.json")) {
+        let (x, y) = (numbers(&row, "x"), numbers(&row, "y"));
+        let spline = Spline::new(&x, &y).expect("knots that scipy takes");
+        let at_knots: Vec<f64> = x.iter().map(|&x| spline.at(x)).collect();
+        // Every knot but the last opens a piece, whose value there is the knot's to the bit.
+        let last = x.len() - 1;
+        assert_eq!(at_knots[..last], y[..last], "{}", row["name"]);
+        assert_close_beside_knots(text(&row, "name"), &at_knots[last..], &y[last..], &y);
+    }
+}

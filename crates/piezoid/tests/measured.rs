@@ -1,0 +1,72 @@
+//! What the paper's way does with measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
+
+#![allow(clippy::expect_used)] // a test may stop at what must not happen
+
+mod common;
+
+use piezoid::Record;
+use piezoid::formats::{Selection, Table};
+use piezoid::hammerstein::{Identified, Paper, identify_paper};
+use piezoid::progress::unwatched;
+use piezoid::validation::{Settings, validate};
+
+/// The transient at the start of every file [s]: 300 samples.
+const START: f64 = 1.5;
+
+/// The middle of the model file [s].
+const HALF: f64 = 20.0;
+
+fn record(name: &str) -> Option<Record> {
+    let bytes = common::measured(name)?;
+    Some(Table::parse(&bytes).and_then(|t| t.record(&Selection::default())).expect("a record"))
+}
+
+/// Identified the paper's way from the first half of the model file, and the whole file.
+fn identified() -> Option<(Identified, Record)> {
+    let whole = record("picma-p885/model_1Hz.csv")?;
+    let first = whole.part(START, HALF).expect("a first half");
+    assert_eq!(first.len(), 3700);
+    let found = identify_paper(&[], &[first], &Paper::default(), &mut unwatched).expect("a model");
+    Some((found, whole))
+}
+
+#[test]
+fn two_branches_from_half_a_record_predict_the_other_half_within_4_percent() {
+    let Some((found, whole)) = identified() else { return };
+    assert_eq!(found.model.hysteresis().operator().name, "two-branch");
+    let second = whole.part(HALF, f64::INFINITY).expect("a second half");
+    let validation = validate(&found.model, &second, Settings::default()).expect("figures");
+    assert_eq!(validation.metrics.n, second.len());
+    assert!(validation.metrics.nrmse_percent <= 4.0, "{:?}", validation.metrics);
+    // It must beat the floor: without the two branches a gain and an offset leave 21 %.
+    let plain = Paper { operator: "proportional".into(), ..Paper::default() };
+    let first = whole.part(START, HALF).expect("a first half");
+    let plain = identify_paper(&[], &[first], &plain, &mut unwatched).expect("a model");
+    let floor = validate(&plain.model, &second, Settings::default()).expect("figures").metrics.nrmse_percent;
+    assert!((19.0..23.0).contains(&floor), "{floor} %");
+}
+
+#[test]
+fn one_frequency_leaves_a_pure_gain_and_the_reason_says_so() {
+    let Some((found, _)) = identified() else { return };
+    let linear = found.model.linear();
+    assert_eq!((linear.a().len(), linear.b().len()), (0, 1));
+    let reason = &found.linear.reason;
+    assert!(reason.contains("a pure gain") && reason.contains("one frequency (1.0"), "{reason}");
+    assert!(found.notes.iter().any(|n| n.contains(reason)), "{:?}", found.notes);
+}
+
+#[test]
+fn a_growing_amplitude_is_beyond_two_branches_and_the_remarks_say_why() {
+    let Some((found, whole)) = identified() else { return };
+    let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
+    let growing = growing.part(START, f64::INFINITY).expect("what follows the transient");
+    let free = Settings { free_offset: true, ..Settings::default() };
+    let validation = validate(&found.model, &growing, free).expect("figures");
+    assert!(validation.metrics.nrmse_percent > 10.0, "{:?}", validation.metrics);
+    assert!(validation.remarks.iter().any(|r| r.contains("minor loops")), "{:?}", validation.remarks);
+    // On the loop it was made from there is nothing to remark.
+    let second = whole.part(HALF, f64::INFINITY).expect("a second half");
+    let same = validate(&found.model, &second, Settings::default()).expect("figures");
+    assert_eq!(same.remarks, Vec::<String>::new());
+}

@@ -1,0 +1,203 @@
+//! The paper's numbers as behaviour: what the study must show on the twin, and how well the swarm does.
+
+#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+
+use piezoid::excitation::Prbs;
+use piezoid::linear::{self, Orders};
+use piezoid::optimize::swarm;
+use piezoid::plant::{Plant, find};
+use piezoid::progress::{Stage, unwatched};
+use piezoid::study::{self, FREQUENCIES, METHODS, PRINTED_MSE, Study, TS};
+use piezoid::{Error, Record};
+use serde_json::Value;
+use std::ops::ControlFlow;
+use std::sync::LazyLock;
+
+fn run(plant: &str, seed: u64) -> Study {
+    study::run(find(plant).expect("a preset"), seed, &mut unwatched).expect("a study of it")
+}
+
+static PAPER: LazyLock<Study> = LazyLock::new(|| run("paper", 1));
+static PL140: LazyLock<Study> = LazyLock::new(|| run("pl140", 1));
+
+/// Mean squared error [mm^2] and rms error in % of peak-to-peak.
+fn errors(study: &Study, method: &str, hz: f64) -> (f64, f64) {
+    let frequency = study.frequencies.iter().find(|f| f.hz == hz).expect("a frequency of the study");
+    let row = frequency.row(method).expect("a method of the study");
+    (row.mse, row.metrics.rms_pp_percent)
+}
+
+#[test]
+fn every_estimator_finds_the_pole_of_table_2() {
+    assert_eq!(PAPER.blocks.len(), 4);
+    for block in &PAPER.blocks {
+        let poles = block.arx.poles();
+        assert_eq!(poles.len(), 1, "{}: one pair", block.name);
+        assert!((poles[0].hz - 146.7).abs() <= 1.0, "{}: {} Hz", block.name, poles[0].hz);
+        assert!((poles[0].damping - 0.061).abs() <= 0.005, "{}: damping {}", block.name, poles[0].damping);
+    }
+}
+
+#[test]
+fn the_rule_as_printed_leaves_at_5_hz_what_the_paper_reports() {
+    let (mse, _) = errors(&PAPER, "printed-rule", 5.0);
+    assert!((0.008..=0.020).contains(&mse), "{mse} mm^2, beside {} in Table 1", PRINTED_MSE[0].1);
+}
+
+#[test]
+fn with_the_direction_held_nothing_breaks_at_80_hz_nor_above_the_resonance() {
+    for hz in [5.0, 20.0, 40.0, 80.0] {
+        let (mse, _) = errors(&PAPER, "held-direction", hz);
+        assert!(mse <= 0.001, "{mse} mm^2 at {hz} Hz");
+    }
+    assert_eq!(FREQUENCIES[FREQUENCIES.len() - 1], 250.0);
+    for hz in FREQUENCIES {
+        let (_, percent) = errors(&PAPER, "held-direction", hz);
+        assert!(percent <= 2.0, "{percent} % of peak-to-peak at {hz} Hz");
+    }
+}
+
+#[test]
+fn the_error_grows_with_frequency_as_the_paper_reports_with_the_block_of_its_table_2_alone() {
+    let growth = |method| errors(&PAPER, method, 80.0).0 / errors(&PAPER, method, 5.0).0;
+    assert!(growth("table2-arx") > 2.0, "{} times", growth("table2-arx"));
+    assert!(growth("printed-rule") < 1.0, "{} times", growth("printed-rule"));
+    let width = |hz: f64| {
+        let f = PAPER.frequencies.iter().find(|f| f.hz == hz).expect("a frequency of the study");
+        [&f.own, &f.by_table_2].map(|l| l.found.branches.width().abs())
+    };
+    let ([own_5, _], [own_80, printed_80]) = (width(5.0), width(80.0));
+    assert!((own_80 / own_5 - 1.0).abs() < 0.1, "the twin's loop is {own_5} and {own_80} wide");
+    assert!(printed_80 > 3.0 * own_80, "Table 2 makes it {printed_80} wide");
+}
+
+#[test]
+fn an_unstable_causal_inverse_is_named_with_its_zeros() {
+    let swarm = &PL140.blocks[1];
+    assert_eq!(swarm.name, "swarm");
+    let note = PL140.notes.iter().find(|n| n.contains("no stable causal inverse"));
+    assert_eq!(note.is_some(), swarm.arx.inverse().is_err(), "{:?}", PL140.notes);
+    // The modes of the bender above the Nyquist frequency push a zero out of the circle, so the note must be there.
+    let note = note.expect("a note");
+    for zero in swarm.arx.zeros() {
+        assert!(note.contains(&zero.to_string()), "{note} does not name {zero}");
+    }
+    assert!(!PAPER.notes.iter().any(|n| n.contains("inverse")), "{:?}", PAPER.notes);
+}
+
+/// Fails on a null, which is how JSON holds what is not finite, but where a column does not apply to a row.
+fn assert_whole(value: &Value, path: &str) {
+    match value {
+        Value::Null => {
+            let applies = !path.ends_with(".printed_mse")
+                && !(path.contains("table2[0].") && (path.contains(".residual_") || path.ends_with(".offset")));
+            assert!(!applies, "{path} is null");
+        }
+        Value::Array(list) => list.iter().enumerate().for_each(|(k, v)| assert_whole(v, &format!("{path}[{k}]"))),
+        Value::Object(map) => map.iter().for_each(|(k, v)| assert_whole(v, &format!("{path}.{k}"))),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_number_of_either_study_is_finite_in_its_tables_figures_and_page() {
+    for study in [&*PAPER, &*PL140] {
+        let document = study::to_json(std::slice::from_ref(study));
+        assert_whole(&document["studies"][0], study.plant.name);
+        let runs = study.frequencies.iter().flat_map(|f| f.rows.iter().flat_map(|r| &r.simulated).chain(f.test.y()));
+        assert!(runs.chain(&study.convergence).all(|v| v.is_finite()));
+        let page = study::page(std::slice::from_ref(study)).html();
+        let figures = study::figures(study).into_iter().map(|(name, figure)| (name, figure.svg()));
+        for (name, text) in figures.chain([("page".to_string(), page)]) {
+            let words = text.split(|c: char| !c.is_alphanumeric());
+            let wrong = words.into_iter().find(|w| matches!(*w, "NaN" | "nan" | "inf" | "Infinity"));
+            assert_eq!(wrong, None, "{} of {}", name, study.plant.name);
+        }
+    }
+}
+
+#[test]
+fn the_document_has_the_tables_that_scripts_rely_on() {
+    let document = study::to_json(&[PAPER.clone(), PL140.clone()]);
+    let rows = |table: &str| document[table].as_array().expect("a list").clone();
+    assert_eq!(rows("table1").len(), 2 * FREQUENCIES.len() * METHODS.len());
+    for row in rows("table1") {
+        assert!(row["method"].is_string() && row["plant"].is_string(), "{row}");
+        for key in ["frequency_hz", "mse", "nrmse_percent", "rms_pp_percent", "loop_width_percent"] {
+            assert!(row[key].is_f64(), "{key} of {row}");
+        }
+    }
+    for method in ["printed-rule", "held-direction", "linear", "table2-arx"] {
+        assert!(rows("table1").iter().any(|row| row["method"] == method), "{method}");
+    }
+    let estimators: Vec<Value> = rows("table2").iter().map(|row| row["estimator"].clone()).collect();
+    assert_eq!(estimators[..4], ["printed", "swarm", "least-absolute", "least-squares"]);
+    assert_eq!(estimators[4..], estimators[..4]);
+    for row in rows("table2") {
+        assert!(row["poles"][0]["hz"].is_f64() && row["poles"][0]["damping"].is_f64(), "{row}");
+        assert!(row["zeros"][0]["re"].is_f64() && row["zeros"][0]["im"].is_f64(), "{row}");
+        assert_eq!((row["a"].as_array().map(Vec::len), row["b"].as_array().map(Vec::len)), (Some(2), Some(3)));
+    }
+    let convergence: Vec<f64> = rows("convergence").iter().filter_map(Value::as_f64).collect();
+    assert_eq!(convergence, PAPER.convergence);
+    assert_eq!(convergence.len(), 501, "the start and the paper's 500 iterations");
+    assert!(convergence.windows(2).all(|w| w[1] <= w[0]));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
+    let (first, again) = ([PAPER.clone(), PL140.clone()], [run("paper", 1), run("pl140", 1)]);
+    let json = |studies: &[Study]| serde_json::to_string_pretty(&study::to_json(studies)).expect("a document");
+    assert!(json(&first) == json(&again), "the documents differ");
+    assert!(study::page(&first).html() == study::page(&again).html(), "the pages differ");
+    assert!(json(&first) != json(&[run("paper", 2), first[1].clone()]), "the seed changes nothing");
+}
+
+#[test]
+fn a_study_stops_when_it_is_told_to_at_either_stage() {
+    for (stage, at) in [("swarm", 0), ("swarm", 77), ("loops", 0), ("loops", 3)] {
+        let mut seen = 0;
+        let mut stop = |s: Stage| {
+            let here = s.what.contains(stage) && s.done >= at;
+            assert!(seen == 0, "asked again after it was told to stop");
+            seen += usize::from(here);
+            if here { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        match study::run(find("paper").expect("a preset"), 1, &mut stop) {
+            Err(Error::Cancelled { done, total, .. }) => assert!(done == at && total > at, "{done} of {total}"),
+            other => panic!("{stage} {at}: {:?}", other.map(|s| s.notes)),
+        }
+    }
+}
+
+/// The swarm on the paper's small-signal record with twenty seeds, against the exact optimum of linear programming.
+///
+/// On the plant of the paper, whose record has no noise, 196 of 200 seeds end within 1e-6 of it and the worst 1.4e-6
+/// above. Of these twenty the worst, seed 16, ends at 0.98e-6, and at 1.06e-6 without fused multiply-add: rounding
+/// decides on which side of 1e-6 it falls, so one may.
+#[track_caller]
+fn swarm_meets_the_optimum(plant: &str) {
+    let u = Prbs { order: 12, amplitude: 1.0, ..Prbs::default() }.samples(TS, 4095).expect("a PRBS");
+    let y = Plant::new(&(find(plant).expect("a preset").spec)(), TS).expect("a plant").run(&u).y;
+    let record = [Record::new(TS, u, y.iter().map(|y| 1e3 * y).collect()).expect("a record")];
+    let cost = |estimator, seed| {
+        let settings = swarm::Settings { seed, ..swarm::Settings::default() };
+        let estimator = linear::estimator(estimator).expect("an estimator");
+        linear::fit(&record, Orders::of(2), estimator, &settings, &mut unwatched).expect("a fit").residuals.sum_abs
+    };
+    let optimum = cost("least-absolute", 1);
+    let above: Vec<f64> = (1..=20).map(|seed| cost("swarm", seed) / optimum - 1.0).collect();
+    assert!(above.iter().all(|above| (-1e-9..=2e-6).contains(above)), "{plant}: {above:?} above {optimum} mm");
+    let beyond = above.iter().filter(|above| **above > 1e-6).count();
+    assert!(beyond <= 1, "{plant}: {above:?} above {optimum} mm");
+}
+
+#[test]
+fn the_swarm_meets_the_least_absolute_optimum_on_the_papers_plant() {
+    swarm_meets_the_optimum("paper");
+}
+
+#[test]
+fn the_swarm_meets_the_least_absolute_optimum_on_the_pl140() {
+    swarm_meets_the_optimum("pl140");
+}
