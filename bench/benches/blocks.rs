@@ -62,30 +62,36 @@ fn estimators(c: &mut Criterion) {
 
 /// Samples a second of the blocks and of the twins.
 fn simulation(c: &mut Criterion) {
-    let systems = || -> Result<Vec<(&str, Box<dyn System>)>, Error> {
-        let arx = Arx::new(TS, vec![1.7424, -0.9453], vec![3.1, 3.1, 0.0])?;
-        let u: Vec<f64> = (0..17).map(|k| 3.75 * f64::from(k) - 30.0).collect();
-        let z = |side: f64| u.iter().map(|u| u + side * (1.0 - u * u / 900.0)).collect();
-        let branches = Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?;
-        let block = TwoBranch::new(TS, branches, Reading::Held);
-        let model = Model::new(Arc::new(block.clone()), arx.clone(), 0.0)?;
-        let plant = |name| Plant::new(&(find(name)?.spec)(), TS);
-        Ok(vec![
-            ("arx of order 2", Box::new(arx)),
-            ("two-branch", Box::new(block)),
-            ("the paper's model", Box::new(model)),
-            ("twin paper", Box::new(plant("paper")?)),
-            ("twin pl140", Box::new(plant("pl140")?)),
-        ])
-    };
-    let sine = Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000);
-    let (Ok(systems), Ok(u)) = (systems(), sine) else { return };
+    let (Ok(systems), Ok(u)) = (systems(), sine()) else { return };
     let mut group = c.benchmark_group("simulation");
     group.throughput(Throughput::Elements(u.len() as u64));
     for (name, system) in &systems {
         group.bench_function(BenchmarkId::from_parameter(name), |b| b.iter(|| system.simulate(black_box(&u))));
     }
     group.finish();
+}
+
+type Named = (&'static str, Box<dyn System>);
+
+fn systems() -> Result<Vec<Named>, Error> {
+    let arx = Arx::new(TS, vec![1.7424, -0.9453], vec![3.1, 3.1, 0.0])?;
+    let u: Vec<f64> = (0..17).map(|k| 3.75 * f64::from(k) - 30.0).collect();
+    let z = |side: f64| u.iter().map(|u| u + side * (1.0 - u * u / 900.0)).collect();
+    let branches = Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?;
+    let block = TwoBranch::new(TS, branches, Reading::Held);
+    let model = Model::new(Arc::new(block.clone()), arx.clone(), 0.0)?;
+    let plant = |name| Plant::new(&(find(name)?.spec)(), TS);
+    Ok(vec![
+        ("arx of order 2", Box::new(arx)),
+        ("two-branch", Box::new(block)),
+        ("the paper's model", Box::new(model)),
+        ("twin paper", Box::new(plant("paper")?)),
+        ("twin pl140", Box::new(plant("pl140")?)),
+    ])
+}
+
+fn sine() -> Result<Vec<f64>, Error> {
+    Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
 criterion_group!(benches, cost, estimators, simulation);

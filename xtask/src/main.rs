@@ -6,12 +6,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
+/// What a verb does; the error says which step failed.
+type Work = fn() -> Result<(), String>;
+
 /// What can be done, each with what it is for.
-const VERBS: [(&str, &str, fn() -> Result<(), String>); 4] = [
+const VERBS: [(&str, &str, Work); 4] = [
     ("test", "format, clippy with warnings denied, all tests, documentation", test),
     ("bench", "criterion benches, then the swarm beside pyswarms (Python, makes its own environment)", bench),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
-    ("docs", "build the documentation and say where it is", docs),
+    ("docs", "build the documentation, and draw the pictures in docs/ anew", docs),
 ];
 
 fn main() -> ExitCode {
@@ -65,6 +68,9 @@ fn golden() -> Result<(), String> {
 }
 
 fn docs() -> Result<(), String> {
+    step(&mut cargo(&["run", "--release", "--", "study", "--plant", "paper", "--out", "target/study"]))?;
+    let (drawn, kept) = (root().join("target/study/paper-error.svg"), root().join("docs/error.svg"));
+    std::fs::copy(&drawn, &kept).map_err(|e| format!("cannot copy {} to docs: {e}", drawn.display()))?;
     step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;
     eprintln!("open {}", root().join("target/doc/piezoid/index.html").display());
     Ok(())

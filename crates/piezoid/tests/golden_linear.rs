@@ -108,7 +108,6 @@ fn poles_and_zeros_are_numpys_roots() {
 const EVEN: &str = "only even powers";
 
 #[test]
-#[ignore = "the Schur iteration does not converge for such polynomials, and `roots` then gives none"]
 fn polynomials_of_even_powers_have_their_roots() {
     let rows = rows(include_str!("golden/freqz.json"));
     compare_poles_and_zeros(rows.iter().find(|row| row["name"] == EVEN).expect("the row"));

@@ -172,9 +172,9 @@ fn a_study_stops_when_it_is_told_to_at_either_stage() {
 
 /// The swarm on the paper's small-signal record with twenty seeds, against the exact optimum of linear programming.
 ///
-/// On the plant of the paper, whose record has no noise, 196 of 200 seeds end within 1e-6 of it and the worst 1.4e-6
-/// above. Of these twenty the worst, seed 16, ends at 0.98e-6, and at 1.06e-6 without fused multiply-add: rounding
-/// decides on which side of 1e-6 it falls, so one may.
+/// On the plant of the paper, whose record has no noise, about one seed in fifty ends further above it than that (the
+/// worst of 400: 1.4e-6). Of these twenty the worst, seed 16, ends at 0.98e-6, and at 1.06e-6 where there is no fused
+/// multiply-add and the search runs on other roundings.
 #[track_caller]
 fn swarm_meets_the_optimum(plant: &str) {
     let u = Prbs { order: 12, amplitude: 1.0, ..Prbs::default() }.samples(TS, 4095).expect("a PRBS");
@@ -187,9 +187,16 @@ fn swarm_meets_the_optimum(plant: &str) {
     };
     let optimum = cost("least-absolute", 1);
     let above: Vec<f64> = (1..=20).map(|seed| cost("swarm", seed) / optimum - 1.0).collect();
-    assert!(above.iter().all(|above| (-1e-9..=2e-6).contains(above)), "{plant}: {above:?} above {optimum} mm");
-    let beyond = above.iter().filter(|above| **above > 1e-6).count();
-    assert!(beyond <= 1, "{plant}: {above:?} above {optimum} mm");
+    let within = if fused() { 1e-6 } else { 2e-6 };
+    assert!(above.iter().all(|above| (-1e-9..=within).contains(above)), "{plant}: {above:?} above {optimum} mm");
+}
+
+/// Whether the swarm's cost is summed with fused multiply-adds on this machine.
+fn fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return is_x86_feature_detected!("fma") && is_x86_feature_detected!("avx2");
+    #[cfg(not(target_arch = "x86_64"))]
+    return cfg!(target_arch = "aarch64");
 }
 
 #[test]

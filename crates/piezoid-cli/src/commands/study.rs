@@ -110,6 +110,8 @@ fn summary(study: &Outcome, console: &Console) -> String {
     let rows: Vec<_> = study.blocks.iter().map(dynamics).collect();
     let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse (8)"];
     text += &format!("\nWhat it means\n{}", table(&header, &rows, None));
+    text += "\n";
+    text += &console.paragraph(&study::verdict(study), "");
     for note in &study.notes {
         text += "\n";
         text += &console.paragraph(&format!("* {note}"), "  ");

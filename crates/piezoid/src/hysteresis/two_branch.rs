@@ -17,10 +17,10 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reading {
-    /// That of the last movement.
+    /// That of the last movement: how long an input is held changes nothing.
     #[default]
     Held,
-    /// The descending one: the paper's rule to the letter.
+    /// The descending one, the paper's rule to the letter: the output then depends on how long an input is held.
     Printed,
 }
 

@@ -5,7 +5,7 @@
 
 use super::Arx;
 use crate::system::System;
-use nalgebra::{Complex, DMatrix, linalg::Schur};
+use nalgebra::{Complex, DMatrix, DVector, linalg::Schur};
 use std::f64::consts::TAU;
 
 /// A pole of the block, or one of a conjugate pair (then it is listed once).
@@ -58,15 +58,18 @@ pub struct Response {
 }
 
 impl Arx {
-    /// Poles by rising natural frequency, conjugate pairs listed once.
+    /// Poles by rising natural frequency, conjugate pairs listed once. Poles at the origin, which trailing zeros of `a`
+    /// make, are delays and not listed; an integrator has frequency and damping 0.
     pub fn poles(&self) -> Vec<Pole> {
-        let characteristic: Vec<f64> = std::iter::once(1.0).chain(self.a().iter().map(|a| -a)).collect();
+        let used = self.a().iter().rposition(|&a| a != 0.0).map_or(0, |last| last + 1);
+        let characteristic: Vec<f64> = std::iter::once(1.0).chain(self.a()[..used].iter().map(|a| -a)).collect();
         let mut poles: Vec<Pole> = roots(&characteristic)
             .into_iter()
-            .filter(|z| z.im >= 0.0)
+            .filter(|z| z.im >= 0.0 || z.im.is_nan())
             .map(|z| {
                 let s = Complex::new(z.re, z.im).ln() / self.ts();
-                Pole { hz: s.norm() / TAU, damping: -s.re / s.norm(), z }
+                let damping = if s.norm() == 0.0 { 0.0 } else { -s.re / s.norm() };
+                Pole { hz: s.norm() / TAU, damping, z }
             })
             .collect();
         poles.sort_by(|p, q| p.hz.total_cmp(&q.hz));
@@ -105,7 +108,7 @@ impl Arx {
 }
 
 /// Roots of c0 z^n + c1 z^(n-1) + ... + cn, with c0 not zero: eigenvalues of the companion matrix, each polished by
-/// one Newton step. Conjugates stay exact conjugates.
+/// one Newton step. Conjugates stay exact conjugates. Roots that cannot be found are NaN, which no check lets pass.
 pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
     let n = c.len().saturating_sub(1);
     if n == 0 {
@@ -115,7 +118,13 @@ pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
         (0, j) => -c[j + 1] / c[0],
         (i, j) => f64::from(u8::from(i == j + 1)),
     });
-    let Some(schur) = Schur::try_new(companion, f64::EPSILON, 10_000) else { return Vec::new() };
+    // Shifted QR stands still on the symmetry of polynomials in even powers; seen in a slanted mirror there is none.
+    let slant = DVector::from_fn(n, |i, _| 1.0 / (1 + i) as f64);
+    let mirror = DMatrix::identity(n, n) - &slant * slant.transpose() * (2.0 / slant.norm_squared());
+    let mirrored = &mirror * companion * &mirror;
+    let schur =
+        if mirrored.iter().all(|v| v.is_finite()) { Schur::try_new(mirrored, f64::EPSILON, 10_000) } else { None };
+    let Some(schur) = schur else { return vec![Root { re: f64::NAN, im: f64::NAN }; n] };
     schur
         .complex_eigenvalues()
         .iter()
@@ -154,6 +163,18 @@ mod tests {
         re.sort_by(f64::total_cmp);
         assert_close(&re, &[-2.0, 0.5, 0.9, 0.9], 1e-12, 0.0);
         assert_close(&[found.iter().map(|z| z.im).fold(0.0, f64::max)], &[0.3], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn poles_at_the_origin_are_delays_and_an_integrator_has_no_frequency() {
+        let poles = Arx::new(1.0, vec![1.0, 0.0], vec![1.0]).unwrap().poles();
+        assert_eq!((poles.len(), poles[0].hz, poles[0].damping), (1, 0.0, 0.0));
+    }
+
+    #[test]
+    fn coefficients_beyond_what_a_root_can_be_found_from_pass_no_check() {
+        let block = Arx::new(1.0, vec![], vec![1e-300, 1e300, 1.0]).unwrap();
+        assert!(block.inverse().is_err() && block.invert_whole(&[1.0, 2.0]).is_err());
     }
 
     #[test]

@@ -37,7 +37,8 @@ impl Arx {
             let because = format!("b0 = 0: the input acts {} samples late, and (8) divides by b0", self.delay());
             return Err(Error::NoInverse { kind: "causal", because });
         }
-        let outside: Vec<Root> = self.zeros().into_iter().filter(|z| z.modulus() >= 1.0 - ON_THE_CIRCLE).collect();
+        let outside: Vec<Root> =
+            self.zeros().into_iter().filter(|z| z.modulus().is_nan() || z.modulus() >= 1.0 - ON_THE_CIRCLE).collect();
         if !outside.is_empty() {
             let zeros = if outside.len() == 1 { "its zero" } else { "its zeros" };
             let because = format!(
@@ -61,7 +62,8 @@ impl Arx {
     /// [`Error::NoInverse`] when a zero lies on the unit circle.
     pub fn invert_whole(&self, y: &[f64]) -> Result<Vec<f64>, Error> {
         let zeros = self.zeros();
-        if let Some(zero) = zeros.iter().find(|z| (z.modulus() - 1.0).abs() < ON_THE_CIRCLE) {
+        let lost = |z: &&Root| z.modulus().is_nan() || (z.modulus() - 1.0).abs() < ON_THE_CIRCLE;
+        if let Some(zero) = zeros.iter().find(lost) {
             let because =
                 format!("its zero {zero} lies on the unit circle: that frequency leaves no trace in the output");
             return Err(Error::NoInverse { kind: "stable", because });

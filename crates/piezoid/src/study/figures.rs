@@ -187,5 +187,6 @@ pub(super) fn error(study: &Study) -> Figure {
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
     axes = axes.with(Series::marked(&f, &mse).role(Role::Reference).named("Table 1 as printed"));
-    Figure::new("Error on the test signal against frequency", super::page::error_words(study)).panel(axes)
+    let caption = format!("{} Errors below {FLOOR:e} mm² are drawn there.", super::page::verdict(study));
+    Figure::new("Error on the test signal against frequency", caption).panel(axes)
 }

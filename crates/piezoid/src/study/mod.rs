@@ -7,7 +7,7 @@ mod figures;
 mod page;
 
 pub use figures::figures;
-pub use page::page;
+pub use page::{page, verdict};
 
 use crate::error::Error;
 use crate::excitation::{Prbs, Sine, SteppedSine};
