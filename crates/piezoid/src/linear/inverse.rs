@@ -37,12 +37,14 @@ impl Arx {
             let because = format!("b0 = 0: the input acts {} samples late, and (8) divides by b0", self.delay());
             return Err(Error::NoInverse { kind: "causal", because });
         }
-        let outside: Vec<Root> =
-            self.zeros().into_iter().filter(|z| z.modulus().is_nan() || z.modulus() >= 1.0 - ON_THE_CIRCLE).collect();
+        let zeros = self.zeros();
+        let outside: Vec<&Root> =
+            zeros.iter().filter(|z| z.modulus().is_nan() || z.modulus() >= 1.0 - ON_THE_CIRCLE).collect();
         if !outside.is_empty() {
-            let zeros = if outside.len() == 1 { "its zero" } else { "its zeros" };
+            let (is, pole) = if outside.len() == 1 { ("is", "a pole") } else { ("are", "poles") };
             let because = format!(
-                "{zeros} {}, not inside the unit circle, would be poles of (8), which grows without bound",
+                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of (8), which then grows without bound",
+                join(&zeros),
                 join(&outside)
             );
             return Err(Error::NoInverse { kind: "stable causal", because });
