@@ -187,6 +187,6 @@ pub(super) fn error(study: &Study) -> Figure {
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
     axes = axes.with(Series::marked(&f, &mse).role(Role::Reference).named("Table 1 as printed"));
-    let caption = format!("{} Errors below {FLOOR:e} mm² are drawn there.", super::page::verdict(study));
+    let caption = format!("{} Errors below {FLOOR:e} mm² are drawn there.", super::words::verdict(study));
     Figure::new("Error on the test signal against frequency", caption).panel(axes)
 }

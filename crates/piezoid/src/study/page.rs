@@ -1,5 +1,6 @@
 //! The page of the study: what was done, what is seen, and why.
 
+use super::words::mse;
 use super::{Block, Frequency, METHODS, PRINTED_MSE, Row, Study, figures};
 use crate::page::{Cell, Fact, Page, Section, Table, Text};
 
@@ -137,39 +138,6 @@ fn table_1(study: &Study) -> Table {
             "At 200 and 250 Hz a period has fewer samples than the test has steps, and sine and test come down to the same few \
              voltages: a small error there proves little.",
         )
-}
-
-/// Four decimals as in the paper's Table 1, or one digit with its power of ten below them.
-fn mse(x: f64) -> String {
-    if x < 1e-4 { format!("{x:.0e}") } else { format!("{x:.4}") }
-}
-
-/// What the errors of a study say, in words.
-pub fn verdict(study: &Study) -> String {
-    let at = |method: &str, hz: f64| {
-        study.frequencies.iter().find(|f| f.hz == hz).and_then(|f| f.row(method)).map_or(f64::NAN, |r| r.mse)
-    };
-    let rms = |method: &str| {
-        let of = |f: &Frequency| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
-        study
-            .frequencies
-            .iter()
-            .map(|f| (of(f), f.hz))
-            .fold((0.0, 0.0), |worst: (f64, f64), x| if x.0 > worst.0 { x } else { worst })
-    };
-    let ((worst, worst_hz), (linear, _)) = (rms("held-direction"), rms("linear"));
-    let of_table_2 = PRINTED_MSE.iter().map(|(hz, _)| (at("table2-arx", *hz), *hz));
-    let (most, most_hz) = of_table_2.fold((0.0, 0.0), |most: (f64, f64), x| if x.0 > most.0 { x } else { most });
-    format!(
-        "At 5 Hz the rule as printed leaves {} mm², beside {:.4} in the paper; holding the direction leaves {}. With the linear block \
-         of Table 2 the error grows from {:.3} mm² at 5 Hz to {most:.3} at {most_hz} Hz; the paper's grows too, and the growth comes \
-         with that block. With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model \
-         without hysteresis leaves up to {linear:.1} %.",
-        mse(at("printed-rule", 5.0)),
-        PRINTED_MSE[0].1,
-        mse(at("held-direction", 5.0)),
-        at("table2-arx", 5.0),
-    )
 }
 
 fn methods() -> Section {

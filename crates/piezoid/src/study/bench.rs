@@ -1,0 +1,113 @@
+//! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
+
+use super::{AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, Row, SETTLING, StudyLoop, TS};
+use crate::error::Error;
+use crate::excitation::{Sine, SteppedSine};
+use crate::hammerstein::{Model, hidden, proportional};
+use crate::hysteresis::{Branches, Hysteresis, Proportional, Split, TwoBranch};
+use crate::linear::Arx;
+use crate::plant::{Plant, Saturation, Spec};
+use crate::record::{Record, Units};
+use crate::system::System;
+use crate::validation::Metrics;
+use std::sync::Arc;
+
+/// A drive signal [V] by its amplitude [V].
+type Drive<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
+
+/// The plant on a bench: what can be measured there, in millimetres.
+pub(super) struct Bench {
+    /// The plant.
+    plant: Plant,
+    /// Range of the sensor [mm].
+    range: Option<f64>,
+}
+
+impl Bench {
+    /// The plant of these parameters, its noise drawn from `seed`.
+    pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
+        let plant = Plant::new(spec, TS)?.with_seed(seed);
+        Ok(Bench { plant, range: spec.sensor.range_m.map(|m| 1e3 * m) })
+    }
+
+    /// Drives the plant from rest and records it; what limits were reached is added to `limits`.
+    pub(super) fn measure(
+        &self,
+        u: Vec<f64>,
+        what: &str,
+        limits: &mut Vec<(String, Saturation)>,
+    ) -> Result<Record, Error> {
+        let run = self.plant.run(&u);
+        if run.saturation.any() {
+            limits.push((what.into(), run.saturation));
+        }
+        let units = Units { u: "V".into(), y: "mm".into() };
+        let y = run.y.iter().map(|y| 1e3 * y).collect();
+        Ok(Record::new(TS, u, y)?.with_units(units))
+    }
+
+    /// The amplitude [V] at which the answers to all `drives` stay well within the sensor's range: lowered from the whole
+    /// range of the driver as an experimenter would, by what the sensor shows.
+    fn amplitude(&self, drives: &[&Drive]) -> Result<f64, Error> {
+        let Some(range) = self.range else { return Ok(AMPLITUDE) };
+        let mut amplitude = AMPLITUDE;
+        loop {
+            let mut peak = 0.0f64;
+            for drive in drives {
+                peak = self.plant.run(&drive(amplitude)?).y.iter().fold(peak, |peak, y| peak.max(1e3 * y.abs()));
+            }
+            if peak <= RANGE_USED * range || amplitude <= 1.0 {
+                break;
+            }
+            amplitude = (amplitude * (RANGE_USED * range / peak).max(0.5)).floor().max(1.0);
+        }
+        Ok(amplitude)
+    }
+
+    /// Steps 3 to 6 of the paper at one frequency, for every method.
+    pub(super) fn frequency(
+        &self,
+        hz: f64,
+        own: &(Arx, f64),
+        table_2: &Arx,
+        limits: &mut Vec<(String, Saturation)>,
+    ) -> Result<Frequency, Error> {
+        let n = (DURATION / TS) as usize;
+        let frequency = hz;
+        let sine = |amplitude| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
+        let stepped = |amplitude| SteppedSine { amplitude, frequency, ..SteppedSine::default() }.samples(TS, n);
+        let amplitude = self.amplitude(&[&sine, &stepped])?;
+        let sine = self.measure(sine(amplitude)?, &format!("sine of {hz} Hz"), limits)?;
+        let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
+        let settled = (SETTLING / TS) as usize;
+
+        let loop_by = |arx: &Arx, offset: f64| -> Result<StudyLoop, Error> {
+            let (z, _) = hidden(arx, offset, sine.y())?;
+            let (u, z) = (sine.u()[settled..].to_vec(), z[settled..].to_vec());
+            let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
+            Ok(StudyLoop { u, z, found })
+        };
+        let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(table_2, 0.0)?);
+        let test = whole.part(SETTLING, f64::INFINITY)?;
+        let rows = METHODS.iter().map(|method| {
+            let (arx, offset, found) = match method.table_2 {
+                true => (table_2, 0.0, &by_table_2.found),
+                false => (&own.0, own.1, &by_own.found),
+            };
+            let (hysteresis, offset): (Arc<dyn Hysteresis>, f64) = match method.reading {
+                Some(reading) => (Arc::new(TwoBranch::new(TS, found.branches.clone(), reading)), offset),
+                None => {
+                    let (gain, offset) = proportional(arx, offset, std::slice::from_ref(&sine))?;
+                    (Arc::new(Proportional::new(TS, gain)?), offset)
+                }
+            };
+            let model = Model::new(hysteresis, arx.clone(), offset)?;
+            let simulated = model.simulate(whole.u())[settled..].to_vec();
+            let metrics = Metrics::of(test.y(), &simulated);
+            let loop_width_percent = method.reading.map_or(0.0, |_| 100.0 * found.branches.width());
+            Ok(Row { method: method.name, mse: metrics.mse, metrics, loop_width_percent, simulated })
+        });
+        let rows = rows.collect::<Result<_, Error>>()?;
+        Ok(Frequency { hz, amplitude, own: by_own, by_table_2, test, rows })
+    }
+}

@@ -1,0 +1,63 @@
+//! The study as a document for scripts.
+
+use super::{Block, Frequency, PRINTED_MSE, Row, Study};
+use serde_json::{Value, json};
+
+/// The studies as one document: `table1`, `table2` over all plants, `convergence` of the first, and each study whole
+/// under `studies`. Numbers that are not finite are null.
+pub fn to_json(studies: &[Study]) -> Value {
+    let all = |table: &dyn Fn(&Study) -> Vec<Value>| studies.iter().flat_map(table).collect::<Vec<_>>();
+    let each = |s: &Study| {
+        json!({
+            "plant": s.plant.name,
+            "table1": table1(s),
+            "table2": table2(s),
+            "convergence": s.convergence,
+            "optimum": s.optimum,
+            "noise_gain": s.noise_gain,
+            "notes": s.notes,
+        })
+    };
+    json!({
+        "table1": all(&table1),
+        "table2": all(&table2),
+        "convergence": studies.first().map(|s| &s.convergence),
+        "studies": studies.iter().map(each).collect::<Vec<_>>(),
+    })
+}
+
+fn table1(study: &Study) -> Vec<Value> {
+    let row = |f: &Frequency, r: &Row| {
+        json!({
+            "plant": study.plant.name,
+            "frequency_hz": f.hz,
+            "method": r.method,
+            "amplitude_v": f.amplitude,
+            "mse": r.mse,
+            "nrmse_percent": r.metrics.nrmse_percent,
+            "rms_pp_percent": r.metrics.rms_pp_percent,
+            "loop_width_percent": r.loop_width_percent,
+            "printed_mse": PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map(|(_, mse)| mse),
+        })
+    };
+    study.frequencies.iter().flat_map(|f| f.rows.iter().map(move |r| row(f, r))).collect()
+}
+
+fn table2(study: &Study) -> Vec<Value> {
+    let row = |b: &Block| {
+        json!({
+            "plant": study.plant.name,
+            "estimator": b.name,
+            "a": b.arx.a(),
+            "b": b.arx.b(),
+            "poles": b.arx.poles().iter().map(|p| json!({"hz": p.hz, "damping": p.damping})).collect::<Vec<_>>(),
+            "zeros": b.arx.zeros().iter().map(|z| json!({"re": z.re, "im": z.im})).collect::<Vec<_>>(),
+            "dc_gain": b.arx.dc_gain(),
+            "inverse_is_stable": b.arx.inverse().is_ok(),
+            "residual_sum_abs": b.fit.as_ref().map(|f| f.residuals.sum_abs),
+            "residual_rms": b.fit.as_ref().map(|f| f.residuals.rms),
+            "offset": b.fit.as_ref().map(|f| f.offsets[0]),
+        })
+    };
+    study.blocks.iter().map(row).collect()
+}
