@@ -78,7 +78,7 @@ fn systems() -> Result<Vec<Named>, Error> {
     let u: Vec<f64> = (0..17).map(|k| 3.75 * f64::from(k) - 30.0).collect();
     let z = |side: f64| u.iter().map(|u| u + side * (1.0 - u * u / 900.0)).collect();
     let branches = Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?;
-    let block = TwoBranch::new(TS, branches, Reading::Held);
+    let block = TwoBranch::new(TS, branches, Reading::Held)?;
     let model = Model::new(Arc::new(block.clone()), arx.clone(), 0.0)?;
     let plant = |name| Plant::new(&(find(name)?.spec)(), TS);
     Ok(vec![

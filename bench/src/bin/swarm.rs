@@ -24,7 +24,8 @@ fn main() -> Result<(), Error> {
     let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
     let record = Record::new(TS, u.clone(), y.clone())?;
     let settings = Settings { seed, ..Settings::default() };
-    let offset = fit(&[record], Orders::of(2), estimator("least-squares")?, &settings, &mut unwatched)?.offsets[0];
+    let squares = fit(&[record], Orders::of(2), estimator("least-squares")?, &settings, &mut unwatched)?;
+    let offset = squares.offsets[0];
     let centred = Record::new(TS, u, y.iter().map(|y| y - offset).collect())?;
     let regression = Regression::new(&[centred], Orders::of(2))?;
     if verb == "rows" {
@@ -33,7 +34,7 @@ fn main() -> Result<(), Error> {
         }
         return Ok(());
     }
-    let bounds = regression.search_box()?;
+    let bounds = regression.search_box(&[squares.arx.a(), squares.arx.b()].concat())?;
     let start = Instant::now();
     let found = minimise(&AbsoluteError::from(&regression), bounds, settings.clone(), &mut unwatched)?;
     let seconds = start.elapsed().as_secs_f64();

@@ -132,29 +132,40 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
     }
     // Through a link to its end: the link stays.
     let end = std::fs::canonicalize(path).unwrap_or_else(|_| path.into());
-    let folder = match end.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    replace(&end, folder, text).map_err(|error| {
-        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-        let why = match error.kind() {
-            ErrorKind::NotFound => format!("there is no folder {}: make it first", folder.display()),
-            ErrorKind::NotADirectory => format!("{} is not a folder: name a file in a folder", folder.display()),
-            ErrorKind::PermissionDenied => {
-                format!("the folder {} may not be written to: name another", folder.display())
-            }
-            other => other.to_string(),
-        };
-        anyhow!("cannot write {}: {why}", named(path))
-    })
+    replace(&end, text).map_err(|error| unwritable(path, &error))
 }
 
-fn replace(path: &Path, folder: &Path, text: &str) -> io::Result<()> {
+/// Refuses results that could not be written when the work is done: before it is begun.
+pub(crate) fn ready(paths: &[Option<&Path>]) -> Result<()> {
+    let files = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
+    for path in files.filter(|path| std::fs::metadata(path).map_or(true, |what| what.is_file())) {
+        beside(path).map_err(|error| unwritable(path, &error))?;
+    }
+    Ok(())
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> Error {
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let why = match error.kind() {
+        ErrorKind::NotFound => format!("there is no folder {}: make it first", folder.display()),
+        ErrorKind::NotADirectory => format!("{} is not a folder: name a file in a folder", folder.display()),
+        ErrorKind::PermissionDenied => format!("the folder {} may not be written to: name another", folder.display()),
+        other => other.to_string(),
+    };
+    anyhow!("cannot write {}: {why}", named(path))
+}
+
+/// A file beside `path`, which goes away unless it is kept.
+fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut beside = builder.prefix(".piezoid-").tempfile_in(folder)?;
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    builder.prefix(".piezoid-").tempfile_in(folder)
+}
+
+fn replace(path: &Path, text: &str) -> io::Result<()> {
+    let mut beside = beside(path)?;
     beside.write_all(text.as_bytes())?;
     beside.persist(path).map_err(|failed| failed.error)?;
     Ok(())

@@ -4,7 +4,8 @@
 const NARROWEST: usize = 12;
 
 /// Rows in columns as wide as they need: the first column to the left, the others to the right. Where they are wider
-/// than `room`, the first column gives way: its cells lose their beginning, as the end of a path tells more.
+/// than `room`, the first column gives way: its cells lose their beginning, as the end of a path tells more. Where that
+/// is not enough, each row stands as a block of lines.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>], room: Option<usize>) -> String {
     let width = |k: usize| {
         let cells = rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count());
@@ -15,6 +16,9 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>], room: Option<usize>) 
     let over = room.map_or(0, |room| total(&widths).saturating_sub(room));
     if let (Some(first), Some(head)) = (widths.first_mut(), header.first()) {
         *first = (*first).min(first.saturating_sub(over).max(NARROWEST).max(head.chars().count()));
+    }
+    if room.is_some_and(|room| total(&widths) > room) {
+        return blocks(header, rows);
     }
     let line = |cells: Vec<&str>| {
         let padded = cells.iter().zip(&widths).enumerate().map(|(k, (cell, &w))| match k {
@@ -27,6 +31,18 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>], room: Option<usize>) 
     let rule = "-".repeat(total(&widths)) + "\n";
     let body = rows.iter().map(|r| line(r.iter().map(String::as_str).collect()));
     [head, rule].into_iter().chain(body).collect()
+}
+
+/// Rows as blocks: the first cell, then a line a column with its heading.
+fn blocks(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = header.iter().skip(1).map(|head| head.chars().count()).max().unwrap_or(0);
+    let mut text = String::new();
+    for row in rows {
+        for (k, (head, cell)) in header.iter().zip(row).enumerate() {
+            text += &if k == 0 { format!("{head} {cell}\n") } else { format!("  {head:<width$}  {cell}\n") };
+        }
+    }
+    text
 }
 
 /// The last `width` characters, with a mark where some are left out.
@@ -86,6 +102,13 @@ mod tests {
         let text = table(&["file", "rmse"], &rows, Some(24));
         assert_eq!(text, "file                rmse\n------------------------\n…nday/sine-5hz.csv   1.0\n");
         assert!(text.lines().all(|line| line.chars().count() <= 24), "{text}");
+    }
+
+    #[test]
+    fn in_a_narrow_terminal_each_row_is_a_block() {
+        let rows = [vec!["5".into(), "0.01128".into(), "2.391e-6".into()]];
+        let text = table(&["f [Hz]", "printed-rule", "held"], &rows, Some(20));
+        assert_eq!(text, "f [Hz] 5\n  printed-rule  0.01128\n  held          2.391e-6\n");
     }
 
     #[test]

@@ -15,6 +15,11 @@ impl std::fmt::Display for Misused {
 
 impl std::error::Error for Misused {}
 
+/// What the library says of a value that came from the command line itself.
+pub(crate) fn argument<T>(judged: Result<T, piezoid::Error>) -> Result<T> {
+    judged.map_err(|e| Misused(e.to_string()).into())
+}
+
 /// A point in time or a length of it [s], not negative.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     number(text, "a number of seconds, 0 or more, such as 0.5", |t| t >= 0.0)

@@ -1,5 +1,5 @@
-//! The discrete Fourier transform, X_k = sum over t of x_t exp(-2 pi i k t / n), with the same bits on every machine:
-//! the planner that follows the machine's vector unit rounds differently from one to the next.
+//! The discrete Fourier transform, X_k = sum over t of x_t exp(-2 pi i k t / n), rounded the same whatever vector unit
+//! the machine has.
 
 use nalgebra::Complex;
 use rustfft::{Fft, FftPlannerScalar};

@@ -149,15 +149,22 @@ impl Record {
 /// product rounds.
 ///
 /// # Errors
-/// Refused when no sample lies between them.
+/// Refused when no sample lies between them, or `from` is negative.
 pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usize>, Error> {
+    if from.is_nan() || from < 0.0 {
+        return Err(Error::parameter(
+            "from",
+            format!("{from} s"),
+            "must not lie before the first sample, which is at 0 s",
+        ));
+    }
     let index = |t: f64| (t / ts - 1e-6).ceil().clamp(0.0, n as f64) as usize;
     let (start, end) = (index(from), index(to));
     if start < end {
         return Ok(start..end);
     }
     let asked = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
-    let last = (n.max(1) - 1) as f64 * ts;
+    let last = crate::number::round((n.max(1) - 1) as f64 * ts);
     Err(Error::Content(format!("no sample lies {asked}: the data span 0 s to {last} s")))
 }
 

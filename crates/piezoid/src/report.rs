@@ -1,6 +1,7 @@
 //! The report on a model: what it is, and how it meets records it has not seen.
 
 use crate::hammerstein::Model;
+use crate::number::short;
 use crate::page::{Fact, Page, Section, Table, Text};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use crate::record::Record;
@@ -25,9 +26,12 @@ pub struct Trial<'a> {
 pub fn report(model: &Model, trials: &[Trial]) -> Page {
     let operator = model.hysteresis().operator();
     let page = Page::new("Hammerstein model").subtitle(format!(
-        "{} hysteresis, linear block of order {}, sampled every {} s",
+        "{} hysteresis, {}, sampled every {} s",
         operator.name,
-        model.linear().a().len(),
+        match model.linear().a().len() {
+            0 => "a gain without dynamics".into(),
+            n => format!("linear block of order {n}"),
+        },
         model.ts()
     ));
     let page = if trials.is_empty() { page } else { page.section(proof(trials)) };
@@ -43,17 +47,16 @@ fn proof(trials: &[Trial]) -> Section {
     let table = table.number(format!("rms error [{unit}]")).number(format!("largest [{unit}]"));
     let table = table.number("NRMSE [%]").number("rms / peak-to-peak [%]").number("fit [%]");
     let row = |name: &str, m: &Metrics| {
-        let figures = [m.rmse, m.max_abs].map(|v| format!("{v:.4}"));
-        let shares = [m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(|v| format!("{v:.2}"));
-        [name.to_string(), m.n.to_string()].into_iter().chain(figures).chain(shares).collect::<Vec<_>>()
+        let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(short);
+        [name.to_string(), m.n.to_string()].into_iter().chain(figures).collect::<Vec<_>>()
     };
     let table = trials.iter().fold(table, |table, t| table.row(row(t.name, &t.validation.metrics)));
     let table = if trials.len() > 1 { table.row(row("total", &total)) } else { table };
     Section::new("Proof")
         .facts([
-            Fact::new(format!("{:.2}", total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
-            Fact::new(format!("{:.2}", total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
-            Fact::new(format!("{:.3}", total.max_abs), unit.clone(), "largest error"),
+            Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
+            Fact::new(short(total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
+            Fact::new(short(total.max_abs), unit.clone(), "largest error"),
         ])
         .table(table.note("Free run: the model sees the input alone, never the measured output."))
 }
@@ -62,7 +65,14 @@ fn one(trial: &Trial) -> Section {
     let Trial { name, record, validation } = *trial;
     let section = Section::new(name);
     let section = validation.remarks.iter().fold(section, |s, remark| s.warning("Beyond the model", remark.as_str()));
-    section.figure(time_series(trial)).figure(loops(record, validation))
+    let section = match validation.taken_off {
+        Some(mean) => {
+            let (mean, unit) = (short(mean), &record.units().y);
+            section.note("Offset", format!("A mean error of {mean} {unit} was taken off before anything was compared."))
+        }
+        None => section,
+    };
+    section.figure(time_series(trial)).figure(loops(trial))
 }
 
 fn time_series(trial: &Trial) -> Figure {
@@ -72,10 +82,15 @@ fn time_series(trial: &Trial) -> Figure {
     let t: Vec<f64> = range.clone().map(|k| k as f64 * record.ts()).collect();
     let (y, simulated) = (&record.y()[range.clone()], &validation.simulated[range]);
     let error: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
-    let left = validation.metrics.rms_pp_percent;
+    let left = short(validation.metrics.rms_pp_percent);
     let part = if record.len() - validation.start > SHOWN { "the first part of the record" } else { "the record" };
-    let caption =
-        format!("Measurement and free run over {part}, and what is left: {left:.2} % of peak-to-peak over all of it.");
+    let of = &record.y()[validation.start..];
+    let errors = of.iter().zip(&validation.simulated[validation.start..]).map(|(y, s)| (y - s).abs());
+    let worst = errors.enumerate().fold((0, 0.0), |worst, (k, e)| if e > worst.1 { (k, e) } else { worst }).0;
+    let at = short((validation.start + worst) as f64 * record.ts());
+    let caption = format!(
+        "Measurement and free run over {part}, and what is left: {left} % of peak-to-peak over all of it. The largest error is at {at} s."
+    );
     Figure::new("Time series", caption)
         .panel(
             Axes::new("t [s]", Axis::new(format!("y [{}]", units.y)))
@@ -91,11 +106,18 @@ fn time_series(trial: &Trial) -> Figure {
         .stacked()
 }
 
-fn loops(record: &Record, validation: &Validation) -> Figure {
+fn loops(trial: &Trial) -> Figure {
+    let Trial { record, validation, .. } = *trial;
     let units = record.units();
     let range = validation.start..record.len().min(validation.start + SHOWN);
     let u = &record.u()[range.clone()];
-    Figure::new("Loops", "Output over input, as measured and as the model runs free.").panel(
+    let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
+    let width = 100.0 * validation.metrics.rmse / validation.metrics.peak_to_peak;
+    let caption = format!(
+        "Output over input in {part}, as measured and as the model runs free. The two differ by {} % of the height, rms.",
+        short(width)
+    );
+    Figure::new("Loops", caption).panel(
         Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("y [{}]", units.y)))
             .with(Series::line(u, &record.y()[range.clone()]).role(Role::Measured).named("measured"))
             .with(Series::line(u, &validation.simulated[range]).role(Role::Model).named("model")),

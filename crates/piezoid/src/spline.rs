@@ -25,7 +25,8 @@ impl Spline {
     /// Interpolates `y` at the knots `x`, which must rise strictly.
     ///
     /// # Errors
-    /// Refuses no knots, unequal lengths, numbers that are not finite, and knots that do not rise.
+    /// Refuses no knots, unequal lengths, numbers that are not finite, knots that do not rise, and curves too steep for
+    /// numbers.
     pub fn new(x: &[f64], y: &[f64]) -> Result<Self, Error> {
         finite("knots x", x)?;
         finite("knots y", y)?;
@@ -51,6 +52,14 @@ impl Spline {
             .collect();
         if pieces.is_empty() {
             pieces.push([y[0], 0.0, 0.0, 0.0]);
+        }
+        if let Some(i) = pieces.iter().position(|piece| !piece.iter().all(|c| c.is_finite())) {
+            let rule = "are too steep: the curve between them is beyond what numbers can hold";
+            return Err(Error::parameter(
+                format!("knots {i} and {}", i + 1),
+                format!("{} and {}", x[i], x[i + 1]),
+                rule,
+            ));
         }
         Ok(Spline { x: x.to_vec(), pieces })
     }

@@ -4,7 +4,7 @@
 //! left out of the figures.
 
 use crate::error::Error;
-use crate::hammerstein::Model;
+use crate::hammerstein::{Model, dominant_frequency};
 use crate::number::short;
 use crate::record::{Record, same_sampling};
 use crate::system::System;
@@ -50,7 +50,9 @@ impl Metrics {
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
         let variance = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64;
         let (low, high) = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
-        let max_abs = y.iter().zip(simulated).fold(0.0, |m: f64, (y, s)| m.max((y - s).abs()));
+        // A comparison that lets NaN through: an error that is none must not look small.
+        let larger = |m: f64, e: f64| if e > m || e.is_nan() { e } else { m };
+        let max_abs = y.iter().zip(simulated).map(|(y, s)| (y - s).abs()).fold(0.0, larger);
         Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
     }
 
@@ -99,6 +101,8 @@ pub struct Validation {
     pub simulated: Vec<f64>,
     /// First sample that counts.
     pub start: usize,
+    /// The mean error that was taken off, where the offset is free [record's unit].
+    pub taken_off: Option<f64>,
     /// What the reader of the figures should know.
     pub remarks: Vec<String>,
 }
@@ -122,18 +126,30 @@ pub fn validate(model: &Model, record: &Record, settings: Settings) -> Result<Va
     let start = crate::record::span(settings.skip, f64::INFINITY, record.ts(), record.len())?.start;
     let mut simulated = model.resume(&mut model.settled(record.u()[0]), record.u());
     simulated.iter_mut().for_each(|y| *y *= k);
+    let mut taken_off = None;
     if settings.free_offset {
         let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
         let mean = errors.sum::<f64>() / (record.len() - start) as f64;
         simulated.iter_mut().for_each(|y| *y += mean);
+        taken_off = Some(mean);
     }
     let metrics = Metrics::of(&record.y()[start..], &simulated[start..]);
-    Ok(Validation { metrics, simulated, start, remarks: remarks(model, record, start) })
+    let remarks = remarks(model, record, start, &metrics);
+    Ok(Validation { metrics, simulated, start, taken_off, remarks })
 }
 
-/// What about this record is beyond what the model can do.
-fn remarks(model: &Model, record: &Record, start: usize) -> Vec<String> {
-    let mut remarks = Vec::new();
+/// What about this record is beyond what the model, or the figures, can do.
+fn remarks(model: &Model, record: &Record, start: usize, metrics: &Metrics) -> Vec<String> {
+    let mut remarks: Vec<String> = match (metrics.mse.is_finite(), metrics.nrmse_percent.is_finite()) {
+        (false, _) => vec![
+            "the error is beyond what numbers can hold: figures that do not exist are - in tables and null in JSON"
+                .into(),
+        ],
+        (true, false) => vec![
+            "the output does not change, so its error has no share of it: that is - in tables and null in JSON".into(),
+        ],
+        (true, true) => Vec::new(),
+    };
     let unit = &model.units().u;
     let Some((low, high)) = model.hysteresis().range() else { return remarks };
     let u = &record.u()[start..];
@@ -145,6 +161,17 @@ fn remarks(model: &Model, record: &Record, start: usize) -> Vec<String> {
             short(highest),
             short(low),
             short(high)
+        ));
+    }
+    let frequency = dominant_frequency(u, record.ts());
+    if let Some(((slowest, fastest), hz)) = model.hysteresis().frequencies().zip(frequency)
+        && !(0.9 * slowest..=1.1 * fastest).contains(&hz)
+    {
+        remarks.push(format!(
+            "the input goes to and fro at {} Hz, but the model was identified from {} to {} Hz: beyond that it extrapolates",
+            short(hz),
+            short(slowest),
+            short(fastest)
         ));
     }
     let turns = inner_turns(u, low, high);

@@ -76,14 +76,17 @@ fn drive(n: std::ops::Range<usize>) -> impl Strategy<Value = Vec<f64>> {
         .prop_map(|steps| steps.into_iter().flat_map(|(u, held)| std::iter::repeat_n(u, held)).collect())
 }
 
+/// Knots from -30 to 30 V, as both branches need the same ends.
 fn knots() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     prop::collection::vec((0.01..10.0f64, -40.0..40.0f64), 2..9).prop_map(|steps| {
-        let mut u = -30.0;
-        let rising = |(step, z)| {
-            u += step;
-            (u, z)
+        let whole: f64 = steps[1..].iter().map(|(step, _)| step).sum();
+        let mut passed = -steps[0].0;
+        let last = steps.len() - 1;
+        let rising = |(k, (step, z))| {
+            passed += step;
+            (if k == last { 30.0 } else { 60.0 * passed / whole - 30.0 }, z)
         };
-        steps.into_iter().map(rising).unzip()
+        steps.into_iter().enumerate().map(rising).unzip()
     })
 }
 
@@ -95,11 +98,11 @@ fn branches() -> impl Strategy<Value = Branches> {
 fn operators() -> impl Strategy<Value = Vec<Arc<dyn Hysteresis>>> {
     (branches(), branches(), -5.0..5.0f64).prop_map(|(low, high, gain)| {
         let pair = |frequency_hz, branches: &Branches| Pair { frequency_hz, branches: branches.clone() };
-        let scheduled = RateScheduled::new(TS, vec![pair(5.0, &low), pair(200.0, &high)]);
+        let scheduled = RateScheduled::new(TS, vec![pair(5.0, &low), pair(200.0, &high)], Reading::Held);
         let mut all: Vec<Arc<dyn Hysteresis>> = vec![
             Arc::new(Proportional::new(TS, gain).expect("a gain")),
-            Arc::new(TwoBranch::new(TS, low, Reading::Held)),
-            Arc::new(TwoBranch::new(TS, high, Reading::Printed)),
+            Arc::new(TwoBranch::new(TS, low, Reading::Held).expect("a block")),
+            Arc::new(TwoBranch::new(TS, high, Reading::Printed).expect("a block")),
             Arc::new(scheduled.expect("two pairs")),
         ];
         all.extend(OPERATORS.iter().map(|o| (o.example)(TS).expect("an example")));
@@ -374,8 +377,8 @@ proptest! {
             places.push(slow.len() - 1);
             u.push(value);
         }
-        let quick = TwoBranch::new(TS, branches.clone(), Reading::Held);
-        let patient = TwoBranch::new(1.0, branches, Reading::Held);
+        let quick = TwoBranch::new(TS, branches.clone(), Reading::Held).expect("a block");
+        let patient = TwoBranch::new(1.0, branches, Reading::Held).expect("a block");
         // Settled at the first input, since the way there from rest has a direction of its own.
         let run = |block: &TwoBranch, u: &[f64]| block.resume(&mut block.settled(u[0]), u);
         let z = run(&patient, &slow);
@@ -388,7 +391,7 @@ proptest! {
         branches in branches(), u in drive(2..60),
     ) {
         for reading in [Reading::Held, Reading::Printed] {
-            let block = TwoBranch::new(TS, branches.clone(), reading);
+            let block = TwoBranch::new(TS, branches.clone(), reading).expect("a block");
             let z = block.resume(&mut block.settled(u[0]), &u);
             for t in 0..u.len() {
                 let (up, down) = (branches.ascending(u[t]), branches.descending(u[t]));
@@ -407,8 +410,8 @@ proptest! {
         branches in branches(), low in 0.1..50.0f64, factor in 1.01..100.0f64, u in drive(2..80),
     ) {
         let pair = |frequency_hz| Pair { frequency_hz, branches: branches.clone() };
-        let scheduled = RateScheduled::new(TS, vec![pair(low), pair(low * factor)]).expect("two frequencies");
-        let z = TwoBranch::new(TS, branches.clone(), Reading::Held).simulate(&u);
+        let scheduled = RateScheduled::new(TS, vec![pair(low), pair(low * factor)], Reading::Held).expect("two frequencies");
+        let z = TwoBranch::new(TS, branches.clone(), Reading::Held).expect("a block").simulate(&u);
         // (1 - s) z + s z is z but for its rounding.
         assert_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
     }

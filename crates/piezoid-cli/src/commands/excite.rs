@@ -4,7 +4,7 @@
 use crate::console::Console;
 use crate::files;
 use crate::layout::{capitalised, wrapped};
-use crate::values::{Misused, farads, period};
+use crate::values::{Misused, argument, farads, period};
 use anyhow::{Result, anyhow, bail};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind, value_parser};
 use piezoid::excitation::{self, Driver, EXCITATIONS, Excitation, Limits, Parameter};
@@ -117,8 +117,9 @@ impl FromArgMatches for Excite {
 impl Excite {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let Common { ts, duration, driver, capacitance, clip, output } = self.common;
+        files::ready(&[Some(&output)])?;
         let limits = driver.as_deref().map(|name| limits(name, capacitance)).transpose()?;
-        let mut u = self.kind.samples(ts, duration, &self.values)?;
+        let mut u = argument(self.kind.samples(ts, duration, &self.values))?;
         if let (Some(limits), Some(name)) = (limits, driver) {
             if clip {
                 let clipped = limits.clip(&u, ts)?;
@@ -141,7 +142,7 @@ impl Excite {
 
 /// The limits of a driver with its load.
 fn limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
-    let limits: Limits = Driver::find(name)?.limits;
+    let limits: Limits = argument(Driver::find(name))?.limits;
     let capacitance = capacitance.or(limits.capacitance);
     if limits.current.is_some() && capacitance.is_none() {
         let what = "limits the current, which depends on the load: give its --capacitance in farad, such as 8.2e-6";

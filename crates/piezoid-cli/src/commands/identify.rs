@@ -3,12 +3,12 @@
 use crate::console::Console;
 use crate::files::{self, Columns, Measured};
 use crate::layout::table;
-use crate::values::{apart, count};
+use crate::values::{apart, argument, count};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use piezoid::hammerstein::{Identified, Paper, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
-use piezoid::linear::Root;
+use piezoid::linear::{Residuals, Root};
 use piezoid::number::{round, short as number};
 use piezoid::optimize::swarm;
 use piezoid::validation::{self, Metrics};
@@ -111,9 +111,10 @@ impl Identify {
         let rich_files: Vec<&PathBuf> = self.rich.iter().chain(&self.data).collect();
         let files: Vec<&PathBuf> = self.linear.iter().chain(rich_files.iter().copied()).collect();
         apart(&[Some(&self.output), self.json.as_deref()], &files)?;
-        piezoid::linear::estimator(&self.estimator)?;
+        files::ready(&[Some(&self.output), self.json.as_deref()])?;
+        argument(piezoid::linear::estimator(&self.estimator))?;
         if self.operator != "auto" {
-            piezoid::hysteresis::operator(&self.operator)?;
+            argument(piezoid::hysteresis::operator(&self.operator))?;
         }
         let mut origins = Vec::new();
         let mut read = |path: &&PathBuf| {
@@ -184,6 +185,16 @@ fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console
         );
         text += &listed("zeros", arx.zeros().iter().map(Root::to_string).collect());
     }
+    if let Some(fit) = &found.linear.fit {
+        let Residuals { n, rms, max_abs, lag_one, .. } = fit.residuals;
+        let white = if lag_one.abs() > 2.0 / (n as f64).sqrt() { "not white" } else { "white" };
+        text += &format!(
+            "  errors    {} {} rms, {} at most, one step ahead; {white}\n",
+            number(rms),
+            units.y,
+            number(max_abs)
+        );
+    }
     text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
     text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
     if let Some(gain) = arx.noise_gain() {
@@ -208,7 +219,7 @@ fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console
         };
         let (from, to) = (format!("from [{}]", units.u), format!("to [{}]", units.u));
         let header = ["f [Hz]", &from, &to, "width %", "ascending", "agreement %"];
-        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), None);
+        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), console.room());
     }
     if !on_itself.is_empty() {
         let row = |(path, m): (&&PathBuf, &Metrics)| {
@@ -236,10 +247,12 @@ fn result(found: &Identified, on_itself: &[Metrics]) -> Value {
         "linear": {
             "a": arx.a(),
             "b": arx.b(),
-            "poles": arx.poles().iter().map(|p| json!({"hz": p.hz, "damping": p.damping})).collect::<Vec<_>>(),
-            "zeros": arx.zeros().iter().map(|z| json!([z.re, z.im])).collect::<Vec<_>>(),
+            "poles": arx.poles(),
+            "zeros": arx.zeros(),
             "noise_gain": arx.noise_gain(),
             "reason": found.linear.reason,
+            "residuals": found.linear.fit.as_ref().map(|f| f.residuals),
+            "offsets": found.linear.fit.as_ref().map(|f| &f.offsets),
             "convergence": found.linear.fit.as_ref().map(|f| &f.history),
         },
         "operator": found.model.hysteresis().operator().name,

@@ -2,7 +2,8 @@
 
 use crate::console::Console;
 use crate::files;
-use anyhow::{Context, Result, anyhow};
+use crate::values::Misused;
+use anyhow::{Context, Result};
 use clap::Args;
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::OPERATORS;
@@ -78,6 +79,7 @@ pub(crate) fn plant(name: &str) -> Result<Spec> {
     if name.ends_with(".json") {
         return Spec::from_json(&files::read_text(Path::new(name))?).with_context(|| name.to_string());
     }
-    let unknown = |e| anyhow!("{e} (a plant of your own goes into a .json file: see `piezoid plants --show`)");
+    let own = "a plant of your own goes into a .json file: see `piezoid plants --show`";
+    let unknown = |e| Misused(format!("{e} ({own})"));
     Ok((plant::find(name).map_err(unknown)?.spec)())
 }

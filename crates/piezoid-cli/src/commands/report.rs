@@ -27,6 +27,7 @@ pub(crate) struct Report {
 impl Report {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &self.proof.inputs())?;
+        files::ready(&[Some(&self.output)])?;
         let (model, proven) = self.proof.run()?;
         let trials: Vec<Trial> = proven.iter().map(trial).collect();
         files::write(&self.output, &report(&model, &trials).html(), console)

@@ -52,6 +52,7 @@ pub(crate) struct Simulate {
 impl Simulate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &[&self.input])?;
+        files::ready(&[Some(&self.output)])?;
         let input = self.columns.input(&self.input)?;
         let (u, ts) = (&input.samples, input.ts);
         let (y, u_unit, y_unit) = match (&self.plant, &self.model) {

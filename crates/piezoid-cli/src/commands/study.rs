@@ -52,14 +52,15 @@ impl Study {
             Some(Twin::Paper) => &["paper"],
             Some(Twin::Pl140) => &["pl140"],
         };
+        std::fs::create_dir_all(&self.out)
+            .with_context(|| format!("cannot make the folder {}: name another with --out", self.out.display()))?;
+        files::ready(&[Some(&self.out.join("report.html")), self.json.as_deref()])?;
         let studies = names
             .iter()
             .map(|name| study::run(plant::find(name)?, self.seed, &mut console.progress()))
             .collect::<Result<Vec<Outcome>, _>>();
         let studies = console.done(studies)?;
 
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("cannot make the folder {}: name another with --out", self.out.display()))?;
         for (name, figure) in studies.iter().flat_map(study::figures) {
             files::write(&self.out.join(format!("{name}.svg")), &figure.svg(), console)?;
         }
@@ -87,18 +88,18 @@ fn summary(study: &Outcome, console: &Console) -> String {
         header.extend(METHODS.iter().map(|m| m.name));
         header.extend(printed.then_some("paper"));
         let rows: Vec<_> = study.frequencies.iter().map(row).collect();
-        format!("\n{}\n{}", title, table(&header, &rows, None))
+        format!("\n{}\n{}", title, table(&header, &rows, console.room()))
     };
     text += &of_frequencies("Table 1: mean squared error on the stepped sine [mm^2]", &|r| r.mse, true);
     text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
 
     let coefficients = |b: &study::Block| {
-        let values = b.coefficients().into_iter().map(|c| format!("{c:.4}"));
+        let values = b.coefficients().into_iter().map(study::four_decimals);
         [b.name.to_string()].into_iter().chain(values).collect()
     };
     let rows: Vec<_> = study.blocks.iter().map(coefficients).collect();
     let header = ["estimator", "a1", "a2", "b0", "b1", "b2"];
-    text += &format!("\nTable 2: the linear block [b in mm/V]\n{}", table(&header, &rows, None));
+    text += &format!("\nTable 2: the linear block [b in mm/V]\n{}", table(&header, &rows, console.room()));
 
     let dynamics = |b: &study::Block| {
         let pole = b.arx.poles().pop();
@@ -109,7 +110,7 @@ fn summary(study: &Outcome, console: &Console) -> String {
     };
     let rows: Vec<_> = study.blocks.iter().map(dynamics).collect();
     let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse (8)"];
-    text += &format!("\nWhat it means\n{}", table(&header, &rows, None));
+    text += &format!("\nWhat it means\n{}", table(&header, &rows, console.room()));
     text += "\n";
     text += &console.paragraph(&study::verdict(study), "");
     for note in &study.notes {

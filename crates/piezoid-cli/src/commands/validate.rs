@@ -77,9 +77,13 @@ impl Proof {
     pub(crate) fn run(&self) -> Result<(Model, Vec<Proven>)> {
         let model = files::model(&self.model)?;
         let settings = Settings { skip: self.skip, free_offset: matches!(self.offset, Offset::Free) };
-        let prove = |path: &PathBuf| {
-            let record = self.columns.record(path)?.record;
+        let mut unit = None;
+        let mut prove = |path: &PathBuf| {
             let file = path.display().to_string();
+            let record = self.columns.record(path)?.record;
+            // The total of all files needs one unit: that of the first.
+            let unit = unit.get_or_insert_with(|| record.units().y.clone());
+            let record = record.output_in(unit).with_context(|| file.clone())?;
             if self.skip >= record.duration() {
                 let (skip, duration) = (self.skip, round(record.duration()));
                 bail!("{file}: --skip {skip} leaves nothing of this record, which lasts {duration} s: skip less");
@@ -87,7 +91,7 @@ impl Proof {
             let validation = validation::validate(&model, &record, settings).with_context(|| file.clone())?;
             Ok(Proven { file, record, validation })
         };
-        let proven = self.data.iter().map(prove).collect::<Result<Vec<_>>>()?;
+        let proven = self.data.iter().map(&mut prove).collect::<Result<Vec<_>>>()?;
         Ok((model, proven))
     }
 }
@@ -95,6 +99,7 @@ impl Proof {
 impl Validate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[self.json.as_deref()], &self.proof.inputs())?;
+        files::ready(&[self.json.as_deref()])?;
         let (_, proven) = self.proof.run()?;
         let each: Vec<Metrics> = proven.iter().map(|p| p.validation.metrics).collect();
         let total = Metrics::total(&each);
@@ -110,29 +115,18 @@ impl Validate {
             console.print(&table(&header, &rows, console.room()))?;
         }
         for p in &proven {
-            if !p.validation.metrics.nrmse_percent.is_finite() {
-                console.remark(&format!("{}: {}", p.file, no_share(&p.validation.metrics)));
-            }
             for remark in &p.validation.remarks {
                 console.remark(&format!("{}: {remark}", p.file));
             }
         }
         let file = |p: &Proven| {
-            let mut object = json!({"file": p.file});
+            let mut object = json!({"file": p.file, "unit": p.record.units().y});
             merge(&mut object, json!(p.validation.metrics));
             merge(&mut object, json!({"remarks": p.validation.remarks}));
             object
         };
         let result = json!({"files": proven.iter().map(file).collect::<Vec<_>>(), "total": total});
         files::write_json(self.json.as_deref(), &result, console)
-    }
-}
-
-/// Why an error has no share of the output.
-fn no_share(m: &Metrics) -> &'static str {
-    match m.rmse.is_finite() {
-        true => "the output does not change, so its error has no share of it: - in the table, null in JSON",
-        false => "the error is beyond what numbers can hold: - in the table, null in JSON",
     }
 }
 

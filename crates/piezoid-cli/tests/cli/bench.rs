@@ -88,8 +88,17 @@ impl Bench {
 
     /// Runs what must fail with status 1, one message and no trace in the directory.
     pub(crate) fn refused(&self, line: &str) -> Run {
+        self.fails(line, 1)
+    }
+
+    /// The same with status 2, as the fault is on the command line.
+    pub(crate) fn misused(&self, line: &str) -> Run {
+        self.fails(line, 2)
+    }
+
+    fn fails(&self, line: &str, code: i32) -> Run {
         let before = self.files();
-        let run = self.run(line).exits(1);
+        let run = self.run(line).exits(code);
         assert_eq!(run.err.matches("error:").count(), 1, "{run:?}");
         assert!(run.err.starts_with("error: ") && run.err.ends_with('\n') && run.err.lines().count() == 1, "{run:?}");
         assert_eq!(run.out, "", "{run:?}");

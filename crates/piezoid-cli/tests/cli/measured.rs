@@ -1,4 +1,4 @@
-//! The commands on measured data: a PICMA P-885.91 stack at 1 Hz.
+//! The paper's way on measured data: a PICMA P-885.91 stack at 1 Hz.
 
 use crate::bench::{Bench, Run, number, skipped};
 use crate::workflow::assert_self_contained;

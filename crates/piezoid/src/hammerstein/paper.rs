@@ -9,7 +9,7 @@ use super::rich::{LinearPart, dominant_frequency, linear_from_rich, rich_enough}
 use crate::error::Error;
 use crate::hysteresis::{Branches, Hysteresis, Loop, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
-use crate::number::round;
+use crate::number::{round, short};
 use crate::optimize::swarm;
 use crate::progress::Progress;
 use crate::record::{Record, Units, same_sampling};
@@ -18,6 +18,12 @@ use std::sync::Arc;
 
 /// Frequencies that differ by less than this are one.
 const SAME_FREQUENCY: f64 = 0.02;
+
+/// Share of points on the side their direction says, from which a loop is taken to be open.
+const CLEAR: f64 = 0.6;
+
+/// Shift between records, over the peak-to-peak of z, from which it is worth a note.
+const SHIFTED: f64 = 0.02;
 
 /// How to identify the paper's way. The defaults are the paper's, but for the reading of held inputs.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,7 +88,7 @@ pub struct HiddenLoop {
 /// that exercise the hysteresis, normally one sine a frequency. Either list may be empty.
 ///
 /// # Errors
-/// Records of different sampling periods or units; what [`linear::fit`] refuses; loops that are none.
+/// Records of different sampling periods, or of units that cannot be converted; what [`linear::fit`] refuses; loops that are none.
 pub fn identify_paper(
     linear: &[Record],
     rich: &[Record],
@@ -107,31 +113,48 @@ pub fn identify_paper(
         for record in &rich {
             let (z, note) = hidden(&part.arx, part.offset, record.y())?;
             notes.extend(note.filter(|n| !notes.contains(n)));
-            gather(&mut loops, record, z);
+            notes.extend(gather(&mut loops, record, z));
         }
     }
+    if how.operator == "auto" && !loops.is_empty() && open(&loops, how)? < CLEAR {
+        notes.push(
+            "hysteresis block: none, as the points of (u, z) do not form a loop whose sides rising and falling input keep to".into(),
+        );
+        loops.clear();
+    }
     let operator = match how.operator.as_str() {
-        "auto" if rich.is_empty() => "proportional",
+        "auto" if loops.is_empty() => "proportional",
         "auto" if loops.len() > 1 => "rate-scheduled",
         "auto" => "two-branch",
         named => named,
     };
+    loops.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
     if operator == "two-branch" && loops.len() > 1 {
         pool(&mut loops);
     }
     let loops = loops.into_iter().map(|l| l.split(how)).collect::<Result<Vec<_>, _>>()?;
-    let turned: Vec<f64> = loops.iter().filter(|l| !l.found.ascending_below).filter_map(|l| l.frequency_hz).collect();
+    let at = |of: &dyn Fn(&Loop) -> bool| {
+        let some = loops.iter().filter(|l| of(&l.found)).filter_map(|l| l.frequency_hz);
+        some.map(round).collect::<Vec<_>>().join(", ")
+    };
+    let unclear = at(&|found| found.agreement < CLEAR);
+    if !unclear.is_empty() {
+        notes.push(format!(
+            "at {unclear} Hz the points do not keep to the sides of the separating line: the loop crosses itself or drowns in noise, \
+             and a split by direction may do better"
+        ));
+    }
+    let turned = at(&|found| found.agreement >= CLEAR && !found.ascending_below);
     if !turned.is_empty() {
         notes.push(format!(
-            "at {} Hz the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
-             resonance that it misses or that the sampling is too slow for",
-            turned.iter().map(|hz| round(*hz)).collect::<Vec<_>>().join(", ")
+            "at {turned} Hz the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
+             resonance that it misses or that the sampling is too slow for"
         ));
     }
     let (ts, mut offset) = (part.arx.ts(), part.offset);
     let hysteresis: Arc<dyn Hysteresis> = match (operator, loops.as_slice()) {
-        ("two-branch", [one, ..]) => Arc::new(TwoBranch::new(ts, one.found.branches.clone(), how.reading)),
-        ("rate-scheduled", [_, ..]) => Arc::new(RateScheduled::new(ts, pairs(&loops)?)?),
+        ("two-branch", [one, ..]) => Arc::new(TwoBranch::new(ts, one.found.branches.clone(), how.reading)?),
+        ("rate-scheduled", [_, ..]) => Arc::new(RateScheduled::new(ts, pairs(&loops)?, how.reading)?),
         ("proportional", _) => {
             let (gain, constant) = proportional(&part.arx, part.offset, &rich)?;
             offset = constant;
@@ -160,8 +183,9 @@ pub fn identify_paper(
 /// [`Error::NoInverse`] when the block has no stable inverse of either kind.
 pub fn hidden(arx: &Arx, offset: f64, y: &[f64]) -> Result<(Vec<f64>, Option<String>), Error> {
     let centred: Vec<f64> = y.iter().map(|y| y - offset).collect();
+    let first = centred.first().copied().unwrap_or(0.0);
     match arx.inverse() {
-        Ok(inverse) => Ok((inverse.resume(&mut inverse.settled(centred[0]), &centred), None)),
+        Ok(inverse) => Ok((inverse.resume(&mut inverse.settled(first), &centred), None)),
         Err(why) => {
             let z = arx.invert_whole(&centred)?;
             Ok((z, Some(format!("{why}; z comes from the whole record, forward and backward in time"))))
@@ -180,8 +204,26 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     }
     rich_enough(linear, how.order)?;
     let fit = linear::fit(linear, Orders::of(how.order), linear::estimator(&how.estimator)?, &how.swarm, progress)?;
-    let reason = format!("order {} by {} on {} samples of small signal", how.order, fit.estimator, fit.residuals.n);
+    let (left, best) = (fit.residuals.sum_abs, fit.least_squares_sum_abs);
+    let failed = if left > 1.001 * best {
+        let (left, best) = (short(left), short(best));
+        format!(
+            "; it leaves {left} where least squares leaves {best}, so the search failed: try --estimator least-absolute"
+        )
+    } else {
+        String::new()
+    };
+    let (order, by, n) = (how.order, fit.estimator, fit.residuals.n);
+    let reason = format!("order {order} by {by} on {n} samples of small signal{failed}");
+    let reason = reason + &linear::too_low(linear, &fit).unwrap_or_default();
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
+}
+
+/// The share of points on the side their direction says, in the loop where it is least.
+fn open(loops: &[Points], how: &Paper) -> Result<f64, Error> {
+    loops.iter().try_fold(1.0, |least: f64, points| {
+        Ok(least.min(Branches::of_loop(&points.u, &points.z, how.bins, how.split)?.agreement))
+    })
 }
 
 /// The points of a loop before it is split.
@@ -199,12 +241,17 @@ impl Points {
 }
 
 /// Adds a record's points to those of the same frequency. Of three periods or more the first is left out: a loop is
-/// closed only after the first turn.
-fn gather(loops: &mut Vec<Points>, record: &Record, z: Vec<f64>) {
+/// closed only after the first turn. Sensors drift between records, so z is shifted until it stands to u, on average,
+/// as it does in the first record; the note says so where that is visible.
+fn gather(loops: &mut Vec<Points>, record: &Record, mut z: Vec<f64>) -> Option<String> {
     let frequency_hz = dominant_frequency(record.u(), record.ts());
     let period = frequency_hz.map_or(0, |hz| (1.0 / (hz * record.ts())).ceil() as usize);
     let skip = if 3 * period <= record.len() { period } else { 0 };
-    let (u, z) = (&record.u()[skip..], &z[skip..]);
+    let (u, z) = (&record.u()[skip..], &mut z[skip..]);
+    let level = |u: &[f64], z: &[f64]| z.iter().zip(u).map(|(z, u)| z - u).sum::<f64>() / z.len() as f64;
+    let shift = loops.first().map_or(0.0, |first| level(&first.u, &first.z) - level(u, z));
+    z.iter_mut().for_each(|z| *z += shift);
+    let (low, high) = z.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &z| (l.min(z), h.max(z)));
     let same = |known: &&mut Points| match (known.frequency_hz, frequency_hz) {
         (Some(a), Some(b)) => (a / b - 1.0).abs() < SAME_FREQUENCY,
         (a, b) => a == b,
@@ -212,11 +259,14 @@ fn gather(loops: &mut Vec<Points>, record: &Record, z: Vec<f64>) {
     match loops.iter_mut().find(same) {
         Some(known) => {
             known.u.extend(u);
-            known.z.extend(z);
+            known.z.extend(&*z);
         }
         None => loops.push(Points { frequency_hz, u: u.to_vec(), z: z.to_vec() }),
     }
-    loops.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
+    (shift.abs() > SHIFTED * (high - low)).then(|| {
+        let share = round(100.0 * shift.abs() / (high - low));
+        format!("a rich record stands off the first by {share} % of its own height; the constant was taken off")
+    })
 }
 
 /// Makes one loop of all.
@@ -268,4 +318,90 @@ fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) -> Result<Uni
         }
     }
     Ok(first.units().clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{Prbs, Sine};
+    use crate::hysteresis::OPERATORS;
+    use crate::progress::unwatched;
+    use crate::validation::{Settings, validate};
+
+    const TS: f64 = 5e-4;
+
+    fn beam() -> Arx {
+        Arx::new(TS, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap()
+    }
+
+    fn record(system: &dyn System, u: Vec<f64>) -> Record {
+        let y = system.simulate(&u);
+        Record::new(TS, u, y).unwrap()
+    }
+
+    fn sine(hz: f64) -> Vec<f64> {
+        Sine { amplitude: 28.0, frequency: hz, ..Sine::default() }.samples(TS, 4000).unwrap()
+    }
+
+    fn prbs() -> Record {
+        record(&beam(), Prbs::default().samples(TS, 2047).unwrap())
+    }
+
+    #[test]
+    fn every_operator_is_found_again_from_its_own_records() {
+        for o in OPERATORS {
+            let truth = Model::new((o.example)(TS).unwrap(), beam(), 12.0).unwrap();
+            let rich = [5.0, 80.0].map(|hz| record(&truth, sine(hz)));
+            let (rich, test) = if o.rate_independent { (&rich[..1], 5.0) } else { (&rich[..], 80.0) };
+            let how = Paper { operator: o.name.into(), ..Paper::default() };
+            let offset_record = prbs().y().iter().map(|y| y + 12.0).collect();
+            let linear = [Record::new(TS, prbs().u().to_vec(), offset_record).unwrap()];
+            let found = identify_paper(&linear, rich, &how, &mut unwatched).unwrap();
+            let fresh = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
+            let left = validate(&found.model, &fresh, Settings { skip: 0.5, free_offset: false }).unwrap();
+            assert!(left.metrics.rms_pp_percent < 0.6, "{}: {} %", o.name, left.metrics.rms_pp_percent);
+        }
+    }
+
+    #[test]
+    fn auto_takes_one_pair_for_one_frequency_and_schedules_several() {
+        let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
+        let name = |rich: &[Record]| {
+            let found = identify_paper(&[prbs()], rich, &Paper::default(), &mut unwatched).unwrap();
+            (found.model.hysteresis().operator().name, found.loops.len())
+        };
+        let [slow, again, fast] = [5.0, 5.0, 40.0].map(|hz| record(&truth, sine(hz)));
+        assert_eq!(name(&[]), ("proportional", 0));
+        assert_eq!(name(&[slow.clone(), again]), ("two-branch", 1));
+        assert_eq!(name(&[fast, slow]), ("rate-scheduled", 2));
+    }
+
+    #[test]
+    fn records_in_other_units_of_length_are_converted_and_others_refused() {
+        let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
+        let rich = record(&truth, sine(5.0));
+        let found = |rich: Record| identify_paper(&[prbs()], &[rich], &Paper::default(), &mut unwatched);
+        let in_mm = found(rich.output_in("mm").unwrap()).unwrap();
+        assert_eq!(in_mm.model.units().y, "um");
+        let plain = found(rich.clone()).unwrap();
+        let width = |i: &Identified| i.loops[0].found.branches.width();
+        crate::testing::assert_close(&[width(&in_mm)], &[width(&plain)], 1e-9, 0.0);
+        let counts = rich.with_units(Units { u: "V".into(), y: "counts".into() });
+        assert!(found(counts).unwrap_err().to_string().contains("in counts but um is wanted"));
+    }
+
+    #[test]
+    fn a_block_that_8_cannot_invert_is_inverted_whole_and_the_note_says_so() {
+        let late = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.4, 3.3]).unwrap();
+        let u = sine(5.0);
+        let (z, note) = hidden(&late, 0.0, &late.simulate(&u)).unwrap();
+        crate::testing::assert_close(&z[..3990], &u[..3990], 0.0, 1e-6);
+        assert!(note.unwrap().contains("forward and backward"));
+    }
+
+    #[test]
+    fn a_sine_is_no_small_signal_record() {
+        let error = identify_paper(&[record(&beam(), sine(5.0))], &[], &Paper::default(), &mut unwatched).unwrap_err();
+        assert!(error.to_string().contains("one frequency (5 Hz)"), "{error}");
+    }
 }

@@ -61,8 +61,25 @@ pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
     (last > first).then(|| periods / ((last - first) * ts))
 }
 
-/// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay.
+/// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay. Where
+/// they do not tell a block of that order, lower ones are tried.
 pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPart, Error> {
+    let asked = of_order(records, n)?;
+    if asked.fit.is_some() {
+        return Ok(asked);
+    }
+    for lower in (1..n).rev() {
+        let part = of_order(records, lower)?;
+        if part.fit.is_some() {
+            let reason = format!("{}; of order {n} there would be left {}", part.reason, asked.reason);
+            return Ok(LinearPart { reason, ..part });
+        }
+    }
+    Ok(asked)
+}
+
+/// A block of order `n`, or a gain and why.
+fn of_order(records: &[Record], n: usize) -> Result<LinearPart, Error> {
     let (gain, offset, left_by_gain) = affine(records)?;
     let plain = |reason: String| {
         Ok(LinearPart {
@@ -109,19 +126,28 @@ pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPar
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
-/// Gain and offset that bring the inputs closest to the outputs, and the share of the output's rms they leave.
+/// The gain that brings the inputs closest to the outputs, each record with an offset of its own; the offset of the
+/// first; and the share of the outputs' rms that is left.
 pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
-    let points = || records.iter().flat_map(|r| r.u().iter().copied().zip(r.y().iter().copied()));
-    let n = points().count() as f64;
-    let (mu, my) = points().fold((0.0, 0.0), |(su, sy), (u, y)| (su + u / n, sy + y / n));
-    let (uu, uy, yy) = points().fold((0.0, 0.0, 0.0), |(uu, uy, yy), (u, y)| {
-        (uu + (u - mu) * (u - mu), uy + (u - mu) * (y - my), yy + (y - my) * (y - my))
-    });
+    let means = |r: &Record| {
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        (mean(r.u()), mean(r.y()))
+    };
+    let (mut uu, mut uy, mut yy) = (0.0, 0.0, 0.0);
+    for record in records {
+        let (mu, my) = means(record);
+        for (u, y) in record.u().iter().zip(record.y()) {
+            uu += (u - mu) * (u - mu);
+            uy += (u - mu) * (y - my);
+            yy += (y - my) * (y - my);
+        }
+    }
     let gain = uy / uu;
     if gain == 0.0 || !gain.is_finite() {
         let because = format!("the output does not follow the input (input variance {uu}, covariance {uy})");
         return Err(Error::Unidentifiable { what: "the gain".into(), because });
     }
+    let (mu, my) = records.first().map_or((0.0, 0.0), means);
     Ok((gain, my - gain * mu, ((yy - gain * uy).max(0.0) / yy).sqrt()))
 }
 

@@ -13,6 +13,9 @@ use serde::{Deserialize, Serialize};
 /// Share of the input range that counts as being at a turning point.
 const TIP: f64 = 0.005;
 
+/// The most averages a branch may be asked for.
+const BINS_MAX: usize = 1000;
+
 /// How the points of a loop are told apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -25,8 +28,7 @@ pub enum Split {
 }
 
 /// One branch: knots, and a cubic spline (not-a-knot) through them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Knots", into = "Knots")]
+#[derive(Debug, Clone, PartialEq)]
 struct Branch {
     knots: Knots,
     spline: Spline,
@@ -55,12 +57,6 @@ impl TryFrom<Knots> for Branch {
     }
 }
 
-impl From<Branch> for Knots {
-    fn from(branch: Branch) -> Self {
-        branch.knots
-    }
-}
-
 impl Branch {
     fn at(&self, u: f64) -> f64 {
         let (first, last) = (self.knots.u[0], self.knots.u[self.knots.u.len() - 1]);
@@ -71,10 +67,31 @@ impl Branch {
 
 /// The ascending and the descending branch of one loop: two functions of u.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Sides", into = "Sides")]
 pub struct Branches {
     ascending: Branch,
     descending: Branch,
+}
+
+/// How [`Branches`] are written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sides {
+    ascending: Knots,
+    descending: Knots,
+}
+
+impl TryFrom<Sides> for Branches {
+    type Error = Error;
+    fn try_from(Sides { ascending, descending }: Sides) -> Result<Self, Error> {
+        Branches::new((ascending.u, ascending.z), (descending.u, descending.z))
+    }
+}
+
+impl From<Branches> for Sides {
+    fn from(branches: Branches) -> Self {
+        Sides { ascending: branches.ascending.knots, descending: branches.descending.knots }
+    }
 }
 
 /// What was found on the way to the branches.
@@ -94,10 +111,17 @@ impl Branches {
     /// Branches through given knots (u rising) of the ascending and the descending side.
     ///
     /// # Errors
-    /// As [`Spline::new`]; each side needs at least two knots.
+    /// As [`Spline::new`]; each side needs at least two knots, and both the same first and last u.
     pub fn new(ascending: (Vec<f64>, Vec<f64>), descending: (Vec<f64>, Vec<f64>)) -> Result<Self, Error> {
         let branch = |(u, z)| Branch::try_from(Knots { u, z });
-        Ok(Branches { ascending: branch(ascending)?, descending: branch(descending)? })
+        let (ascending, descending) = (branch(ascending)?, branch(descending)?);
+        let ends = |b: &Branch| (b.knots.u[0], b.knots.u[b.knots.u.len() - 1]);
+        if ends(&ascending) != ends(&descending) {
+            let value = format!("{:?} and {:?}", ends(&ascending), ends(&descending));
+            let rule = "the ascending and the descending one must run between the same two turning points";
+            return Err(Error::parameter("ends of the branches", value, rule));
+        }
+        Ok(Branches { ascending, descending })
     }
 
     /// z on the ascending branch.
@@ -108,16 +132,6 @@ impl Branches {
     /// z on the descending branch.
     pub fn descending(&self, u: f64) -> f64 {
         self.descending.at(u)
-    }
-
-    /// Knots (u, z) of the ascending branch.
-    pub fn ascending_knots(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.ascending.knots.u.iter().copied().zip(self.ascending.knots.z.iter().copied())
-    }
-
-    /// Knots (u, z) of the descending branch.
-    pub fn descending_knots(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.descending.knots.u.iter().copied().zip(self.descending.knots.z.iter().copied())
     }
 
     /// The inputs between the turning points.
@@ -142,8 +156,11 @@ impl Branches {
     /// between the turning points.
     ///
     /// # Errors
-    /// [`Error::Unidentifiable`] when u does not move, or only one way.
+    /// [`Error::Unidentifiable`] when u does not move, or only one way; refuses no bins and more than a thousand.
     pub fn of_loop(u: &[f64], z: &[f64], bins: usize, split: Split) -> Result<Loop, Error> {
+        if !(1..=BINS_MAX).contains(&bins) {
+            return Err(Error::parameter("bins", bins, format!("must be from 1 to {BINS_MAX}")));
+        }
         let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
         let range = high - low;
         if !(range > 0.0 && range.is_finite()) {
@@ -170,7 +187,8 @@ impl Branches {
         let points: Vec<(f64, f64, f64)> = u.iter().zip(z).zip(directions).map(|((u, z), d)| (*u, *z, d)).collect();
 
         // Ascending points below the line count one way, above it the other.
-        let vote: f64 = points.iter().map(|(u, z, d)| d * (line(*u) - z).signum()).sum();
+        let below = |u: f64, z: f64| f64::from(i8::from(z < line(u)) - i8::from(z > line(u)));
+        let vote: f64 = points.iter().map(|(u, z, d)| d * below(*u, *z)).sum();
         let side = if vote >= 0.0 { 1.0 } else { -1.0 };
         let moving = points.iter().filter(|(_, _, d)| *d != 0.0).count().max(1) as f64;
         let rises = |&(u, z, d): &(f64, f64, f64)| match split {
@@ -184,9 +202,9 @@ impl Branches {
         }
         let (up, down): (Vec<_>, Vec<_>) = points.iter().filter(|p| p.2 != 0.0).partition(|p| rises(p));
         let average = |points: Vec<&(f64, f64, f64)>| {
-            let mut sums = vec![(0.0, 0.0, 0.0); bins.max(1)];
+            let mut sums = vec![(0.0, 0.0, 0.0); bins];
             for (u, z, _) in points.into_iter().filter(|p| p.0 > low + TIP * range && p.0 < high - TIP * range) {
-                let bin = &mut sums[(((u - low) / range * bins as f64) as usize).min(bins.max(1) - 1)];
+                let bin = &mut sums[(((u - low) / range * bins as f64) as usize).min(bins - 1)];
                 *bin = (bin.0 + u, bin.1 + z, bin.2 + 1.0);
             }
             let means = sums.into_iter().filter(|s| s.2 > 0.0).map(|(u, z, n)| (u / n, z / n));

@@ -27,6 +27,11 @@ pub trait Hysteresis: System {
     fn range(&self) -> Option<(f64, f64)> {
         None
     }
+
+    /// The frequencies it was identified at, from the lowest to the highest [Hz], if its output depends on them.
+    fn frequencies(&self) -> Option<(f64, f64)> {
+        None
+    }
 }
 
 /// One kind of hysteresis operator: a row of [`OPERATORS`].
@@ -142,6 +147,14 @@ mod tests {
             let mut z = example.resume(&mut x, &u[..377]);
             z.extend(example.resume(&mut x, &u[377..]));
             assert_eq!(z, example.simulate(&u));
+        }
+    }
+
+    #[test]
+    fn every_operator_that_has_settled_stays_where_it_is() {
+        for example in examples() {
+            let z = example.resume(&mut example.settled(12.0), &[12.0; 50]);
+            assert!(z.iter().all(|later| *later == z[0]), "{example:?}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
 
 use super::{Hysteresis, Operator, document, parse};
-use crate::error::finite;
+use crate::error::{finite, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -37,8 +37,9 @@ impl Proportional {
     /// z = `gain` u, sampled every `ts` [s].
     ///
     /// # Errors
-    /// Refuses a gain that is not finite.
+    /// Refuses a gain that is not finite and a `ts` that is not positive.
     pub fn new(ts: f64, gain: f64) -> Result<Self, crate::Error> {
+        positive("ts", ts, "seconds")?;
         finite("gain", &[gain])?;
         Ok(Proportional { ts, params: Params { gain } })
     }

@@ -9,8 +9,8 @@
 //! Like the two branches it stands on, it has no minor loops; and the frequency of an input that is not periodic is a
 //! guess.
 
-use super::two_branch::{direction_after, example, read};
-use super::{Branches, Hysteresis, Operator, document, parse};
+use super::two_branch::{example, read};
+use super::{Branches, Hysteresis, Operator, Reading, document, parse};
 use crate::error::{Error, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
@@ -34,6 +34,8 @@ pub struct RateScheduled {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Params {
+    #[serde(default)]
+    reading: Reading,
     pairs: Vec<Pair>,
 }
 
@@ -55,20 +57,21 @@ pub(super) static OPERATOR: Operator = Operator {
     rate_independent: false,
     load: |params, ts| {
         let params: Params = parse("rate-scheduled", params)?;
-        Ok(Arc::new(RateScheduled::new(ts, params.pairs)?))
+        Ok(Arc::new(RateScheduled::new(ts, params.pairs, params.reading)?))
     },
     example: |ts| {
         let pair = |frequency_hz, width| Ok(Pair { frequency_hz, branches: example(width)? });
-        Ok(Arc::new(RateScheduled::new(ts, vec![pair(5.0, 1.0)?, pair(80.0, 3.0)?])?))
+        Ok(Arc::new(RateScheduled::new(ts, vec![pair(5.0, 1.0)?, pair(80.0, 3.0)?], Reading::Held)?))
     },
 };
 
 impl RateScheduled {
-    /// A block sampled every `ts` [s]; the pairs are put in the order of frequency.
+    /// A block sampled every `ts` [s] that reads the pairs by `reading`; they are put in the order of frequency.
     ///
     /// # Errors
-    /// Refuses no pairs, two at one frequency, and frequencies that are not positive.
-    pub fn new(ts: f64, mut pairs: Vec<Pair>) -> Result<Self, Error> {
+    /// Refuses no pairs, two at one frequency, and frequencies or a `ts` that are not positive.
+    pub fn new(ts: f64, mut pairs: Vec<Pair>, reading: Reading) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
         if pairs.is_empty() {
             return Err(Error::Content(
                 "hysteresis block `rate-scheduled`: needs at least one pair of branches".into(),
@@ -82,7 +85,7 @@ impl RateScheduled {
             let rule = "two pairs of branches stand at this frequency; keep one";
             return Err(Error::parameter("frequency_hz", w[0].frequency_hz, rule));
         }
-        Ok(RateScheduled { ts, params: Params { pairs } })
+        Ok(RateScheduled { ts, params: Params { reading, pairs } })
     }
 
     /// The pairs, by rising frequency.
@@ -153,10 +156,11 @@ impl System for RateScheduled {
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        x[1] = direction_after(x[0], u, x[1]);
+        let direction = self.params.reading.direction(x[0], u, x[1]);
+        x[1] = Reading::Held.direction(x[0], u, x[1]);
         x[0] = u;
         self.watch(x, u);
-        self.interpolate(u, x[1], self.frequency(x))
+        self.interpolate(u, direction, self.frequency(x))
     }
 }
 
@@ -167,6 +171,11 @@ impl Hysteresis for RateScheduled {
 
     fn params(&self) -> Map<String, Value> {
         document(&self.params)
+    }
+
+    fn frequencies(&self) -> Option<(f64, f64)> {
+        let pairs = &self.params.pairs;
+        Some((pairs[0].frequency_hz, pairs[pairs.len() - 1].frequency_hz))
     }
 
     fn range(&self) -> Option<(f64, f64)> {
@@ -185,7 +194,7 @@ mod tests {
 
     fn block() -> RateScheduled {
         let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
-        RateScheduled::new(5e-4, vec![pair(80.0, 3.0), pair(5.0, 1.0)]).unwrap()
+        RateScheduled::new(5e-4, vec![pair(80.0, 3.0), pair(5.0, 1.0)], Reading::Held).unwrap()
     }
 
     /// A sine of `hz` for a second, and the frequency the block then believes in.
@@ -220,7 +229,7 @@ mod tests {
     #[test]
     fn two_pairs_at_one_frequency_are_refused() {
         let pair = Pair { frequency_hz: 5.0, branches: example(1.0).unwrap() };
-        assert!(RateScheduled::new(5e-4, vec![pair.clone(), pair]).is_err());
-        assert!(RateScheduled::new(5e-4, vec![]).is_err());
+        assert!(RateScheduled::new(5e-4, vec![pair.clone(), pair], Reading::Held).is_err());
+        assert!(RateScheduled::new(5e-4, vec![], Reading::Held).is_err());
     }
 }

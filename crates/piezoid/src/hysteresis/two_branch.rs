@@ -8,6 +8,7 @@
 //! the loop jumps to the other branch), and no change of amplitude or offset.
 
 use super::{Branches, Hysteresis, Operator, document, parse};
+use crate::error::{Error, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -24,7 +25,22 @@ pub enum Reading {
     Printed,
 }
 
-/// Two functions of u, chosen by the direction in which u moves. Until it first moves, z lies midway between them.
+impl Reading {
+    /// The direction in which the input counts as moving, +1, -1 or 0 (not yet known), when it goes from `before` to
+    /// `u` having moved in `direction`.
+    pub(super) fn direction(self, before: f64, u: f64, direction: f64) -> f64 {
+        if u > before {
+            1.0
+        } else if u < before || self == Reading::Printed {
+            -1.0
+        } else {
+            direction
+        }
+    }
+}
+
+/// Two functions of u, chosen by the direction in which u moves. Until it first moves, z lies midway between them (by
+/// the printed rule on the descending one).
 ///
 /// State: the last input; the direction (1 rising, -1 falling, 0 not yet known).
 #[derive(Debug, Clone, PartialEq)]
@@ -48,12 +64,15 @@ pub(super) static OPERATOR: Operator = Operator {
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 2.2",
     minor_loops: false,
     rate_independent: true,
-    load: |params, ts| Ok(Arc::new(TwoBranch { ts, params: parse("two-branch", params)? })),
-    example: |ts| Ok(Arc::new(TwoBranch::new(ts, example(1.0)?, Reading::Held))),
+    load: |params, ts| {
+        let Params { reading, branches } = parse("two-branch", params)?;
+        Ok(Arc::new(TwoBranch::new(ts, branches, reading)?))
+    },
+    example: |ts| Ok(Arc::new(TwoBranch::new(ts, example(1.0)?, Reading::Held)?)),
 };
 
 /// A loop `width` volts wide at +-30 V.
-pub(super) fn example(width: f64) -> Result<Branches, crate::Error> {
+pub(super) fn example(width: f64) -> Result<Branches, Error> {
     let u: Vec<f64> = (-3..=3).map(|k| f64::from(k) * 10.0).collect();
     let z = |side: f64| u.iter().map(|u| u + side * width * (1.0 - u * u / 900.0)).collect();
     Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))
@@ -61,24 +80,17 @@ pub(super) fn example(width: f64) -> Result<Branches, crate::Error> {
 
 impl TwoBranch {
     /// A block sampled every `ts` [s] that reads `branches` by `reading`.
-    pub fn new(ts: f64, branches: Branches, reading: Reading) -> Self {
-        TwoBranch { ts, params: Params { reading, branches } }
+    ///
+    /// # Errors
+    /// Refuses a `ts` that is not positive.
+    pub fn new(ts: f64, branches: Branches, reading: Reading) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        Ok(TwoBranch { ts, params: Params { reading, branches } })
     }
 
     /// The two functions.
     pub fn branches(&self) -> &Branches {
         &self.params.branches
-    }
-}
-
-/// The direction of the input, +1, -1 or 0, after it went from `before` to `u` having moved in `direction`.
-pub(super) fn direction_after(before: f64, u: f64, direction: f64) -> f64 {
-    if u > before {
-        1.0
-    } else if u < before {
-        -1.0
-    } else {
-        direction
     }
 }
 
@@ -107,11 +119,7 @@ impl System for TwoBranch {
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        let held = match self.params.reading {
-            Reading::Held => x[1],
-            Reading::Printed => -1.0,
-        };
-        x[1] = direction_after(x[0], u, held);
+        x[1] = self.params.reading.direction(x[0], u, x[1]);
         x[0] = u;
         read(&self.params.branches, u, x[1])
     }
@@ -138,7 +146,7 @@ mod tests {
     #[test]
     fn a_held_input_stays_on_its_branch_but_not_by_the_letter_of_the_paper() {
         let u = [0.0, 10.0, 10.0, 10.0];
-        let z = |reading| TwoBranch::new(5e-4, example(1.0).unwrap(), reading).simulate(&u);
+        let z = |reading| TwoBranch::new(5e-4, example(1.0).unwrap(), reading).unwrap().simulate(&u);
         let (held, printed) = (z(Reading::Held), z(Reading::Printed));
         assert_eq!(held[1], held[3]);
         assert_eq!(held[1], printed[1]);
@@ -147,7 +155,7 @@ mod tests {
 
     #[test]
     fn before_the_input_first_moves_z_lies_between_the_branches() {
-        let block = TwoBranch::new(5e-4, example(1.0).unwrap(), Reading::Held);
+        let block = TwoBranch::new(5e-4, example(1.0).unwrap(), Reading::Held).unwrap();
         assert_eq!(block.simulate(&[0.0, 0.0]), [0.0, 0.0]);
         let mut x = block.settled(10.0);
         assert_eq!(block.step(&mut x, 10.0), 10.0);

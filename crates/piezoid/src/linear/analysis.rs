@@ -6,21 +6,23 @@
 use super::Arx;
 use crate::system::System;
 use nalgebra::{Complex, DMatrix, DVector, linalg::Schur};
+use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// A pole of the block, or one of a conjugate pair (then it is listed once).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pole {
     /// Natural frequency [Hz].
     pub hz: f64,
     /// Damping ratio; negative when the pole is unstable.
     pub damping: f64,
     /// The pole in the z plane.
+    #[serde(skip)]
     pub z: Root,
 }
 
 /// A complex number: a root of a polynomial.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Root {
     /// Real part.
     pub re: f64,
@@ -76,9 +78,11 @@ impl Arx {
         poles
     }
 
-    /// Zeros of b0 + b1 q^-1 + ... in the z plane by rising modulus; leading zeros of `b` (a delay) give none.
+    /// Zeros of b0 + b1 q^-1 + ... in the z plane by rising modulus. Leading zeros of `b` (a delay) give none, and those
+    /// at the origin, which trailing zeros of `b` make, are not listed.
     pub fn zeros(&self) -> Vec<Root> {
-        let mut zeros = roots(&self.b()[self.delay()..]);
+        let used = self.b().iter().rposition(|&b| b != 0.0).map_or(0, |last| last + 1);
+        let mut zeros = roots(&self.b()[self.delay()..used]);
         zeros.sort_by(|p, q| p.modulus().total_cmp(&q.modulus()).then(p.im.total_cmp(&q.im)));
         zeros
     }
@@ -179,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_delay_is_no_zero_and_has_no_poles() {
-        let delay = Arx::new(1.0, vec![], vec![0.0, 0.0, 3.0]).unwrap();
+        let delay = Arx::new(1.0, vec![], vec![0.0, 0.0, 3.0, 0.0]).unwrap();
         assert_eq!((delay.delay(), delay.zeros().len(), delay.poles().len()), (2, 0, 0));
         assert_eq!(delay.dc_gain(), 3.0);
     }

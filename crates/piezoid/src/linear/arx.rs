@@ -30,6 +30,9 @@ pub struct Arx {
     b: Vec<f64>,
 }
 
+/// The most coefficients of either kind: finding the poles takes the cube of it.
+const LONGEST: usize = 512;
+
 /// How an [`Arx`] is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,11 +59,17 @@ impl Arx {
     /// `ts` [s]; `a` = a1, a2, ... and `b` = b0, b1, ... as in equation (1).
     ///
     /// # Errors
-    /// Refused unless `ts` is positive, every coefficient finite, and some b is not zero.
+    /// Refused unless `ts` is positive, every coefficient finite, some b not zero, and at most 512 of each.
     pub fn new(ts: f64, a: Vec<f64>, b: Vec<f64>) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         finite("a", &a)?;
         finite("b", &b)?;
+        for (name, c) in [("a", &a), ("b", &b)] {
+            if c.len() > LONGEST {
+                let rule = format!("must have at most {LONGEST} coefficients; lower the order or the delay");
+                return Err(Error::parameter(name, format!("{} coefficients", c.len()), rule));
+            }
+        }
         if b.iter().all(|&b| b == 0.0) {
             return Err(Error::parameter("b", format!("{b:?}"), "must hold a number that is not zero"));
         }

@@ -8,9 +8,10 @@ use super::absolute_error::AbsoluteError;
 use super::regression::{Orders, Regression};
 use crate::error::Error;
 use crate::optimize::{Reason, least_absolute, swarm};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Progress, Stage, unwatched};
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
 
 /// One way to estimate theta: a row of [`ESTIMATORS`].
 #[derive(Debug)]
@@ -21,7 +22,8 @@ pub struct Estimator {
     pub summary: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
-    estimate: fn(&Regression, &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
+    /// From the centred regression and its least-squares solution.
+    estimate: fn(&Regression, &[f64], &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
 }
 
 /// Theta, and the best cost and theta by iteration where the estimator iterates.
@@ -43,9 +45,9 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "swarm",
         summary: "sum of absolute errors, by particle swarm (the paper's way)",
         reference: "paper, equations (2)-(7); Shi & Eberhart 1998, doi:10.1109/ICEC.1998.699146",
-        estimate: |regression, settings, progress| {
+        estimate: |regression, start, settings, progress| {
             let cost = AbsoluteError::from(regression);
-            let minimum = swarm::minimise(&cost, regression.search_box()?, settings.clone(), progress)?;
+            let minimum = swarm::minimise(&cost, regression.search_box(start)?, settings.clone(), progress)?;
             if minimum.reason == Reason::Cancelled {
                 let (done, total) = (minimum.history.len() - 1, settings.iterations);
                 return Err(Error::Cancelled { what: "the swarm".into(), done, total });
@@ -57,13 +59,13 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "least-squares",
         summary: "sum of squared errors, exactly, by QR",
         reference: "Ljung 1998, System Identification: Theory for the User",
-        estimate: |regression, _, _| Ok(least_squares(regression)?.0.into()),
+        estimate: |_, start, _, _| Ok(start.to_vec().into()),
     },
     Estimator {
         name: "least-absolute",
         summary: "sum of absolute errors, exactly, by linear programming: the yardstick of the swarm",
         reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
-        estimate: |regression, _, _| Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into()),
+        estimate: |regression, _, _, _| Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into()),
     },
 ];
 
@@ -87,6 +89,8 @@ pub struct Fit {
     pub offsets: Vec<f64>,
     /// What one-step prediction leaves.
     pub residuals: Residuals,
+    /// The sum of absolute values that least squares leaves: a search for less that ends above it has failed.
+    pub least_squares_sum_abs: f64,
     /// Best cost at the start and after each iteration; empty for estimators that do not iterate.
     pub history: Vec<f64>,
     /// Best theta at the start and after each iteration, likewise.
@@ -94,7 +98,7 @@ pub struct Fit {
 }
 
 /// One-step prediction errors e_t = y_t - psi_t' theta, in the output unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Residuals {
     /// Number of errors.
     pub n: usize,
@@ -133,14 +137,53 @@ pub fn fit(
     progress: &mut Progress,
 ) -> Result<Fit, Error> {
     let regression = Regression::new(records, orders)?;
-    let (_, offsets) = least_squares(&regression)?;
+    let (start, offsets) = least_squares(&regression)?;
     let centred = regression.centred(&offsets);
     let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
-    let Solution { theta, history, courses } = (estimator.estimate)(&centred, settings, named)?;
+    let Solution { theta, history, courses } = (estimator.estimate)(&centred, &start, settings, named)?;
     let (a, b) = theta.split_at(orders.na);
     let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();
     let arx = Arx::new(regression.ts, a.to_vec(), b)?;
-    Ok(Fit { estimator: estimator.name, arx, offsets, residuals: residuals(&centred, &theta), history, courses })
+    Ok(Fit {
+        estimator: estimator.name,
+        arx,
+        offsets,
+        residuals: residuals(&centred, &theta),
+        least_squares_sum_abs: residuals(&centred, &start).sum_abs,
+        history,
+        courses,
+    })
+}
+
+/// What a block of twice the order would say, where `fit` leaves more than 2 % of the records' rms in prediction and
+/// twice the order less than half of that: a sentence that begins with "; ".
+pub fn too_low(records: &[Record], fit: &Fit) -> Option<String> {
+    let n = fit.arx.a().len();
+    let least_squares = estimator("least-squares").ok()?;
+    let doubled =
+        self::fit(records, Orders::of(2 * n), least_squares, &swarm::Settings::default(), &mut unwatched).ok()?;
+    let samples: usize = records.iter().map(Record::len).sum();
+    let power: f64 = records
+        .iter()
+        .map(|r| {
+            let mean = r.y().iter().sum::<f64>() / r.len() as f64;
+            r.y().iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
+        })
+        .sum();
+    let left = fit.residuals.rms / (power / samples as f64).sqrt();
+    let times = fit.residuals.rms / doubled.residuals.rms;
+    let poles = doubled.arx.poles();
+    let sharpest = poles.iter().filter(|p| p.z.im > 0.0).min_by(|p, q| p.damping.total_cmp(&q.damping))?;
+    (n > 0 && left > 0.02 && times > 2.0).then(|| {
+        format!(
+            "; it leaves {:.0} % of the records' rms in prediction, and order {} predicts {times:.0} times as well and puts the resonance \
+             at {:.1} Hz with damping {:.3}: order {n} is too low",
+            100.0 * left,
+            2 * n,
+            sharpest.hz,
+            sharpest.damping
+        )
+    })
 }
 
 /// Theta and the output offset of each record, by QR of the rows with one constant a record.

@@ -10,6 +10,6 @@ mod regression;
 pub use absolute_error::AbsoluteError;
 pub use analysis::{Pole, Response, Root};
 pub use arx::Arx;
-pub use fit::{ESTIMATORS, Estimator, Fit, Residuals, estimator, fit};
+pub use fit::{ESTIMATORS, Estimator, Fit, Residuals, estimator, fit, too_low};
 pub use inverse::Inverse;
 pub use regression::{Orders, Regression};

@@ -30,7 +30,7 @@ impl Orders {
 
     /// Samples before the first row is complete.
     pub(crate) fn history(&self) -> usize {
-        self.na.max(self.nb + self.delay - 1)
+        self.na.max(self.nb.saturating_add(self.delay).saturating_sub(1))
     }
 }
 
@@ -52,8 +52,10 @@ impl Regression {
     /// Refuses no b at all, records of different sampling periods, and too few samples: at least twice as many rows
     /// as there are parameters.
     pub fn new(records: &[Record], orders: Orders) -> Result<Self, Error> {
-        if orders.nb == 0 {
-            return Err(Error::parameter("nb", 0, "must be at least 1: the block needs an input"));
+        if !(1..=512).contains(&orders.nb) || orders.na > 512 || orders.delay > 512 {
+            let Orders { na, nb, delay } = orders;
+            let value = format!("{na}, {nb}, {delay}");
+            return Err(Error::parameter("na, nb, delay", value, "must be at most 512, and nb at least 1"));
         }
         let Some(first) = records.first() else {
             let remedy = "give at least one record".into();
@@ -73,7 +75,7 @@ impl Regression {
         }
         let (have, need) = (regression.len(), 2 * orders.parameters());
         if have < need {
-            let remedy = format!("record longer, or choose an order below {}", orders.na.max(orders.nb - 1));
+            let remedy = "record longer, or choose a lower order or delay".into();
             return Err(Error::TooShort { what: "the regression".into(), have, need, remedy });
         }
         Ok(regression)
@@ -91,18 +93,22 @@ impl Regression {
     }
 
     /// Where a search for theta looks. The coefficients of a stable 1 - a1 q^-1 - ... - an q^-n are at most
-    /// binomial(n, k) in size; each b is taken to be at most the largest output over the largest input.
+    /// binomial(n, k) in size; each b is taken to be at most the largest output over the largest input. A coefficient
+    /// of `around` (least squares, say) that is larger is taken to be at most twice that.
     ///
     /// # Errors
     /// Refused when inputs or outputs are all zero.
-    pub fn search_box(&self) -> Result<Bounds, Error> {
+    pub fn search_box(&self, around: &[f64]) -> Result<Bounds, Error> {
         let Orders { na, nb, .. } = self.orders;
         let peak = |columns: std::ops::Range<usize>| {
             self.rows().flat_map(|row| &row[columns.clone()]).fold(0.0f64, |m, v| m.max(v.abs()))
         };
         let b_max = peak(0..1) / peak(1 + na..self.stride());
         let binomial = |k: usize| (1..=k).fold(1.0, |c, i| c * (na + 1 - i) as f64 / i as f64);
-        let high: Vec<f64> = (1..=na).map(binomial).chain(std::iter::repeat_n(b_max, nb)).collect();
+        let mut high: Vec<f64> = (1..=na).map(binomial).chain(std::iter::repeat_n(b_max, nb)).collect();
+        for (high, around) in high.iter_mut().zip(around).filter(|(high, around)| around.abs() >= **high) {
+            *high = 2.0 * around.abs();
+        }
         Bounds::new(high.iter().map(|h| -h).collect(), high)
     }
 

@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 /// The optimum and its certificate.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,8 +30,9 @@ pub struct LeastAbsolute {
 /// ```
 ///
 /// # Errors
-/// [`Error::Unidentifiable`] when the solver finds no optimum, as with columns that depend on each other.
+/// Refuses numbers that are not finite; [`Error::Unidentifiable`] when the solver ends without an optimum.
 pub fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
+    crate::error::finite("rows", rows)?;
     let stride = dimension + 1;
     let n = rows.len() / stride;
     // Columns of one size, so that the solver's tolerances mean the same in each.
@@ -78,7 +79,8 @@ pub fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, E
     solver.solve();
 
     let x: Vec<f64> = (1..stride).map(|k| solver.solution.x[k - 1] * size[0] / size[k]).collect();
-    if !x.iter().all(|v| v.is_finite()) {
+    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
+    if !solved || !x.iter().all(|v| v.is_finite()) {
         return Err(failed(format!("the solver ended with {:?}", solver.solution.status)));
     }
     let deviation = |row: &[f64]| (row[0] - row[1..].iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()).abs();

@@ -38,9 +38,25 @@ pub enum Reason {
 
 /// The box a search starts in and stays in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Corners")]
 pub struct Bounds {
     low: Vec<f64>,
     high: Vec<f64>,
+}
+
+/// How [`Bounds`] are read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Corners {
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+impl TryFrom<Corners> for Bounds {
+    type Error = crate::Error;
+    fn try_from(Corners { low, high }: Corners) -> Result<Self, crate::Error> {
+        Bounds::new(low, high)
+    }
 }
 
 impl Bounds {

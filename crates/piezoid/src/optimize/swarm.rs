@@ -25,6 +25,9 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+/// The most particles, and the most iterations.
+const MOST: usize = 10_000_000;
+
 /// What a swarm minimises. Every `Fn(&[f64]) -> f64` that may be shared between threads is a cost.
 pub trait Cost: Sync {
     /// Writes the cost of each particle; `positions` holds the particles one after another.
@@ -95,6 +98,7 @@ impl Default for Settings {
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Checkpoint")]
 pub struct Swarm {
     settings: Settings,
     bounds: Bounds,
@@ -106,6 +110,42 @@ pub struct Swarm {
     history: Vec<f64>,
     courses: Vec<Vec<f64>>,
     improved: usize,
+}
+
+/// How a [`Swarm`] is read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Checkpoint {
+    settings: Settings,
+    bounds: Bounds,
+    x: Vec<f64>,
+    v: Vec<f64>,
+    p_best: Vec<f64>,
+    p_cost: Vec<f64>,
+    g_best: Vec<f64>,
+    history: Vec<f64>,
+    courses: Vec<Vec<f64>>,
+    improved: usize,
+}
+
+impl TryFrom<Checkpoint> for Swarm {
+    type Error = Error;
+    fn try_from(c: Checkpoint) -> Result<Self, Error> {
+        check(&c.settings)?;
+        let (s, d) = (c.settings.particles, c.bounds.dimension());
+        let fits = [&c.x, &c.v, &c.p_best].iter().all(|x| x.len() == s * d)
+            && c.p_cost.len() == s
+            && c.g_best.len() == d
+            && (1..=c.settings.iterations + 1).contains(&c.history.len())
+            && c.courses.len() == c.history.len()
+            && c.improved < c.history.len();
+        if !fits {
+            let why = format!("this is no checkpoint of {s} particles in {d} dimensions: its parts have other lengths");
+            return Err(Error::Content(why));
+        }
+        let Checkpoint { settings, bounds, x, v, p_best, p_cost, g_best, history, courses, improved } = c;
+        Ok(Swarm { settings, bounds, x, v, p_best, p_cost, g_best, history, courses, improved })
+    }
 }
 
 /// Steps 1 to 7 of the paper's algorithm in one call.
@@ -264,8 +304,8 @@ fn words(dimension: usize, iterations: usize) -> u128 {
 
 fn check(s: &Settings) -> Result<(), Error> {
     let count = |name, n| match n {
-        0 => Err(Error::parameter(name, 0, "must be at least 1")),
-        _ => Ok(()),
+        1..=MOST => Ok(()),
+        _ => Err(Error::parameter(name, n, format!("must be from 1 to {MOST}"))),
     };
     count("particles", s.particles)?;
     count("iterations", s.iterations)?;
@@ -326,6 +366,8 @@ mod tests {
         let checkpoint = serde_json::to_string(&swarm).unwrap();
         let mut resumed: Swarm = serde_json::from_str(&checkpoint).unwrap();
         assert_eq!(resumed.run(&rosenbrock, &mut unwatched), whole);
+        let cut = checkpoint.replace("\"g_best\":[", "\"g_best\":[0.0,");
+        assert!(serde_json::from_str::<Swarm>(&cut).unwrap_err().to_string().contains("no checkpoint of 50 particles"));
         assert_eq!(serde_json::to_string(&resumed).unwrap(), {
             swarm.run(&rosenbrock, &mut unwatched);
             serde_json::to_string(&swarm).unwrap()

@@ -52,6 +52,13 @@ impl Beam {
         x.iter().step_by(2).sum::<f64>() + self.residual * l
     }
 
+    /// The state in which the beam rests under the static displacement `l` [m].
+    pub(super) fn settle(&self, x: &mut [f64], l: f64) {
+        for (x, step) in x.chunks_exact_mut(2).zip(&self.steps) {
+            x.copy_from_slice(&[step.share * l, 0.0]);
+        }
+    }
+
     /// Advances one step under the held static displacement `l` [m].
     pub(super) fn advance(&self, x: &mut [f64], l: f64) {
         for (x, ModeStep { share, matrix: [[a, b], [c, d]] }) in x.chunks_exact_mut(2).zip(&self.steps) {

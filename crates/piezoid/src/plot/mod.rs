@@ -150,7 +150,12 @@ impl Figure {
         let em = if self.grows() { 17.0 } else { 15.0 };
         let mut svg = Svg::default();
         let mut top = 6.0;
-        let laid: Vec<Panel> = (0..self.panels.len()).map(|i| self.lay(i, em)).collect();
+        let mut laid: Vec<Panel> = (0..self.panels.len()).map(|i| self.lay(i, em)).collect();
+        if self.stacked
+            && let Some((lowest, above)) = laid.split_last_mut()
+        {
+            above.iter_mut().for_each(|panel| panel.share_x(lowest));
+        }
         for (row, panels) in laid.chunks(columns).enumerate() {
             // Frames align: in a row by what stands above and below, in a column by what stands to the left.
             let most = |of: fn(&Panel) -> f64| panels.iter().map(of).fold(0.0, f64::max);

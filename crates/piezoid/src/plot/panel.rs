@@ -56,6 +56,12 @@ impl<'a> Panel<'a> {
         Panel { axes, scales: (x, y), ticks: (x_ticks, y_ticks), legend, shows_x, em, left, above, below }
     }
 
+    /// Takes the x axis of another panel, so that one below the other has the same scale, ticks and grid.
+    pub(super) fn share_x(&mut self, other: &Panel) {
+        self.scales.0 = other.scales.0;
+        self.ticks.0.clone_from(&other.ticks.0);
+    }
+
     /// Draws it: its data between `corner` and `corner + size`, its text reaching out to the left edge `edge`.
     pub(super) fn draw(&self, svg: &mut Svg, edge: f64, corner: Point, size: Point) {
         let ([left, top], [right, bottom]) = (corner, [corner[0] + size[0], corner[1] + size[1]]);

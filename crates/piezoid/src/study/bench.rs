@@ -19,6 +19,8 @@ type Drive<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
 pub(super) struct Bench {
     /// The plant.
     plant: Plant,
+    /// Seed of the study; each measurement has noise of its own.
+    seed: u64,
     /// Range of the sensor [mm].
     range: Option<f64>,
 }
@@ -26,8 +28,7 @@ pub(super) struct Bench {
 impl Bench {
     /// The plant of these parameters, its noise drawn from `seed`.
     pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
-        let plant = Plant::new(spec, TS)?.with_seed(seed);
-        Ok(Bench { plant, range: spec.sensor.range_m.map(|m| 1e3 * m) })
+        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor.range_m.map(|m| 1e3 * m) })
     }
 
     /// Drives the plant from rest and records it; what limits were reached is added to `limits`.
@@ -37,7 +38,8 @@ impl Bench {
         what: &str,
         limits: &mut Vec<(String, Saturation)>,
     ) -> Result<Record, Error> {
-        let run = self.plant.run(&u);
+        let number = u.iter().fold(self.seed, |hash, u| hash.rotate_left(5) ^ u.to_bits());
+        let run = self.plant.clone().with_seed(number).run(&u);
         if run.saturation.any() {
             limits.push((what.into(), run.saturation));
         }
@@ -95,7 +97,7 @@ impl Bench {
                 false => (&own.0, own.1, &by_own.found),
             };
             let (hysteresis, offset): (Arc<dyn Hysteresis>, f64) = match method.reading {
-                Some(reading) => (Arc::new(TwoBranch::new(TS, found.branches.clone(), reading)), offset),
+                Some(reading) => (Arc::new(TwoBranch::new(TS, found.branches.clone(), reading)?), offset),
                 None => {
                     let (gain, offset) = proportional(arx, offset, std::slice::from_ref(&sine))?;
                     (Arc::new(Proportional::new(TS, gain)?), offset)

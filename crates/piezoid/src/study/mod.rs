@@ -12,7 +12,7 @@ mod words;
 pub use document::to_json;
 pub use figures::figures;
 pub use page::page;
-pub use words::verdict;
+pub use words::{four_decimals, verdict};
 
 use crate::error::Error;
 use crate::excitation::Prbs;
@@ -207,7 +207,12 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
              forward and backward in time."
         ));
     }
-    notes.extend(words::second_mode(&small_signal, &squares));
+    if let Some(why) = linear::too_low(std::slice::from_ref(&small_signal), &squares) {
+        notes.push(format!(
+            "Order 2 has room for one mode{why}. Modes above half the sampling rate, as every bender has, fold back below it, and the \
+             paper's block has to bend to them."
+        ));
+    }
 
     let mut frequencies = Vec::new();
     for (done, hz) in FREQUENCIES.into_iter().enumerate() {

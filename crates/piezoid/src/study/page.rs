@@ -1,6 +1,6 @@
 //! The page of the study: what was done, what is seen, and why.
 
-use super::words::mse;
+use super::words::{four_decimals, mse};
 use super::{Block, Frequency, METHODS, PRINTED_MSE, Row, Study, figures};
 use crate::page::{Cell, Fact, Page, Section, Table, Text};
 
@@ -37,8 +37,8 @@ fn linear_block(study: &Study) -> Section {
     let damping = pole.map_or("none".into(), |p| format!("{:.3}", p.damping));
     let zero = swarm.arx.zeros().last().map_or(0.0, |z| z.modulus());
     let facts = [
-        Fact::new(hz, "Hz", "pole of the estimated block (Table 2: 146.7 Hz)"),
-        Fact::new(damping, "", "its damping ratio (Table 2: 0.061)"),
+        Fact::new(hz, "Hz", "pole of the estimated block (the paper's Table 2: 146.7 Hz)"),
+        Fact::new(damping, "", "its damping ratio (the paper's Table 2: 0.061)"),
         Fact::new(format!("{zero:.3}"), "", "|z|, the modulus of its outermost zero; above 1, (8) is unstable"),
     ];
     let mut section =
@@ -48,11 +48,16 @@ fn linear_block(study: &Study) -> Section {
         section = section.note("To know", note.as_str());
     }
     if let Some(gain) = study.noise_gain {
-        section = section.text(format!(
-            "The inverse (8) turns 1 µm rms of sensor noise into {:.3} V rms of z. The zero near -1 that sampling puts there makes \
-             it ring at half the sampling rate; averaging over a branch takes the ringing out again.",
-            1e-3 * gain
-        ));
+        let which = if swarm.arx.inverse().is_ok() { "The inverse (8)" } else { "The inverse of the whole record" };
+        let rings = swarm.arx.zeros().iter().any(|z| z.re < -0.9 && z.re > -1.0 && z.im == 0.0);
+        let ringing = if rings {
+            " The zero near -1 that sampling puts there makes it ring at half the sampling rate; averaging over a branch takes the \
+             ringing out again."
+        } else {
+            ""
+        };
+        section = section
+            .text(format!("{which} turns 1 µm rms of sensor noise into {:.3} V rms of z.{ringing}", 1e-3 * gain));
     }
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
 }
@@ -65,7 +70,7 @@ fn table_2(study: &Study) -> Table {
     let table = table.text("zeros").number("sum |e| [mm]");
     let row = |block: &Block| -> Vec<Cell> {
         let mut cells: Vec<Cell> = vec![block.name.into()];
-        cells.extend(block.coefficients().iter().map(|c| Cell::from(format!("{c:.4}"))));
+        cells.extend(block.coefficients().iter().map(|c| Cell::from(four_decimals(*c))));
         let poles = block.arx.poles();
         let each =
             |what: &dyn Fn(&crate::linear::Pole) -> String| poles.iter().map(what).collect::<Vec<_>>().join(" / ");
@@ -84,10 +89,20 @@ fn table_2(study: &Study) -> Table {
 fn loops(study: &Study) -> Section {
     let turned: Vec<String> =
         study.frequencies.iter().filter(|f| !f.own.found.ascending_below).map(|f| f.hz.to_string()).collect();
-    let mut words = "Each dot is a sample of voltage and hidden variable. The dashed line through the two turning points splits them; \
+    let mut words = "Grey dots are samples of voltage and hidden variable, hidden by the curves where these fit. The dashed line through the two turning points splits them; \
                      the curves are splines through the averages on either side. Which side is the ascending one the data decide."
         .to_string();
+    let against = |f: &&Frequency| f.own.found.line[1].1 < f.own.found.line[0].1;
+    let against: Vec<String> = study.frequencies.iter().filter(against).map(|f| f.hz.to_string()).collect();
+    if !against.is_empty() {
+        words += &format!(
+            " At {} Hz the line falls: z runs against u, lagging by more than a quarter of a period. No ceramic does that; the linear \
+             block leaves it to z.",
+            against.join(", ")
+        );
+    }
     match turned.as_slice() {
+        [] if !against.is_empty() => {}
         [] => words += " Rising voltage lies on the lower side at every frequency, as it does on a piezo loop.",
         some => {
             words +=
@@ -135,8 +150,8 @@ fn table_1(study: &Study) -> Table {
     table
         .note("u: amplitude of sine and test signal; lowered where the tip would leave the sensor's range.")
         .note(
-            "At 200 and 250 Hz a period has fewer samples than the test has steps, and sine and test come down to the same few \
-             voltages: a small error there proves little.",
+            "At 200 and 250 Hz a period is a whole number of samples, fewer than the test has steps: sine and test come down to the \
+             same few voltages, and a small error there proves little.",
         )
 }
 
@@ -150,5 +165,5 @@ fn methods() -> Section {
              on the stepped sine of the same frequency and amplitude: this is the paper's test, and says nothing of other amplitudes, \
              minor loops or mixed frequencies, which two branches cannot follow.",
         )
-        .listing("piezoid study --plant paper\npiezoid study --plant pl140 --json study.json")
+        .listing("piezoid study\npiezoid study --plant pl140 --seed 1 --json study.json")
 }
