@@ -199,6 +199,20 @@ fn fused() -> bool {
     return cfg!(target_arch = "aarch64");
 }
 
+/// `cargo xtask docs` draws it anew.
+#[test]
+fn the_picture_in_the_readme_is_that_of_the_study() {
+    let study = study::run(find("paper").expect("a preset"), 1, &mut unwatched).expect("a study");
+    let (_, drawn) = study::figures(&study).into_iter().find(|(name, _)| name == "paper-error").expect("the figure");
+    let places = |svg: &str| {
+        let numbers = svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
+        numbers.filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<f64>>()
+    };
+    let (kept, drawn) = (places(include_str!("../../../docs/error.svg")), places(&drawn.svg()));
+    // Last digits of the search may differ from one machine to another, and move a point by a tenth.
+    assert!(kept.len() == drawn.len() && kept.iter().zip(&drawn).all(|(k, d)| (k - d).abs() <= 0.2 + 1e-2 * d.abs()));
+}
+
 #[test]
 fn the_swarm_meets_the_least_absolute_optimum_on_the_papers_plant() {
     swarm_meets_the_optimum("paper");

@@ -14,7 +14,7 @@ use crate::optimize::swarm::Cost;
 use multiversion::{multiversion, target::target_cfg_f};
 
 /// Rows between two looks at which particles can still beat their limits.
-const BLOCK: usize = 256;
+const BLOCK: usize = 1024;
 
 /// The most particles that are evaluated together: the errors and sums of as many fit the vector registers.
 const WIDEST: usize = 32;
