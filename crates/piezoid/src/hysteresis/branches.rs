@@ -161,6 +161,10 @@ impl Branches {
         if !(1..=BINS_MAX).contains(&bins) {
             return Err(Error::parameter("bins", bins, format!("must be from 1 to {BINS_MAX}")));
         }
+        if u.is_empty() || u.len() != z.len() {
+            let (left, right) = ("u of a loop".into(), "z".into());
+            return Err(Error::Lengths { left, left_len: u.len(), right, right_len: z.len() });
+        }
         let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
         let range = high - low;
         if !(range > 0.0 && range.is_finite()) {

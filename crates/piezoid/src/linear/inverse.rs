@@ -91,6 +91,15 @@ impl Arx {
         Ok(z)
     }
 
+    /// Samples at the end of a record that [`invert_whole`](Arx::invert_whole) cannot tell: those answered after the
+    /// record, and those that its guess of what comes then spoils by more than a thousandth.
+    pub fn blind(&self) -> usize {
+        let outside = self.zeros().into_iter().map(|z| z.modulus()).filter(|m| *m > 1.0);
+        let (count, nearest) = outside.fold((0, f64::INFINITY), |(n, nearest), m| (n + 1, nearest.min(m)));
+        let spoilt = if count == 0 { 0.0 } else { (1e3f64.ln() / nearest.ln()).ceil() };
+        self.delay() + count + spoilt.min(1e6) as usize
+    }
+
     /// How much white noise in the output grows in the inverse: rms of z [V] for an output noise of 1 rms. `None` when
     /// a zero lies on the unit circle.
     ///
@@ -174,6 +183,9 @@ mod tests {
         let z = wiggle(400);
         let found = arx.invert_whole(&arx.simulate(&z)).unwrap();
         assert_close(&found[..360], &z[..360], 0.0, 1e-9);
+        let told = 400 - arx.blind();
+        assert!(told > 380);
+        assert_close(&found[..told], &z[..told], 0.0, 2e-3);
     }
 
     #[test]
