@@ -4,12 +4,14 @@
 //! u -> hysteresis -> z -> linear -> + offset -> y
 //! ```
 
+mod loops;
 mod paper;
 mod rich;
 
 pub(crate) use paper::proportional;
 
-pub use paper::{HiddenLoop, Identified, Paper, hidden, identify_paper};
+pub use loops::HiddenLoop;
+pub use paper::{Identified, Paper, hidden, identify_paper};
 pub use rich::{LinearPart, dominant_frequency};
 
 use crate::error::Error;

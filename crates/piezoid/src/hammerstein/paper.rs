@@ -5,28 +5,17 @@
 //! give as much of the linear block as they can. Either is told in the notes.
 
 use super::Model;
-use super::rich::{LinearPart, dominant_frequency, linear_from_rich, rich_enough};
+use super::loops::{CLEAR, Gathered, HiddenLoop, remarks};
+use super::rich::{LinearPart, linear_from_rich, rich_enough};
 use crate::error::Error;
-use crate::hysteresis::{Branches, Hysteresis, Loop, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
+use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
-use crate::number::{round, short};
+use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::Progress;
 use crate::record::{Record, Units, same_sampling};
 use crate::system::System;
 use std::sync::Arc;
-
-/// Frequencies that differ by less than this are one.
-const SAME_FREQUENCY: f64 = 0.02;
-
-/// Share of points on the side their direction says, from which a loop is taken to be open.
-const CLEAR: f64 = 0.6;
-
-/// The fewest samples a loop is made of.
-const SHORTEST: usize = 16;
-
-/// Shift between records, over the peak-to-peak of z, from which it is worth a note.
-const SHIFTED: f64 = 0.02;
 
 /// How to identify the paper's way. The defaults are the paper's, but for the reading of held inputs.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,24 +63,12 @@ pub struct Identified {
     pub notes: Vec<String>,
 }
 
-/// A loop of the hidden variable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HiddenLoop {
-    /// Its frequency [Hz], where the input has one.
-    pub frequency_hz: Option<f64>,
-    /// Input [input unit].
-    pub u: Vec<f64>,
-    /// Hidden variable [input unit].
-    pub z: Vec<f64>,
-    /// Branches and separating line.
-    pub found: Loop,
-}
-
 /// The paper's steps 2, 4 and 5 (1, 3 and 6 are measurements): `linear` are small-signal records (a PRBS), `rich` those
 /// that exercise the hysteresis, normally one sine a frequency. Either list may be empty.
 ///
 /// # Errors
-/// Records of different sampling periods, or of units that cannot be converted; what [`linear::fit`] refuses; loops that are none.
+/// Records of different sampling periods, or of units that cannot be converted; what [`linear::fit`] refuses; loops that
+/// are none.
 pub fn identify_paper(
     linear: &[Record],
     rich: &[Record],
@@ -111,22 +88,23 @@ pub fn identify_paper(
             pole.z
         ));
     }
-    let mut loops = Vec::new();
+    let mut loops = Gathered::default();
     if how.operator != "proportional" {
         for record in &rich {
             let (z, note) = hidden(&part.arx, part.offset, record.y())?;
             notes.extend(note.filter(|n| !notes.contains(n)));
-            if z.len() < SHORTEST {
-                let remedy = "record at least a period, better three".into();
-                let what = "the hidden variable of a rich record".into();
-                return Err(Error::TooShort { what, have: z.len(), need: SHORTEST, remedy });
-            }
-            notes.extend(gather(&mut loops, record, z));
+            notes.extend(loops.add(record, z)?);
         }
     }
-    if how.operator == "auto" && !loops.is_empty() && open(&loops, how)? < CLEAR {
+    if how.operator == "two-branch" {
+        loops.pool();
+    }
+    let mut loops = loops.split(how.bins, how.split)?;
+    notes.extend(remarks(&loops));
+    if how.operator == "auto" && loops.iter().any(|l| l.found.agreement < CLEAR) {
         notes.push(
-            "hysteresis block: none, as the points of (u, z) do not form a loop whose sides rising and falling input keep to".into(),
+            "hysteresis block: none, as not every record forms a loop whose sides rising and falling input keep to"
+                .into(),
         );
         loops.clear();
     }
@@ -136,37 +114,29 @@ pub fn identify_paper(
         "auto" => "two-branch",
         named => named,
     };
-    loops.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
-    if operator == "two-branch" && loops.len() > 1 {
-        pool(&mut loops);
+    let (hysteresis, offset) = block(operator, &loops, &part, &rich, how.reading)?;
+    if rich.is_empty() {
+        notes.push("hysteresis block: none, as there is no rich record to find it from".into());
     }
-    let loops = loops.into_iter().map(|l| l.split(how)).collect::<Result<Vec<_>, _>>()?;
-    let at = |of: &dyn Fn(&Loop) -> bool| {
-        let some = loops.iter().filter(|l| of(&l.found)).filter_map(|l| l.frequency_hz);
-        some.map(round).collect::<Vec<_>>().join(", ")
-    };
-    let unclear = at(&|found| found.agreement < CLEAR);
-    if !unclear.is_empty() {
-        notes.push(format!(
-            "at {unclear} Hz the points do not keep to the sides of the separating line: the loop crosses itself or drowns in noise, \
-             and a split by direction may do better"
-        ));
-    }
-    let turned = at(&|found| found.agreement >= CLEAR && !found.ascending_below);
-    if !turned.is_empty() {
-        notes.push(format!(
-            "at {turned} Hz the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
-             resonance that it misses or that the sampling is too slow for"
-        ));
-    }
-    let (ts, mut offset) = (part.arx.ts(), part.offset);
-    let hysteresis: Arc<dyn Hysteresis> = match (operator, loops.as_slice()) {
-        ("two-branch", [one, ..]) => Arc::new(TwoBranch::new(ts, one.found.branches.clone(), how.reading)?),
-        ("rate-scheduled", [_, ..]) => Arc::new(RateScheduled::new(ts, pairs(&loops)?, how.reading)?),
+    let model = Model::new(hysteresis, part.arx.clone(), offset)?.with_units(units);
+    Ok(Identified { model, linear: part, loops, notes })
+}
+
+/// Step 5: the hysteresis block of the loops, and the offset that goes with it [output unit].
+fn block(
+    operator: &str,
+    loops: &[HiddenLoop],
+    part: &LinearPart,
+    rich: &[Record],
+    reading: Reading,
+) -> Result<(Arc<dyn Hysteresis>, f64), Error> {
+    let ts = part.arx.ts();
+    Ok(match (operator, loops) {
+        ("two-branch", [one, ..]) => (Arc::new(TwoBranch::new(ts, one.found.branches.clone(), reading)?), part.offset),
+        ("rate-scheduled", [_, ..]) => (Arc::new(RateScheduled::new(ts, pairs(loops)?, reading)?), part.offset),
         ("proportional", _) => {
-            let (gain, constant) = proportional(&part.arx, part.offset, &rich)?;
-            offset = constant;
-            Arc::new(Proportional::new(ts, gain)?)
+            let (gain, offset) = proportional(&part.arx, part.offset, rich)?;
+            (Arc::new(Proportional::new(ts, gain)?), offset)
         }
         ("two-branch" | "rate-scheduled", []) => {
             let remedy = "the hysteresis block needs at least one record that exercises the hysteresis".into();
@@ -177,12 +147,7 @@ pub fn identify_paper(
             let rule = "the paper's method knows proportional, two-branch, rate-scheduled and auto";
             return Err(Error::parameter("operator", other, rule));
         }
-    };
-    if rich.is_empty() {
-        notes.push("hysteresis block: none, as there is no rich record to find it from".into());
-    }
-    let model = Model::new(hysteresis, part.arx.clone(), offset)?.with_units(units);
-    Ok(Identified { model, linear: part, loops, notes })
+    })
 }
 
 /// Step 4: z by the inverse of the linear block, causal where that is stable; the note says when it is not. Then z is
@@ -229,67 +194,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
-/// The share of points on the side their direction says, in the loop where it is least.
-fn open(loops: &[Points], how: &Paper) -> Result<f64, Error> {
-    loops.iter().try_fold(1.0, |least: f64, points| {
-        Ok(least.min(Branches::of_loop(&points.u, &points.z, how.bins, how.split)?.agreement))
-    })
-}
-
-/// The points of a loop before it is split.
-struct Points {
-    frequency_hz: Option<f64>,
-    u: Vec<f64>,
-    z: Vec<f64>,
-}
-
-impl Points {
-    fn split(self, how: &Paper) -> Result<HiddenLoop, Error> {
-        let found = Branches::of_loop(&self.u, &self.z, how.bins, how.split)?;
-        Ok(HiddenLoop { frequency_hz: self.frequency_hz, u: self.u, z: self.z, found })
-    }
-}
-
-/// Adds a record's points to those of the same frequency. Of three periods or more the first is left out: a loop is
-/// closed only after the first turn. Sensors drift between records, so z is shifted until it stands to u, on average,
-/// as it does in the first record; the note says so where that is visible.
-fn gather(loops: &mut Vec<Points>, record: &Record, mut z: Vec<f64>) -> Option<String> {
-    let frequency_hz = dominant_frequency(record.u(), record.ts());
-    let period = frequency_hz.map_or(0, |hz| (1.0 / (hz * record.ts())).ceil() as usize);
-    let skip = if 3 * period <= z.len() { period } else { 0 };
-    let (u, z) = (&record.u()[skip..z.len()], &mut z[skip..]);
-    let level = |u: &[f64], z: &[f64]| z.iter().zip(u).map(|(z, u)| z - u).sum::<f64>() / z.len() as f64;
-    let shift = loops.first().map_or(0.0, |first| level(&first.u, &first.z) - level(u, z));
-    z.iter_mut().for_each(|z| *z += shift);
-    let (low, high) = z.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &z| (l.min(z), h.max(z)));
-    let same = |known: &&mut Points| match (known.frequency_hz, frequency_hz) {
-        (Some(a), Some(b)) => (a / b - 1.0).abs() < SAME_FREQUENCY,
-        (a, b) => a == b,
-    };
-    match loops.iter_mut().find(same) {
-        Some(known) => {
-            known.u.extend(u);
-            known.z.extend(&*z);
-        }
-        None => loops.push(Points { frequency_hz, u: u.to_vec(), z: z.to_vec() }),
-    }
-    (shift.abs() > SHIFTED * (high - low)).then(|| {
-        let share = round(100.0 * shift.abs() / (high - low));
-        format!("a rich record stands off the first by {share} % of its own height; the constant was taken off")
-    })
-}
-
-/// Makes one loop of all.
-fn pool(loops: &mut Vec<Points>) {
-    let all = std::mem::take(loops);
-    let (u, z) = all.into_iter().fold((Vec::new(), Vec::new()), |(mut u, mut z), l| {
-        u.extend(l.u);
-        z.extend(l.z);
-        (u, z)
-    });
-    loops.push(Points { frequency_hz: None, u, z });
-}
-
+/// The branches of each loop with its frequency.
 fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
     let pair = |l: &HiddenLoop| {
         let frequency_hz = l.frequency_hz.ok_or_else(|| Error::Unidentifiable {
@@ -301,9 +206,10 @@ fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
     loops.iter().map(pair).collect()
 }
 
-/// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any.
+/// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any, or when
+/// G is unstable.
 pub(crate) fn proportional(arx: &Arx, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
-    if records.is_empty() {
+    if records.is_empty() || !arx.is_stable() {
         return Ok((1.0, offset));
     }
     let filtered: Vec<Record> = records

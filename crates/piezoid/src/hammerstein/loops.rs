@@ -1,0 +1,177 @@
+//! The loops of the hidden variable: the points of (u, z) of each frequency, gathered from the records and split.
+
+use super::rich::dominant_frequency;
+use crate::error::Error;
+use crate::hysteresis::{Branches, Loop, Split};
+use crate::number::round;
+use crate::record::Record;
+
+/// Frequencies that differ by less than this are one.
+const SAME_FREQUENCY: f64 = 0.02;
+
+/// The fewest samples a loop is made of.
+const SHORTEST: usize = 16;
+
+/// Shift between records, over the peak-to-peak of z, from which it is worth a note.
+const SHIFTED: f64 = 0.02;
+
+/// Share of points on the side their direction says, from which a loop is taken to be open.
+pub(super) const CLEAR: f64 = 0.6;
+
+/// A loop of the hidden variable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HiddenLoop {
+    /// Its frequency [Hz], where the input has one.
+    pub frequency_hz: Option<f64>,
+    /// Input [input unit].
+    pub u: Vec<f64>,
+    /// Hidden variable [input unit].
+    pub z: Vec<f64>,
+    /// Branches and separating line.
+    pub found: Loop,
+}
+
+/// The points of the records, by frequency, before they are split.
+#[derive(Debug, Default)]
+pub(super) struct Gathered(Vec<Points>);
+
+#[derive(Debug)]
+struct Points {
+    frequency_hz: Option<f64>,
+    u: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl Gathered {
+    /// Adds the points of a record, whose hidden variable is `z`, to those of the same frequency. Of three periods or
+    /// more the first is left out: a loop is closed only after the first turn. Sensors drift between records, so z is
+    /// shifted until it stands to u, on average, as it does in the first record; the note says so where that is visible.
+    ///
+    /// # Errors
+    /// [`Error::TooShort`] for less than a loop.
+    pub(super) fn add(&mut self, record: &Record, mut z: Vec<f64>) -> Result<Option<String>, Error> {
+        if z.len() < SHORTEST {
+            let remedy = "record at least a period, better three".into();
+            let what = "the hidden variable of a rich record".into();
+            return Err(Error::TooShort { what, have: z.len(), need: SHORTEST, remedy });
+        }
+        let frequency_hz = dominant_frequency(record.u(), record.ts());
+        let period = frequency_hz.map_or(0, |hz| (1.0 / (hz * record.ts())).ceil() as usize);
+        let skip = if 3 * period <= z.len() { period } else { 0 };
+        let (u, z) = (&record.u()[skip..z.len()], &mut z[skip..]);
+        let shift = self.0.first().map_or(0.0, |first| first.mean_at(mean(u)) - mean(z));
+        z.iter_mut().for_each(|z| *z += shift);
+
+        let same = |known: &&mut Points| match (known.frequency_hz, frequency_hz) {
+            (Some(a), Some(b)) => (a / b - 1.0).abs() < SAME_FREQUENCY,
+            (a, b) => a == b,
+        };
+        match self.0.iter_mut().find(same) {
+            Some(known) => {
+                known.u.extend(u);
+                known.z.extend(&*z);
+            }
+            None => self.0.push(Points { frequency_hz, u: u.to_vec(), z: z.to_vec() }),
+        }
+        let (low, high) = z.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &z| (l.min(z), h.max(z)));
+        let share = shift.abs() / (high - low);
+        Ok((share > SHIFTED).then(|| {
+            let share = round(100.0 * share);
+            format!("a rich record stands off the first by {share} % of its own height; the constant was taken off")
+        }))
+    }
+
+    /// Makes one loop of all.
+    pub(super) fn pool(&mut self) {
+        if self.0.len() > 1 {
+            let concat = |part: fn(&Points) -> &Vec<f64>| self.0.iter().flat_map(part).copied().collect();
+            self.0 = vec![Points { frequency_hz: None, u: concat(|p| &p.u), z: concat(|p| &p.z) }];
+        }
+    }
+
+    /// The loops, by rising frequency.
+    ///
+    /// # Errors
+    /// As [`Branches::of_loop`].
+    pub(super) fn split(mut self, bins: usize, split: Split) -> Result<Vec<HiddenLoop>, Error> {
+        self.0.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
+        let one = |Points { frequency_hz, u, z }| {
+            let found = Branches::of_loop(&u, &z, bins, split)?;
+            Ok(HiddenLoop { frequency_hz, u, z, found })
+        };
+        self.0.into_iter().map(one).collect()
+    }
+}
+
+impl Points {
+    /// The mean of z that the least-squares line through the points gives to a mean of u.
+    fn mean_at(&self, u: f64) -> f64 {
+        let (mu, mz) = (mean(&self.u), mean(&self.z));
+        let (uu, uz) = self
+            .u
+            .iter()
+            .zip(&self.z)
+            .fold((0.0, 0.0), |(uu, uz), (u, z)| (uu + (u - mu) * (u - mu), uz + (u - mu) * (z - mz)));
+        mz + if uu > 0.0 { uz / uu * (u - mu) } else { 0.0 }
+    }
+}
+
+fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// What is odd about the loops.
+pub(super) fn remarks(loops: &[HiddenLoop]) -> Vec<String> {
+    let at = |of: &dyn Fn(&Loop) -> bool| {
+        let some: Vec<String> =
+            loops.iter().filter(|l| of(&l.found)).filter_map(|l| l.frequency_hz).map(round).collect();
+        (!some.is_empty()).then(|| some.join(", "))
+    };
+    let unclear = at(&|found| found.agreement < CLEAR).map(|hz| {
+        format!(
+            "at {hz} Hz the points do not keep to the sides of the separating line: the loop crosses itself or drowns in noise, and a \
+             split by direction may do better"
+        )
+    });
+    let turned = at(&|found| found.agreement >= CLEAR && !found.ascending_below).map(|hz| {
+        format!(
+            "at {hz} Hz the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
+             resonance that it misses or that the sampling is too slow for"
+        )
+    });
+    unclear.into_iter().chain(turned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn record(hz: f64, bias: f64) -> Record {
+        let u: Vec<f64> = (0..2000).map(|t| bias + 20.0 * (TAU * hz * f64::from(t) * 5e-4).sin()).collect();
+        Record::new(5e-4, u.clone(), u).unwrap()
+    }
+
+    fn lagging(record: &Record, offset: f64) -> Vec<f64> {
+        let u = record.u();
+        (0..u.len()).map(|t| 2.0 * u[t.saturating_sub(3)] + offset).collect()
+    }
+
+    #[test]
+    fn a_record_that_drifted_is_brought_back_to_the_first_and_the_note_says_so() {
+        let mut gathered = Gathered::default();
+        let (one, biased) = (record(20.0, 0.0), record(20.0, 5.0));
+        assert_eq!(gathered.add(&one, lagging(&one, 0.0)).unwrap(), None);
+        assert_eq!(gathered.add(&biased, lagging(&biased, 0.0)).unwrap(), None, "a bias of the input is no drift");
+        let note = gathered.add(&one, lagging(&one, 50.0)).unwrap().unwrap();
+        assert!(note.contains("by 62"), "{note}");
+        let loops = gathered.split(16, Split::Line).unwrap();
+        assert!(loops.len() == 1 && loops[0].found.agreement > 0.9, "{}", loops[0].found.agreement);
+    }
+
+    #[test]
+    fn less_than_a_loop_is_refused() {
+        let error = Gathered::default().add(&record(20.0, 0.0), vec![0.0; 9]).unwrap_err().to_string();
+        assert!(error.contains("has 9 samples") && error.contains("at least a period"), "{error}");
+    }
+}
