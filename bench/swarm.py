@@ -48,6 +48,7 @@ def build():
 
 
 def main():
+    os.chdir(HERE / ".venv")  # pyswarms keeps a log where it runs
     import numpy as np
     import pyswarms
 

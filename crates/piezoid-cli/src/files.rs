@@ -8,7 +8,7 @@ use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Which columns and which part of a data file are meant.
 #[derive(Args, Clone)]
@@ -117,7 +117,6 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
         return console.print(text);
     }
     match std::fs::metadata(path) {
-        Ok(what) if what.is_dir() => bail!("cannot write {}: this is a folder: name a file in it", named(path)),
         // A pipe or a device stays what it is.
         Ok(what) if !what.is_file() => {
             let mut open = std::fs::OpenOptions::new();
@@ -130,16 +129,22 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
         }
         _ => {}
     }
-    // Through a link to its end: the link stays.
-    let end = std::fs::canonicalize(path).unwrap_or_else(|_| path.into());
-    replace(&end, text).map_err(|error| unwritable(path, &error))
+    replace(&end(path)?, text).map_err(|error| unwritable(path, &error))
+}
+
+/// Where a file is written: at the end of a link, so that the link stays.
+fn end(path: &Path) -> Result<PathBuf> {
+    if path.is_dir() {
+        bail!("cannot write {}: this is a folder: name a file in it", named(path));
+    }
+    Ok(std::fs::canonicalize(path).unwrap_or_else(|_| path.into()))
 }
 
 /// Refuses results that could not be written when the work is done: before it is begun.
 pub(crate) fn ready(paths: &[Option<&Path>]) -> Result<()> {
     let files = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
-    for path in files.filter(|path| std::fs::metadata(path).map_or(true, |what| what.is_file())) {
-        beside(path).map_err(|error| unwritable(path, &error))?;
+    for path in files.filter(|path| std::fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir())) {
+        beside(&end(path)?).map_err(|error| unwritable(path, &error))?;
     }
     Ok(())
 }

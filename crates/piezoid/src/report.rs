@@ -112,10 +112,9 @@ fn loops(trial: &Trial) -> Figure {
     let range = validation.start..record.len().min(validation.start + SHOWN);
     let u = &record.u()[range.clone()];
     let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
-    let width = 100.0 * validation.metrics.rmse / validation.metrics.peak_to_peak;
     let caption = format!(
-        "Output over input in {part}, as measured and as the model runs free. The two differ by {} % of the height, rms.",
-        short(width)
+        "Output over input in {part}, as measured and as the model runs free. Over all of it the two differ by {} % of the height, rms.",
+        short(validation.metrics.rms_pp_percent)
     );
     Figure::new("Loops", caption).panel(
         Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("y [{}]", units.y)))

@@ -50,8 +50,6 @@ impl Metrics {
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
         let variance = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64;
         let (low, high) = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
-        // A comparison that lets NaN through: an error that is none must not look small.
-        let larger = |m: f64, e: f64| if e > m || e.is_nan() { e } else { m };
         let max_abs = y.iter().zip(simulated).map(|(y, s)| (y - s).abs()).fold(0.0, larger);
         Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
     }
@@ -61,7 +59,7 @@ impl Metrics {
     pub fn total(records: &[Metrics]) -> Self {
         let n: usize = records.iter().map(|m| m.n).sum();
         let pooled = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(|m| m.n as f64 * f(m)).sum::<f64>() / n as f64;
-        let widest = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(f).fold(0.0, f64::max);
+        let widest = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(f).fold(0.0, larger);
         let (mse, variance) = (pooled(&|m| m.mse), pooled(&|m| m.std.powi(2)));
         Metrics::from_parts(n, mse, variance.sqrt(), widest(&|m| m.peak_to_peak), widest(&|m| m.max_abs))
     }
@@ -81,6 +79,11 @@ impl Metrics {
             peak_to_peak,
         }
     }
+}
+
+/// The larger of two, or the one that is no number: an error that does not exist must not look small.
+fn larger(m: f64, e: f64) -> f64 {
+    if e > m || e.is_nan() { e } else { m }
 }
 
 /// How to compare.

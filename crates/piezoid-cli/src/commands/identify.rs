@@ -150,7 +150,10 @@ impl Identify {
         made["seed"] = json!(self.seed);
         let on_itself = rich
             .iter()
-            .map(|record| Ok(validation::validate(&found.model, record, validation::Settings::default())?.metrics))
+            .map(|record| {
+                let record = record.output_in(&found.model.units().y)?;
+                Ok(validation::validate(&found.model, &record, validation::Settings::default())?.metrics)
+            })
             .collect::<Result<Vec<Metrics>>>()?;
         let model = found.model.clone().with_provenance(made);
 

@@ -33,7 +33,11 @@ pub struct HiddenLoop {
 
 /// The points of the records, by frequency, before they are split.
 #[derive(Debug, Default)]
-pub(super) struct Gathered(Vec<Points>);
+pub(super) struct Gathered {
+    points: Vec<Points>,
+    /// Of the first record, the ends of u and the mean of z.
+    first: Option<((f64, f64), f64)>,
+}
 
 #[derive(Debug)]
 struct Points {
@@ -44,8 +48,9 @@ struct Points {
 
 impl Gathered {
     /// Adds the points of a record, whose hidden variable is `z`, to those of the same frequency. Of three periods or
-    /// more the first is left out: a loop is closed only after the first turn. Sensors drift between records, so z is
-    /// shifted until it stands to u, on average, as it does in the first record; the note says so where that is visible.
+    /// more the first is left out: a loop is closed only after the first turn. Sensors drift between records, so the z
+    /// of a record that runs between the same inputs as the first is shifted to the mean of the first; the note says so
+    /// where that is visible. Between other inputs the mean may differ by hysteresis, and is left.
     ///
     /// # Errors
     /// [`Error::TooShort`] for less than a loop.
@@ -59,21 +64,22 @@ impl Gathered {
         let period = frequency_hz.map_or(0, |hz| (1.0 / (hz * record.ts())).ceil() as usize);
         let skip = if 3 * period <= z.len() { period } else { 0 };
         let (u, z) = (&record.u()[skip..z.len()], &mut z[skip..]);
-        let shift = self.0.first().map_or(0.0, |first| first.mean_at(mean(u)) - mean(z));
+        let (ends_of_first, mean_of_first) = *self.first.get_or_insert((ends(u), mean(z)));
+        let shift = if alike(ends_of_first, ends(u)) { mean_of_first - mean(z) } else { 0.0 };
         z.iter_mut().for_each(|z| *z += shift);
 
         let same = |known: &&mut Points| match (known.frequency_hz, frequency_hz) {
             (Some(a), Some(b)) => (a / b - 1.0).abs() < SAME_FREQUENCY,
             (a, b) => a == b,
         };
-        match self.0.iter_mut().find(same) {
+        match self.points.iter_mut().find(same) {
             Some(known) => {
                 known.u.extend(u);
                 known.z.extend(&*z);
             }
-            None => self.0.push(Points { frequency_hz, u: u.to_vec(), z: z.to_vec() }),
+            None => self.points.push(Points { frequency_hz, u: u.to_vec(), z: z.to_vec() }),
         }
-        let (low, high) = z.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &z| (l.min(z), h.max(z)));
+        let (low, high) = ends(z);
         let share = shift.abs() / (high - low);
         Ok((share > SHIFTED).then(|| {
             let share = round(100.0 * share);
@@ -83,9 +89,9 @@ impl Gathered {
 
     /// Makes one loop of all.
     pub(super) fn pool(&mut self) {
-        if self.0.len() > 1 {
-            let concat = |part: fn(&Points) -> &Vec<f64>| self.0.iter().flat_map(part).copied().collect();
-            self.0 = vec![Points { frequency_hz: None, u: concat(|p| &p.u), z: concat(|p| &p.z) }];
+        if self.points.len() > 1 {
+            let concat = |part: fn(&Points) -> &Vec<f64>| self.points.iter().flat_map(part).copied().collect();
+            self.points = vec![Points { frequency_hz: None, u: concat(|p| &p.u), z: concat(|p| &p.z) }];
         }
     }
 
@@ -94,52 +100,57 @@ impl Gathered {
     /// # Errors
     /// As [`Branches::of_loop`].
     pub(super) fn split(mut self, bins: usize, split: Split) -> Result<Vec<HiddenLoop>, Error> {
-        self.0.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
+        self.points.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
         let one = |Points { frequency_hz, u, z }| {
             let found = Branches::of_loop(&u, &z, bins, split)?;
             Ok(HiddenLoop { frequency_hz, u, z, found })
         };
-        self.0.into_iter().map(one).collect()
+        self.points.into_iter().map(one).collect()
     }
 }
 
-impl Points {
-    /// The mean of z that the least-squares line through the points gives to a mean of u.
-    fn mean_at(&self, u: f64) -> f64 {
-        let (mu, mz) = (mean(&self.u), mean(&self.z));
-        let (uu, uz) = self
-            .u
-            .iter()
-            .zip(&self.z)
-            .fold((0.0, 0.0), |(uu, uz), (u, z)| (uu + (u - mu) * (u - mu), uz + (u - mu) * (z - mz)));
-        mz + if uu > 0.0 { uz / uu * (u - mu) } else { 0.0 }
-    }
+/// Whether two inputs run between the same ends, to a twentieth of their range.
+fn alike((low, high): (f64, f64), (other_low, other_high): (f64, f64)) -> bool {
+    (low - other_low).abs().max((high - other_high).abs()) <= 0.05 * (high - low)
+}
+
+fn ends(x: &[f64]) -> (f64, f64) {
+    x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)))
 }
 
 fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
-/// What is odd about the loops.
-pub(super) fn remarks(loops: &[HiddenLoop]) -> Vec<String> {
-    let at = |of: &dyn Fn(&Loop) -> bool| {
-        let some: Vec<String> =
-            loops.iter().filter(|l| of(&l.found)).filter_map(|l| l.frequency_hz).map(round).collect();
-        (!some.is_empty()).then(|| some.join(", "))
-    };
-    let unclear = at(&|found| found.agreement < CLEAR).map(|hz| {
+/// What is odd about the loops, which were told apart by `split`.
+pub(super) fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
+    let unclear = named(loops, |found| found.agreement < CLEAR).map(|which| {
+        let advice = match split {
+            Split::Line => ", and a split by direction may do better",
+            Split::Direction => "",
+        };
         format!(
-            "at {hz} Hz the points do not keep to the sides of the separating line: the loop crosses itself or drowns in noise, and a \
-             split by direction may do better"
+            "{which} the points do not keep to the sides of the separating line: the loop crosses itself or drowns in noise{advice}"
         )
     });
-    let turned = at(&|found| found.agreement >= CLEAR && !found.ascending_below).map(|hz| {
+    let turned = named(loops, |found| found.agreement >= CLEAR && !found.ascending_below).map(|which| {
         format!(
-            "at {hz} Hz the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
+            "{which} the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
              resonance that it misses or that the sampling is too slow for"
         )
     });
     unclear.into_iter().chain(turned).collect()
+}
+
+/// "At 5, 20 Hz", of the loops that `are` so, if any.
+pub(super) fn named(loops: &[HiddenLoop], are: impl Fn(&Loop) -> bool) -> Option<String> {
+    let some: Vec<Option<f64>> = loops.iter().filter(|l| are(&l.found)).map(|l| l.frequency_hz).collect();
+    let hz: Vec<String> = some.iter().flatten().map(|hz| round(*hz)).collect();
+    match (some.is_empty(), hz.is_empty()) {
+        (true, _) => None,
+        (false, true) => Some("in a loop without one frequency".into()),
+        (false, false) => Some(format!("at {} Hz", hz.join(", "))),
+    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! give as much of the linear block as they can. Either is told in the notes.
 
 use super::Model;
-use super::loops::{CLEAR, Gathered, HiddenLoop, remarks};
+use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
 use super::rich::{LinearPart, linear_from_rich, rich_enough};
 use crate::error::Error;
 use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
@@ -100,13 +100,13 @@ pub fn identify_paper(
         loops.pool();
     }
     let mut loops = loops.split(how.bins, how.split)?;
-    notes.extend(remarks(&loops));
-    if how.operator == "auto" && loops.iter().any(|l| l.found.agreement < CLEAR) {
-        notes.push(
-            "hysteresis block: none, as not every record forms a loop whose sides rising and falling input keep to"
-                .into(),
-        );
-        loops.clear();
+    notes.extend(remarks(&loops, how.split));
+    if how.operator == "auto"
+        && let Some(which) = named(&loops, |found| found.agreement < CLEAR)
+    {
+        loops.retain(|l| l.found.agreement >= CLEAR);
+        let left = if loops.is_empty() { ", which leaves a model without hysteresis" } else { "" };
+        notes.push(format!("hysteresis block: what was found {which} is no loop and was left out{left}"));
     }
     let operator = match how.operator.as_str() {
         "auto" if loops.is_empty() => "proportional",
@@ -154,15 +154,23 @@ fn block(
 /// shorter than y, by the samples at the end that cannot be told.
 ///
 /// # Errors
-/// [`Error::NoInverse`] when the block has no stable inverse of either kind.
+/// [`Error::NoInverse`] when the block has no stable inverse of either kind, or `y` is too short for it.
 pub fn hidden(arx: &Arx, offset: f64, y: &[f64]) -> Result<(Vec<f64>, Option<String>), Error> {
     let centred: Vec<f64> = y.iter().map(|y| y - offset).collect();
     let first = centred.first().copied().unwrap_or(0.0);
     match arx.inverse() {
         Ok(inverse) => Ok((inverse.resume(&mut inverse.settled(first), &centred), None)),
         Err(why) => {
+            let (blind, n) = (arx.blind(), y.len());
+            if blind >= n {
+                let because = format!(
+                    "{why}; and from the whole record it cannot tell the last {blind} samples, of {n} there are: record longer, or \
+                     choose another order"
+                );
+                return Err(Error::NoInverse { kind: "usable", because });
+            }
             let mut z = arx.invert_whole(&centred)?;
-            z.truncate(z.len().saturating_sub(arx.blind()));
+            z.truncate(n - blind);
             Ok((z, Some(format!("{why}; z comes from the whole record, forward and backward in time"))))
         }
     }

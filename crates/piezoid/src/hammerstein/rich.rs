@@ -144,7 +144,10 @@ pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
     }
     let gain = uy / uu;
     if gain == 0.0 || !gain.is_finite() {
-        let because = format!("the output does not follow the input (input variance {uu}, covariance {uy})");
+        let because = match uu {
+            0.0 => "the input of every record is constant: drive the actuator with a sine or a PRBS".into(),
+            _ => format!("the output does not follow the input (covariance {uy}): are the columns the right ones?"),
+        };
         return Err(Error::Unidentifiable { what: "the gain".into(), because });
     }
     let (mu, my) = records.first().map_or((0.0, 0.0), means);
@@ -218,13 +221,14 @@ fn excited(record: &Record) -> Vec<f64> {
     let hz = |bin: f64| bin / (n as f64 * record.ts());
     let strong: Vec<usize> = (1..power.len()).filter(|&k| power[k] > EXCITED * strongest).collect();
     let runs = strong.chunk_by(|p, q| q - p == 1);
-    runs.flat_map(|run| {
-        let many = (run.len() / 8).max(1);
-        let part = run.len() as f64 / many as f64;
-        (0..many).map(move |i| run[0] as f64 + part * (i as f64 + 0.5) - 0.5).collect::<Vec<_>>()
-    })
-    .map(hz)
-    .collect()
+    // Where the power of some bins lies, on average.
+    let centre = |bins: &[usize]| {
+        let (moment, sum) = bins.iter().fold((0.0, 0.0), |(m, s), &k| (m + k as f64 * power[k], s + power[k]));
+        moment / sum
+    };
+    runs.flat_map(|run| run.chunks(run.len() / (run.len() / 8).max(1)).map(centre).collect::<Vec<_>>())
+        .map(hz)
+        .collect()
 }
 
 #[cfg(test)]

@@ -168,7 +168,7 @@ impl Branches {
         let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
         let range = high - low;
         if !(range > 0.0 && range.is_finite()) {
-            let because = format!("the input stays at {low}: it must run through a loop");
+            let because = format!("the input stays at {low}: drive it up and down through a loop");
             return Err(Error::Unidentifiable { what: "the hysteresis loop".into(), because });
         }
         let mean_where = |near: &dyn Fn(f64) -> bool| {

@@ -159,31 +159,35 @@ pub fn fit(
 /// twice the order less than half of that: a sentence that begins with "; ".
 pub fn too_low(records: &[Record], fit: &Fit) -> Option<String> {
     let n = fit.arx.a().len();
+    let variance = |r: &Record| {
+        let mean = r.y().iter().sum::<f64>() / r.len() as f64;
+        r.y().iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
+    };
+    let samples: usize = records.iter().map(Record::len).sum();
+    let left = fit.residuals.rms / (records.iter().map(variance).sum::<f64>() / samples as f64).sqrt();
+    if n == 0 || left.is_nan() || left <= 0.02 {
+        return None;
+    }
     let least_squares = estimator("least-squares").ok()?;
     let doubled =
         self::fit(records, Orders::of(2 * n), least_squares, &swarm::Settings::default(), &mut unwatched).ok()?;
-    let samples: usize = records.iter().map(Record::len).sum();
-    let power: f64 = records
-        .iter()
-        .map(|r| {
-            let mean = r.y().iter().sum::<f64>() / r.len() as f64;
-            r.y().iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
-        })
-        .sum();
-    let left = fit.residuals.rms / (power / samples as f64).sqrt();
     let times = fit.residuals.rms / doubled.residuals.rms;
+    let times = match times {
+        t if t > 1000.0 => "more than 1000".into(),
+        t if t > 2.0 => format!("{t:.0}"),
+        _ => return None,
+    };
     let poles = doubled.arx.poles();
-    let sharpest = poles.iter().filter(|p| p.z.im > 0.0).min_by(|p, q| p.damping.total_cmp(&q.damping))?;
-    (n > 0 && left > 0.02 && times > 2.0).then(|| {
-        format!(
-            "; it leaves {:.0} % of the records' rms in prediction, and order {} predicts {times:.0} times as well and puts the resonance \
-             at {:.1} Hz with damping {:.3}: order {n} is too low",
-            100.0 * left,
-            2 * n,
-            sharpest.hz,
-            sharpest.damping
-        )
-    })
+    let rings = poles.iter().filter(|p| p.z.im > 0.0 && p.damping > 0.0);
+    let resonance = rings
+        .min_by(|p, q| p.damping.total_cmp(&q.damping))
+        .map_or(String::new(), |p| format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping));
+    Some(format!(
+        "; it leaves {:.0} % of the records' rms in prediction, and order {} predicts {times} times as well{resonance}: order {n} is \
+         too low",
+        100.0 * left,
+        2 * n
+    ))
 }
 
 /// Theta and the output offset of each record, by QR of the rows with one constant a record.

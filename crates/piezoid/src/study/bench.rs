@@ -85,6 +85,7 @@ impl Bench {
 
         let loop_by = |arx: &Arx, offset: f64| -> Result<StudyLoop, Error> {
             let (z, _) = hidden(arx, offset, sine.y())?;
+            let settled = settled.min(z.len());
             let (u, z) = (sine.u()[settled..z.len()].to_vec(), z[settled..].to_vec());
             let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
             Ok(StudyLoop { u, z, found })

@@ -38,15 +38,17 @@ pub fn verdict(study: &Study) -> String {
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
     let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
         format!(
-            " By the estimated block the loop of z grows to {:.0} % of its height at {} Hz, where the ceramic's is about 13 %: the rest is \
+            " By the estimated block the loop of z grows to {:.0} % of its height at {} Hz, where at {} Hz it is {:.0} %: most of that is \
              the block's own error, which the branches of one frequency take up and no other signal would.",
             width(f),
-            f.hz
+            f.hz,
+            study.frequencies[0].hz,
+            width(&study.frequencies[0])
         )
     });
     format!(
-        "At 5 Hz the rule as printed leaves {} mm², beside {:.4} in the paper; holding the direction leaves {}. At 80 Hz it leaves {}, \
-         beside {:.4}: here the rule's error does not grow with frequency, since fewer samples are held. With the linear block of the \
+        "At 5 Hz the rule as printed leaves {} mm², beside {:.4} in the paper; holding the direction leaves {}. At 80 Hz the rule as printed \
+         leaves {}, beside {:.4}: here its error does not grow with frequency, since fewer samples are held. With the linear block of the \
          paper's Table 2 the error grows from {:.3} mm² at 5 Hz to {most:.3} at {most_hz} Hz; the paper's grows too, and the growth comes \
          with that block. With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model \
          without hysteresis leaves up to {linear:.1} %.{beaten}{grown}",
