@@ -118,7 +118,7 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
     }
     match std::fs::metadata(path) {
         // A pipe or a device stays what it is.
-        Ok(what) if !what.is_file() => {
+        Ok(what) if !what.is_file() && !what.is_dir() => {
             let mut open = std::fs::OpenOptions::new();
             return open.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes())).or_else(|error| {
                 match error.kind() {
