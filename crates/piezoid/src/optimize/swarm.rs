@@ -23,7 +23,7 @@ use crate::progress::{Progress, Stage};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 /// The most particles, and the most iterations.
 const MOST: usize = 10_000_000;
@@ -98,7 +98,7 @@ impl Default for Settings {
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Checkpoint")]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Swarm {
     settings: Settings,
     bounds: Bounds,
@@ -112,26 +112,17 @@ pub struct Swarm {
     improved: usize,
 }
 
-/// How a [`Swarm`] is read.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Checkpoint {
-    settings: Settings,
-    bounds: Bounds,
-    x: Vec<f64>,
-    v: Vec<f64>,
-    p_best: Vec<f64>,
-    p_cost: Vec<f64>,
-    g_best: Vec<f64>,
-    history: Vec<f64>,
-    courses: Vec<Vec<f64>>,
-    improved: usize,
+impl Serialize for Swarm {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Swarm::serialize(self, to)
+    }
 }
 
-impl TryFrom<Checkpoint> for Swarm {
-    type Error = Error;
-    fn try_from(c: Checkpoint) -> Result<Self, Error> {
-        check(&c.settings)?;
+/// A checkpoint is read only if its parts fit together.
+impl<'de> Deserialize<'de> for Swarm {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let c = Swarm::deserialize(from)?;
+        check(&c.settings).map_err(D::Error::custom)?;
         let (s, d) = (c.settings.particles, c.bounds.dimension());
         let fits = [&c.x, &c.v, &c.p_best].iter().all(|x| x.len() == s * d)
             && c.p_cost.len() == s
@@ -139,12 +130,11 @@ impl TryFrom<Checkpoint> for Swarm {
             && (1..=c.settings.iterations + 1).contains(&c.history.len())
             && c.courses.len() == c.history.len()
             && c.improved < c.history.len();
-        if !fits {
-            let why = format!("this is no checkpoint of {s} particles in {d} dimensions: its parts have other lengths");
-            return Err(Error::Content(why));
+        if fits {
+            return Ok(c);
         }
-        let Checkpoint { settings, bounds, x, v, p_best, p_cost, g_best, history, courses, improved } = c;
-        Ok(Swarm { settings, bounds, x, v, p_best, p_cost, g_best, history, courses, improved })
+        let why = format!("this is no checkpoint of {s} particles in {d} dimensions: its parts have other lengths");
+        Err(D::Error::custom(why))
     }
 }
 
