@@ -18,6 +18,7 @@ pub mod plot;
 pub mod progress;
 pub mod record;
 pub mod report;
+mod series;
 pub mod spline;
 pub mod study;
 pub mod system;

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::hammerstein::{Model, dominant_frequency};
 use crate::number::short;
 use crate::record::{Record, same_sampling};
+use crate::series::{ends, scatter};
 use crate::system::System;
 use serde::Serialize;
 
@@ -46,10 +47,9 @@ impl Metrics {
     /// ```
     pub fn of(y: &[f64], simulated: &[f64]) -> Self {
         let n = y.len();
-        let mean = y.iter().sum::<f64>() / n as f64;
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
-        let variance = y.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / n as f64;
-        let (low, high) = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &y| (l.min(y), h.max(y)));
+        let variance = scatter(y) / n as f64;
+        let (low, high) = ends(y.iter().copied());
         let max_abs = y.iter().zip(simulated).map(|(y, s)| (y - s).abs()).fold(0.0, larger);
         Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
     }
@@ -156,7 +156,7 @@ fn remarks(model: &Model, record: &Record, start: usize, metrics: &Metrics) -> V
     let unit = &model.units().u;
     let Some((low, high)) = model.hysteresis().range() else { return remarks };
     let u = &record.u()[start..];
-    let (lowest, highest) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+    let (lowest, highest) = ends(u.iter().copied());
     if lowest < low - 0.01 * (high - low) || highest > high + 0.01 * (high - low) {
         remarks.push(format!(
             "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: beyond that it extrapolates",

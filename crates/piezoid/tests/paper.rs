@@ -24,7 +24,7 @@ static PL140: LazyLock<Study> = LazyLock::new(|| run("pl140", 1));
 fn errors(study: &Study, method: &str, hz: f64) -> (f64, f64) {
     let frequency = study.frequencies.iter().find(|f| f.hz == hz).expect("a frequency of the study");
     let row = frequency.row(method).expect("a method of the study");
-    (row.mse, row.metrics.rms_pp_percent)
+    (row.metrics.mse, row.metrics.rms_pp_percent)
 }
 
 #[test]

@@ -189,8 +189,8 @@ fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console
         text += &listed("zeros", arx.zeros().iter().map(Root::to_string).collect());
     }
     if let Some(fit) = &found.linear.fit {
-        let Residuals { n, rms, max_abs, lag_one, .. } = fit.residuals;
-        let white = if lag_one.abs() > 2.0 / (n as f64).sqrt() { "not white" } else { "white" };
+        let Residuals { rms, max_abs, .. } = fit.residuals;
+        let white = if fit.residuals.are_white() { "white" } else { "not white" };
         text += &format!(
             "  errors    {} {} rms, {} at most, one step ahead; {white}\n",
             number(rms),
@@ -209,12 +209,10 @@ fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console
             let (low, high) = l.found.branches.range();
             let side = if l.found.ascending_below { "below" } else { "above" };
             let width = number(100.0 * l.found.branches.width());
-            let range = [round(low), round(high)];
-            let [low, high] = range;
             vec![
                 l.frequency_hz.map_or("-".into(), round),
-                low,
-                high,
+                round(low),
+                round(high),
                 width,
                 side.into(),
                 round(100.0 * l.found.agreement),

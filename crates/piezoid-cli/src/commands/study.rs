@@ -90,7 +90,7 @@ fn summary(study: &Outcome, console: &Console) -> String {
         let rows: Vec<_> = study.frequencies.iter().map(row).collect();
         format!("\n{}\n{}", title, table(&header, &rows, console.room()))
     };
-    text += &of_frequencies("Table 1: mean squared error on the stepped sine [mm^2]", &|r| r.mse, true);
+    text += &of_frequencies("Table 1: mean squared error on the stepped sine [mm^2]", &|r| r.metrics.mse, true);
     text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
 
     let coefficients = |b: &study::Block| {

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::hysteresis::{Branches, Loop, Split};
 use crate::number::round;
 use crate::record::Record;
+use crate::series::{ends, mean};
 
 /// Frequencies that differ by less than this are one.
 const SAME_FREQUENCY: f64 = 0.02;
@@ -64,8 +65,8 @@ impl Gathered {
         let period = frequency_hz.map_or(0, |hz| (1.0 / (hz * record.ts())).ceil() as usize);
         let skip = if 3 * period <= z.len() { period } else { 0 };
         let (u, z) = (&record.u()[skip..z.len()], &mut z[skip..]);
-        let (ends_of_first, mean_of_first) = *self.first.get_or_insert((ends(u), mean(z)));
-        let shift = if alike(ends_of_first, ends(u)) { mean_of_first - mean(z) } else { 0.0 };
+        let (ends_of_first, mean_of_first) = *self.first.get_or_insert((ends(u.iter().copied()), mean(z)));
+        let shift = if alike(ends_of_first, ends(u.iter().copied())) { mean_of_first - mean(z) } else { 0.0 };
         z.iter_mut().for_each(|z| *z += shift);
 
         let same = |known: &&mut Points| match (known.frequency_hz, frequency_hz) {
@@ -79,7 +80,7 @@ impl Gathered {
             }
             None => self.points.push(Points { frequency_hz, u: u.to_vec(), z: z.to_vec() }),
         }
-        let (low, high) = ends(z);
+        let (low, high) = ends(z.iter().copied());
         let share = shift.abs() / (high - low);
         Ok((share > SHIFTED).then(|| {
             let share = round(100.0 * share);
@@ -112,14 +113,6 @@ impl Gathered {
 /// Whether two inputs run between the same ends, to a twentieth of their range.
 fn alike((low, high): (f64, f64), (other_low, other_high): (f64, f64)) -> bool {
     (low - other_low).abs().max((high - other_high).abs()) <= 0.05 * (high - low)
-}
-
-fn ends(x: &[f64]) -> (f64, f64) {
-    x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)))
-}
-
-fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
 }
 
 /// What is odd about the loops, which were told apart by `split`.

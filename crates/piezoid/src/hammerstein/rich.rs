@@ -10,6 +10,7 @@ use crate::number::round;
 use crate::optimize::swarm;
 use crate::progress::unwatched;
 use crate::record::Record;
+use crate::series::{ends, mean, scatter};
 use crate::system::System;
 use nalgebra::Complex;
 
@@ -29,7 +30,7 @@ pub struct LinearPart {
     pub arx: Arx,
     /// Constant in the output [output unit].
     pub offset: f64,
-    /// The fit to small-signal records, where there were any.
+    /// The fit to small-signal or rich records; none where only a gain was found.
     pub fit: Option<Fit>,
     /// How it was found and why so, in words.
     pub reason: String,
@@ -44,7 +45,7 @@ pub struct LinearPart {
 /// assert!((hz - 0.02 / std::f64::consts::TAU * 1e3).abs() < 0.01);
 /// ```
 pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
-    let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+    let (low, high) = ends(u.iter().copied());
     let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
     // A crossing upwards counts once the input has been clearly below; its time is interpolated.
     let mut armed = false;
@@ -64,12 +65,10 @@ pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
 /// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay. Where
 /// they do not tell a block of that order, lower ones are tried.
 pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPart, Error> {
-    let asked = of_order(records, n)?;
-    if asked.fit.is_some() {
-        return Ok(asked);
-    }
-    for lower in (1..n).rev() {
-        let part = of_order(records, lower)?;
+    let (gain, lines) = (affine(records)?, lines(records));
+    let asked = of_order(records, n, gain, &lines)?;
+    for lower in (1..n).rev().take_while(|_| asked.fit.is_none()) {
+        let part = of_order(records, lower, gain, &lines)?;
         if part.fit.is_some() {
             let reason = format!("{}; of order {n} there would be left {}", part.reason, asked.reason);
             return Ok(LinearPart { reason, ..part });
@@ -78,19 +77,18 @@ pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPar
     Ok(asked)
 }
 
-/// A block of order `n`, or a gain and why.
-fn of_order(records: &[Record], n: usize) -> Result<LinearPart, Error> {
-    let (gain, offset, left_by_gain) = affine(records)?;
+/// A block of order `n` for inputs that hold these frequencies [Hz], or else the gain that [`affine`] found and why.
+fn of_order(
+    records: &[Record],
+    n: usize,
+    (gain, offset, left_by_gain): (f64, f64, f64),
+    lines: &[f64],
+) -> Result<LinearPart, Error> {
     let plain = |reason: String| {
-        Ok(LinearPart {
-            arx: Arx::gain(records[0].ts(), gain)?,
-            offset,
-            fit: None,
-            reason: format!("a pure gain: {reason}"),
-        })
+        let (arx, reason) = (Arx::gain(records[0].ts(), gain)?, format!("a pure gain: {reason}"));
+        Ok(LinearPart { arx, offset, fit: None, reason })
     };
-    let lines = lines(records);
-    if let Some(why) = too_poor(&lines, n) {
+    if let Some(why) = too_poor(lines, n) {
         return plain(format!("{why}; add a small-signal PRBS record to learn the dynamics"));
     }
     let highest = lines.iter().fold(0.0f64, |h, &l| h.max(l));
@@ -129,10 +127,7 @@ fn of_order(records: &[Record], n: usize) -> Result<LinearPart, Error> {
 /// The gain that brings the inputs closest to the outputs, each record with an offset of its own; the offset of the
 /// first; and the share of the outputs' rms that is left.
 pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
-    let means = |r: &Record| {
-        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-        (mean(r.u()), mean(r.y()))
-    };
+    let means = |r: &Record| (mean(r.u()), mean(r.y()));
     let (mut uu, mut uy, mut yy) = (0.0, 0.0, 0.0);
     for record in records {
         let (mu, my) = means(record);
@@ -159,14 +154,12 @@ fn left_by(fit: &Fit, records: &[Record]) -> Option<f64> {
     if !fit.arx.is_stable() {
         return None;
     }
-    let (mut error, mut power) = (0.0, 0.0);
-    for (record, offset) in records.iter().zip(&fit.offsets) {
+    let error = records.iter().zip(&fit.offsets).map(|(record, offset)| {
         let simulated = fit.arx.resume(&mut fit.arx.settled(record.u()[0]), record.u());
-        let mean = record.y().iter().sum::<f64>() / record.len() as f64;
-        error += record.y().iter().zip(&simulated).map(|(y, s)| (y - offset - s).powi(2)).sum::<f64>();
-        power += record.y().iter().map(|y| (y - mean).powi(2)).sum::<f64>();
-    }
-    Some((error / power).sqrt())
+        record.y().iter().zip(&simulated).map(|(y, s)| (y - offset - s).powi(2)).sum::<f64>()
+    });
+    let power = records.iter().map(|record| scatter(record.y()));
+    Some((error.sum::<f64>() / power.sum::<f64>()).sqrt())
 }
 
 /// Refuses records whose inputs hold too few frequencies for a block of order `n`.

@@ -7,6 +7,7 @@
 //! Both branches end in the two turning points, so the loop closes. Beyond them a branch goes on along the line.
 
 use crate::error::Error;
+use crate::series::ends;
 use crate::spline::Spline;
 use serde::{Deserialize, Serialize};
 
@@ -148,7 +149,7 @@ impl Branches {
         let gap = |u: f64| self.descending(u) - self.ascending(u);
         let widest = (0..=200).map(|k| gap(at(k))).fold(0.0, |w: f64, g| if g.abs() > w.abs() { g } else { w });
         let z = (0..=200).flat_map(|k| [self.ascending(at(k)), self.descending(at(k))]);
-        let (lowest, highest) = z.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        let (lowest, highest) = ends(z);
         if highest > lowest { widest / (highest - lowest) } else { 0.0 }
     }
 
@@ -165,7 +166,7 @@ impl Branches {
             let (left, right) = ("u of a loop".into(), "z".into());
             return Err(Error::Lengths { left, left_len: u.len(), right, right_len: z.len() });
         }
-        let (low, high) = u.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &u| (l.min(u), h.max(u)));
+        let (low, high) = ends(u.iter().copied());
         let range = high - low;
         if !(range > 0.0 && range.is_finite()) {
             let because = format!("the input stays at {low}: drive it up and down through a loop");

@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::optimize::{Reason, least_absolute, swarm};
 use crate::progress::{Progress, Stage, unwatched};
 use crate::record::Record;
+use crate::series::scatter;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
@@ -159,12 +160,8 @@ pub fn fit(
 /// twice the order less than half of that: a sentence that begins with "; ".
 pub fn too_low(records: &[Record], fit: &Fit) -> Option<String> {
     let n = fit.arx.a().len();
-    let variance = |r: &Record| {
-        let mean = r.y().iter().sum::<f64>() / r.len() as f64;
-        r.y().iter().map(|y| (y - mean) * (y - mean)).sum::<f64>()
-    };
     let samples: usize = records.iter().map(Record::len).sum();
-    let left = fit.residuals.rms / (records.iter().map(variance).sum::<f64>() / samples as f64).sqrt();
+    let left = fit.residuals.rms / (records.iter().map(|r| scatter(r.y())).sum::<f64>() / samples as f64).sqrt();
     if n == 0 || left.is_nan() || left <= 0.02 {
         return None;
     }
@@ -229,6 +226,13 @@ fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f64>), Error>
         });
     }
     Ok((theta, offsets))
+}
+
+impl Residuals {
+    /// Whether neighbours are as uncorrelated as white errors would be, to two standard deviations.
+    pub fn are_white(&self) -> bool {
+        self.lag_one.abs() <= 2.0 / (self.n as f64).sqrt()
+    }
 }
 
 fn residuals(regression: &Regression, theta: &[f64]) -> Residuals {

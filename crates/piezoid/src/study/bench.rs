@@ -1,9 +1,9 @@
 //! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
 
-use super::{AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, Row, SETTLING, StudyLoop, TS};
+use super::{AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, Row, SETTLING, TS};
 use crate::error::Error;
 use crate::excitation::{Sine, SteppedSine};
-use crate::hammerstein::{Model, hidden, proportional};
+use crate::hammerstein::{HiddenLoop, Model, hidden, proportional};
 use crate::hysteresis::{Branches, Hysteresis, Proportional, Split, TwoBranch};
 use crate::linear::Arx;
 use crate::plant::{Plant, Saturation, Spec};
@@ -83,12 +83,12 @@ impl Bench {
         let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
         let settled = (SETTLING / TS) as usize;
 
-        let loop_by = |arx: &Arx, offset: f64| -> Result<StudyLoop, Error> {
+        let loop_by = |arx: &Arx, offset: f64| -> Result<HiddenLoop, Error> {
             let (z, _) = hidden(arx, offset, sine.y())?;
             let settled = settled.min(z.len());
             let (u, z) = (sine.u()[settled..z.len()].to_vec(), z[settled..].to_vec());
             let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
-            Ok(StudyLoop { u, z, found })
+            Ok(HiddenLoop { frequency_hz: Some(hz), u, z, found })
         };
         let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(table_2, 0.0)?);
         let test = whole.part(SETTLING, f64::INFINITY)?;
@@ -108,7 +108,7 @@ impl Bench {
             let simulated = model.simulate(whole.u())[settled..].to_vec();
             let metrics = Metrics::of(test.y(), &simulated);
             let loop_width_percent = method.reading.map_or(0.0, |_| 100.0 * found.branches.width());
-            Ok(Row { method: method.name, mse: metrics.mse, metrics, loop_width_percent, simulated })
+            Ok(Row { method: method.name, metrics, loop_width_percent, simulated })
         });
         let rows = rows.collect::<Result<_, Error>>()?;
         Ok(Frequency { hz, amplitude, own: by_own, by_table_2, test, rows })

@@ -33,7 +33,7 @@ fn table1(study: &Study) -> Vec<Value> {
             "frequency_hz": f.hz,
             "method": r.method,
             "amplitude_v": f.amplitude,
-            "mse": r.mse,
+            "mse": r.metrics.mse,
             "nrmse_percent": r.metrics.nrmse_percent,
             "rms_pp_percent": r.metrics.rms_pp_percent,
             "loop_width_percent": r.loop_width_percent,

@@ -185,12 +185,12 @@ pub(super) fn error(study: &Study) -> Figure {
     let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]").from(FLOOR));
     for (method, role) in METHODS.iter().zip(roles) {
         let rows = study.frequencies.iter().filter_map(|f| f.row(method.name));
-        let mse: Vec<f64> = rows.map(|r| r.mse.max(FLOOR)).collect();
+        let mse: Vec<f64> = rows.map(|r| r.metrics.mse.max(FLOOR)).collect();
         axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
     axes = axes.with(Series::marked(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
-    let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.mse < FLOOR);
+    let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
     let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
     let caption = super::words::verdict(study) + &floor;
     Figure::new("Error on the test signal against frequency", caption).panel(axes)

@@ -16,7 +16,8 @@ pub use words::{four_decimals, verdict};
 
 use crate::error::Error;
 use crate::excitation::Prbs;
-use crate::hysteresis::{Loop, Reading};
+use crate::hammerstein::HiddenLoop;
+use crate::hysteresis::Reading;
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::optimize::swarm;
 use crate::plant::Preset;
@@ -112,25 +113,12 @@ impl Block {
 pub struct Row {
     /// Name of the method.
     pub method: &'static str,
-    /// Mean squared error [mm^2].
-    pub mse: f64,
-    /// All figures [mm].
+    /// The figures, in mm and mm^2.
     pub metrics: Metrics,
     /// Widest opening of the loop of (u, z) it stands on, in % of the peak-to-peak of z; negative when turned round.
     pub loop_width_percent: f64,
     /// Its free run over the test [mm], from the first sample of [`Frequency::test`].
     pub simulated: Vec<f64>,
-}
-
-/// The loop of the hidden variable that a linear block makes of the sine.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StudyLoop {
-    /// Input [V].
-    pub u: Vec<f64>,
-    /// Hidden variable [V].
-    pub z: Vec<f64>,
-    /// Branches and separating line.
-    pub found: Loop,
 }
 
 /// All about one frequency.
@@ -141,9 +129,9 @@ pub struct Frequency {
     /// Amplitude of both sines [V].
     pub amplitude: f64,
     /// The loop by the identified linear block.
-    pub own: StudyLoop,
+    pub own: HiddenLoop,
     /// The loop by the block of the paper's Table 2.
-    pub by_table_2: StudyLoop,
+    pub by_table_2: HiddenLoop,
     /// The stepped sine and the answer to it [mm], settled.
     pub test: Record,
     /// One row a method.

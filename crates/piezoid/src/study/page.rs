@@ -137,8 +137,8 @@ fn table_1(study: &Study) -> Table {
     let table = METHODS.iter().fold(table, |t, m| t.number(m.name)).number("paper");
     let row = |f: &Frequency| -> Vec<Cell> {
         let cell = |r: &Row| {
-            let cell = Cell::from(format!("{} ({:.2} %)", mse(r.mse), r.metrics.rms_pp_percent));
-            if f.rows.iter().all(|other| r.mse <= 1.001 * other.mse) { cell.best() } else { cell }
+            let cell = Cell::from(format!("{} ({:.2} %)", mse(r.metrics.mse), r.metrics.rms_pp_percent));
+            if f.rows.iter().all(|other| r.metrics.mse <= 1.001 * other.metrics.mse) { cell.best() } else { cell }
         };
         let mut cells: Vec<Cell> = vec![f.hz.to_string().into(), f.amplitude.to_string().into()];
         cells.extend(f.rows.iter().map(cell));

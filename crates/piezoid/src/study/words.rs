@@ -11,7 +11,7 @@ pub(super) fn mse(x: f64) -> String {
 /// What the errors of a study say, in words.
 pub fn verdict(study: &Study) -> String {
     let at = |method: &str, hz: f64| {
-        study.frequencies.iter().find(|f| f.hz == hz).and_then(|f| f.row(method)).map_or(f64::NAN, |r| r.mse)
+        study.frequencies.iter().find(|f| f.hz == hz).and_then(|f| f.row(method)).map_or(f64::NAN, |r| r.metrics.mse)
     };
     let rms = |method: &str| {
         let of = |f: &Frequency| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
@@ -27,7 +27,7 @@ pub fn verdict(study: &Study) -> String {
     let beaten: Vec<String> = study
         .frequencies
         .iter()
-        .filter(|f| f.rows.iter().any(|r| 1.01 * r.mse < at("held-direction", f.hz)))
+        .filter(|f| f.rows.iter().any(|r| 1.01 * r.metrics.mse < at("held-direction", f.hz)))
         .map(|f| f.hz.to_string())
         .collect();
     let beaten = match beaten.as_slice() {
