@@ -2,6 +2,10 @@
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
+#[path = "common/fused.rs"]
+mod fused;
+
+use fused::fused;
 use piezoid::excitation::Prbs;
 use piezoid::linear::{self, Orders};
 use piezoid::optimize::swarm;
@@ -191,15 +195,6 @@ fn swarm_meets_the_optimum(plant: &str) {
     assert!(above.iter().all(|above| (-1e-9..=within).contains(above)), "{plant}: {above:?} above {optimum} mm");
 }
 
-/// Whether the swarm's cost is summed with fused multiply-adds on this machine.
-fn fused() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return is_x86_feature_detected!("fma") && is_x86_feature_detected!("avx2");
-    #[cfg(not(target_arch = "x86_64"))]
-    return cfg!(target_arch = "aarch64");
-}
-
-/// `cargo xtask docs` draws it anew.
 #[test]
 fn the_picture_in_the_readme_is_that_of_the_study() {
     let study = study::run(find("paper").expect("a preset"), 1, &mut unwatched).expect("a study");

@@ -1,0 +1,170 @@
+//! Models, hysteresis, records, figures of merit and limits.
+
+use crate::close::assert_close;
+use crate::strategies::*;
+use piezoid::excitation::Limits;
+use piezoid::hysteresis::{Pair, RateScheduled, Reading, TwoBranch};
+use piezoid::linear::Arx;
+use piezoid::validation::Metrics;
+use piezoid::{Model, Record, System, Units};
+use proptest::prelude::*;
+
+/// Any finite number there is, and often one that decimals cannot hold.
+fn finite() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        any::<u64>().prop_map(f64::from_bits).prop_filter("finite", |v| v.is_finite()),
+        (-1000i32..1000).prop_map(|k| f64::from(k) / 3.0),
+        Just(-0.0),
+    ]
+}
+
+proptest! {
+    #![proptest_config(config(128))]
+
+    #[test]
+    fn a_model_survives_its_file_to_the_bit(
+        operators in operators(),
+        a in prop::collection::vec(finite(), 0..5), b in prop::collection::vec(finite(), 1..5),
+        offset in finite(), ts in 1e-9..1e6f64, unit in "[a-zA-Z\u{b5}\"\\\\ ]{0,6}", u in drive(1..40),
+    ) {
+        prop_assume!(b.iter().any(|b| *b != 0.0));
+        let units = Units { u: "V".into(), y: unit };
+        for operator in operators {
+            // Any sampling period, but that of both blocks.
+            let again = (operator.operator().load)(serde_json::Value::Object(operator.params()), ts).expect("its own");
+            let linear = Arx::new(ts, a.clone(), b.clone()).expect("a block");
+            let made = serde_json::json!({"seed": 1, "x": offset});
+            let model = Model::new(again, linear, offset).expect("a model");
+            let model = model.with_units(units.clone()).with_provenance(made);
+            let text = model.to_json();
+            let back = Model::from_json(&text).expect("its own file");
+            prop_assert_eq!(back.to_json(), text);
+            prop_assert_eq!(bits(back.linear().a()), bits(&a));
+            prop_assert_eq!(bits(back.linear().b()), bits(&b));
+            prop_assert_eq!((back.offset().to_bits(), back.ts().to_bits()), (offset.to_bits(), ts.to_bits()));
+            prop_assert_eq!((back.units(), back.provenance()), (model.units(), model.provenance()));
+            let same = |x: f64, y: f64| x.to_bits() == y.to_bits() || (x.is_nan() && y.is_nan());
+            prop_assert!(back.simulate(&u).iter().zip(model.simulate(&u)).all(|(x, y)| same(*x, y)));
+        }
+    }
+
+    #[test]
+    fn two_branches_know_the_order_of_inputs_and_not_their_timing(
+        branches in branches(), steps in prop::collection::vec((-40.0..40.0f64, 1..6usize, any::<bool>()), 1..60),
+    ) {
+        // The same turning points, each held for a while and reached by way of a point between.
+        let (mut u, mut slow, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        for (value, held, by_way) in steps {
+            if let (Some(before), true) = (u.last(), by_way) {
+                slow.push(0.5 * before + 0.5 * value);
+            }
+            slow.extend(std::iter::repeat_n(value, held));
+            places.push(slow.len() - 1);
+            u.push(value);
+        }
+        let quick = TwoBranch::new(TS, branches.clone(), Reading::Held).expect("a block");
+        let patient = TwoBranch::new(1.0, branches, Reading::Held).expect("a block");
+        // Settled at the first input, since the way there from rest has a direction of its own.
+        let run = |block: &TwoBranch, u: &[f64]| block.resume(&mut block.settled(u[0]), u);
+        let z = run(&patient, &slow);
+        let at_places: Vec<f64> = places.iter().map(|&t| z[t]).collect();
+        prop_assert_eq!(bits(&at_places), bits(&run(&quick, &u)));
+    }
+
+    #[test]
+    fn two_branches_read_the_branch_of_the_direction_and_stay_between_both(
+        branches in branches(), u in drive(2..60),
+    ) {
+        for reading in [Reading::Held, Reading::Printed] {
+            let block = TwoBranch::new(TS, branches.clone(), reading).expect("a block");
+            let z = block.resume(&mut block.settled(u[0]), &u);
+            for t in 0..u.len() {
+                let (up, down) = (branches.ascending(u[t]), branches.descending(u[t]));
+                prop_assert!(up.min(down) <= z[t] && z[t] <= up.max(down), "{} at {} V", z[t], u[t]);
+                if t > 0 && u[t] != u[t - 1] {
+                    prop_assert_eq!(z[t], if u[t] > u[t - 1] { up } else { down });
+                } else if t > 0 && reading == Reading::Printed {
+                    prop_assert_eq!(z[t], down);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_schedule_of_equal_pairs_is_two_branches(
+        branches in branches(), low in 0.1..50.0f64, factor in 1.01..100.0f64, u in drive(2..80),
+    ) {
+        let pair = |frequency_hz| Pair { frequency_hz, branches: branches.clone() };
+        let scheduled = RateScheduled::new(TS, vec![pair(low), pair(low * factor)], Reading::Held).expect("two frequencies");
+        let z = TwoBranch::new(TS, branches.clone(), Reading::Held).expect("a block").simulate(&u);
+        // (1 - s) z + s z is z but for its rounding.
+        assert_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
+    }
+
+    #[test]
+    fn figures_of_merit_ignore_offset_and_unit(
+        samples in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 3..60),
+        offset in -10.0..10.0f64, k in 1e-6..1e6f64,
+    ) {
+        let (y, simulated): (Vec<f64>, Vec<f64>) = samples.into_iter().map(|(y, e)| (y, y + 0.1 * e)).unzip();
+        let of = |change: &dyn Fn(f64) -> f64| {
+            let all = |of: &[f64]| of.iter().map(|v| change(*v)).collect::<Vec<f64>>();
+            Metrics::of(&all(&y), &all(&simulated))
+        };
+        let spread = y.iter().fold(f64::MIN, |m, v| m.max(*v)) - y.iter().fold(f64::MAX, |m, v| m.min(*v));
+        prop_assume!(spread > 0.1);
+        let plain = of(&|v| v);
+        let numbers = |m: &Metrics, unit: f64| {
+            let lengths = [m.rmse / unit, m.max_abs / unit, (m.mse / unit).sqrt() / unit.sqrt()];
+            [lengths.as_slice(), &[m.nrmse_percent, m.rms_pp_percent, 100.0 - m.fit_percent]].concat()
+        };
+        assert_close("shifted", &numbers(&of(&|v| v + offset), 1.0), &numbers(&plain, 1.0), 1e-9, 1e-12);
+        assert_close("scaled", &numbers(&of(&|v| -k * v), k), &numbers(&plain, 1.0), 1e-9, 0.0);
+        prop_assert!(plain.rmse <= plain.max_abs * (1.0 + 1e-15) && plain.rms_pp_percent <= plain.nrmse_percent);
+        prop_assert_eq!(Metrics::of(&y, &y).mse, 0.0);
+    }
+
+    #[test]
+    fn parts_that_meet_make_the_whole_record(
+        n in 2..400usize, ts in prop_oneof![1e-7..10.0f64, Just(5e-4), Just(0.005), Just(1.0 / 3.0)],
+        cuts in any::<(prop::sample::Index, prop::sample::Index)>(),
+    ) {
+        let u: Vec<f64> = (0..n).map(|t| t as f64).collect();
+        let units = Units { u: "cmdV".into(), y: "mm".into() };
+        let record = Record::new(ts, u.clone(), u.iter().map(|u| -u).collect()).expect("a record").with_units(units);
+        let at = 1 + cuts.0.index(n - 1);
+        // The time of a sample, however it rounds, is that sample.
+        let (before, after) = (record.part(0.0, at as f64 * ts), record.part(at as f64 * ts, f64::INFINITY));
+        let (before, after) = (before.expect("samples before"), after.expect("samples after"));
+        prop_assert_eq!((before.u(), after.u()), (&u[..at], &u[at..]));
+        prop_assert_eq!([before.y(), after.y()].concat(), record.y());
+        prop_assert_eq!((before.ts(), after.units()), (ts, record.units()));
+        // A part of a part counts from the part's own start.
+        let again = cuts.1.index(after.len());
+        let inner = after.part(again as f64 * ts, f64::INFINITY).expect("at least the last sample");
+        prop_assert_eq!(inner.u(), &u[at + again..]);
+    }
+
+    #[test]
+    fn what_a_driver_follows_is_within_its_limits(
+        u in drive(1..80), low in -40.0..-1.0f64, high in 1.0..40.0f64, which in any::<[bool; 4]>(), ts in 1e-6..1.0f64,
+        slew in 0.1..60.0f64, charge in 0.1..60.0f64, capacitance in 1e-9..1e-4f64,
+    ) {
+        // Slew and current are such that a step of some volts reaches them.
+        let limits = Limits {
+            low: which[0].then_some(low),
+            high: which[1].then_some(high),
+            slew: which[2].then_some(slew / ts),
+            current: which[3].then_some(capacitance * charge / ts),
+            capacitance: which[3].then_some(capacitance),
+        };
+        let clipped = limits.clip(&u, ts).expect("limits that make sense");
+        prop_assert_eq!(clipped.len(), u.len());
+        let usage = limits.refuse(&clipped, ts);
+        prop_assert!(usage.is_ok(), "{:?}", usage);
+        // What is within them is left alone.
+        if limits.refuse(&u, ts).is_ok() {
+            assert_close("u", &clipped, &u, 0.0, 1e-5 * largest(&u));
+        }
+    }
+}
