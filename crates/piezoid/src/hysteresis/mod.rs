@@ -1,10 +1,16 @@
 //! The hysteresis block: input voltage u to hidden variable z. One file an operator, one row each in [`OPERATORS`].
 
+mod basis;
 mod branches;
+mod law;
+mod play;
 mod proportional;
 mod rate_scheduled;
+mod real;
+mod thresholds;
 mod two_branch;
 
+pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
@@ -46,6 +52,10 @@ pub struct Operator {
     pub minor_loops: bool,
     /// Whether the output depends on the order of inputs alone, not on their timing.
     pub rate_independent: bool,
+    /// Whether an input that passes an older reversal forgets the loops inside it.
+    pub wipes_out: bool,
+    /// What the joint way fits of it, for inputs like these.
+    pub basis: fn(&Design) -> Result<Box<dyn Basis>, Error>,
     /// Reads the parameters of a model file; the second argument is the sampling period [s].
     pub load: fn(Value, f64) -> Result<Arc<dyn Hysteresis>, Error>,
     /// A typical member for inputs of +-30, used by the documentation and the contract tests.
@@ -59,7 +69,8 @@ impl std::fmt::Debug for Operator {
 }
 
 /// The operators there are.
-pub static OPERATORS: &[&Operator] = &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR];
+pub static OPERATORS: &[&Operator] =
+    &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR, &play::OPERATOR];
 
 /// The operator called `name`.
 ///

@@ -1,6 +1,6 @@
 //! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
 
-use super::{Hysteresis, Operator, document, parse};
+use super::{Basis, Hysteresis, Operator, document, parse};
 use crate::error::{finite, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
@@ -26,6 +26,8 @@ pub(super) static OPERATOR: Operator = Operator {
     reference: "a linear model",
     minor_loops: true,
     rate_independent: true,
+    wipes_out: true,
+    basis: |design| Ok(Box::new(Proportional::new(design.ts, 1.0)?)),
     load: |params, ts| {
         let params: Params = parse("proportional", params)?;
         Ok(Arc::new(Proportional::new(ts, params.gain)?))
@@ -66,5 +68,43 @@ impl Hysteresis for Proportional {
 
     fn params(&self) -> Map<String, Value> {
         document(&self.params)
+    }
+}
+
+impl Basis for Proportional {
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn order(&self) -> usize {
+        0
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn step(&self, _: &mut [f64], u: f64, phi: &mut [f64]) {
+        phi[0] = u;
+    }
+
+    fn non_negative(&self) -> Vec<bool> {
+        vec![false]
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        Vec::new()
+    }
+
+    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, crate::Error> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
+        vec![0.0; u.len()]
+    }
+
+    fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, crate::Error> {
+        Ok(Arc::new(Proportional::new(self.ts, weights[0])?))
     }
 }

@@ -55,6 +55,8 @@ pub(super) static OPERATOR: Operator = Operator {
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     minor_loops: false,
     rate_independent: false,
+    wipes_out: false,
+    basis: |_| Err(Error::Content("no basis yet".into())),
     load: |params, ts| {
         let params: Params = parse("rate-scheduled", params)?;
         Ok(Arc::new(RateScheduled::new(ts, params.pairs, params.reading)?))

@@ -64,6 +64,8 @@ pub(super) static OPERATOR: Operator = Operator {
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 2.2",
     minor_loops: false,
     rate_independent: true,
+    wipes_out: false,
+    basis: |_| Err(Error::Content("no basis yet".into())),
     load: |params, ts| {
         let Params { reading, branches } = parse("two-branch", params)?;
         Ok(Arc::new(TwoBranch::new(ts, branches, reading)?))

@@ -1,0 +1,195 @@
+//! An operator written once: its law says how the responses phi_k follow the input, [`Weighted`] makes of it the block
+//! that runs, the basis that is fitted, and the document that is saved.
+
+use super::basis::{Basis, Shape};
+use super::real::{Dual, Real};
+use super::{Hysteresis, Operator, document, parse};
+use crate::error::{Error, finite, positive};
+use crate::system::System;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// One sample of input.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Input {
+    /// The input [input unit].
+    pub(super) u: f64,
+    /// The input one sample before; 0 before the first [input unit].
+    pub(super) before: f64,
+    /// Sampling period [s].
+    pub(super) ts: f64,
+}
+
+/// The law of an operator: thresholds and the like as its fields, which are also its file.
+pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static {
+    /// Its row of the list.
+    fn row() -> &'static Operator;
+
+    /// Refuses fields that make no sense.
+    fn check(&self) -> Result<(), Error>;
+
+    /// Number of responses phi.
+    fn responses(&self) -> usize;
+
+    /// Length of the state, which is 0 at rest.
+    fn order(&self) -> usize;
+
+    /// One sample: advances `x` and hands every phi_k, in order, to `phi`.
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, phi: impl FnMut(usize, R));
+
+    /// Whether weight `k` must not be negative.
+    fn non_negative(&self, k: usize) -> bool;
+
+    /// As [`Basis::roughness`].
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        Vec::new()
+    }
+
+    /// As [`Basis::shape`].
+    fn shape(&self) -> Vec<Shape> {
+        Vec::new()
+    }
+
+    /// The law with other shape parameters.
+    fn reshaped(&self, _shape: &[f64]) -> Self {
+        self.clone()
+    }
+}
+
+/// A law with weights: z = sum_k w_k phi_k.
+///
+/// State: the last input, then that of the law.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Weighted<L> {
+    ts: f64,
+    params: Params<L>,
+    /// The law's shape parameters, at hand.
+    shape: Vec<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Params<L> {
+    /// The inputs it was identified on [input unit].
+    range: (f64, f64),
+    #[serde(flatten)]
+    law: L,
+    weights: Vec<f64>,
+}
+
+impl<L: Law> Weighted<L> {
+    pub(super) fn new(ts: f64, range: (f64, f64), law: L, weights: Vec<f64>) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        finite("range", &[range.0, range.1])?;
+        finite("weights", &weights)?;
+        law.check()?;
+        let need = law.responses();
+        if weights.len() != need {
+            let rule = format!("must be {need} numbers for this {}", L::row().name);
+            return Err(Error::parameter("weights", format!("{} numbers", weights.len()), rule));
+        }
+        let shape = law.shape().iter().map(|s| s.value).collect();
+        Ok(Weighted { ts, params: Params { range, law, weights }, shape })
+    }
+
+    /// As [`Operator::load`].
+    pub(super) fn load(params: Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Error> {
+        let Params { range, law, weights } = parse(L::row().name, params)?;
+        Ok(Arc::new(Self::new(ts, range, law, weights)?))
+    }
+
+    /// As [`Operator::basis`]: weights of 1 until they are fitted.
+    pub(super) fn basis(ts: f64, range: (f64, f64), law: L) -> Result<Box<dyn Basis>, Error> {
+        let weights = vec![1.0; law.responses()];
+        Ok(Box::new(Self::new(ts, range, law, weights)?))
+    }
+
+    fn advance<R: Real>(&self, shape: &[R], x: &mut [R], u: f64, phi: impl FnMut(usize, R)) {
+        let input = Input { u, before: x[0].value(), ts: self.ts };
+        self.params.law.step(shape, &mut x[1..], input, phi);
+        x[0] = u.into();
+    }
+}
+
+impl<L: Law> System for Weighted<L> {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        1 + self.params.law.order()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        let mut z = 0.0;
+        self.advance(&self.shape, x, u, |k, phi| z += self.params.weights[k] * phi);
+        z
+    }
+}
+
+impl<L: Law> Hysteresis for Weighted<L> {
+    fn operator(&self) -> &'static Operator {
+        L::row()
+    }
+
+    fn params(&self) -> Map<String, Value> {
+        document(&self.params)
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        Some(self.params.range)
+    }
+}
+
+impl<L: Law> Basis for Weighted<L> {
+    fn len(&self) -> usize {
+        self.params.law.responses()
+    }
+
+    fn order(&self) -> usize {
+        System::order(self)
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        System::initial(self)
+    }
+
+    fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
+        self.advance(&self.shape, x, u, |k, value| phi[k] = value);
+    }
+
+    fn non_negative(&self) -> Vec<bool> {
+        (0..Basis::len(self)).map(|k| self.params.law.non_negative(k)).collect()
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        self.params.law.roughness()
+    }
+
+    fn shape(&self) -> Vec<Shape> {
+        self.params.law.shape()
+    }
+
+    fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        Self::basis(self.ts, self.params.range, self.params.law.reshaped(shape))
+    }
+
+    fn slope(&self, j: usize, weights: &[f64], u: &[f64]) -> Vec<f64> {
+        let seeded = |(i, &value): (usize, &f64)| Dual { value, slope: f64::from(u8::from(i == j)) };
+        let shape: Vec<Dual> = self.shape.iter().enumerate().map(seeded).collect();
+        let mut x = vec![Dual::from(0.0); System::order(self)];
+        let slope_at = |&u: &f64| {
+            let mut slope = 0.0;
+            self.advance(&shape, &mut x, u, |k, phi| slope += weights[k] * phi.slope);
+            slope
+        };
+        u.iter().map(slope_at).collect()
+    }
+
+    fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        let (ts, Params { range, law, .. }) = (self.ts, self.params.clone());
+        Ok(Arc::new(Self::new(ts, range, law, weights.to_vec())?))
+    }
+}

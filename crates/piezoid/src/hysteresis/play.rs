@@ -1,0 +1,81 @@
+//! Prandtl-Ishlinskii: a sum of play (backlash) operators.
+//!
+//! ```text
+//! p_k <- max(u - r_k, min(u + r_k, p_k))        play of threshold r_k
+//! z = w_0 u + w_1 p_1 + ... + w_n p_n           w_k >= 0
+//! ```
+//! Loops are symmetric and those of equal inputs are congruent; reversals that are passed are wiped out. It has a
+//! closed inverse of the same kind.
+//!
+//! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
+//! 10.1007/978-1-4612-4048-8; for piezo actuators P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI
+//! 10.1049/ip-cta:20010375. It does not do: asymmetric loops, saturation, rate.
+
+use super::Operator;
+use super::basis::curvature;
+use super::law::{Input, Law, Weighted};
+use super::real::Real;
+use super::thresholds::{self, ELEMENTS};
+use crate::error::Error;
+use serde::{Deserialize, Serialize};
+
+/// Thresholds r_1 < r_2 < ... [input unit]; the weights are w_0 of the input itself, then one each.
+///
+/// State: the plays p_k.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Play {
+    thresholds: Vec<f64>,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "prandtl-ishlinskii",
+    summary: "a sum of play operators: symmetric loops, minor loops, a closed inverse",
+    reference: "Krejci & Kuhnen 2001, doi:10.1049/ip-cta:20010375",
+    minor_loops: true,
+    rate_independent: true,
+    wipes_out: true,
+    load: Weighted::<Play>::load,
+    basis: |design| {
+        let law = Play { thresholds: thresholds::even(design, ELEMENTS) };
+        Weighted::basis(design.ts, design.range, law)
+    },
+    example: |ts| {
+        let law = Play { thresholds: (1..=8).map(|k| 3.0 * f64::from(k)).collect() };
+        let weights = (0..=8).map(|k| if k == 0 { 0.7 } else { 0.06 }).collect();
+        Ok(std::sync::Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+    },
+};
+
+impl Law for Play {
+    fn row() -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        thresholds::check(&self.thresholds)
+    }
+
+    fn responses(&self) -> usize {
+        1 + self.thresholds.len()
+    }
+
+    fn order(&self) -> usize {
+        self.thresholds.len()
+    }
+
+    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
+        phi(0, u.into());
+        for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {
+            *p = p.clamp((u - r).into(), (u + r).into());
+            phi(k + 1, *p);
+        }
+    }
+
+    fn non_negative(&self, _: usize) -> bool {
+        true
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        curvature(1, self.responses())
+    }
+}
