@@ -4,6 +4,7 @@ mod basis;
 mod branches;
 mod law;
 mod play;
+mod preisach;
 mod proportional;
 mod rate_scheduled;
 mod real;
@@ -70,7 +71,7 @@ impl std::fmt::Debug for Operator {
 
 /// The operators there are.
 pub static OPERATORS: &[&Operator] =
-    &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR, &play::OPERATOR];
+    &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR, &play::OPERATOR, &preisach::OPERATOR];
 
 /// The operator called `name`.
 ///

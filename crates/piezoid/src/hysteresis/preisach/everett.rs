@@ -1,0 +1,113 @@
+//! Everett's functions of a weighted grid, in a time that does not grow with the grid.
+//!
+//! ```text
+//! E(M, m) = sum of the weights of the relays that turn between m and M
+//! V(u)    = sum of the weights of the relays that turn from rest to u, negative for negative u
+//! ```
+//! Between the levels E is bilinear, but for the two cells on the diagonal, where it is quadratic; V is quadratic
+//! between the levels and their mirror images.
+//!
+//! Reference: D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
+
+use super::grid::{Grid, cell};
+
+/// E and V, tabulated.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Everett {
+    levels: Vec<f64>,
+    /// At the nodes (M = l_i, m = l_j): the weights off the diagonal that turn.
+    nodes: Vec<f64>,
+    /// The weights on the diagonal, and of how many below each level they are the sum.
+    diagonal: Vec<f64>,
+    diagonal_below: Vec<f64>,
+    /// Where V changes its polynomial, and V there, halfway to the next, and at the next.
+    breaks: Vec<f64>,
+    virgin: Vec<[f64; 3]>,
+}
+
+impl Everett {
+    /// `levels` rise; `weights` has one number a cell of the triangle.
+    pub(super) fn new(levels: &[f64], weights: &[f64]) -> Self {
+        let (grid, n) = (Grid(levels), levels.len() - 1);
+        let stride = n + 1;
+        let mut nodes = vec![0.0; stride * stride];
+        for i in 1..=n {
+            let mut row = 0.0;
+            for j in (0..i).rev() {
+                row += if j < i - 1 { weights[cell(i - 1, j)] } else { 0.0 };
+                nodes[i * stride + j] = nodes[(i - 1) * stride + j] + row;
+            }
+        }
+        let diagonal: Vec<f64> = (0..n).map(|i| weights[cell(i, i)]).collect();
+        let sum = |below: &mut f64, w: &f64| Some(std::mem::replace(below, *below + w));
+        let diagonal_below = diagonal.iter().chain([&0.0]).scan(0.0, sum).collect();
+
+        let mut breaks: Vec<f64> = levels.iter().flat_map(|l| [*l, -*l]).chain([0.0]).collect();
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
+        let turned = |u: f64| {
+            let mut sum = 0.0;
+            grid.from_rest(u, |k, share| sum += weights[k] * share);
+            if u < 0.0 { -sum } else { sum }
+        };
+        let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(turned)).collect();
+        Everett { levels: levels.to_vec(), nodes, diagonal, diagonal_below, breaks, virgin }
+    }
+
+    /// E between `m` and `M`, m <= M.
+    pub(super) fn between(&self, m: f64, high: f64) -> f64 {
+        let ((i, a), (j, b)) = (self.place(high), self.place(m));
+        if i == j {
+            return self.diagonal[i] * (a - b) * (a - b);
+        }
+        let node = |i: usize, j: usize| self.nodes[i * self.levels.len() + j];
+        // Shares of the next node: a upwards from l_i, 1 - b downwards from l_{j+1}.
+        let at = |i: usize| b * node(i, j + 1) + (1.0 - b) * node(i, j);
+        let off = (1.0 - a) * at(i) + a * at(i + 1);
+        let between = self.diagonal_below[i] - self.diagonal_below[j + 1];
+        off + between + self.diagonal[i] * a * a + self.diagonal[j] * (1.0 - b) * (1.0 - b)
+    }
+
+    /// V at `u`.
+    pub(super) fn from_rest(&self, u: f64) -> f64 {
+        let last = self.breaks.len() - 1;
+        let u = u.clamp(self.breaks[0], self.breaks[last]);
+        let k = self.breaks.partition_point(|b| *b <= u).clamp(1, last) - 1;
+        let s = (u - self.breaks[k]) / (self.breaks[k + 1] - self.breaks[k]);
+        let [start, middle, end] = self.virgin[k];
+        start + s * (4.0 * middle - 3.0 * start - end + 2.0 * s * (start + end - 2.0 * middle))
+    }
+
+    /// The cell of an axis that holds `u`, and how far into it.
+    fn place(&self, u: f64) -> (usize, f64) {
+        let n = self.diagonal.len();
+        let i = self.levels.partition_point(|l| *l <= u).clamp(1, n) - 1;
+        let (low, high) = (self.levels[i], self.levels[i + 1]);
+        (i, ((u - low) / (high - low)).clamp(0.0, 1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::preisach::grid::cells;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn the_tables_are_the_sums_over_the_cells() {
+        let levels = [-3.0, -1.5, -0.4, 0.9, 2.0, 3.5];
+        let weights: Vec<f64> = (0..cells(5)).map(|k| 0.3 + (k as f64 * 1.7).sin().abs()).collect();
+        let (grid, everett) = (Grid(&levels), Everett::new(&levels, &weights));
+        let points: Vec<f64> = (0..50).map(|k| -4.0 + 0.17 * f64::from(k)).collect();
+        for (k, &m) in points.iter().enumerate() {
+            let mut sum = 0.0;
+            grid.from_rest(m, |k, share| sum += weights[k] * share * if m < 0.0 { -1.0 } else { 1.0 });
+            assert_close(&[everett.from_rest(m)], &[sum], 0.0, 1e-13);
+            for &high in &points[k..] {
+                let mut sum = 0.0;
+                grid.between(m, high, |k, share| sum += weights[k] * share);
+                assert_close(&[everett.between(m, high)], &[sum], 0.0, 1e-13);
+            }
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! A population of relays on a triangular grid, spread evenly within each cell: how many have turned.
+//!
+//! ```text
+//! alpha >= beta;  cell (i, j), j <= i:  l_i <= alpha < l_{i+1},  l_j <= beta < l_{j+1}
+//! ```
+//! A relay turns up where the input passes alpha rising, and down where it passes beta falling. Going from m up to M, or
+//! from M down to m, turns those with alpha <= M and beta >= m; going from rest up to u those with alpha <= u and
+//! alpha + beta >= 0, for demagnetisation has left the others up already. What share of a cell that is, is an area: a
+//! rectangle, a triangle, or what the line alpha + beta = 0 leaves of them.
+
+/// Levels l_0 < l_1 < ... < l_n, the edges of the cells.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Grid<'a>(pub(super) &'a [f64]);
+
+/// Cells in a triangle of `n` rows.
+pub(super) fn cells(n: usize) -> usize {
+    n * (n + 1) / 2
+}
+
+/// The number of cell (i, j).
+pub(super) fn cell(i: usize, j: usize) -> usize {
+    cells(i) + j
+}
+
+impl Grid<'_> {
+    /// Rows of cells.
+    pub(super) fn rows(&self) -> usize {
+        self.0.len() - 1
+    }
+
+    /// For each cell the share of its relays that turn between `low` and `high`.
+    pub(super) fn between(&self, low: f64, high: f64, mut share: impl FnMut(usize, f64)) {
+        for i in 0..self.rows() {
+            let a = self.below(i, high);
+            for j in 0..i {
+                share(cell(i, j), a * (1.0 - self.below(j, low)));
+            }
+            let both = (a - self.below(i, low)).max(0.0);
+            share(cell(i, i), both * both);
+        }
+    }
+
+    /// For each cell the share of its relays that turn on the way from rest to `u`.
+    pub(super) fn from_rest(&self, u: f64, mut share: impl FnMut(usize, f64)) {
+        for i in 0..self.rows() {
+            for j in 0..=i {
+                share(cell(i, j), self.from_rest_in(i, j, u));
+            }
+        }
+    }
+
+    /// The share of cell `i` of one axis that lies below `u`.
+    fn below(&self, i: usize, u: f64) -> f64 {
+        let (low, high) = (self.0[i], self.0[i + 1]);
+        ((u - low) / (high - low)).clamp(0.0, 1.0)
+    }
+
+    /// The share of cell (i, j) that turns from rest to `u`. A negative `u` turns, seen in the mirror of alpha + beta = 0,
+    /// what a positive one does: cell (i, j) is then the one whose alpha runs from -l_{j+1} to -l_j.
+    fn from_rest_in(&self, i: usize, j: usize, u: f64) -> f64 {
+        let l = self.0;
+        let (alpha, beta) = match u >= 0.0 {
+            true => ((l[i], l[i + 1]), (l[j], l[j + 1])),
+            false => ((-l[j + 1], -l[j]), (-l[i + 1], -l[i])),
+        };
+        // Of each alpha up to |u|, the length of its betas from -alpha on: the integral of a ramp, twice.
+        let upto = |alpha_end: f64, beta_end: f64| ramp(alpha_end + beta_end) - ramp(alpha.0 + beta_end);
+        let end = u.abs().clamp(alpha.0, alpha.1);
+        let area = match i == j {
+            false => upto(end, beta.1) - upto(end, beta.0),
+            // Below the diagonal beta <= alpha: lengths run to 2 alpha instead of alpha + l_{j+1}.
+            true => ramp(2.0 * end) / 2.0 - ramp(2.0 * alpha.0) / 2.0 - upto(end, beta.0),
+        };
+        let whole = (alpha.1 - alpha.0) * (beta.1 - beta.0);
+        area / if i == j { 0.5 * whole } else { whole }
+    }
+}
+
+/// The integral of max(x, 0).
+fn ramp(x: f64) -> f64 {
+    let x = x.max(0.0);
+    0.5 * x * x
+}

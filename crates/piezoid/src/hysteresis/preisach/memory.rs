@@ -1,0 +1,111 @@
+//! What a Preisach operator remembers: the dominant reversals of its input.
+//!
+//! The list holds maxima and minima in turn, each loop inside the one before. An input that reaches an older reversal
+//! wipes out the loop it closes and continues on the older branch. Before the first reversal stands its mirror image:
+//! beyond that the relays are as demagnetisation about 0 left them, up where alpha + beta < 0.
+//!
+//! State: number of reversals; the input; the value now; then (input, value) of each reversal, oldest first. A value is
+//! as many numbers as the caller likes. When the list is full, the two neighbours that hold the fewest relays between
+//! them are forgotten; values stay, so nothing jumps.
+
+/// Reversals remembered: with each at least a hundredth of the range inside the one before, more never happen.
+pub(super) const CAPACITY: usize = 64;
+
+/// Where the branch begins that the input is on.
+pub(super) enum Branch {
+    /// At rest: no reversal is remembered.
+    Rest,
+    /// At the last reversal, whose input this is.
+    From(f64),
+}
+
+/// How states are laid out: the length of a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Memory {
+    pub(super) value: usize,
+}
+
+impl Memory {
+    pub(super) fn order(self) -> usize {
+        1 + (1 + self.value) * (1 + CAPACITY)
+    }
+
+    /// The input now.
+    pub(super) fn input(self, x: &[f64]) -> f64 {
+        x[1]
+    }
+
+    /// The value now.
+    pub(super) fn value(self, x: &[f64]) -> &[f64] {
+        &x[2..2 + self.value]
+    }
+
+    /// Moves the input to `u`, which is not where it is. Returns the branch it is on then, the value where that branch
+    /// began (none at rest), and the value now, which the caller brings up to date.
+    pub(super) fn travel(self, x: &mut [f64], u: f64) -> (Branch, &[f64], &mut [f64]) {
+        self.turn(x, u);
+        self.wipe_out(x, u);
+        x[1] = u;
+        let n = count(x);
+        let (now, past) = x[2..].split_at_mut(self.value);
+        match n.checked_sub(1) {
+            None => (Branch::Rest, &[], now),
+            Some(last) => {
+                let reversal = &past[last * (1 + self.value)..(last + 1) * (1 + self.value)];
+                (Branch::From(reversal[0]), &reversal[1..], now)
+            }
+        }
+    }
+
+    /// Remembers where the input is if moving to `u` turns it round.
+    fn turn(self, x: &mut [f64], u: f64) {
+        let n = count(x);
+        let so_far = x[1] - if n == 0 { 0.0 } else { self.reversal(x, n - 1) };
+        if so_far == 0.0 || (so_far > 0.0) == (u > x[1]) {
+            return;
+        }
+        if n == CAPACITY {
+            self.forget(x);
+        }
+        let at = self.place(count(x));
+        x.copy_within(1..2 + self.value, at);
+        x[0] += 1.0;
+    }
+
+    /// Forgets the loops that the way to `u` closes.
+    fn wipe_out(self, x: &mut [f64], u: f64) {
+        let up = u > x[1];
+        let mut n = count(x);
+        while n > 0 {
+            let end = if n == 1 { -self.reversal(x, 0) } else { self.reversal(x, n - 2) };
+            if (up && u < end) || (!up && u > end) || end.is_nan() || u.is_nan() {
+                break;
+            }
+            n = n.saturating_sub(2);
+        }
+        x[0] = n as f64;
+    }
+
+    /// Makes room for two: forgets the neighbours i and i + 1 between which the fewest relays lie, in the rectangle that
+    /// their own neighbours span.
+    fn forget(self, x: &mut [f64]) {
+        let at = |i: usize| if i < CAPACITY { self.reversal(x, i) } else { x[1] };
+        let relays = |i: usize| ((at(i) - at(i + 2)) * (at(i + 1) - at(i - 1))).abs();
+        let least = (1..CAPACITY - 1).min_by(|&i, &j| relays(i).total_cmp(&relays(j))).unwrap_or(1);
+        x.copy_within(self.place(least + 2)..self.place(CAPACITY), self.place(least));
+        x[0] = (CAPACITY - 2) as f64;
+    }
+
+    fn reversal(self, x: &[f64], i: usize) -> f64 {
+        x[self.place(i)]
+    }
+
+    /// Where reversal `i` stands in the state.
+    fn place(self, i: usize) -> usize {
+        1 + (1 + self.value) * (1 + i)
+    }
+}
+
+fn count(x: &[f64]) -> usize {
+    (x[0] as usize).min(CAPACITY)
+}

@@ -1,0 +1,330 @@
+//! Preisach: a population of relays, spread evenly within each cell of a triangular grid.
+//!
+//! ```text
+//! z = s u + sum over cells of w_ij times the share of the cell's relays that are up, less those up at rest
+//! ```
+//! Relays are counted by area, exactly, so z is continuous: no staircase, however coarse the grid. A loop between any
+//! two inputs has its own shape; closed loops are wiped out; minor loops between the same inputs are congruent. With
+//! w >= 0 every loop turns as a loss of energy must. At rest (u = 0) the relays are as demagnetisation leaves them, or as
+//! the last switching-off does where inputs are of one sign.
+//!
+//! Reference: I. D. Mayergoyz, "Mathematical Models of Hysteresis", Springer (1991), DOI 10.1007/978-1-4612-3028-1; for
+//! piezo actuators P. Ge & M. Jouaneh, Precision Engineering 17 (1995), DOI 10.1016/0141-6359(95)00002-U. It does not
+//! do: rate, accommodation (minor loops that creep towards a limit).
+
+mod everett;
+mod grid;
+mod memory;
+
+use super::basis::{Basis, Design};
+use super::{Hysteresis, Operator, document, parse};
+use crate::error::{Error, finite, positive};
+use crate::system::System;
+use everett::Everett;
+use grid::{Grid, cell, cells};
+use memory::{Branch, Memory};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::sync::Arc;
+
+/// Rows of the grid across the inputs seen, unless told otherwise; and rows beyond on either side, which only
+/// smoothness tells, so that an input a little larger finds relays to turn.
+const ROWS: usize = 30;
+const BEYOND: usize = 2;
+
+/// The most rows.
+const MOST: usize = 200;
+
+/// The block that runs.
+///
+/// State: as [`memory`] says, the value being the sum over the cells.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Preisach {
+    ts: f64,
+    params: Params,
+    everett: Everett,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    /// The inputs it was identified on [input unit].
+    range: (f64, f64),
+    /// Edges of the cells [input unit].
+    levels: Vec<f64>,
+    /// What follows the input at once.
+    slope: f64,
+    /// Of each cell, row by row of rising alpha and in a row by rising beta.
+    weights: Vec<f64>,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "preisach",
+    summary: "relays on a triangular grid: asymmetric loops of any shape, minor loops, wiping-out",
+    reference: "Mayergoyz 1991, doi:10.1007/978-1-4612-3028-1",
+    minor_loops: true,
+    rate_independent: true,
+    wipes_out: true,
+    basis: |design| Ok(Box::new(Cells::new(design)?)),
+    load: |params, ts| Ok(Arc::new(Preisach::new(ts, parse("preisach", params)?)?)),
+    example: |ts| {
+        let design = Design { ts, range: (-30.0, 30.0), elements: Some(8), frequencies: Vec::new() };
+        let cells = Cells::new(&design)?;
+        let n = cells.levels.len() - 1;
+        let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
+        let weights = (0..n).flat_map(|i| (0..=i).map(move |j| density(i, j)));
+        cells.operator(&[0.7].into_iter().chain(weights).collect::<Vec<_>>())
+    },
+};
+
+/// Where the value of the running block stands.
+const SUM: Memory = Memory { value: 1 };
+
+impl Preisach {
+    fn new(ts: f64, params: Params) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        finite("range", &[params.range.0, params.range.1])?;
+        finite("slope", &[params.slope])?;
+        finite("weights", &params.weights)?;
+        check(&params.levels)?;
+        let need = cells(params.levels.len() - 1);
+        if params.weights.len() != need {
+            let rule = format!("must be {need} numbers for {} levels", params.levels.len());
+            return Err(Error::parameter("weights", format!("{} numbers", params.weights.len()), rule));
+        }
+        let everett = Everett::new(&params.levels, &params.weights);
+        Ok(Preisach { ts, params, everett })
+    }
+}
+
+/// Refuses levels that do not rise.
+fn check(levels: &[f64]) -> Result<(), Error> {
+    finite("levels", levels)?;
+    if !(2..=MOST + 1).contains(&levels.len()) {
+        let rule = format!("must be 2 to {} numbers", MOST + 1);
+        return Err(Error::parameter("levels", format!("{} numbers", levels.len()), rule));
+    }
+    match levels.windows(2).position(|w| w[0] >= w[1]) {
+        None => Ok(()),
+        Some(k) => {
+            let rule = format!("must be above levels[{k}] = {}: levels rise", levels[k]);
+            Err(Error::parameter(format!("levels[{}]", k + 1), levels[k + 1], rule))
+        }
+    }
+}
+
+impl System for Preisach {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        SUM.order()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        if u != SUM.input(x) {
+            let (branch, start, now) = SUM.travel(x, u);
+            now[0] = match branch {
+                Branch::Rest => self.everett.from_rest(u),
+                Branch::From(r) if u >= r => start[0] + self.everett.between(r, u),
+                Branch::From(r) => start[0] - self.everett.between(u, r),
+            };
+        }
+        self.params.slope * u + SUM.value(x)[0]
+    }
+}
+
+impl Hysteresis for Preisach {
+    fn operator(&self) -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn params(&self) -> Map<String, Value> {
+        document(&self.params)
+    }
+
+    fn range(&self) -> Option<(f64, f64)> {
+        Some(self.params.range)
+    }
+}
+
+/// The responses of a slope and of each cell alone.
+///
+/// State: as [`memory`] says, the value being one number a cell.
+#[derive(Debug, Clone, PartialEq)]
+struct Cells {
+    ts: f64,
+    range: (f64, f64),
+    levels: Vec<f64>,
+    memory: Memory,
+}
+
+impl Cells {
+    fn new(design: &Design) -> Result<Self, Error> {
+        let rows = design.elements.unwrap_or(ROWS).clamp(1, MOST - 2 * BEYOND);
+        let (low, high) = design.range;
+        let h = (high - low) / rows as f64;
+        let level = |k: usize| low + h * (k as f64 - BEYOND as f64);
+        let levels: Vec<f64> = (0..=rows + 2 * BEYOND).map(level).collect();
+        check(&levels)?;
+        let memory = Memory { value: cells(levels.len() - 1) };
+        Ok(Cells { ts: design.ts, range: design.range, levels, memory })
+    }
+}
+
+impl Basis for Cells {
+    fn len(&self) -> usize {
+        1 + self.memory.value
+    }
+
+    fn order(&self) -> usize {
+        self.memory.order()
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        vec![0.0; self.memory.order()]
+    }
+
+    fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
+        let grid = Grid(&self.levels);
+        if u != self.memory.input(x) {
+            let (branch, start, now) = self.memory.travel(x, u);
+            match branch {
+                Branch::Rest => grid.from_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
+                Branch::From(r) if u >= r => grid.between(r, u, |k, share| now[k] = start[k] + share),
+                Branch::From(r) => grid.between(u, r, |k, share| now[k] = start[k] - share),
+            }
+        }
+        phi[0] = u;
+        phi[1..].copy_from_slice(self.memory.value(x));
+    }
+
+    fn non_negative(&self) -> Vec<bool> {
+        vec![true; self.len()]
+    }
+
+    /// Second differences of the density along both axes and along the diagonals.
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        let n = self.levels.len() - 1;
+        // A cell on the diagonal is half a cell.
+        let density = |i: usize, j: usize, factor: f64| (1 + cell(i, j), if i == j { 2.0 * factor } else { factor });
+        let mut rows = Vec::new();
+        for i in 0..n {
+            for j in 0..=i {
+                for (di, dj) in [(1, 0), (0, 1), (1, 1)] {
+                    let before = i.checked_sub(di).zip(j.checked_sub(dj)).filter(|(i, j)| j <= i);
+                    let (after_i, after_j) = (i + di, j + dj);
+                    if let Some((before_i, before_j)) = before
+                        && after_i < n
+                        && after_j <= after_i
+                    {
+                        rows.push(vec![
+                            density(before_i, before_j, 1.0),
+                            density(i, j, -2.0),
+                            density(after_i, after_j, 1.0),
+                        ]);
+                    }
+                }
+            }
+        }
+        rows
+    }
+
+    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
+        vec![0.0; u.len()]
+    }
+
+    fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        let (slope, weights) = (weights[0], weights[1..].to_vec());
+        let params = Params { range: self.range, levels: self.levels.clone(), slope, weights };
+        Ok(Arc::new(Preisach::new(self.ts, params)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+    use std::f64::consts::TAU;
+
+    fn wander(n: usize) -> Vec<f64> {
+        (0..n).map(|t| 14.0 * (t as f64 * 0.11).sin() + 13.0 * (t as f64 * 0.37).sin() - 3.0).collect()
+    }
+
+    #[test]
+    fn the_block_is_the_weighted_sum_of_its_cells() {
+        let design = Design { ts: 1e-3, range: (-20.0, 31.0), elements: Some(9), frequencies: Vec::new() };
+        let cells = Cells::new(&design).unwrap();
+        let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| 0.1 + (k as f64 * 2.3).sin().abs()).collect();
+        let block = cells.operator(&weights).unwrap();
+        let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; Basis::len(&cells)]);
+        let sums: Vec<f64> = wander(2000)
+            .iter()
+            .map(|&u| {
+                Basis::step(&cells, &mut x, u, &mut phi);
+                phi.iter().zip(&weights).map(|(phi, w)| phi * w).sum()
+            })
+            .collect();
+        assert_close(&sums, &block.simulate(&wander(2000)), 0.0, 1e-10);
+    }
+
+    #[test]
+    fn a_block_is_what_a_crowd_of_relays_does() {
+        let example = (OPERATOR.example)(1e-3).unwrap();
+        let p: Params = parse("preisach", Value::Object(example.params())).unwrap();
+        // 40 x 40 relays a cell, each by the book: up beyond alpha, down beyond beta, at rest up where alpha + beta < 0.
+        let (n, m) = (p.levels.len() - 1, 40);
+        let mut relays = Vec::new();
+        for i in 0..n {
+            for j in 0..=i {
+                let place =
+                    |k: usize, s: usize| p.levels[k] + (p.levels[k + 1] - p.levels[k]) * (s as f64 + 0.5) / m as f64;
+                let inside: Vec<(f64, f64)> = (0..m * m)
+                    .map(|s| (place(i, s / m), place(j, s % m)))
+                    .filter(|(alpha, beta)| alpha > beta)
+                    .collect();
+                let each = p.weights[cell(i, j)] / inside.len() as f64;
+                relays.extend(inside.into_iter().map(|(alpha, beta)| (alpha, beta, each, alpha + beta < 0.0)));
+            }
+        }
+        let at_rest: f64 = relays.iter().filter(|r| r.3).map(|r| r.2).sum();
+        let u = wander(150);
+        let z: Vec<f64> = u
+            .iter()
+            .map(|&u| {
+                for (alpha, beta, _, up) in &mut relays {
+                    *up = u >= *alpha || (*up && u > *beta);
+                }
+                p.slope * u + relays.iter().filter(|r| r.3).map(|r| r.2).sum::<f64>() - at_rest
+            })
+            .collect();
+        assert_close(&z, &example.simulate(&u), 0.0, 0.03);
+    }
+
+    #[test]
+    fn a_ring_down_longer_than_the_memory_ends_where_it_should() {
+        let example = (OPERATOR.example)(1e-3).unwrap();
+        let ring = |n: usize| {
+            let shrinking = |t: usize| 29.0 * (1.0 - t as f64 / n as f64) * (TAU * t as f64 / 4.0).sin();
+            let u: Vec<f64> = (0..n).map(shrinking).chain([0.0]).collect();
+            example.simulate(&u)[n]
+        };
+        assert_close(&[ring(4000)], &[ring(100)], 0.0, 0.05);
+    }
+
+    #[test]
+    fn levels_that_do_not_rise_are_refused() {
+        let load = |levels: &str| {
+            let text = format!(r#"{{"range": [0, 1], "slope": 1, "levels": {levels}, "weights": [1]}}"#);
+            (OPERATOR.load)(serde_json::from_str(&text).unwrap(), 1.0).map(|_| ()).map_err(|e| e.to_string())
+        };
+        assert!(load("[1, 0]").unwrap_err().starts_with("levels[1] = 0"));
+        assert!(load("[1]").is_err() && load("[0, 1, 2]").unwrap_err().contains("must be 3 numbers"));
+        assert!(load("[0, 1]").is_ok());
+    }
+}
