@@ -1,8 +1,9 @@
-//! The Hammerstein model: hysteresis, then linear dynamics, then an offset.
+//! The Hammerstein model: hysteresis, then creep, then linear dynamics, then an offset.
 //!
 //! ```text
-//! u -> hysteresis -> z -> linear -> + offset -> y
+//! u -> (driver) -> hysteresis -> z -> creep -> linear -> + offset -> y
 //! ```
+//! The driver stands there where it is known; where it is not, the linear block holds what it does to small steps.
 
 mod loops;
 mod paper;
@@ -14,6 +15,8 @@ pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
 pub use rich::{LinearPart, dominant_frequency};
 
+use crate::creep::{Creep, Lag};
+use crate::driver::{Driver, SUBSTEPS};
 use crate::error::Error;
 use crate::hysteresis::{self, Hysteresis};
 use crate::linear::Arx;
@@ -26,9 +29,10 @@ use std::sync::Arc;
 /// The schema number of model files.
 const SCHEMA: u64 = 1;
 
-/// u -> hysteresis -> linear -> y, with the units of the records it was identified on.
+/// u -> hysteresis -> creep -> linear -> y, with the units of the records it was identified on.
 ///
-/// State: that of the hysteresis block, then that of the linear block.
+/// State: that of the hysteresis block, then of creep, then of the linear block; last, where there is a driver, its voltage
+/// and z at that instant.
 ///
 /// ```
 /// use piezoid::{System, hammerstein::Model, hysteresis::Proportional, linear::Arx};
@@ -42,7 +46,9 @@ const SCHEMA: u64 = 1;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Model {
+    driver: Option<Driver>,
     hysteresis: Arc<dyn Hysteresis>,
+    creep: Creep,
     linear: Arx,
     offset: f64,
     units: Units,
@@ -55,9 +61,34 @@ impl Model {
     /// # Errors
     /// Refuses blocks of different sampling periods and an offset that is not finite.
     pub fn new(hysteresis: Arc<dyn Hysteresis>, linear: Arx, offset: f64) -> Result<Self, Error> {
-        same_sampling("the hysteresis block", hysteresis.ts(), "the linear block", linear.ts())?;
+        Model::driven(None, hysteresis, linear, offset)
+    }
+
+    /// The same behind a driver, of which the hysteresis block sees [`SUBSTEPS`] voltages a sample and must be sampled
+    /// as much faster.
+    ///
+    /// # Errors
+    /// As [`Model::new`].
+    pub fn driven(
+        driver: Option<Driver>,
+        hysteresis: Arc<dyn Hysteresis>,
+        linear: Arx,
+        offset: f64,
+    ) -> Result<Self, Error> {
+        let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+        same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
         crate::error::finite("offset", &[offset])?;
-        Ok(Model { hysteresis, linear, offset, units: Units::default(), made: Value::Null })
+        let creep = Creep::new(linear.ts(), Vec::new())?;
+        Ok(Model { driver, hysteresis, creep, linear, offset, units: Units::default(), made: Value::Null })
+    }
+
+    /// The same model with creep between the hysteresis and the linear block.
+    ///
+    /// # Errors
+    /// Refuses another sampling period.
+    pub fn with_creep(self, creep: Creep) -> Result<Self, Error> {
+        same_sampling("creep", creep.ts(), "the linear block", self.linear.ts())?;
+        Ok(Model { creep, ..self })
     }
 
     /// The same model, said to be in other units.
@@ -70,12 +101,22 @@ impl Model {
         Model { made, ..self }
     }
 
+    /// The driver, where it is known.
+    pub fn driver(&self) -> Option<&Driver> {
+        self.driver.as_ref()
+    }
+
     /// u to z.
     pub fn hysteresis(&self) -> &dyn Hysteresis {
         &*self.hysteresis
     }
 
-    /// z to y.
+    /// What follows z slowly; without lags where there is none.
+    pub fn creep(&self) -> &Creep {
+        &self.creep
+    }
+
+    /// z, with its creep, to y.
     pub fn linear(&self) -> &Arx {
         &self.linear
     }
@@ -101,8 +142,9 @@ impl Model {
             piezoid: SCHEMA,
             ts: self.linear.ts(),
             units: self.units.clone(),
+            driver: self.driver,
             hysteresis: hysteresis::save(&*self.hysteresis),
-            creep: Value::Null,
+            creep: Some(self.creep.lags().to_vec()).filter(|lags| !lags.is_empty()),
             linear: Coefficients { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
             fit: self.made.clone(),
@@ -132,11 +174,11 @@ impl Model {
             }
         }
         let d: Document = serde_json::from_value(value).map_err(|e| Error::Content(format!("model file: {e}")))?;
-        if !d.creep.is_null() {
-            return Err(Error::Content("the model file has a creep block, which this version does not know".into()));
-        }
+        let driver = d.driver.map(|d| Driver::new(d.lag_s, d.slew)).transpose()?;
         let linear = Arx::new(d.ts, d.linear.a, d.linear.b)?;
-        let model = Model::new(hysteresis::load(&d.hysteresis, d.ts)?, linear, d.offset)?;
+        let ts = if driver.is_some() { d.ts / SUBSTEPS as f64 } else { d.ts };
+        let model = Model::driven(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
+        let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
         Ok(model.with_units(d.units).with_provenance(d.fit))
     }
 }
@@ -149,9 +191,11 @@ struct Document {
     ts: f64,
     #[serde(default)]
     units: Units,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    driver: Option<Driver>,
     hysteresis: Value,
     #[serde(default)]
-    creep: Value,
+    creep: Option<Vec<Lag>>,
     linear: Coefficients,
     #[serde(default)]
     offset: f64,
@@ -166,30 +210,64 @@ struct Coefficients {
     b: Vec<f64>,
 }
 
+impl Model {
+    /// The parts of a state: hysteresis, creep, linear, driver.
+    fn parts<'x>(&self, x: &'x mut [f64]) -> [&'x mut [f64]; 4] {
+        let (hysteresis, x) = x.split_at_mut(self.hysteresis.order());
+        let (creep, x) = x.split_at_mut(self.creep.order());
+        let (linear, driver) = x.split_at_mut(self.linear.order());
+        [hysteresis, creep, linear, driver]
+    }
+
+    /// One sample of z, from the states of the hysteresis block and the driver.
+    fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], u: f64) -> f64 {
+        match (&self.driver, driver) {
+            (Some(d), [v, z]) => {
+                let (h, mut twice) = (self.ts() / SUBSTEPS as f64, 0.0);
+                for _ in 0..SUBSTEPS {
+                    *v = d.advance(*v, u, h);
+                    let next = self.hysteresis.step(hysteresis, *v);
+                    twice += *z + next;
+                    *z = next;
+                }
+                twice / (2 * SUBSTEPS) as f64
+            }
+            _ => self.hysteresis.step(hysteresis, u),
+        }
+    }
+}
+
 impl System for Model {
     fn ts(&self) -> f64 {
         self.linear.ts()
     }
 
     fn order(&self) -> usize {
-        self.hysteresis.order() + self.linear.order()
+        let driver = if self.driver.is_some() { 2 } else { 0 };
+        self.hysteresis.order() + self.creep.order() + self.linear.order() + driver
     }
 
     fn initial(&self) -> Vec<f64> {
-        [self.hysteresis.initial(), self.linear.initial()].concat()
+        let mut x = [self.hysteresis.initial(), self.creep.initial(), self.linear.initial()].concat();
+        x.resize(self.order(), 0.0);
+        x
     }
 
     fn settled(&self, u: f64) -> Vec<f64> {
         let mut x = self.hysteresis.settled(u);
         let z = self.hysteresis.step(&mut x.clone(), u);
-        x.extend(self.linear.settled(z));
+        let creep = self.creep.settled(z);
+        let crept = self.creep.step(&mut creep.clone(), z);
+        x.extend(creep);
+        x.extend(self.linear.settled(crept));
+        x.extend(self.driver.iter().flat_map(|_| [u, z]));
         x
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        let (hysteresis, linear) = x.split_at_mut(self.hysteresis.order());
-        let z = self.hysteresis.step(hysteresis, u);
-        self.linear.step(linear, z) + self.offset
+        let [hysteresis, creep, linear, driver] = self.parts(x);
+        let z = self.hidden(hysteresis, driver, u);
+        self.linear.step(linear, self.creep.step(creep, z)) + self.offset
     }
 }
 

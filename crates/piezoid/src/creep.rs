@@ -1,0 +1,134 @@
+//! Creep: displacement that follows slowly, as a ladder of first-order lags beside the direct path.
+//!
+//! ```text
+//! y_t = z_t + g_1 x_1 + ... + g_n x_n,    x_k <- x_k + (1 - exp(-Ts / tau_k)) (z_t - x_k)
+//! ```
+//! Equal gains at time constants a decade apart are creep that grows with the logarithm of time, by g for each decade of
+//! tau they span; unequal ones are a ladder of their own.
+//!
+//! Reference: H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71, 1896 (2000), DOI 10.1063/1.1150559 (logarithmic law); K. Kuhnen
+//! & P. Krejci, IEEE Trans. Autom. Control 54 (2009), DOI 10.1109/TAC.2009.2012984 (ladder). It does not do: creep that depends on
+//! amplitude or direction.
+
+use crate::error::{Error, positive};
+use crate::system::System;
+use serde::{Deserialize, Serialize};
+
+/// The ladder.
+///
+/// State: the lags x_k, in the unit of z.
+///
+/// ```
+/// use piezoid::{System, creep::Creep};
+/// let creep = Creep::logarithmic(1e-3, 0.015, 0.01, 10.0)?; // 1.5 % a decade from 10 ms to 10 s
+/// let y = creep.simulate(&[1.0; 2000]);
+/// assert!((y[999] - y[99] - 0.015).abs() < 0.003);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Creep {
+    ts: f64,
+    lags: Vec<Lag>,
+    /// 1 - exp(-Ts / tau_k).
+    rates: Vec<f64>,
+}
+
+/// One rung.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lag {
+    /// Time constant [s].
+    pub tau_s: f64,
+    /// What it adds in the end, as a share of z [-].
+    pub gain: f64,
+}
+
+impl Creep {
+    /// The ladder of these lags, sampled every `ts` [s].
+    ///
+    /// # Errors
+    /// Refuses a `ts` or time constant that is not positive, a gain that is not finite, and more than 64 lags.
+    pub fn new(ts: f64, lags: Vec<Lag>) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        if lags.len() > 64 {
+            return Err(Error::parameter("creep", format!("{} lags", lags.len()), "must be at most 64 lags"));
+        }
+        for (k, lag) in lags.iter().enumerate() {
+            positive(&format!("creep[{k}].tau_s"), lag.tau_s, "seconds")?;
+            crate::error::finite("creep gain", &[lag.gain])?;
+        }
+        let rates = lags.iter().map(|lag| -(-ts / lag.tau_s).exp_m1()).collect();
+        Ok(Creep { ts, lags, rates })
+    }
+
+    /// Logarithmic creep of `per_decade` [-], by lags a decade apart from `from` to `to` [s].
+    ///
+    /// # Errors
+    /// As [`Creep::new`], and where `from` is not before `to`.
+    pub fn logarithmic(ts: f64, per_decade: f64, from: f64, to: f64) -> Result<Self, Error> {
+        positive("from", from, "seconds")?;
+        positive("to", to, "seconds")?;
+        if from > to {
+            return Err(Error::parameter("from", from, format!("must not be after `to`, which is {to} s")));
+        }
+        let rungs = (to / from).log10().round() as i32;
+        Creep::new(ts, (0..=rungs).map(|k| Lag { tau_s: from * 10f64.powi(k), gain: per_decade }).collect())
+    }
+
+    /// The lags.
+    pub fn lags(&self) -> &[Lag] {
+        &self.lags
+    }
+}
+
+impl System for Creep {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        self.lags.len()
+    }
+
+    fn settled(&self, z: f64) -> Vec<f64> {
+        vec![z; self.lags.len()]
+    }
+
+    fn step(&self, x: &mut [f64], z: f64) -> f64 {
+        let mut y = z;
+        for ((x, rate), lag) in x.iter_mut().zip(&self.rates).zip(&self.lags) {
+            *x += rate * (z - *x);
+            y += lag.gain * *x;
+        }
+        y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn a_lag_is_the_exponential_it_says() {
+        let creep = Creep::new(0.01, vec![Lag { tau_s: 0.5, gain: 0.2 }]).unwrap();
+        let y = creep.simulate(&[3.0; 300]);
+        let known: Vec<f64> = (1..=300).map(|t| 3.0 + 0.6 * (1.0 - (-f64::from(t) * 0.02).exp())).collect();
+        assert_close(&y, &known, 1e-12, 0.0);
+    }
+
+    #[test]
+    fn what_has_settled_stays() {
+        let creep = Creep::logarithmic(1e-3, 0.02, 0.1, 100.0).unwrap();
+        assert_eq!(creep.lags().len(), 4);
+        assert_close(&creep.resume(&mut creep.settled(5.0), &[5.0; 100]), &[5.4; 100], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn what_is_no_ladder_is_refused() {
+        let message = |tau_s, gain| Creep::new(1e-3, vec![Lag { tau_s, gain }]).unwrap_err().to_string();
+        assert!(message(0.0, 0.1).starts_with("creep[0].tau_s = 0"));
+        assert!(message(1.0, f64::NAN).contains("creep gain[0] is NaN"));
+        assert!(Creep::logarithmic(1e-3, 0.01, 1.0, 0.1).is_err());
+    }
+}

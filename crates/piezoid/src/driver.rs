@@ -1,0 +1,91 @@
+//! The driver as a known block: an amplifier with a lag and a slew limit between the wanted voltage and the actuator.
+//!
+//! ```text
+//! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period
+//! ```
+//! solved exactly. Hysteresis sees v at [`SUBSTEPS`] instants a sample, and what it makes of them enters the linear block
+//! as their mean: beyond a quarter of the sampling rate a slewing voltage acts visibly later than one that jumps, and
+//! nothing behind the hysteresis could make up for it. A current limit I into a capacitance C is a slew of I / C.
+//!
+//! It does not do: overshoot, and limits of energy or power.
+
+use crate::error::{Error, positive};
+use serde::{Deserialize, Serialize};
+
+/// Instants a sample at which the hysteresis block sees the voltage.
+pub const SUBSTEPS: usize = 4;
+
+/// Lag and slew limit of the amplifier.
+///
+/// ```
+/// let driver = piezoid::driver::Driver::new(1e-4, Some(0.5 / 8.2e-6))?; // 0.5 A into 8.2 uF
+/// assert!((driver.slew.unwrap() - 61e3).abs() < 1e3);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Driver {
+    /// Time constant; 0 is none [s].
+    pub lag_s: f64,
+    /// Largest |v'|; none is unlimited [input unit / s].
+    #[serde(default)]
+    pub slew: Option<f64>,
+}
+
+impl Driver {
+    /// A driver of this lag [s] and slew limit [input unit / s].
+    ///
+    /// # Errors
+    /// Refuses a negative lag and a slew limit that is not positive.
+    pub fn new(lag_s: f64, slew: Option<f64>) -> Result<Self, Error> {
+        if !(lag_s >= 0.0 && lag_s.is_finite()) {
+            return Err(Error::parameter("driver.lag_s", lag_s, "must be 0 or a positive number of seconds"));
+        }
+        if let Some(slew) = slew {
+            positive("driver.slew", slew, "input units a second")?;
+        }
+        Ok(Driver { lag_s, slew })
+    }
+
+    /// The voltage after `h` [s] of `u`, from `v`.
+    pub(crate) fn advance(&self, v: f64, u: f64, h: f64) -> f64 {
+        let away = u - v;
+        // Within this of u the lag asks for less than the limit.
+        let near = self.slew.map_or(f64::INFINITY, |slew| slew * self.lag_s);
+        let Some(slew) = self.slew.filter(|_| away.abs() > near) else { return self.approach(v, u, h) };
+        let limited = (away.abs() - near) / slew;
+        if limited >= h {
+            return v + away.signum() * slew * h;
+        }
+        self.approach(u - away.signum() * near, u, h - limited)
+    }
+
+    fn approach(&self, v: f64, u: f64, h: f64) -> f64 {
+        if self.lag_s == 0.0 { u } else { u - (u - v) * (-h / self.lag_s).exp() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn how_a_path_is_divided_does_not_matter_and_it_solves_its_equation() {
+        let driver = Driver::new(1e-4, Some(6e4)).unwrap();
+        let run = |n: usize| {
+            let h = 5e-4 / n as f64;
+            (0..n).fold(-3.0, |v, _| driver.advance(v, 20.0, h))
+        };
+        assert_close(&[run(7)], &[run(1)], 1e-13, 0.0);
+        let euler = (0..500_000).fold(-3.0, |v: f64, _| v + 1e-9 * ((20.0 - v) / 1e-4).clamp(-6e4, 6e4));
+        assert_close(&[run(1)], &[euler], 1e-5, 0.0);
+    }
+
+    #[test]
+    fn without_a_lag_or_a_limit_the_voltage_is_there_at_once() {
+        assert_eq!(Driver::new(0.0, None).unwrap().advance(1.0, 5.0, 1e-9), 5.0);
+        assert_eq!(Driver::new(0.0, Some(1e3)).unwrap().advance(1.0, 5.0, 1e-3), 2.0);
+        assert!(Driver::new(-1.0, None).is_err() && Driver::new(0.0, Some(0.0)).is_err());
+    }
+}
