@@ -1,12 +1,22 @@
 //! The hysteresis block: input voltage u to hidden variable z. One file an operator, one row each in [`OPERATORS`].
 
+mod asymmetric_bouc_wen;
+mod baber_noori;
 mod basis;
+mod bouc_wen;
 mod branches;
+mod dahl;
+mod duhem;
+mod generalised_play;
+mod krasnoselskii;
 mod law;
+mod maxwell_slip;
 mod play;
 mod proportional;
+mod rate_play;
 mod rate_scheduled;
 mod real;
+mod stop;
 mod thresholds;
 mod two_branch;
 
@@ -69,8 +79,22 @@ impl std::fmt::Debug for Operator {
 }
 
 /// The operators there are.
-pub static OPERATORS: &[&Operator] =
-    &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR, &play::OPERATOR];
+pub static OPERATORS: &[&Operator] = &[
+    &proportional::OPERATOR,
+    &two_branch::OPERATOR,
+    &rate_scheduled::OPERATOR,
+    &play::OPERATOR,
+    &stop::OPERATOR,
+    &generalised_play::OPERATOR,
+    &rate_play::OPERATOR,
+    &krasnoselskii::OPERATOR,
+    &maxwell_slip::OPERATOR,
+    &bouc_wen::OPERATOR,
+    &asymmetric_bouc_wen::OPERATOR,
+    &baber_noori::OPERATOR,
+    &dahl::OPERATOR,
+    &duhem::OPERATOR,
+];
 
 /// The operator called `name`.
 ///
