@@ -191,6 +191,9 @@ mod tests {
     #[test]
     fn the_slope_is_that_of_reshaped_operators() {
         for (name, basis, u) in bases() {
+            // Off the values it starts with: some stand on a kink.
+            let off = |s: &Shape| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
+            let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
             let (w, shape) = (weights(&*basis), basis.shape());
             for (j, s) in shape.iter().enumerate() {
                 let h = 1e-5 * (s.value.abs() + 0.01 * (s.high - s.low));
@@ -212,14 +215,15 @@ mod tests {
     fn plain_least_squares_recovers_the_behaviour_from_its_own_data() {
         for (name, basis, u) in bases() {
             let operator = basis.operator(&weights(&*basis)).unwrap();
-            let fit = responses(&*basis, &u).svd(true, true).solve(&operator.simulate(&u).into(), 1e-13).unwrap();
+            let z = DVector::from(operator.simulate(&u));
+            let phi = responses(&*basis, &u);
+            let svd = phi.clone().svd(true, true);
+            let mut fit = DVector::zeros(basis.len());
+            // What the decomposition itself has lost comes back by fitting what is left.
+            (0..3).for_each(|_| fit += svd.solve(&(&z - &phi * &fit), 1e-13 * svd.singular_values[0]).unwrap());
             let found = basis.operator(fit.as_slice()).unwrap();
             println!("{name}");
-            // Also where it was not fitted: on the way back.
-            let back: Vec<f64> = u.iter().rev().map(|u| 0.9 * u).collect();
-            let z = operator.simulate(&u);
-            assert_close(&found.simulate(&u), &z, 0.0, 1e-9 * peak(&z));
-            let _ = back;
+            assert_close(&found.simulate(&u), z.as_slice(), 0.0, 1e-9 * z.amax());
         }
     }
 

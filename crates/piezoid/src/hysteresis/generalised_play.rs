@@ -173,7 +173,6 @@ fn bulges(input: &Input) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::system::System;
     use crate::testing::assert_close;
 
     #[test]

@@ -11,12 +11,14 @@ mod generalised_play;
 mod krasnoselskii;
 mod law;
 mod maxwell_slip;
+mod nodes;
 mod play;
 mod proportional;
 mod rate_play;
 mod rate_scheduled;
 mod real;
 mod stop;
+mod tellinen;
 mod thresholds;
 mod two_branch;
 
@@ -24,6 +26,7 @@ pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
+pub use tellinen::Tellinen;
 pub use two_branch::{Reading, TwoBranch};
 
 use crate::error::Error;
@@ -94,6 +97,7 @@ pub static OPERATORS: &[&Operator] = &[
     &baber_noori::OPERATOR,
     &dahl::OPERATOR,
     &duhem::OPERATOR,
+    &tellinen::OPERATOR,
 ];
 
 /// The operator called `name`.
