@@ -3,7 +3,7 @@
 //! ```text
 //! z = sum_k w_k phi_k[u; p]
 //! ```
-//! Every operator here but Tellinen's is linear in weights w once a few shape parameters p stand, and an LTI block G
+//! Every operator here is linear in weights w (Tellinen's in one) once a few shape parameters p stand, and an LTI block G
 //! keeps that: G z = sum_k w_k (G phi_k). So the weights come from a convex least squares on filtered responses, and
 //! only p, where there is any, needs a search (Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201).
 
@@ -23,6 +23,13 @@ pub struct Design {
     pub elements: Option<usize>,
     /// Frequencies of the records [Hz], rising; empty where they have none.
     pub frequencies: Vec<f64>,
+}
+
+impl Design {
+    /// Half the range of the inputs [input unit].
+    pub(super) fn half(&self) -> f64 {
+        0.5 * (self.range.1 - self.range.0)
+    }
 }
 
 /// The responses phi_k of an operator, and the way back from weights to the operator.
@@ -84,4 +91,149 @@ pub struct Shape {
 /// Second differences of neighbours, `from` up to `to`: what a smooth row of weights makes small.
 pub(super) fn curvature(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     (from + 1..to.saturating_sub(1)).map(|k| vec![(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    //! The contract every basis keeps, on ranges about zero, above zero, and tiny.
+    use super::*;
+    use crate::hysteresis::OPERATORS;
+    use crate::testing::assert_close;
+    use nalgebra::{DMatrix, DVector};
+
+    const TS: f64 = 5e-4;
+
+    fn design(range: (f64, f64)) -> Design {
+        Design { ts: TS, range, elements: None, frequencies: vec![5.0, 20.0, 80.0] }
+    }
+
+    /// Every operator's basis, on every range.
+    fn bases() -> impl Iterator<Item = (&'static str, Box<dyn Basis>, Vec<f64>)> {
+        let ranges = [(-30.0, 30.0), (0.0, 100.0), (0.0, 0.001)];
+        OPERATORS
+            .iter()
+            .flat_map(move |o| ranges.map(|range| (o.name, (o.basis)(&design(range)).unwrap(), drive(range))))
+    }
+
+    /// Loops in loops that fill the range.
+    fn drive((low, high): (f64, f64)) -> Vec<f64> {
+        let at = |t: f64| 0.6 * (0.05 * t).sin() + 0.4 * (0.173 * t).sin();
+        (0..1200).map(|t| 0.5 * (low + high) + 0.5 * (high - low) * at(f64::from(t))).collect()
+    }
+
+    /// Weights of different sizes, as they might be.
+    fn weights(basis: &dyn Basis) -> Vec<f64> {
+        (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect()
+    }
+
+    /// phi along `u`, a column each.
+    fn responses(basis: &dyn Basis, u: &[f64]) -> DMatrix<f64> {
+        let (mut x, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
+        let rows = u.iter().flat_map(|&u| {
+            basis.step(&mut x, u, &mut phi);
+            phi.clone()
+        });
+        DMatrix::from_row_iterator(u.len(), basis.len(), rows)
+    }
+
+    fn peak(z: &[f64]) -> f64 {
+        z.iter().fold(0.0, |m, z| m.max(z.abs()))
+    }
+
+    #[test]
+    fn every_response_is_zero_at_rest() {
+        for (name, basis, _) in bases() {
+            let mut phi = vec![1.0; basis.len()];
+            let mut x = basis.initial();
+            assert_eq!(x.len(), basis.order(), "{name}");
+            basis.step(&mut x, 0.0, &mut phi);
+            assert!(phi.iter().all(|phi| *phi == 0.0), "{name}: {phi:?}");
+        }
+    }
+
+    #[test]
+    fn the_weighted_sum_of_the_responses_is_the_operator() {
+        for (name, basis, u) in bases() {
+            let w = weights(&*basis);
+            let sum = responses(&*basis, &u) * DVector::from(w.clone());
+            let operator = basis.operator(&w).unwrap();
+            assert_eq!(operator.operator().name, name);
+            println!("{name}");
+            assert_close(&operator.simulate(&u), sum.as_slice(), 1e-12, 1e-12 * sum.amax());
+        }
+    }
+
+    #[test]
+    fn what_physics_forbids_and_roughness_speak_of_weights_there_are() {
+        for (name, basis, _) in bases() {
+            assert_eq!(basis.non_negative().len(), basis.len(), "{name}");
+            assert!(basis.roughness().iter().flatten().all(|(k, c)| *k < basis.len() && *c != 0.0), "{name}");
+        }
+    }
+
+    #[test]
+    fn shape_parameters_stand_within_their_bounds_and_the_bounds_are_allowed() {
+        for (name, basis, u) in bases() {
+            let shape = basis.shape();
+            for bound in [|s: &Shape| s.low, |s: &Shape| s.high] {
+                let at_bound = basis.reshaped(&shape.iter().map(bound).collect::<Vec<_>>()).unwrap();
+                let phi = responses(&*at_bound, &u);
+                assert!(phi.iter().all(|phi| phi.is_finite()), "{name}");
+            }
+            for s in &shape {
+                assert!(s.low < s.value && s.value < s.high, "{name}: {s:?}");
+            }
+            let same = basis.reshaped(&shape.iter().map(|s| s.value).collect::<Vec<_>>()).unwrap();
+            assert_eq!(same.shape(), shape, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_slope_is_that_of_reshaped_operators() {
+        for (name, basis, u) in bases() {
+            // Off the values it starts with: some stand on a kink.
+            let off = |s: &Shape| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
+            let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
+            let (w, shape) = (weights(&*basis), basis.shape());
+            for (j, s) in shape.iter().enumerate() {
+                let h = 1e-5 * (s.value.abs() + 0.01 * (s.high - s.low));
+                let moved = |by: f64| {
+                    let p: Vec<f64> =
+                        shape.iter().enumerate().map(|(i, s)| s.value + if i == j { by } else { 0.0 }).collect();
+                    basis.reshaped(&p).unwrap().operator(&w).unwrap().simulate(&u)
+                };
+                let difference: Vec<f64> = moved(h).iter().zip(moved(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
+                let slope = basis.slope(j, &w, &u);
+                println!("{name}: {}", s.name);
+                assert!(peak(&slope) > 0.0, "{name}: {} does nothing", s.name);
+                assert_close(&slope, &difference, 1e-5, 1e-5 * peak(&difference));
+            }
+        }
+    }
+
+    #[test]
+    fn plain_least_squares_recovers_the_behaviour_from_its_own_data() {
+        for (name, basis, u) in bases() {
+            let operator = basis.operator(&weights(&*basis)).unwrap();
+            let z = DVector::from(operator.simulate(&u));
+            let phi = responses(&*basis, &u);
+            let svd = phi.clone().svd(true, true);
+            let mut fit = DVector::zeros(basis.len());
+            // What the decomposition itself has lost comes back by fitting what is left.
+            (0..3).for_each(|_| fit += svd.solve(&(&z - &phi * &fit), 1e-13 * svd.singular_values[0]).unwrap());
+            let found = basis.operator(fit.as_slice()).unwrap();
+            println!("{name}");
+            assert_close(&found.simulate(&u), z.as_slice(), 0.0, 1e-9 * z.amax());
+        }
+    }
+
+    #[test]
+    fn inputs_that_are_no_numbers_do_not_panic() {
+        for (_, basis, u) in bases() {
+            let odd = [f64::NAN, u[3], f64::INFINITY, u[4], 1e300, -1e300, f64::NEG_INFINITY, u[5]];
+            basis.operator(&weights(&*basis)).unwrap().simulate(&odd);
+            responses(&*basis, &odd);
+            (0..basis.shape().len()).for_each(|j| drop(basis.slope(j, &weights(&*basis), &odd)));
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub enum Split {
 
 /// One branch: knots, and a cubic spline (not-a-knot) through them.
 #[derive(Debug, Clone, PartialEq)]
-struct Branch {
+pub(super) struct Branch {
     knots: Knots,
     spline: Spline,
     /// Slope beyond the knots: that of the line from the first to the last.
@@ -59,7 +59,12 @@ impl TryFrom<Knots> for Branch {
 }
 
 impl Branch {
-    fn at(&self, u: f64) -> f64 {
+    /// Through the values `z` at the knots `u`.
+    pub(super) fn new(u: Vec<f64>, z: Vec<f64>) -> Result<Self, Error> {
+        Branch::try_from(Knots { u, z })
+    }
+
+    pub(super) fn at(&self, u: f64) -> f64 {
         let (first, last) = (self.knots.u[0], self.knots.u[self.knots.u.len() - 1]);
         let inside = u.clamp(first, last);
         self.spline.at(inside) + self.beyond * (u - inside)
@@ -114,7 +119,7 @@ impl Branches {
     /// # Errors
     /// As [`Spline::new`]; each side needs at least two knots, and both the same first and last u.
     pub fn new(ascending: (Vec<f64>, Vec<f64>), descending: (Vec<f64>, Vec<f64>)) -> Result<Self, Error> {
-        let branch = |(u, z)| Branch::try_from(Knots { u, z });
+        let branch = |(u, z)| Branch::new(u, z);
         let (ascending, descending) = (branch(ascending)?, branch(descending)?);
         let ends = |b: &Branch| (b.knots.u[0], b.knots.u[b.knots.u.len() - 1]);
         if ends(&ascending) != ends(&descending) {

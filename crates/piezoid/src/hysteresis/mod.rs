@@ -1,13 +1,25 @@
 //! The hysteresis block: input voltage u to hidden variable z. One file an operator, one row each in [`OPERATORS`].
 
+mod asymmetric_bouc_wen;
+mod baber_noori;
 mod basis;
+mod bouc_wen;
 mod branches;
+mod dahl;
+mod duhem;
+mod generalised_play;
+mod krasnoselskii;
 mod law;
+mod maxwell_slip;
+mod nodes;
 mod play;
 mod preisach;
 mod proportional;
+mod rate_play;
 mod rate_scheduled;
 mod real;
+mod stop;
+mod tellinen;
 mod thresholds;
 mod two_branch;
 
@@ -15,6 +27,7 @@ pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
+pub use tellinen::Tellinen;
 pub use two_branch::{Reading, TwoBranch};
 
 use crate::error::Error;
@@ -70,8 +83,24 @@ impl std::fmt::Debug for Operator {
 }
 
 /// The operators there are.
-pub static OPERATORS: &[&Operator] =
-    &[&proportional::OPERATOR, &two_branch::OPERATOR, &rate_scheduled::OPERATOR, &play::OPERATOR, &preisach::OPERATOR];
+pub static OPERATORS: &[&Operator] = &[
+    &proportional::OPERATOR,
+    &two_branch::OPERATOR,
+    &rate_scheduled::OPERATOR,
+    &play::OPERATOR,
+    &stop::OPERATOR,
+    &generalised_play::OPERATOR,
+    &rate_play::OPERATOR,
+    &preisach::OPERATOR,
+    &krasnoselskii::OPERATOR,
+    &maxwell_slip::OPERATOR,
+    &bouc_wen::OPERATOR,
+    &asymmetric_bouc_wen::OPERATOR,
+    &baber_noori::OPERATOR,
+    &dahl::OPERATOR,
+    &duhem::OPERATOR,
+    &tellinen::OPERATOR,
+];
 
 /// The operator called `name`.
 ///

@@ -9,8 +9,9 @@
 //! Like the two branches it stands on, it has no minor loops; and the frequency of an input that is not periodic is a
 //! guess.
 
+use super::nodes::Nodes;
 use super::two_branch::{example, read};
-use super::{Branches, Hysteresis, Operator, Reading, document, parse};
+use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
 use crate::error::{Error, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
@@ -56,7 +57,7 @@ pub(super) static OPERATOR: Operator = Operator {
     minor_loops: false,
     rate_independent: false,
     wipes_out: false,
-    basis: |_| Err(Error::Content("no basis yet".into())),
+    basis: |design| Ok(Box::new(Values::new(design)?)),
     load: |params, ts| {
         let params: Params = parse("rate-scheduled", params)?;
         Ok(Arc::new(RateScheduled::new(ts, params.pairs, params.reading)?))
@@ -95,20 +96,33 @@ impl RateScheduled {
         &self.params.pairs
     }
 
-    /// z at `u` moving in `direction` at `frequency` [Hz].
-    fn interpolate(&self, u: f64, direction: f64, frequency: f64) -> f64 {
+    /// The pairs on either side of `frequency` [Hz], each with its share; outside them all the nearest one alone.
+    fn shares(&self, frequency: f64) -> [(usize, f64); 2] {
         let pairs = &self.params.pairs;
         let above = pairs.partition_point(|p| p.frequency_hz <= frequency);
-        let z = |k: usize| read(&pairs[k].branches, u, direction);
-        if above == 0 {
-            return z(0);
-        }
-        if above == pairs.len() {
-            return z(above - 1);
+        if above == 0 || above == pairs.len() {
+            let nearest = above.saturating_sub(1);
+            return [(nearest, 1.0), (nearest, 0.0)];
         }
         let (low, high) = (pairs[above - 1].frequency_hz, pairs[above].frequency_hz);
         let share = (frequency / low).ln() / (high / low).ln();
-        (1.0 - share) * z(above - 1) + share * z(above)
+        [(above - 1, 1.0 - share), (above, share)]
+    }
+
+    /// z at `u` moving in `direction` at `frequency` [Hz].
+    fn interpolate(&self, u: f64, direction: f64, frequency: f64) -> f64 {
+        let [low, high] = self.shares(frequency);
+        let z = |(k, share): (usize, f64)| share * read(&self.params.pairs[k].branches, u, direction);
+        z(low) + z(high)
+    }
+
+    /// Advances the state by one input; returns the direction to read by and the frequency [Hz].
+    fn follow(&self, x: &mut [f64], u: f64) -> (f64, f64) {
+        let direction = self.params.reading.direction(x[0], u, x[1]);
+        x[1] = Reading::Held.direction(x[0], u, x[1]);
+        x[0] = u;
+        self.watch(x, u);
+        (direction, self.frequency(x))
     }
 
     /// Advances the turning points in the state by one input; the direction is up to date already.
@@ -158,11 +172,8 @@ impl System for RateScheduled {
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        let direction = self.params.reading.direction(x[0], u, x[1]);
-        x[1] = Reading::Held.direction(x[0], u, x[1]);
-        x[0] = u;
-        self.watch(x, u);
-        self.interpolate(u, direction, self.frequency(x))
+        let (direction, frequency) = self.follow(x, u);
+        self.interpolate(u, direction, frequency)
     }
 }
 
@@ -186,6 +197,77 @@ impl Hysteresis for RateScheduled {
             ranges().map(|r| r.0).fold(f64::INFINITY, f64::min),
             ranges().map(|r| r.1).fold(f64::NEG_INFINITY, f64::max),
         ))
+    }
+}
+
+/// The basis: the branches of every frequency by their values at even knots, the direction held.
+#[derive(Debug, Clone)]
+struct Values {
+    nodes: Nodes,
+    /// Knows the frequencies; its branches are not read.
+    schedule: RateScheduled,
+}
+
+impl Values {
+    fn new(design: &Design) -> Result<Self, Error> {
+        if design.frequencies.is_empty() {
+            let because = "the records have no frequencies; use two-branch, or give a record of each frequency".into();
+            return Err(Error::Unidentifiable { what: "the rate-scheduled block".into(), because });
+        }
+        let nodes = Nodes::new(design)?;
+        let flat = nodes.branches(&vec![0.0; nodes.len()])?;
+        let pair = |&frequency_hz| Pair { frequency_hz, branches: flat.clone() };
+        let pairs = design.frequencies.iter().map(pair).collect();
+        Ok(Values { schedule: RateScheduled::new(design.ts, pairs, Reading::Held)?, nodes })
+    }
+}
+
+impl Basis for Values {
+    fn len(&self) -> usize {
+        self.nodes.len() * self.schedule.pairs().len()
+    }
+
+    fn order(&self) -> usize {
+        self.schedule.order()
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        self.schedule.initial()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
+        let (direction, frequency) = self.schedule.follow(x, u);
+        let n = self.nodes.len();
+        phi.fill(0.0);
+        for (k, share) in self.schedule.shares(frequency) {
+            self.nodes.respond(u, -direction, share, &mut phi[k * n..(k + 1) * n]);
+        }
+    }
+
+    fn non_negative(&self) -> Vec<bool> {
+        self.schedule.pairs().iter().flat_map(|_| self.nodes.non_negative()).collect()
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        let n = self.nodes.len();
+        (0..self.schedule.pairs().len()).flat_map(|k| self.nodes.roughness(k * n)).collect()
+    }
+
+    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
+        vec![0.0; u.len()]
+    }
+
+    fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        let pair = |(pair, weights): (&Pair, &[f64])| {
+            Ok(Pair { frequency_hz: pair.frequency_hz, branches: self.nodes.branches(weights)? })
+        };
+        let pairs = self.schedule.pairs().iter().zip(weights.chunks(self.nodes.len())).map(pair);
+        let pairs = pairs.collect::<Result<Vec<_>, Error>>()?;
+        Ok(Arc::new(RateScheduled::new(self.schedule.ts, pairs, Reading::Held)?))
     }
 }
 

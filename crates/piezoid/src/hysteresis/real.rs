@@ -25,16 +25,23 @@ pub(super) trait Real:
     /// f(self), given f and its derivative there.
     fn map(self, f: f64, slope: f64) -> Self;
 
-    fn abs(self) -> Self {
-        if self.value() < 0.0 { -self } else { self }
-    }
     fn exp(self) -> Self {
         let e = self.value().exp();
         self.map(e, e)
     }
-    fn tanh(self) -> Self {
-        let t = self.value().tanh();
-        self.map(t, 1.0 - t * t)
+    /// (e^x - 1) / x, and 1 at 0: what an exponential has grown, over how far.
+    fn growth(self) -> Self {
+        let x = self.value();
+        let y = if x == 0.0 { 1.0 } else { x.exp_m1() / x };
+        let near = polynomial(x, [1.0 / 2.0, 1.0 / 3.0, 1.0 / 8.0, 1.0 / 30.0, 1.0 / 144.0]);
+        self.map(y, if x.abs() < SMALL { near } else { (x.exp() - y) / x })
+    }
+    /// ln(1 + x) / x, and 1 at 0: how far, for what has grown.
+    fn log_growth(self) -> Self {
+        let x = self.value();
+        let y = if x == 0.0 { 1.0 } else { x.ln_1p() / x };
+        let near = polynomial(x, [-1.0 / 2.0, 2.0 / 3.0, -3.0 / 4.0, 4.0 / 5.0, -5.0 / 6.0]);
+        self.map(y, if x.abs() < SMALL { near } else { (1.0 / (1.0 + x) - y) / x })
     }
     /// For self > 0, and for 0 with a power of at least 1.
     fn powf(self, power: Self) -> Self {
@@ -44,15 +51,19 @@ pub(super) trait Real:
         let by_power = power.map(0.0, if x > 0.0 { y * x.ln() } else { 0.0 });
         by_base + by_power
     }
+    /// max(low, min(high, self)): where the limits cross, the lower one holds.
     fn clamp(self, low: Self, high: Self) -> Self {
-        if self < low {
-            low
-        } else if self > high {
-            high
-        } else {
-            self
-        }
+        let below = if self > high { high } else { self };
+        if below < low { low } else { below }
     }
+}
+
+/// Below it the derivatives of the growths would cancel, and the first terms of their series are exact to 1e-9.
+const SMALL: f64 = 0.01;
+
+/// c0 + c1 x + c2 x^2 + ...
+fn polynomial(x: f64, c: [f64; 5]) -> f64 {
+    c.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 impl Real for f64 {
@@ -138,18 +149,25 @@ mod tests {
         let x = Dual { value: 0.7, slope: 1.0 };
         let two = Dual::from(2.0);
         let of = |y: Dual| y.slope;
-        let found =
-            [of(x * x / (two + x)), of((-x).exp()), of(x.tanh()), of(x.powf(two)), of(two.powf(x)), of((-x).abs())];
-        let t = 0.7f64.tanh();
-        let known = [
-            (2.0 * 0.7 * 2.7 - 0.49) / (2.7 * 2.7),
-            -(-0.7f64).exp(),
-            1.0 - t * t,
-            1.4,
-            2f64.powf(0.7) * 2f64.ln(),
-            1.0,
-        ];
+        let found = [of(x * x / (two + x)), of((-x).exp()), of(x.powf(two)), of(two.powf(x))];
+        let known = [(2.0 * 0.7 * 2.7 - 0.49) / (2.7 * 2.7), -(-0.7f64).exp(), 1.4, 2f64.powf(0.7) * 2f64.ln()];
         assert_close(&found, &known, 1e-14, 0.0);
         assert_eq!(x.clamp(Dual::from(0.8), two).slope, 0.0, "beyond a limit nothing moves");
+    }
+
+    #[test]
+    fn growths_and_their_derivatives_are_smooth_through_zero() {
+        for x in [-3.0, -0.5, -0.011, -0.009, 1e-5, 0.009, 0.011, 0.7] {
+            let at = |x| Dual { value: x, slope: 1.0 };
+            let h = 1e-4;
+            for f in [Dual::growth, Dual::log_growth] {
+                let y = |x: f64| f(at(x)).value;
+                // ln(1 + x) ends at -1.
+                let x = f64::max(x, -0.9);
+                let difference = (8.0 * (y(x + h) - y(x - h)) - (y(x + 2.0 * h) - y(x - 2.0 * h))) / (12.0 * h);
+                assert_close(&[f(at(x)).slope], &[difference], 1e-8, 0.0);
+            }
+        }
+        assert_eq!((0.0.growth(), 0.0.log_growth()), (1.0, 1.0));
     }
 }

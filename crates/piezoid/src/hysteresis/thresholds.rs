@@ -13,8 +13,7 @@ const MOST: usize = 4096;
 /// it, since a play that never moves has no weight to find.
 pub(super) fn even(design: &Design, elements: usize) -> Vec<f64> {
     let n = design.elements.unwrap_or(elements).clamp(1, MOST);
-    let reach = 0.5 * (design.range.1 - design.range.0);
-    (1..=n).map(|k| reach * k as f64 / (n + 1) as f64).collect()
+    (1..=n).map(|k| design.half() * k as f64 / (n + 1) as f64).collect()
 }
 
 /// Refuses thresholds that do not rise from above zero.

@@ -7,7 +7,8 @@
 //! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
 //! the loop jumps to the other branch), and no change of amplitude or offset.
 
-use super::{Branches, Hysteresis, Operator, document, parse};
+use super::nodes::Nodes;
+use super::{Basis, Branches, Hysteresis, Operator, document, parse};
 use crate::error::{Error, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
@@ -65,7 +66,7 @@ pub(super) static OPERATOR: Operator = Operator {
     minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    basis: |_| Err(Error::Content("no basis yet".into())),
+    basis: |design| Ok(Box::new(Values { ts: design.ts, nodes: Nodes::new(design)? })),
     load: |params, ts| {
         let Params { reading, branches } = parse("two-branch", params)?;
         Ok(Arc::new(TwoBranch::new(ts, branches, reading)?))
@@ -138,6 +139,54 @@ impl Hysteresis for TwoBranch {
 
     fn range(&self) -> Option<(f64, f64)> {
         Some(self.params.branches.range())
+    }
+}
+
+/// The basis: both branches by their values at even knots, the direction held.
+#[derive(Debug, Clone)]
+struct Values {
+    ts: f64,
+    nodes: Nodes,
+}
+
+impl Basis for Values {
+    fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn order(&self) -> usize {
+        2
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        vec![0.0; 2]
+    }
+
+    fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
+        x[1] = Reading::Held.direction(x[0], u, x[1]);
+        x[0] = u;
+        phi.fill(0.0);
+        self.nodes.respond(u, -x[1], 1.0, phi);
+    }
+
+    fn non_negative(&self) -> Vec<bool> {
+        self.nodes.non_negative().collect()
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        self.nodes.roughness(0)
+    }
+
+    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        Ok(Box::new(self.clone()))
+    }
+
+    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
+        vec![0.0; u.len()]
+    }
+
+    fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        Ok(Arc::new(TwoBranch::new(self.ts, self.nodes.branches(weights)?, Reading::Held)?))
     }
 }
 

@@ -1,0 +1,120 @@
+//! Dahl's friction: the input, less a force that nears its limit the slower the closer it is.
+//!
+//! ```text
+//! h' = u' |1 - h sign(u') / breakaway|^exponent          |h| <= breakaway
+//! z = w_0 u - w_1 h                                      w_k >= 0
+//! ```
+//! With y = 1 - h sign(u') / breakaway and the length s of the path, dy/ds = -y^exponent / breakaway, whose solution
+//! ```text
+//! y^q = y_0^q - q s / breakaway,    q = 1 - exponent
+//! ```
+//! (an exponential for q = 0, and 0 from where the right side ends for q > 0) integrates samples exactly. An exponent of
+//! 1 is `bouc-wen` with gamma = 0 and beta = 1 / breakaway; near 0 it is one stop operator.
+//!
+//! Reference: P. R. Dahl, "Solid friction damping of mechanical vibrations", AIAA J. 14 (1976), DOI 10.2514/3.61511. It
+//! does not do: asymmetric loops, rate, wiping out; minor loops start without a jump but do not close.
+
+use super::Operator;
+use super::basis::Shape;
+use super::law::{Input, Law, Weighted};
+use super::real::Real;
+use crate::error::{Error, positive};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// The weights are w_0 of the input and w_1 of -h.
+///
+/// State: h [input unit].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Dahl {
+    /// [input unit]
+    breakaway: f64,
+    exponent: f64,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "dahl",
+    summary: "Dahl's friction with its exponent: smooth symmetric loops",
+    reference: "Dahl 1976, doi:10.2514/3.61511",
+    minor_loops: true,
+    rate_independent: true,
+    wipes_out: false,
+    load: Weighted::<Dahl>::load,
+    basis: |design| Weighted::basis(design.ts, design.range, Dahl { breakaway: design.half(), exponent: 1.0 }),
+    example: |ts| {
+        let law = Dahl { breakaway: 20.0, exponent: 1.4 };
+        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
+    },
+};
+
+/// y after a path of `s` breakaways.
+fn near<R: Real>(y: R, s: R, exponent: R) -> R {
+    if y.value() <= 0.0 {
+        return 0.0.into();
+    }
+    // y = y_0 (1 - q t)^(1/q), written so that q may be 0.
+    let q = R::from(1.0) - exponent;
+    let t = s / y.powf(q);
+    if (q * t).value() >= 1.0 { 0.0.into() } else { y * (-t * (-q * t).log_growth()).exp() }
+}
+
+impl Law for Dahl {
+    fn row() -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        positive("breakaway", self.breakaway, "input units")?;
+        positive("exponent", self.exponent, "no unit").map(|_| ())
+    }
+
+    fn responses(&self) -> usize {
+        2
+    }
+
+    fn order(&self) -> usize {
+        1
+    }
+
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+        let [breakaway, exponent] = [shape[0], shape[1]];
+        let path = input.u - input.before;
+        if path != 0.0 {
+            let (way, one) = (R::from(path.signum()), R::from(1.0));
+            let y = one - way * x[0] / breakaway;
+            x[0] = way * breakaway * (one - near(y, R::from(path.abs()) / breakaway, exponent));
+        }
+        phi(0, input.u.into());
+        phi(1, -x[0]);
+    }
+
+    fn non_negative(&self, _: usize) -> bool {
+        true
+    }
+
+    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+        vec![
+            Shape { name: "breakaway", value: self.breakaway, low: 0.03 * half, high: 30.0 * half },
+            Shape { name: "exponent", value: self.exponent, low: 0.1, high: 4.0 },
+        ]
+    }
+
+    fn reshaped(&self, shape: &[f64]) -> Self {
+        Dahl { breakaway: shape[0], exponent: shape[1] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn the_solution_is_that_of_the_equation_for_exponents_below_at_and_above_one() {
+        for (exponent, y) in [(0.5, (1.0 - 0.3 / 2.0f64).powi(2)), (1.0, (-0.3f64).exp()), (2.0, 1.0 / 1.3)] {
+            assert_close(&[near(1.0, 0.3, exponent)], &[y], 1e-14, 0.0);
+            assert_close(&[near(1.0, 0.3, exponent + 1e-9)], &[y], 1e-8, 0.0);
+        }
+        assert_eq!(near(1.0, 2.1, 0.5), 0.0, "a small exponent reaches its limit");
+    }
+}

@@ -1,0 +1,165 @@
+//! Krasnosel'skii & Pokrovskii: a weighted grid of relays with ridges instead of jumps.
+//!
+//! ```text
+//! r(v) = 0 below -ridge/2, 1 above ridge/2, a line between
+//! k_ij <- max(r(u - s_j), min(r(u - s_i), k_ij))               levels s_i <= s_j
+//! z = sum_ij w_ij (k_ij - k_ij at rest)                        w_ij >= 0
+//! ```
+//! A Preisach model of a finite resolution that is continuous in the input all the same: rising input climbs the ridge
+//! at s_j, falling input descends that at s_i, and the grid is the triangle of all pairs. Those with i = j are ramps
+//! without memory. At rest a kernel is half on, or as near to it as the ridges at u = 0 allow. Loops of equal inputs are
+//! congruent; reversals that are passed are wiped out; z saturates beyond the outermost levels.
+//!
+//! Reference: M. A. Krasnosel'skii & A. V. Pokrovskii, "Systems with Hysteresis", Springer (1989), DOI
+//! 10.1007/978-3-642-61302-9. It does not do: rate.
+
+use super::Operator;
+use super::basis::{Design, Shape};
+use super::law::{Input, Law, Weighted};
+use super::real::Real;
+use crate::error::{Error, finite, positive};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Weights: w_11, w_12, w_22, w_13, w_23, w_33, ...: level by level of s_j, and within it by rising s_i.
+///
+/// State: the kernels k_ij less their value at rest, in the order of the weights.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Krasnoselskii {
+    /// s_1 < s_2 < ... [input unit]
+    levels: Vec<f64>,
+    /// Width of a ridge [input unit].
+    ridge: f64,
+}
+
+/// How many levels, unless told otherwise, and the most.
+const LEVELS: usize = 12;
+const MOST: usize = 90;
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "krasnoselskii-pokrovskii",
+    summary: "a triangular grid of relays with ridges: asymmetric, saturating loops, continuous",
+    reference: "Krasnosel'skii & Pokrovskii 1989, doi:10.1007/978-3-642-61302-9",
+    minor_loops: true,
+    rate_independent: true,
+    wipes_out: true,
+    load: Weighted::<Krasnoselskii>::load,
+    basis: |design| Weighted::basis(design.ts, design.range, Krasnoselskii::even(design)),
+    example: |ts| {
+        let design = Design { ts, range: (-30.0, 30.0), elements: Some(8), frequencies: Vec::new() };
+        let law = Krasnoselskii::even(&design);
+        let near = |k: usize| (0..8).any(|j| index(j, j) == k);
+        let weights = (0..law.responses()).map(|k| if near(k) { 4.0 } else { 0.5 }).collect();
+        Ok(Arc::new(Weighted::new(ts, design.range, law, weights)?))
+    },
+};
+
+/// Place of the pair i <= j.
+fn index(i: usize, j: usize) -> usize {
+    j * (j + 1) / 2 + i
+}
+
+impl Krasnoselskii {
+    /// Levels in the middles of even cells of the range, and ridges that meet.
+    fn even(design: &Design) -> Self {
+        let n = design.elements.unwrap_or(LEVELS).clamp(1, MOST);
+        let cell = 2.0 * design.half() / n as f64;
+        Krasnoselskii { levels: (0..n).map(|i| design.range.0 + cell * (i as f64 + 0.5)).collect(), ridge: cell }
+    }
+}
+
+impl Law for Krasnoselskii {
+    fn row() -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        finite("levels", &self.levels)?;
+        positive("ridge", self.ridge, "input units")?;
+        let n = self.levels.len();
+        if !(1..=MOST).contains(&n) {
+            return Err(Error::parameter("levels", format!("{n} numbers"), format!("must be 1 to {MOST} numbers")));
+        }
+        match self.levels.windows(2).position(|w| w[0] >= w[1]) {
+            None => Ok(()),
+            Some(i) => {
+                let rule = format!("must lie above {}: levels rise", self.levels[i]);
+                Err(Error::parameter(format!("levels[{}]", i + 1), self.levels[i + 1], rule))
+            }
+        }
+    }
+
+    fn responses(&self) -> usize {
+        index(0, self.levels.len())
+    }
+
+    fn order(&self) -> usize {
+        self.responses()
+    }
+
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
+        let ridge = |v: f64| (R::from(0.5) + R::from(v) / shape[0]).clamp(0.0.into(), 1.0.into());
+        for (j, &up) in self.levels.iter().enumerate() {
+            let (rise, rise_at_rest) = (ridge(u - up), ridge(-up));
+            for (i, &down) in self.levels[..=j].iter().enumerate() {
+                let (fall, fall_at_rest) = (ridge(u - down), ridge(-down));
+                let rest = R::from(0.5).clamp(rise_at_rest, fall_at_rest);
+                let k = index(i, j);
+                x[k] = x[k].clamp(rise - rest, fall - rest);
+                phi(k, x[k]);
+            }
+        }
+    }
+
+    fn non_negative(&self, _: usize) -> bool {
+        true
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        let n = self.levels.len();
+        let pairs = || (0..n).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        let bend = |a, b, c| vec![(a, 1.0), (b, -2.0), (c, 1.0)];
+        let along_i = pairs().filter(|(i, j)| i + 2 <= *j);
+        let along_j = pairs().filter(|(_, j)| j + 2 < n);
+        let first = along_i.map(|(i, j)| bend(index(i, j), index(i + 1, j), index(i + 2, j)));
+        first.chain(along_j.map(|(i, j)| bend(index(i, j), index(i, j + 1), index(i, j + 2)))).collect()
+    }
+
+    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+        let cell = 2.0 * half / self.levels.len() as f64;
+        vec![Shape { name: "ridge", value: self.ridge, low: 0.25 * cell, high: 6.0 * cell }]
+    }
+
+    fn reshaped(&self, shape: &[f64]) -> Self {
+        Krasnoselskii { ridge: shape[0], ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::System;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn ramps_side_by_side_are_a_line() {
+        let design = Design { ts: 1.0, range: (-10.0, 30.0), elements: Some(5), frequencies: Vec::new() };
+        let law = Krasnoselskii::even(&design);
+        let weights = (0..law.responses()).map(|k| f64::from(u8::from((0..5).any(|j| index(j, j) == k)))).collect();
+        let operator = Weighted::new(1.0, design.range, law, weights).unwrap();
+        let u = [0.0, 7.0, 29.0, -9.0, 3.0];
+        assert_close(&operator.simulate(&u), &u.map(|u| u / 8.0), 1e-14, 1e-14);
+    }
+
+    #[test]
+    fn smooth_weights_have_no_roughness() {
+        let design = Design { ts: 1.0, range: (0.0, 1.0), elements: Some(6), frequencies: Vec::new() };
+        let law = Krasnoselskii::even(&design);
+        let mut plane = vec![0.0; law.responses()];
+        (0..6).for_each(|j| (0..=j).for_each(|i| plane[index(i, j)] = 1.0 + 2.0 * i as f64 - 3.0 * j as f64));
+        assert_eq!(law.roughness().len(), 2 * 10);
+        for row in law.roughness() {
+            assert_eq!(row.iter().map(|(k, c)| c * plane[*k]).sum::<f64>(), 0.0);
+        }
+    }
+}

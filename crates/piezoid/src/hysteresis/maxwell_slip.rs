@@ -1,0 +1,167 @@
+//! Generalised Maxwell slip: the input, less what elastic sliders hold back that take time to slide.
+//!
+//! ```text
+//! b_k(u') = r_k (1 + rise (1 - exp(-|u'| / rate)))                  breakaway of threshold r_k
+//! sticking:  e_k' = u'                                              until |e_k| reaches b_k, then it slides
+//! sliding:   e_k' = (b_k sign u' - e_k) / attraction                until u stops or turns, then it sticks
+//! z = w_0 u - w_1 e_1 - ... - w_n e_n                               w_k >= 0
+//! ```
+//! Within a sample u' is constant, so both pieces are exact. A negative `rise` weakens the sliders at speed, as Stribeck's
+//! curve does; a positive one holds back more and widens fast loops. `attraction` [s] is how late a slider that slides
+//! follows a change of its breakaway (C in the paper, as a time). With rise = 0 it is `stop`.
+//!
+//! References: M. Goldfarb & N. Celanovic, IEEE Control Systems 17 (1997), DOI 10.1109/37.588158 (sliders for piezo
+//! actuators); F. Al-Bender, V. Lampaert & J. Swevers, IEEE Trans. Autom. Control 50 (2005), DOI
+//! 10.1109/TAC.2005.858676 (sliding). It does not do: asymmetric loops; and at changing rates reversals are not wiped out.
+
+use super::Operator;
+use super::basis::{Shape, curvature};
+use super::law::{Input, Law, Weighted};
+use super::rate_play::speeds;
+use super::real::Real;
+use super::thresholds::{self, ELEMENTS};
+use crate::error::{Error, positive};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// The weights are w_0 of the input itself, then one for each slider.
+///
+/// State: for each slider e_k and whether it slides (1 rising, -1 falling, 0 sticking).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct MaxwellSlip {
+    /// r_1 < r_2 < ... [input unit]
+    thresholds: Vec<f64>,
+    /// What the breakaway gains at high speed, relative to its threshold.
+    rise: f64,
+    /// [input unit/s]
+    rate: f64,
+    /// [s]
+    attraction: f64,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "maxwell-slip",
+    summary: "elastic sliders whose breakaway depends on speed: loops that change with frequency",
+    reference: "Al-Bender, Lampaert & Swevers 2005, doi:10.1109/TAC.2005.858676",
+    minor_loops: true,
+    rate_independent: false,
+    wipes_out: false,
+    load: Weighted::<MaxwellSlip>::load,
+    basis: |design| {
+        let (low, high) = speeds(design.half(), design.ts);
+        let thresholds = thresholds::even(design, ELEMENTS);
+        let law = MaxwellSlip { thresholds, rise: 0.1, rate: (low * high).sqrt(), attraction: 10.0 * design.ts };
+        Weighted::basis(design.ts, design.range, law)
+    },
+    example: |ts| {
+        let thresholds = (1..=8).map(|k| 3.0 * f64::from(k)).collect();
+        let law = MaxwellSlip { thresholds, rise: 0.3, rate: 2000.0, attraction: 5e-3 };
+        let weights = (0..=8).map(|k| if k == 0 { 1.2 } else { 0.06 }).collect();
+        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+    },
+};
+
+impl Law for MaxwellSlip {
+    fn row() -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        thresholds::check(&self.thresholds)?;
+        positive("rate", self.rate, "input units a second")?;
+        positive("attraction", self.attraction, "seconds")?;
+        if self.rise > -1.0 && self.rise.is_finite() {
+            return Ok(());
+        }
+        Err(Error::parameter("rise", self.rise, "must be a number above -1, where nothing would be held back"))
+    }
+
+    fn responses(&self) -> usize {
+        1 + self.thresholds.len()
+    }
+
+    fn order(&self) -> usize {
+        2 * self.thresholds.len()
+    }
+
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+        let [rise, rate, attraction] = [shape[0], shape[1], shape[2]];
+        let path = input.u - input.before;
+        let way = if path == 0.0 { 0.0 } else { path.signum() };
+        let gain = R::from(1.0) + rise * (R::from(1.0) - (-R::from(input.rate()) / rate).exp());
+        let left = (-R::from(input.ts) / attraction).exp();
+        phi(0, input.u.into());
+        for (k, (slider, &r)) in x.chunks_exact_mut(2).zip(&self.thresholds).enumerate() {
+            let breakaway = gain * r.into();
+            // Seen in the direction of the movement, everything rises.
+            let e = slider[0] * way.into();
+            let slides = slider[1].value() == way;
+            let pulled = e + path.abs().into();
+            if way == 0.0 {
+                slider[1] = 0.0.into();
+            } else if !slides && pulled < breakaway {
+                slider[0] = pulled * way.into();
+                slider[1] = 0.0.into();
+            } else {
+                let beyond = e - breakaway;
+                // What breaks away within the sample stands at its breakaway, which then draws it no further.
+                let late = if slides || beyond.value() > 0.0 { beyond * left } else { 0.0.into() };
+                slider[0] = (breakaway + late) * way.into();
+                slider[1] = way.into();
+            }
+            phi(k + 1, -slider[0]);
+        }
+    }
+
+    fn non_negative(&self, _: usize) -> bool {
+        true
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        curvature(1, self.responses())
+    }
+
+    fn shape(&self, half: f64, ts: f64) -> Vec<Shape> {
+        let (low, high) = speeds(half, ts);
+        vec![
+            Shape { name: "rise", value: self.rise, low: -0.9, high: 2.0 },
+            Shape { name: "rate", value: self.rate, low, high },
+            Shape { name: "attraction", value: self.attraction, low: 0.3 * ts, high: 1e4 * ts },
+        ]
+    }
+
+    fn reshaped(&self, shape: &[f64]) -> Self {
+        MaxwellSlip { rise: shape[0], rate: shape[1], attraction: shape[2], ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::System;
+    use crate::testing::assert_close;
+
+    fn operator(rise: f64, attraction: f64) -> impl System {
+        let law = MaxwellSlip { thresholds: vec![2.0], rise, rate: 1000.0, attraction };
+        Weighted::new(1e-3, (-10.0, 10.0), law, vec![0.0, 1.0]).unwrap()
+    }
+
+    #[test]
+    fn a_slider_that_slides_follows_its_breakaway_as_late_as_its_attraction() {
+        // Slow to 4 V, sliding at 2 V; then fast, 1 V a sample, where the breakaway is higher.
+        let slow = (1..=4000).map(|t| 1e-3 * f64::from(t));
+        let fast = (1..=5).map(|t| 4.0 + f64::from(t));
+        let z = operator(0.5, 3e-3).simulate(&slow.chain(fast).collect::<Vec<_>>());
+        let high = 2.0 * (1.0 + 0.5 * (1.0 - (-1.0f64).exp()));
+        let low = 2.0 * (1.0 + 0.5 * (1.0 - (-1e-3f64).exp()));
+        let expected: Vec<f64> = (1..=5).map(|t| -(high + (low - high) * (-f64::from(t) / 3.0).exp())).collect();
+        assert_close(&z[4000..], &expected, 1e-9, 0.0);
+    }
+
+    #[test]
+    fn a_breakaway_that_weakens_with_speed_holds_back_less() {
+        let held = |rise| operator(rise, 1e-4).simulate(&[3.0, 6.0, 9.0])[2];
+        assert!(held(-0.5) > held(0.0) && held(0.0) > held(0.5));
+        assert_eq!(held(0.0), -2.0);
+    }
+}

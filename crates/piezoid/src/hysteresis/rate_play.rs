@@ -1,0 +1,139 @@
+//! Rate-dependent Prandtl-Ishlinskii: plays whose thresholds grow with the speed of the input.
+//!
+//! ```text
+//! r_k(t) = r_k + growth ln(1 + |u'| / rate)
+//! p_k <- max(u - r_k(t), min(u + r_k(t), p_k))
+//! z = w_0 u + w_1 p_1 + ... + w_n p_n                  w_k >= 0
+//! ```
+//! All thresholds grow alike, which is the condition for a closed inverse. Far below `rate` they grow in proportion to
+//! |u'|, by growth / rate [s]; far above, with its logarithm, so that a step freezes the plays for its one sample and
+//! no more. u' is the difference of two samples over the sampling period: an input held in steps has spikes of it.
+//!
+//! Reference: M. Al Janaideh & P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013), DOI 10.1109/TMECH.2012.2205265. It does
+//! not do: asymmetric loops, saturation; and reversals are wiped out at one rate only.
+
+use super::Operator;
+use super::basis::{Shape, curvature};
+use super::law::{Input, Law, Weighted};
+use super::real::Real;
+use super::thresholds::{self, ELEMENTS};
+use crate::error::{Error, positive};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// The weights are w_0 of the input itself, then one for each threshold.
+///
+/// State: the plays p_k.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct RatePlay {
+    /// At rest, rising [input unit].
+    thresholds: Vec<f64>,
+    /// [input unit]
+    growth: f64,
+    /// [input unit/s]
+    rate: f64,
+}
+
+pub(super) static OPERATOR: Operator = Operator {
+    name: "rate-dependent-prandtl-ishlinskii",
+    summary: "play operators whose thresholds grow with the speed of the input",
+    reference: "Al Janaideh & Krejci 2013, doi:10.1109/TMECH.2012.2205265",
+    minor_loops: true,
+    rate_independent: false,
+    wipes_out: false,
+    load: Weighted::<RatePlay>::load,
+    basis: |design| {
+        let rate = TAU * 0.01 * design.half() / design.ts;
+        let law = RatePlay { thresholds: thresholds::even(design, ELEMENTS), growth: 0.05 * design.half(), rate };
+        Weighted::basis(design.ts, design.range, law)
+    },
+    example: |ts| {
+        let law = RatePlay { thresholds: (1..=8).map(|k| 3.0 * f64::from(k)).collect(), growth: 1.0, rate: 3000.0 };
+        let weights = (0..=8).map(|k| if k == 0 { 0.7 } else { 0.06 }).collect();
+        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+    },
+};
+
+/// Speeds that make sense for a `rate`: those of full sines from a ten thousandth to half of the sampling frequency.
+pub(super) fn speeds(half: f64, ts: f64) -> (f64, f64) {
+    (TAU * half * 1e-4 / ts, TAU * half * 0.5 / ts)
+}
+
+impl Law for RatePlay {
+    fn row() -> &'static Operator {
+        &OPERATOR
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        thresholds::check(&self.thresholds)?;
+        positive("rate", self.rate, "input units a second")?;
+        if self.growth >= 0.0 && self.growth.is_finite() {
+            return Ok(());
+        }
+        Err(Error::parameter("growth", self.growth, "must be a number of input units, and not negative"))
+    }
+
+    fn responses(&self) -> usize {
+        1 + self.thresholds.len()
+    }
+
+    fn order(&self) -> usize {
+        self.thresholds.len()
+    }
+
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+        let u = R::from(input.u);
+        let relative = R::from(input.rate()) / shape[1];
+        let more = shape[0] * relative * relative.log_growth();
+        phi(0, u);
+        for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {
+            let r = more + r.into();
+            *p = p.clamp(u - r, u + r);
+            phi(k + 1, *p);
+        }
+    }
+
+    fn non_negative(&self, _: usize) -> bool {
+        true
+    }
+
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        curvature(1, self.responses())
+    }
+
+    fn shape(&self, half: f64, ts: f64) -> Vec<Shape> {
+        let (low, high) = speeds(half, ts);
+        vec![
+            Shape { name: "growth", value: self.growth, low: 1e-3 * half, high: half },
+            Shape { name: "rate", value: self.rate, low, high },
+        ]
+    }
+
+    fn reshaped(&self, shape: &[f64]) -> Self {
+        RatePlay { growth: shape[0], rate: shape[1], ..self.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::System;
+
+    #[test]
+    fn faster_loops_are_wider() {
+        let law = || RatePlay { thresholds: vec![3.0], growth: 2.0, rate: 1000.0 };
+        let width = |hz: f64| {
+            let operator = Weighted::new(5e-4, (-30.0, 30.0), law(), vec![0.0, 1.0]).unwrap();
+            let n = (1.0 / (hz * 5e-4)) as usize;
+            let z =
+                operator.simulate(&(0..2 * n).map(|t| 30.0 * (TAU * t as f64 / n as f64).sin()).collect::<Vec<_>>());
+            // Where a sine passes zero its play is as far behind as its threshold.
+            z[n + n / 2] - z[n]
+        };
+        let expected = |hz: f64| 2.0 * (3.0 + 2.0 * (1.0 + TAU * hz * 30.0 / 1000.0).ln());
+        for hz in [2.0, 20.0] {
+            crate::testing::assert_close(&[width(hz)], &[expected(hz)], 5e-3, 0.0);
+        }
+    }
+}
