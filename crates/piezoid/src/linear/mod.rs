@@ -4,6 +4,7 @@ mod absolute_error;
 mod analysis;
 mod arx;
 mod fit;
+mod free_run;
 mod inverse;
 mod regression;
 
