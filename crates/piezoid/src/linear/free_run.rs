@@ -38,7 +38,10 @@ pub(super) struct FreeRunError<'a> {
 impl FreeRunError<'_> {
     /// Each record's free run and its weight.
     pub(super) fn runs<'t>(&'t self, theta: &'t [f64]) -> impl Iterator<Item = (FreeRun, f64)> + 't {
-        self.records.iter().zip(self.weights).map(|(record, &weight)| (FreeRun::new(record, self.orders, theta), weight))
+        self.records
+            .iter()
+            .zip(self.weights)
+            .map(|(record, &weight)| (FreeRun::new(record, self.orders, theta), weight))
     }
 }
 
@@ -358,8 +361,7 @@ mod tests {
         let (records, weights) = ([record()], [1.0]);
         let problem = FreeRunError { records: &records, weights: &weights, orders: ORDERS };
         let theta = [1.85, -1.4, 0.45, 1.5, -0.4, 0.5];
-        let (hessian, columns) =
-            (problem.normal(&theta).hessian, FreeRun::new(&records[0], ORDERS, &theta).jacobian());
+        let (hessian, columns) = (problem.normal(&theta).hessian, FreeRun::new(&records[0], ORDERS, &theta).jacobian());
         let direct: Vec<f64> = (0..36).map(|k| dot(&columns[k / 6], &columns[k % 6])).collect();
         assert_close(&hessian, &direct, 1e-9, 1e-6);
     }

@@ -170,9 +170,8 @@ fn check(problem: &impl SumOfSquares, start: &[f64], settings: &Settings) -> Res
 fn step(normal: &Normal, mu: f64) -> Option<(Vec<f64>, f64)> {
     let d = normal.gradient.len();
     let size = sizes(normal);
-    let scaled = DMatrix::from_fn(d, d, |i, j| {
-        normal.hessian[i * d + j] / (size[i] * size[j]) + if i == j { mu } else { 0.0 }
-    });
+    let scaled =
+        DMatrix::from_fn(d, d, |i, j| normal.hessian[i * d + j] / (size[i] * size[j]) + if i == j { mu } else { 0.0 });
     let downhill = DVector::from_fn(d, |i, _| -normal.gradient[i] / size[i]);
     let h = Cholesky::new(scaled)?.solve(&downhill);
     let promise = h.dot(&(&h * mu + downhill));
@@ -288,7 +287,10 @@ mod tests {
     #[test]
     fn how_it_ended_is_told() {
         let noisy = Rows(2, |x: &[f64]| {
-            (0..20).map(|t| (f64::from(t), f64::from(t * t % 7))).map(|(t, y)| vec![x[0] + x[1] * t - y, 1.0, t]).collect()
+            (0..20)
+                .map(|t| (f64::from(t), f64::from(t * t % 7)))
+                .map(|(t, y)| vec![x[0] + x[1] * t - y, 1.0, t])
+                .collect()
         });
         let reason = |settings: &Settings| minimise(&noisy, &[0.0, 0.0], settings, &mut unwatched).unwrap().reason;
         assert_eq!(reason(&Settings::default()), Reason::Converged);
