@@ -200,14 +200,14 @@ pub(super) fn search(
     let runs: Vec<_> = problem.runs(&minimum.x).map(|(run, _)| run).collect();
     let rms = |e: &[f64]| (e.iter().map(|e| e * e).sum::<f64>() / e.len() as f64).sqrt();
     let samples: usize = problem.records.iter().map(Record::len).sum();
-    let nuisance = problem.records.len() * (problem.orders.history() + 1);
+    let freedom = samples - problem.records.len() * (problem.orders.history() + 1) - problem.dimension();
     Ok(OutputError {
         arx,
         orders: problem.orders,
         offsets: runs.iter().map(|run| run.offset).collect(),
         rms: runs.iter().map(|run| rms(&run.e)).collect(),
-        freedom: samples - nuisance - problem.dimension(),
-        covariance: uncertainty::covariance(problem, &minimum.x),
+        freedom,
+        covariance: uncertainty::covariance(problem, &minimum.x, freedom),
         minimum,
     })
 }
