@@ -188,7 +188,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     rich_enough(linear, how.order)?;
     let fit = linear::fit(linear, Orders::of(how.order), linear::estimator(&how.estimator)?, &how.swarm, progress)?;
     let (left, best) = (fit.residuals.sum_abs, fit.least_squares_sum_abs);
-    let failed = if left > 1.001 * best {
+    let failed = if fit.estimator == "swarm" && left > 1.001 * best {
         let (left, best) = (short(left), short(best));
         format!(
             "; it leaves {left} where least squares leaves {best}, so the search failed: try --estimator least-absolute"

@@ -1,13 +1,16 @@
 //! Estimators of the linear block: the list, and the fit with its offset and residuals.
 //!
 //! Every estimator answers the same question, the theta of equation (1), and every fit first finds the constant that
-//! the sensor adds to y by least squares with one constant a record: a constant forgotten puts a pole at 0 Hz.
+//! the sensor adds to y by least squares with one constant a record: a constant forgotten puts a pole at 0 Hz. Those that
+//! look at the free run find it again with theta.
 
 use super::Arx;
 use super::absolute_error::AbsoluteError;
+use super::instrumental::{self, Rounds};
+use super::output_error::{Refinement, output_error};
 use super::regression::{Orders, Regression};
 use crate::error::Error;
-use crate::optimize::{Reason, least_absolute, swarm};
+use crate::optimize::{Minimum, Reason, least_absolute, swarm};
 use crate::progress::{Progress, Stage, unwatched};
 use crate::record::Record;
 use crate::series::scatter;
@@ -23,20 +26,30 @@ pub struct Estimator {
     pub summary: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
-    /// From the centred regression and its least-squares solution.
-    estimate: fn(&Regression, &[f64], &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
+    estimate: fn(&Given, &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
+}
+
+/// What an estimator starts from.
+struct Given<'a> {
+    records: &'a [Record],
+    /// The rows, offsets taken off.
+    regression: Regression,
+    /// Theta by least squares.
+    start: Vec<f64>,
 }
 
 /// Theta, and the best cost and theta by iteration where the estimator iterates.
 struct Solution {
     theta: Vec<f64>,
+    /// One a record, where the estimator has its own.
+    offsets: Option<Vec<f64>>,
     history: Vec<f64>,
     courses: Vec<Vec<f64>>,
 }
 
 impl From<Vec<f64>> for Solution {
     fn from(theta: Vec<f64>) -> Self {
-        Solution { theta, history: Vec::new(), courses: Vec::new() }
+        Solution { theta, offsets: None, history: Vec::new(), courses: Vec::new() }
     }
 }
 
@@ -46,27 +59,52 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "swarm",
         summary: "sum of absolute errors, by particle swarm (the paper's way)",
         reference: "paper, equations (2)-(7); Shi & Eberhart 1998, doi:10.1109/ICEC.1998.699146",
-        estimate: |regression, start, settings, progress| {
-            let cost = AbsoluteError::from(regression);
-            let minimum = swarm::minimise(&cost, regression.search_box(start)?, settings.clone(), progress)?;
+        estimate: |given, settings, progress| {
+            let cost = AbsoluteError::from(&given.regression);
+            let search_box = given.regression.search_box(&given.start)?;
+            let minimum = swarm::minimise(&cost, search_box, settings.clone(), progress)?;
             if minimum.reason == Reason::Cancelled {
                 let (done, total) = (minimum.history.len() - 1, settings.iterations);
                 return Err(Error::Cancelled { what: "the swarm".into(), done, total });
             }
-            Ok(Solution { theta: minimum.x, history: minimum.history, courses: minimum.courses })
+            let Minimum { x, history, courses, .. } = minimum;
+            Ok(Solution { theta: x, offsets: None, history, courses })
         },
     },
     Estimator {
         name: "least-squares",
         summary: "sum of squared errors, exactly, by QR",
         reference: "Ljung 1998, System Identification: Theory for the User",
-        estimate: |_, start, _, _| Ok(start.to_vec().into()),
+        estimate: |given, _, _| Ok(given.start.clone().into()),
     },
     Estimator {
         name: "least-absolute",
         summary: "sum of absolute errors, exactly, by linear programming: the yardstick of the swarm",
         reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
-        estimate: |regression, _, _, _| Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into()),
+        estimate: |Given { regression, .. }, _, _| {
+            Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into())
+        },
+    },
+    Estimator {
+        name: "output-error",
+        summary: "sum of squared free-run errors, by Levenberg-Marquardt: no bias by noise in y",
+        reference: "Ljung 1998, System Identification; Marquardt 1963, doi:10.1137/0111030",
+        estimate: |given, _, progress| {
+            let found = output_error(given.records, given.regression.orders, &Refinement::default(), progress)?;
+            let Minimum { x, history, courses, .. } = found.minimum;
+            Ok(Solution { theta: x, offsets: Some(found.offsets), history, courses })
+        },
+    },
+    Estimator {
+        name: "instrumental",
+        summary: "refined instrumental variables: no bias by noise in y, and a long reach",
+        reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, doi:10.1007/BFb0009019",
+        estimate: |given, _, _| {
+            let orders = given.regression.orders;
+            let found = instrumental::estimate(given.records, orders, &given.start[..orders.na])?;
+            let Rounds { theta, offsets, history, courses, .. } = found;
+            Ok(Solution { theta, offsets: Some(offsets), history, courses })
+        },
     },
 ];
 
@@ -88,7 +126,7 @@ pub struct Fit {
     pub arx: Arx,
     /// For each record, the constant in its output [output unit].
     pub offsets: Vec<f64>,
-    /// What one-step prediction leaves.
+    /// What one-step prediction leaves: not what estimators that look at the free run make small.
     pub residuals: Residuals,
     /// The sum of absolute values that least squares leaves: a search for less that ends above it has failed.
     pub least_squares_sum_abs: f64,
@@ -140,17 +178,20 @@ pub fn fit(
     let regression = Regression::new(records, orders)?;
     let (start, offsets) = least_squares(&regression)?;
     let centred = regression.centred(&offsets);
+    let least_squares_sum_abs = residuals(&centred, &start).sum_abs;
+    let given = Given { records, regression: centred, start };
     let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
-    let Solution { theta, history, courses } = (estimator.estimate)(&centred, &start, settings, named)?;
+    let Solution { theta, offsets: own, history, courses } = (estimator.estimate)(&given, settings, named)?;
+    let offsets = own.unwrap_or(offsets);
     let (a, b) = theta.split_at(orders.na);
     let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();
     let arx = Arx::new(regression.ts, a.to_vec(), b)?;
     Ok(Fit {
         estimator: estimator.name,
         arx,
+        residuals: residuals(&regression.centred(&offsets), &theta),
         offsets,
-        residuals: residuals(&centred, &theta),
-        least_squares_sum_abs: residuals(&centred, &start).sum_abs,
+        least_squares_sum_abs,
         history,
         courses,
     })
@@ -188,7 +229,7 @@ pub fn too_low(records: &[Record], fit: &Fit) -> Option<String> {
 }
 
 /// Theta and the output offset of each record, by QR of the rows with one constant a record.
-fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f64>), Error> {
+pub(super) fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f64>), Error> {
     let (stride, d) = (regression.stride(), regression.orders.parameters());
     let columns = d + regression.lengths.len();
     let record_of_row: Vec<usize> =

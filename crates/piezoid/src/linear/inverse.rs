@@ -140,7 +140,7 @@ fn recurse<'a>(w: impl Iterator<Item = &'a mut f64>, c: &[f64], still: f64) {
 }
 
 /// c1, c2, ... of Pi (1 - zeta q^-1) = 1 + c1 q^-1 + ...; the roots come with their conjugates.
-fn monic(zeros: &[Root]) -> Vec<f64> {
+pub(super) fn monic(zeros: &[Root]) -> Vec<f64> {
     let mut c = vec![(1.0, 0.0)];
     for z in zeros {
         c.push((0.0, 0.0));
@@ -159,7 +159,7 @@ fn product(zeros: &[Root]) -> f64 {
     re
 }
 
-fn reciprocal(z: &Root) -> Root {
+pub(super) fn reciprocal(z: &Root) -> Root {
     let square = z.re * z.re + z.im * z.im;
     Root { re: z.re / square, im: -z.im / square }
 }

@@ -3,13 +3,27 @@
 mod absolute_error;
 mod analysis;
 mod arx;
+mod delay;
 mod fit;
+mod fit_modes;
+mod free_run;
+mod instrumental;
 mod inverse;
+mod modes;
+mod output_error;
 mod regression;
+mod select;
+mod uncertainty;
 
 pub use absolute_error::AbsoluteError;
 pub use analysis::{Pole, Response, Root};
 pub use arx::Arx;
+pub use delay::{Delay, input_delay};
 pub use fit::{ESTIMATORS, Estimator, Fit, Residuals, estimator, fit, too_low};
+pub use fit_modes::{Mode, Modes, fit_modes};
 pub use inverse::Inverse;
+pub use modes::{Oscillator, PoleShare, Reading};
+pub use output_error::{OutputError, Refinement, output_error, refine};
 pub use regression::{Orders, Regression};
+pub use select::{Candidate, Choice, Selection, select};
+pub use uncertainty::{Bootstrap, Replicates, Uncertain, UncertainPole, bootstrap};

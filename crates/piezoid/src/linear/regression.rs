@@ -28,6 +28,23 @@ impl Orders {
         self.na + self.nb
     }
 
+    /// The first of `records`, once they are known to have one sampling period and the orders to be possible.
+    pub(crate) fn check<'r>(&self, records: &'r [Record]) -> Result<&'r Record, Error> {
+        let Orders { na, nb, delay } = *self;
+        if !(1..=512).contains(&nb) || na > 512 || delay > 512 {
+            let value = format!("{na}, {nb}, {delay}");
+            return Err(Error::parameter("na, nb, delay", value, "must be at most 512, and nb at least 1"));
+        }
+        let Some(first) = records.first() else {
+            let remedy = "give at least one record".into();
+            return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
+        };
+        for (k, record) in records.iter().enumerate() {
+            same_sampling("record 1", first.ts(), &format!("record {}", k + 1), record.ts())?;
+        }
+        Ok(first)
+    }
+
     /// Samples before the first row is complete.
     pub(crate) fn history(&self) -> usize {
         self.na.max(self.nb.saturating_add(self.delay).saturating_sub(1))
@@ -52,18 +69,9 @@ impl Regression {
     /// Refuses no b at all, records of different sampling periods, and too few samples: at least twice as many rows
     /// as there are parameters.
     pub fn new(records: &[Record], orders: Orders) -> Result<Self, Error> {
-        if !(1..=512).contains(&orders.nb) || orders.na > 512 || orders.delay > 512 {
-            let Orders { na, nb, delay } = orders;
-            let value = format!("{na}, {nb}, {delay}");
-            return Err(Error::parameter("na, nb, delay", value, "must be at most 512, and nb at least 1"));
-        }
-        let Some(first) = records.first() else {
-            let remedy = "give at least one record".into();
-            return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
-        };
+        let first = orders.check(records)?;
         let mut regression = Regression { ts: first.ts(), orders, rows: Vec::new(), lengths: Vec::new() };
-        for (k, record) in records.iter().enumerate() {
-            same_sampling("record 1", first.ts(), &format!("record {}", k + 1), record.ts())?;
+        for record in records {
             let before = regression.rows.len();
             let (u, y) = (record.u(), record.y());
             for t in orders.history()..record.len() {

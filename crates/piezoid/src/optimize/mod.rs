@@ -1,6 +1,7 @@
 //! Searches for the best parameters. How a search ended is data ([`Minimum::reason`]), not an error.
 
 mod least_absolute;
+pub mod levenberg_marquardt;
 pub mod swarm;
 
 pub use least_absolute::{LeastAbsolute, least_absolute};
@@ -30,8 +31,10 @@ pub enum Reason {
     Iterations,
     /// The cost fell to the threshold.
     Threshold,
-    /// The cost has not fallen for as many iterations as the settings allow.
+    /// The cost has not fallen for as many iterations as the settings allow, or no step lowers it any more.
     Stall,
+    /// The best step that is left would lower the cost by less than the settings ask for.
+    Converged,
     /// The caller asked to stop.
     Cancelled,
 }

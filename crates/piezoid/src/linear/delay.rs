@@ -1,0 +1,101 @@
+//! How long the input takes to act, in seconds and not only in whole samples.
+//!
+//! What is meant: the tau in G(s) = exp(-tau s) (what follows at once + modes) that, with the fewest modes that explain the
+//! records, brings the free run closest to them. Whatever is too fast to be told from a delay counts as one: an amplifier's
+//! lag, a sensor's filter. An output that is read just before its input acts has no delay by the sampling itself; one that
+//! is read after has -Ts.
+//!
+//! Beside it stands the delay by the phase of a difference equation at low frequency (`modes.rs`), which knows nothing of
+//! modes beyond its poles: where the two differ, the mechanics is not what it was taken for.
+
+use super::fit_modes::{Modes, fit_modes};
+use super::output_error::{Refinement, output_error};
+use super::regression::Orders;
+use super::uncertainty::Uncertain;
+use crate::error::Error;
+use crate::progress::Progress;
+use crate::record::Record;
+
+/// A delay as far as it is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Delay {
+    /// tau [s]; the error is that of noise alone.
+    pub seconds: Uncertain,
+    /// The same by the phase at low frequency [s].
+    pub by_phase: f64,
+    /// The modes that it was found with.
+    pub modes: Modes,
+}
+
+/// The most modes that are tried.
+const MOST: usize = 4;
+
+/// A mode more is taken when it lowers the rms of the free run by this share.
+const WORTH: f64 = 0.1;
+
+/// The input delay of `records`, looked for from -1 to `longest` samples.
+///
+/// ```
+/// use piezoid::{Record, linear::{Refinement, input_delay}, plant::{Plant, find}, excitation::Prbs};
+/// let plant = Plant::new(&(find("pl140")?.spec)(), 5e-4)?;
+/// let u = Prbs::default().samples(5e-4, 2047)?;
+/// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
+/// let delay = input_delay(&[record], 2.0, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+/// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
+/// assert!((delay.seconds.value - 1e-4).abs() < 2e-6 && delay.modes.modes.len() == 2);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`fit_modes`].
+pub fn input_delay(
+    records: &[Record],
+    longest: f64,
+    how: &Refinement,
+    progress: &mut Progress,
+) -> Result<Delay, Error> {
+    let mut modes = fit_modes(records, 1, longest, how, progress)?;
+    for n in 2..=MOST {
+        match fit_modes(records, n, longest, how, progress) {
+            Ok(more) if more.minimum.cost.sqrt() < (1.0 - WORTH) * modes.minimum.cost.sqrt() => modes = more,
+            Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
+            _ => break,
+        }
+    }
+    let orders = Orders { delay: modes.arx.delay(), ..Orders::of(2 * modes.modes.len()) };
+    let by_phase = output_error(records, orders, how, progress)?.arx.reading().delay;
+    Ok(Delay { seconds: modes.delay, by_phase, modes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Prbs;
+    use crate::linear::fit_modes::tests::held;
+    use crate::progress::unwatched;
+    use crate::system::System;
+    use crate::testing::assert_close;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    const TS: f64 = 5e-4;
+
+    #[test]
+    fn a_delay_is_found_within_its_uncertainty_be_it_whole_samples_or_not() {
+        for (seed, delay) in [(1, -TS), (2, 0.0), (3, 1.7e-4), (4, TS), (5, 1.35e-3)] {
+            let truth = held(&[(166.3, 0.03, 27.0)], 3.0, delay);
+            let u = Prbs::default().samples(TS, 2047).unwrap();
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let noise = Normal::new(0.0, 0.3).unwrap();
+            let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+            let record = [Record::new(TS, u, y).unwrap()];
+            let found = input_delay(&record, 3.0, &Refinement::default(), &mut unwatched).unwrap();
+            let Uncertain { value, error } = found.seconds;
+            assert_close(&[value], &[delay], 0.0, 4.0 * error);
+            assert!(error < 2e-6 && found.modes.modes.len() == 1, "{error}");
+            // By phase the static residual is not told from a mode's: a sample's worth on its share.
+            assert_close(&[found.by_phase], &[delay], 0.0, 6e-5);
+        }
+    }
+}

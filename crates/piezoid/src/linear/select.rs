@@ -1,0 +1,344 @@
+//! The choice of order and delay: the simplest block that tells what it has not seen as well as any, or nearly.
+//!
+//! Every order from 1 and every delay from 0 is fitted by output error to the first part of each record and simulated over
+//! the last part, which it has not seen; single samples are never held out, since neighbours tell of each other. With s
+//! the mean square of a block's held-out error and s0 that of the best block, blocks of time give d = s - s0 again and
+//! again, and the standard error of their mean says how far d is known. (Both errors see the same noise, so their
+//! difference is known far better than either.) A block is as good as the best when d is within two standard errors of
+//! nothing, or when its rms is larger by no more than a higher order must be worth. Of those the lowest order is chosen, and
+//! of this the longest delay, for a first coefficient that might as well be zero spoils the inverse.
+//!
+//! AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run over the first part with p the
+//! parameters, pasts and offsets, stand in the table to be compared. They trust the noise to be white.
+//!
+//! Hastie, Tibshirani & Friedman 2009, The Elements of Statistical Learning, 7.10 (doi:10.1007/978-0-387-84858-7);
+//! Akaike 1974 (doi:10.1109/TAC.1974.1100705); Schwarz 1978 (doi:10.1214/aos/1176344136).
+
+use super::free_run::{FreeRun, FreeRunError};
+use super::output_error::{Beginnings, OutputError, Refinement, checked, search};
+use super::{Arx, Orders, Pole};
+use crate::error::Error;
+use crate::number::short;
+use crate::optimize::levenberg_marquardt;
+use crate::progress::{Progress, Stage, unwatched};
+use crate::record::Record;
+use crate::series::{ends, mean, scatter};
+use rayon::prelude::*;
+
+/// What to choose from, and how to judge.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// The highest order.
+    pub order: usize,
+    /// The longest delay [samples].
+    pub delay: usize,
+    /// The share of each record that is held out, at its end.
+    pub held_out: f64,
+    /// The share by which a higher order must lower the rms held out to be worth its coefficients.
+    pub worth: f64,
+    /// How the chosen block is refined, on all samples; its weights hold from the start.
+    pub refinement: Refinement,
+    /// Fit the candidates on the threads of the current rayon pool; the result is the same.
+    pub parallel: bool,
+}
+
+impl Default for Choice {
+    /// Orders to 8, delays to 3, a quarter held out, 2 %.
+    fn default() -> Self {
+        Choice { order: 8, delay: 3, held_out: 0.25, worth: 0.02, refinement: Refinement::default(), parallel: false }
+    }
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// Poles, and delay; n poles go with n + 1 coefficients of b after the delay.
+    pub orders: Orders,
+    /// The block of the first parts.
+    pub arx: Arx,
+    /// Akaike's criterion.
+    pub aic: f64,
+    /// Schwarz's criterion.
+    pub bic: f64,
+    /// Rms of the free run over the first parts [output unit].
+    pub rms: f64,
+    /// Rms of the free run over the parts held out [output unit].
+    pub held_out: f64,
+    /// The same in percent of the peak-to-peak output.
+    pub held_out_pp_percent: f64,
+    /// Mean square held out, less that of the best candidate [output unit squared].
+    pub excess: f64,
+    /// Standard error of `excess`, from blocks of time.
+    pub excess_error: f64,
+    /// Whether it tells what it has not seen as well as the best does.
+    pub as_good: bool,
+    /// The least damped pole that oscillates.
+    pub resonance: Option<Pole>,
+}
+
+/// The choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// All that could be fitted, by order, then delay.
+    pub candidates: Vec<Candidate>,
+    /// The orders that could not, and why.
+    pub refused: Vec<(Orders, String)>,
+    /// Index of the chosen candidate.
+    pub chosen: usize,
+    /// Why it was chosen, in words.
+    pub reason: String,
+    /// The chosen orders fitted to all samples.
+    pub fit: OutputError,
+}
+
+/// Blocks of time that the parts held out are cut into.
+const BLOCKS: usize = 20;
+
+/// Steps and tolerance that tell candidates apart.
+const ROUGH: levenberg_marquardt::Settings =
+    levenberg_marquardt::Settings { iterations: 25, tolerance: 1e-6, damping: 1e-3 };
+
+/// Chooses order and delay of the linear block of `records`.
+///
+/// ```
+/// use piezoid::{Record, System, linear::{Arx, Choice, select}};
+/// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5])?;
+/// let u: Vec<f64> = (0..1200).map(|t| f64::from((t * t % 101 % 13) as u8) - 6.0).collect();
+/// let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
+/// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
+/// let few = Choice { order: 3, delay: 1, ..Choice::default() };
+/// let chosen = select(&[Record::new(5e-4, u, y)?], &few, &mut piezoid::progress::unwatched)?;
+/// assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
+/// [`output_error`](super::output_error) refuses where it refuses every candidate; [`Error::Cancelled`].
+pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
+    let highest = Orders { delay: how.delay, ..Orders::of(how.order) };
+    if how.order == 0 {
+        return Err(Error::parameter("order", 0, "must be at least 1"));
+    }
+    for (name, share, least) in [("held_out", how.held_out, f64::MIN_POSITIVE), ("worth", how.worth, 0.0)] {
+        if !(least..1.0).contains(&share) {
+            return Err(Error::parameter(name, share, "must be a share, below 1"));
+        }
+    }
+    let weights = checked(records, highest, &how.refinement)?;
+    let (seen, unseen) = cut(records, how.held_out)?;
+    checked(&seen, highest, &how.refinement)?;
+    checked(&unseen, highest, &how.refinement)?;
+    let beginnings = Beginnings::new(&seen, highest)?;
+
+    let (mut fitted, mut refused) = (Vec::new(), Vec::new());
+    for n in 1..=how.order {
+        let stage = Stage { what: "order and delay", done: n - 1, total: how.order };
+        if progress(stage).is_break() {
+            return Err(Error::Cancelled { what: "the choice of an order".into(), done: n - 1, total: how.order });
+        }
+        let fit = |delay| {
+            let orders = Orders { delay, ..Orders::of(n) };
+            let start = beginnings.start(orders, &weights);
+            let problem = FreeRunError { records: &seen, weights: &weights, orders };
+            let rough = Refinement { search: ROUGH, ..how.refinement.clone() };
+            (orders, start.and_then(|start| search(&problem, &start, &rough, &mut unwatched)))
+        };
+        let all: Vec<_> = if how.parallel {
+            (0..=how.delay).into_par_iter().map(fit).collect()
+        } else {
+            (0..=how.delay).map(fit).collect()
+        };
+        for (orders, fit) in all {
+            match fit {
+                Ok(fit) => fitted.push(fit),
+                Err(why) => refused.push((orders, why.to_string())),
+            }
+        }
+    }
+    let Some((candidates, chosen, reason)) = judged(&fitted, &seen, &unseen, &weights, how.worth) else {
+        let because = refused.first().map_or_else(String::new, |(_, why)| why.clone());
+        return Err(Error::Unidentifiable { what: "a linear block of any order".into(), because });
+    };
+    let start = &fitted[chosen];
+    let problem = FreeRunError { records, weights: &weights, orders: start.orders };
+    let fit = search(&problem, &start.minimum.x, &how.refinement, progress)?;
+    Ok(Selection { candidates, refused, chosen, reason, fit })
+}
+
+/// Each record's first part, and the last `share` of it.
+fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Error> {
+    let part = |r: &Record, range: std::ops::Range<usize>| {
+        Ok::<_, Error>(
+            Record::new(r.ts(), r.u()[range.clone()].to_vec(), r.y()[range].to_vec())?.with_units(r.units().clone()),
+        )
+    };
+    let parts = records.iter().map(|r| {
+        let at = ((1.0 - share) * r.len() as f64).round() as usize;
+        Ok::<_, Error>((part(r, 0..at)?, part(r, at..r.len())?))
+    });
+    Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
+}
+
+/// The table, the index of the choice and its reason; none of nothing.
+fn judged(
+    fitted: &[OutputError],
+    seen: &[Record],
+    unseen: &[Record],
+    weights: &[f64],
+    worth: f64,
+) -> Option<(Vec<Candidate>, usize, String)> {
+    let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out(fit, unseen, weights)).collect();
+    let means: Vec<f64> = squares.iter().map(|s| mean(s)).collect();
+    let best = (0..fitted.len()).min_by(|&p, &q| means[p].total_cmp(&means[q]))?;
+    let (low, high) = ends(unseen.iter().flat_map(|r| r.y()).copied());
+    let n: f64 = seen.iter().map(|r| r.len() as f64).sum();
+    let candidate = |k: usize| {
+        let fit = &fitted[k];
+        let apart: Vec<f64> = squares[k].iter().zip(&squares[best]).map(|(s, s0)| s - s0).collect();
+        let (excess, excess_error) = (mean(&apart), standard_error(&apart));
+        let fit_error = n * (fit.minimum.cost / n).ln();
+        let p = n - fit.freedom as f64;
+        let oscillating = fit.arx.poles().into_iter().filter(|p| p.z.im > 0.0);
+        Candidate {
+            orders: fit.orders,
+            arx: fit.arx.clone(),
+            aic: fit_error + 2.0 * p,
+            bic: fit_error + p * n.ln(),
+            rms: (fit.minimum.cost / n).sqrt(),
+            held_out: means[k].sqrt(),
+            held_out_pp_percent: 100.0 * means[k].sqrt() / (high - low),
+            excess,
+            excess_error,
+            as_good: excess <= 2.0 * excess_error || means[k].sqrt() <= (1.0 + worth) * means[best].sqrt(),
+            resonance: oscillating.min_by(|p, q| p.damping.total_cmp(&q.damping)),
+        }
+    };
+    let candidates: Vec<Candidate> = (0..fitted.len()).map(candidate).collect();
+    let order = candidates.iter().filter(|c| c.as_good).map(|c| c.orders.na).min()?;
+    let chosen = candidates.iter().rposition(|c| c.orders.na == order && c.as_good)?;
+    let reason = reason(&candidates, chosen, best, seen.first()?.units().y.as_str());
+    Some((candidates, chosen, reason))
+}
+
+/// The weighted squared errors of the free run over the parts held out, one series. Its past and offset there are its
+/// own, since sensors drift.
+fn held_out(fit: &OutputError, unseen: &[Record], weights: &[f64]) -> Vec<f64> {
+    let run = |(record, weight): (&Record, &f64)| {
+        let e = FreeRun::new(record, fit.orders, &fit.minimum.x).e;
+        let fitted = (fit.orders.history() + 1) as f64;
+        let share = weight * e.len() as f64 / (e.len() as f64 - fitted);
+        e.into_iter().map(move |e| share * e * e).collect::<Vec<_>>()
+    };
+    unseen.iter().zip(weights).flat_map(run).collect()
+}
+
+/// The standard error of the mean of a series whose samples depend on their neighbours, from the means of blocks.
+fn standard_error(x: &[f64]) -> f64 {
+    let means: Vec<f64> = x.chunks_exact(x.len().div_ceil(BLOCKS).max(1)).map(mean).collect();
+    let k = means.len() as f64;
+    (scatter(&means) / (k * (k - 1.0).max(1.0))).sqrt()
+}
+
+fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> String {
+    let (c, b, all) = (&candidates[chosen], &candidates[best], candidates.len());
+    let name = |c: &Candidate| format!("order {} with delay {}", c.orders.na, c.orders.delay);
+    let told = format!("{} leaves {} {unit} rms of what it had not seen", name(c), short(c.held_out));
+    if chosen == best {
+        return format!("{told}, the least of {all} blocks, and no simpler one comes near");
+    }
+    let near = if c.excess <= 2.0 * c.excess_error {
+        format!(
+            "which two standard errors of blocks of time, {}, cannot tell from nothing",
+            short(2.0 * c.excess_error)
+        )
+    } else {
+        format!(
+            "beyond two standard errors of blocks of time, {}, but not worth more coefficients",
+            short(2.0 * c.excess_error)
+        )
+    };
+    let (least, apart) = (short(b.held_out), short(c.excess));
+    format!(
+        "{told}; the least of {all} blocks is {least} {unit}, by {}: in mean squares {apart} less, {near}; no simpler block comes as near",
+        name(b)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Prbs;
+    use crate::plant::{Plant, find};
+    use crate::system::System;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+
+    const TS: f64 = 5e-4;
+
+    /// The PL140 twin under a PRBS of 1 V, in micrometres.
+    fn pl140(seed: u64, n: usize) -> Record {
+        let u = Prbs::default().samples(TS, n).unwrap();
+        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(seed);
+        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        Record::new(TS, u, y).unwrap()
+    }
+
+    fn choose(seed: u64, n: usize, how: &Choice) -> Selection {
+        select(&[pl140(seed, n)], how, &mut unwatched).unwrap()
+    }
+
+    #[test]
+    fn the_pl140_is_of_order_5_or_6_whatever_the_noise() {
+        for seed in 1..=5 {
+            let found = choose(seed, 2 * 2047, &Choice { delay: 2, ..Choice::default() });
+            let Orders { na, delay, .. } = found.fit.orders;
+            assert!((5..=6).contains(&na) && delay <= 1, "seed {seed}: {}", found.reason);
+            assert!((0.19..0.212).contains(&found.fit.rms[0]), "{:?}", found.fit.rms);
+            let resonance = found.candidates[found.chosen].resonance.unwrap();
+            crate::testing::assert_close(&[resonance.hz, resonance.damping], &[166.3, 0.03], 2e-3, 3e-4);
+        }
+    }
+
+    /// A block of order 3 with a delay of 2, with white noise of 2 % in its output.
+    fn late(seed: u64) -> Record {
+        let truth = Arx::new(TS, vec![1.2, -0.9, 0.2], vec![0.0, 0.0, 1.0, 0.4, -0.3, 0.2]).unwrap();
+        let u = Prbs::default().samples(TS, 2047).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let noise = Normal::new(0.0, 0.03).unwrap();
+        let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+        Record::new(TS, u, y).unwrap()
+    }
+
+    #[test]
+    fn the_true_order_is_chosen_and_the_true_delay() {
+        for seed in 0..10 {
+            let found = select(&[late(seed)], &Choice::default(), &mut unwatched).unwrap();
+            assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "seed {seed}: {}", found.reason);
+            let best = |f: fn(&Candidate) -> f64| {
+                found.candidates.iter().min_by(|p, q| f(p).total_cmp(&f(q))).map(|c| (c.orders.na, c.orders.delay))
+            };
+            assert_eq!(best(|c| c.bic), Some((3, 2)));
+        }
+    }
+
+    #[test]
+    fn threads_change_nothing_and_several_records_are_one_choice() {
+        let records = [late(1).part(0.0, 0.5).unwrap(), late(2).part(0.5, 1.0).unwrap()];
+        let few = Choice { order: 4, delay: 3, ..Choice::default() };
+        let one = select(&records, &few, &mut unwatched).unwrap();
+        assert_eq!((one.fit.orders.na, one.fit.orders.delay), (3, 2), "{}", one.reason);
+        assert_eq!(select(&records, &Choice { parallel: true, ..few }, &mut unwatched).unwrap(), one);
+    }
+
+    #[test]
+    fn what_cannot_be_chosen_from_is_refused() {
+        let message = |how: Choice| select(&[late(1)], &how, &mut unwatched).unwrap_err().to_string();
+        assert!(message(Choice { order: 0, ..Choice::default() }).starts_with("order = 0"));
+        assert!(message(Choice { held_out: 1.0, ..Choice::default() }).starts_with("held_out = 1"));
+        assert!(message(Choice { order: 200, ..Choice::default() }).contains("at least"));
+        let still = Record::new(TS, vec![1.0; 900], vec![2.0; 900]).unwrap();
+        assert!(select(&[still], &Choice::default(), &mut unwatched).unwrap_err().to_string().contains("any order"));
+    }
+}
