@@ -5,12 +5,14 @@
 //! ```
 //! The driver stands there where it is known; where it is not, the linear block holds what it does to small steps.
 
+mod joint;
 mod loops;
 mod paper;
 mod rich;
 
 pub(crate) use paper::proportional;
 
+pub use joint::{Joint, identify_joint};
 pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
 pub use rich::{LinearPart, dominant_frequency};

@@ -2,8 +2,10 @@
 
 mod least_absolute;
 pub mod levenberg_marquardt;
+mod non_negative;
 pub mod swarm;
 
+pub(crate) use non_negative::non_negative;
 pub use least_absolute::{LeastAbsolute, least_absolute};
 
 use serde::{Deserialize, Serialize};

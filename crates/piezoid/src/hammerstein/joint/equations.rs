@@ -1,0 +1,106 @@
+//! Normal equations, with what belongs to a single record eliminated.
+//!
+//! A record's own coefficients v (state of creep, state of G, constant) are the best for any parameters x:
+//!
+//! ```text
+//! | Hxx Hxv | |x|   |gx|
+//! | Hvx Hvv | |v| = |gv|    =>    (Hxx - Hxv Hvv^-1 Hvx) x = gx - Hxv Hvv^-1 gv
+//! ```
+//! Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201.
+
+use super::estimate::Estimate;
+use super::layout::Layout;
+use super::products::Stretch;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// How far from settled creep may begin, over the peak-to-peak of y, and the error it is weighed against.
+const CREPT: f64 = 0.03;
+const ERROR: f64 = 0.003;
+
+/// Sums of squares in the weights and the steps of the other parameters.
+#[derive(Debug, Clone)]
+pub(super) struct Normal {
+    pub(super) h: DMatrix<f64>,
+    pub(super) g: DVector<f64>,
+    pub(super) yy: f64,
+    pub(super) samples: f64,
+}
+
+impl Normal {
+    /// The sum of squares that `x` leaves.
+    pub(super) fn left(&self, x: &DVector<f64>) -> f64 {
+        (self.yy + x.dot(&(&self.h * x - &self.g * 2.0))).max(0.0)
+    }
+
+    fn sum<'a>(n: usize, parts: impl Iterator<Item = &'a Normal>) -> Self {
+        let zero = Normal { h: DMatrix::zeros(n, n), g: DVector::zeros(n), yy: 0.0, samples: 0.0 };
+        parts.fold(zero, |mut sum, part| {
+            sum.h += &part.h;
+            sum.g += &part.g;
+            sum.yy += part.yy;
+            sum.samples += part.samples;
+            sum
+        })
+    }
+}
+
+/// The equations of a run, and the way back to its own coefficients: v = v0 - V x.
+#[derive(Debug, Clone)]
+pub(super) struct OfRun {
+    pub(super) run: usize,
+    pub(super) normal: Normal,
+    carried: DMatrix<f64>,
+    carried_y: DVector<f64>,
+}
+
+impl OfRun {
+    /// Of some stretches of one run.
+    fn of(estimate: &Estimate, layout: &Layout, parts: &[&Stretch]) -> Self {
+        let (p, m, y) = (layout.parameters(), layout.own(), layout.columns());
+        let gram = parts[1..].iter().fold(parts[0].gram.clone(), |sum, part| sum + &part.gram);
+        let samples = parts.iter().map(|part| part.samples).sum();
+        let mut own = gram.view((p, p), (m, m)).into_owned();
+        // The square of one sample of the constant's column, and of what a unit of creep's state is in y.
+        let one = own[(m - 1, m - 1)] / f64::max(samples, 1.0);
+        let doubt = (ERROR / CREPT * estimate.linear.dc_gain()).powi(2) * one;
+        for k in 0..m {
+            own[(k, k)] += 1e-10 * own[(k, k)] + f64::MIN_POSITIVE;
+            own[(k, k)] += if layout.crept.contains(&(p + k)) { doubt } else { 0.0 };
+        }
+        let crossed = gram.view((p, 0), (m, p)).into_owned();
+        let crossed_y = gram.view((p, y), (m, 1)).column(0).into_owned();
+        let (carried, carried_y) = match own.cholesky() {
+            Some(own) => (own.solve(&crossed), own.solve(&crossed_y)),
+            None => (DMatrix::zeros(m, p), DVector::zeros(m)),
+        };
+        let normal = Normal {
+            h: gram.view((0, 0), (p, p)) - crossed.tr_mul(&carried),
+            g: gram.view((0, y), (p, 1)).column(0) - crossed.tr_mul(&carried_y),
+            yy: gram[(y, y)] - crossed_y.dot(&carried_y),
+            samples,
+        };
+        OfRun { run: parts[0].run, normal, carried, carried_y }
+    }
+
+    /// The run's own coefficients where the parameters are `x`.
+    pub(super) fn own(&self, x: &DVector<f64>) -> Vec<f64> {
+        (&self.carried_y - &self.carried * x).iter().copied().collect()
+    }
+}
+
+/// The equations of each run over the stretches that are `taken`, and their sum.
+pub(super) fn equations(
+    estimate: &Estimate,
+    stretches: &[Stretch],
+    taken: impl Fn(&Stretch) -> bool + Sync,
+) -> (Normal, Vec<OfRun>) {
+    let layout = Layout::of(estimate);
+    let runs = stretches.chunk_by(|p, q| p.run == q.run).collect::<Vec<_>>();
+    let of = |run: &&[Stretch]| {
+        let parts: Vec<&Stretch> = run.iter().filter(|s| s.samples > 0.0 && taken(s)).collect();
+        (!parts.is_empty()).then(|| OfRun::of(estimate, &layout, &parts))
+    };
+    let each: Vec<OfRun> = runs.par_iter().filter_map(of).collect();
+    (Normal::sum(layout.parameters(), each.iter().map(|run| &run.normal)), each)
+}

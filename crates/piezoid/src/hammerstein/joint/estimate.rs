@@ -1,0 +1,115 @@
+//! What the joint way has found so far: every parameter of a model, before it is one.
+
+use super::layout::Layout;
+use super::runs::{Past, Run};
+use crate::creep::{Creep, Lag};
+use crate::driver::{Driver, SUBSTEPS};
+use crate::error::Error;
+use crate::hammerstein::Model;
+use crate::hysteresis::{Basis, Shape};
+use crate::linear::Arx;
+use crate::system::System;
+
+/// y = G C sum_k w_k phi_k: the parameters of each part.
+#[derive(Debug)]
+pub(super) struct Estimate {
+    pub(super) driver: Option<Driver>,
+    pub(super) basis: Box<dyn Basis>,
+    pub(super) weights: Vec<f64>,
+    pub(super) lags: Vec<Lag>,
+    pub(super) linear: Arx,
+}
+
+impl Estimate {
+    pub(super) fn ts(&self) -> f64 {
+        self.linear.ts()
+    }
+
+    /// The estimate with the parameters `x`, in the order of [`Layout`]; none where G is unstable or they make no sense.
+    pub(super) fn moved(&self, x: &[f64]) -> Option<Self> {
+        let layout = Layout::of(self);
+        let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
+        let within = |(shape, &p): (Shape, &f64)| p.clamp(shape.low, shape.high);
+        let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape]).map(within).collect();
+        let delay = std::iter::repeat_n(0.0, self.linear.delay());
+        let linear = Arx::new(self.ts(), x[layout.a].to_vec(), delay.chain(x[layout.b].iter().copied()).collect()).ok()?;
+        if !linear.is_stable() {
+            return None;
+        }
+        let basis = self.basis.reshaped(&shape).ok()?;
+        Some(Estimate { driver: self.driver, basis, weights: x[layout.weights].to_vec(), lags, linear })
+    }
+
+    /// The model, with this constant in its output.
+    pub(super) fn model(&self, offset: f64) -> Result<Model, Error> {
+        let hysteresis = self.basis.operator(&self.weights)?;
+        // Lags that were found to add nothing are left out.
+        let lags = self.lags.iter().copied().filter(|lag| lag.gain != 0.0).collect();
+        Model::driven(self.driver, hysteresis, self.linear.clone(), offset)?.with_creep(Creep::new(self.ts(), lags)?)
+    }
+}
+
+/// The responses phi of a basis behind a driver, sample by sample.
+pub(super) struct Responses<'a> {
+    basis: &'a dyn Basis,
+    driver: Option<Driver>,
+    ts: f64,
+    x: Vec<f64>,
+    v: f64,
+    phi: Vec<f64>,
+    before: Vec<f64>,
+    mean: Vec<f64>,
+}
+
+impl<'a> Responses<'a> {
+    /// The responses before the first sample of a run, its past being what it is.
+    pub(super) fn before(estimate: &'a Estimate, run: &Run) -> Self {
+        let u = run.record.u();
+        let mut responses = Responses::settled(estimate, u[0]);
+        if run.past == Past::Itself {
+            u.iter().chain(&u[..1]).for_each(|&u| _ = responses.next(u));
+        }
+        responses
+    }
+
+    /// The responses from rest, settled at `u`.
+    fn settled(estimate: &'a Estimate, u: f64) -> Self {
+        let basis = &*estimate.basis;
+        let mut responses = Responses {
+            basis,
+            driver: estimate.driver,
+            ts: estimate.ts(),
+            x: basis.initial(),
+            v: u,
+            phi: vec![0.0; basis.len()],
+            before: Vec::new(),
+            mean: vec![0.0; basis.len()],
+        };
+        basis.step(&mut responses.x, u, &mut responses.phi);
+        responses
+    }
+
+    /// The responses now.
+    pub(super) fn now(&self) -> &[f64] {
+        &self.phi
+    }
+
+    /// One sample.
+    pub(super) fn next(&mut self, u: f64) -> &[f64] {
+        let Some(driver) = self.driver else {
+            self.basis.step(&mut self.x, u, &mut self.phi);
+            return &self.phi;
+        };
+        self.mean.fill(0.0);
+        let share = 0.5 / SUBSTEPS as f64;
+        for _ in 0..SUBSTEPS {
+            self.v = driver.advance(self.v, u, self.ts / SUBSTEPS as f64);
+            self.before.clone_from(&self.phi);
+            self.basis.step(&mut self.x, self.v, &mut self.phi);
+            for ((mean, before), phi) in self.mean.iter_mut().zip(&self.before).zip(&self.phi) {
+                *mean += share * (before + phi);
+            }
+        }
+        &self.mean
+    }
+}

@@ -1,0 +1,77 @@
+//! Errors of what was held out, and what they tell.
+
+use super::equations::{Normal, equations};
+use super::estimate::Estimate;
+use super::products::Stretch;
+use super::runs::FOLDS;
+use super::solve::{Freed, Prior};
+use crate::series::{mean, scatter};
+use rayon::prelude::*;
+
+/// Weights of smoothness tried, from rough to smooth.
+const LAMBDAS: [f64; 9] = [1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+
+/// By how much a simpler one may be worse, however uncertain the difference: in rms.
+const WORSE: f64 = 1.1;
+
+/// Errors of the parts that were held out in turn, each fitted on all others.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HeldOut {
+    /// Smoothness.
+    pub(super) lambda: f64,
+    /// Of each fold, the mean squared error over the squared peak-to-peak of its records.
+    pub(super) folds: Vec<f64>,
+}
+
+impl HeldOut {
+    /// Root of the mean over all folds: rms over peak-to-peak.
+    pub(super) fn rms_pp(&self) -> f64 {
+        mean(&self.folds).sqrt()
+    }
+
+    /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows.
+    pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
+        let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(|(e, best)| 0.5 * (e / best).ln()).collect();
+        let n = ratios.len() as f64;
+        let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
+        mean(&ratios) <= error.min(WORSE.ln())
+    }
+}
+
+/// The errors of the smoothest lambda that is as good as the best. Only `freed` parameters are fitted anew without a fold.
+pub(super) fn cross_validate(
+    estimate: &Estimate,
+    prior: &Prior,
+    stretches: &[Stretch],
+    damping: f64,
+    freed: Freed,
+) -> HeldOut {
+    let rough = estimate.basis.roughness().is_empty();
+    let lambdas = if rough { &LAMBDAS[..1] } else { &LAMBDAS[..] };
+    let folds: Vec<usize> = (0..FOLDS).filter(|fold| stretches.iter().any(|s| s.fold == Some(*fold))).collect();
+    let of = |&fold: &usize| -> Vec<f64> {
+        let (train, _) = equations(estimate, stretches, |s| s.fold != Some(fold));
+        let tests: Vec<Normal> = stretches
+            .iter()
+            .filter(|s| s.fold == Some(fold) && s.samples > 0.0)
+            .map(|s| equations(estimate, std::slice::from_ref(s), |_| true).0)
+            .collect();
+        // From smooth to rough, each starting from the signs found before.
+        let mut positive = vec![true; prior.now().len()];
+        let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, freed, &mut positive) {
+            None => f64::INFINITY,
+            Some(x) => {
+                let steps = prior.steps(&x);
+                mean(&tests.iter().map(|test| test.left(&steps) / test.samples).collect::<Vec<_>>())
+            }
+        };
+        let mut errors: Vec<f64> = lambdas.iter().rev().map(error).collect();
+        errors.reverse();
+        errors
+    };
+    let by_fold: Vec<Vec<f64>> = folds.par_iter().map(of).collect();
+    let of_lambda = |(k, &lambda)| HeldOut { lambda, folds: by_fold.iter().map(|fold| fold[k]).collect() };
+    let tried: Vec<HeldOut> = lambdas.iter().enumerate().map(of_lambda).collect();
+    let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).unwrap_or(&tried[0]);
+    best.clone()
+}

@@ -1,0 +1,206 @@
+//! The free-run error, linearised in every parameter at once, and the products of its columns.
+//!
+//! With zc the hidden variable behind creep, L_i the lags of creep and G = B/A:
+//!
+//! ```text
+//! y = G zc + what the past left + c
+//! dy/dw_k = G C phi_k    dy/dg_i = G L_i z    dy/dp_j = G C dz/dp_j    dy/da_i = q^-i y/A    dy/db_j = q^-j zc/A
+//! ```
+//! All are exact. What a record's own past left is linear as well: q^-i/A for the state of G, G exp(-t/tau_i) for that of
+//! creep. Columns are produced a sample at a time and multiplied a block at a time, so no record is too long.
+
+use super::estimate::{Estimate, Responses};
+use super::layout::Layout;
+use super::runs::{Past, Run};
+use super::signals::{AllPole, Filter, Ladder};
+use crate::driver::SUBSTEPS;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+/// Rows of a block.
+const BLOCK: usize = 256;
+
+/// Rich rows that are kept of all runs; of more, neighbours tell the same.
+const ROWS: usize = 40_000;
+
+/// Products of the columns with one another and with y, over a stretch of a run.
+#[derive(Debug, Clone)]
+pub(super) struct Stretch {
+    /// Index of the run.
+    pub(super) run: usize,
+    /// The fold it is held out in; none is always trained on.
+    pub(super) fold: Option<usize>,
+    /// All columns, then y.
+    pub(super) gram: DMatrix<f64>,
+    /// Samples that count, whether or not they were kept.
+    pub(super) samples: f64,
+}
+
+/// The products of each stretch of each run. `own` are the runs' own coefficients as last found; none are needed at first.
+pub(super) fn products(estimate: &Estimate, runs: &[Run], own: &[Vec<f64>]) -> Vec<Stretch> {
+    let rich: usize = runs.iter().filter(|r| r.rich).map(|r| r.record.len()).sum();
+    let thin = rich.div_ceil(ROWS).max(1);
+    let of = |(k, run): (usize, &Run)| {
+        let own = own.get(k).map_or(&[] as &[f64], Vec::as_slice);
+        of_run(estimate, k, run, own, if run.rich { thin } else { 1 })
+    };
+    runs.par_iter().enumerate().flat_map_iter(of).collect()
+}
+
+fn of_run(estimate: &Estimate, index: usize, run: &Run, own: &[f64], thin: usize) -> Vec<Stretch> {
+    let layout = Layout::of(estimate);
+    let (u, y) = (run.record.u(), run.record.y());
+    let mut columns = Columns::new(estimate, run, &layout, own);
+    let size = layout.columns() + 1;
+    let weight = run.scale * run.heavier * (thin as f64).sqrt();
+    let mut block = DMatrix::zeros(size, BLOCK);
+    let mut start = 0;
+    let stretch = |&(end, fold): &(usize, Option<usize>)| {
+        let mut gram = DMatrix::zeros(size, size);
+        let (mut filled, mut samples) = (0, 0.0);
+        for t in std::mem::replace(&mut start, end)..end {
+            let counts = run.usable[t];
+            samples += f64::from(u8::from(counts));
+            let mut column = block.column_mut(filled);
+            let row = column.as_mut_slice();
+            columns.step(t, u[t], row);
+            if counts && kept(t, thin) {
+                row[size - 1] = y[t];
+                row.iter_mut().for_each(|v| *v *= weight);
+                filled += 1;
+            }
+            if filled == BLOCK || t + 1 == end {
+                let rows = block.columns(0, filled);
+                gram.gemm(1.0, &rows, &rows.transpose(), 1.0);
+                filled = 0;
+            }
+        }
+        Stretch { run: index, fold, gram, samples }
+    };
+    run.stretches.iter().map(stretch).collect()
+}
+
+/// Whether row `t` is kept: one in `thin`, at places that follow no period.
+fn kept(t: usize, thin: usize) -> bool {
+    let golden = ((t / thin) as f64 * 0.618_033_988_749_895).fract();
+    t % thin == (golden * thin as f64) as usize
+}
+
+/// The columns of a run, sample by sample.
+struct Columns<'a> {
+    estimate: &'a Estimate,
+    layout: &'a Layout,
+    own: &'a [f64],
+    responses: Responses<'a>,
+    /// The responses before the first sample: z counts from there.
+    first: Vec<f64>,
+    slopes: Vec<Vec<f64>>,
+    rates: Vec<f64>,
+    lags: Vec<f64>,
+    fading: Vec<f64>,
+    ladder: Ladder,
+    filter: Filter<'a>,
+    /// What enters the filter: responses and slopes behind creep, lags, fading lags.
+    entering: Vec<f64>,
+    y_by_a: AllPole<'a>,
+    zc_by_a: AllPole<'a>,
+    impulse_by_a: AllPole<'a>,
+}
+
+impl<'a> Columns<'a> {
+    fn new(estimate: &'a Estimate, run: &Run, layout: &'a Layout, own: &'a [f64]) -> Self {
+        let (a, b) = (estimate.linear.a(), estimate.linear.b());
+        let rates: Vec<f64> = estimate.lags.iter().map(|lag| -(-estimate.ts() / lag.tau_s).exp_m1()).collect();
+        let gains: Vec<f64> = estimate.lags.iter().map(|lag| lag.gain).collect();
+        let responses = Responses::before(estimate, run);
+        let slopes = slopes(estimate, run);
+        let behind_creep = layout.weights.len() + slopes.len();
+        let width = behind_creep + 2 * rates.len();
+        Columns {
+            first: responses.now().to_vec(),
+            ladder: Ladder::new(&rates, &gains, behind_creep),
+            filter: Filter::new(a, b, width),
+            entering: vec![0.0; width],
+            y_by_a: AllPole::new(a, layout.state.len()),
+            zc_by_a: AllPole::new(a, b.len()),
+            impulse_by_a: AllPole::new(a, layout.state.len()),
+            lags: vec![0.0; rates.len()],
+            fading: vec![1.0; rates.len()],
+            estimate,
+            layout,
+            own,
+            responses,
+            slopes,
+            rates,
+        }
+    }
+
+    fn step(&mut self, t: usize, u: f64, row: &mut [f64]) {
+        let (layout, n) = (self.layout, self.rates.len());
+        let phi = if t == 0 { self.responses.now() } else { self.responses.next(u) };
+        let (behind_creep, lagging) = self.entering.split_at_mut(layout.weights.len() + self.slopes.len());
+        let (responses, sloped) = behind_creep.split_at_mut(layout.weights.len());
+        for ((v, phi), first) in responses.iter_mut().zip(phi).zip(&self.first) {
+            *v = phi - first;
+        }
+        for (v, slope) in sloped.iter_mut().zip(&self.slopes) {
+            *v = slope[t];
+        }
+        let z = dot(responses, &self.estimate.weights);
+        for ((lag, fading), rate) in self.lags.iter_mut().zip(&mut self.fading).zip(&self.rates) {
+            *lag += rate * (z - *lag);
+            *fading *= 1.0 - rate;
+        }
+        self.ladder.step(behind_creep);
+        lagging[..n].copy_from_slice(&self.lags);
+        lagging[n..].copy_from_slice(&self.fading);
+        let zc = dot(&self.entering[layout.weights.clone()], &self.estimate.weights);
+        self.zc_by_a.step(zc);
+        self.impulse_by_a.step(f64::from(u8::from(t == 0)));
+
+        let out = self.filter.step(&self.entering);
+        let (out_creep, out_lags) = out.split_at(layout.weights.len() + self.slopes.len());
+        let (out_responses, out_slopes) = out_creep.split_at(layout.weights.len());
+        row[layout.weights.clone()].copy_from_slice(out_responses);
+        row[layout.shape.clone()].copy_from_slice(out_slopes);
+        row[layout.gains.clone()].copy_from_slice(&out_lags[..n]);
+        row[layout.crept.clone()].copy_from_slice(&out_lags[n..]);
+        row[layout.a.clone()].copy_from_slice(&self.y_by_a.past()[..layout.a.len()]);
+        let delay = self.estimate.linear.delay();
+        row[layout.b.clone()].copy_from_slice(&self.zc_by_a.past()[delay..delay + layout.b.len()]);
+        row[layout.state.clone()].copy_from_slice(&self.impulse_by_a.past()[..layout.state.len()]);
+        row[layout.constant] = 1.0;
+        // q^-1 y/A: what is entered now is read at the next sample.
+        let from_past = dot(&row[layout.crept.start..layout.constant], self.own);
+        self.y_by_a.step(dot(out_responses, &self.estimate.weights) + from_past);
+    }
+}
+
+/// dz/dp_j along a run, counted from its first sample.
+fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
+    let u = run.record.u();
+    let steps = if estimate.driver.is_some() { SUBSTEPS } else { 1 };
+    let past: &[f64] = if run.past == Past::Itself { u } else { &[] };
+    // The inputs the hysteresis block sees; the first stands for the way there from rest.
+    let (mut v, mut seen) = (u[0], vec![u[0]]);
+    for &u in past.iter().chain(u) {
+        for _ in 0..steps {
+            v = estimate.driver.map_or(u, |d| d.advance(v, u, estimate.ts() / steps as f64));
+            seen.push(v);
+        }
+    }
+    let of = |j: usize| {
+        let slope = estimate.basis.slope(j, &estimate.weights, &seen);
+        let at = |t: usize| {
+            let last = (past.len() + t + 1) * steps;
+            let mean = |k: usize| 0.5 * (slope[k - 1] + slope[k]) / steps as f64;
+            if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
+        };
+        (0..u.len()).map(|t| at(t) - at(0)).collect()
+    };
+    (0..estimate.basis.shape().len()).map(of).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

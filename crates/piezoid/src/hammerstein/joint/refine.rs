@@ -1,0 +1,148 @@
+//! All parts together: Gauss-Newton on the free-run error, damped where a step would not lower it (Levenberg and Marquardt).
+//!
+//! First the weights alone, then with the gains of creep, then everything.
+
+use super::equations::{Normal, OfRun, equations};
+use super::estimate::Estimate;
+use super::held_out::{HeldOut, cross_validate};
+use super::products::{Stretch, products};
+use super::runs::Run;
+use super::solve::{Freed, Prior};
+use crate::error::Error;
+use crate::series::mean;
+use nalgebra::DVector;
+
+/// Steps at most, and tries to find one that lowers the cost.
+const STEPS: usize = 14;
+const TRIES: usize = 6;
+
+/// The step from which smoothness and the weights of the two kinds of records stand.
+const SETTLED: usize = 3;
+
+/// Fall of the cost, relative, below which no further step is made.
+const ENOUGH: f64 = 1e-3;
+
+/// How much heavier small-signal samples may become than rich ones.
+const HEAVIEST: f64 = 30.0;
+
+/// A fitted estimate.
+#[derive(Debug)]
+pub(super) struct Fitted {
+    pub(super) estimate: Estimate,
+    /// State of creep, state of G and constant of each run.
+    pub(super) own: Vec<Vec<f64>>,
+    /// Of each run, the mean squared error over the squared peak-to-peak.
+    pub(super) left: Vec<f64>,
+    pub(super) held_out: HeldOut,
+    /// The equations where it ended, and what is known beside them.
+    pub(super) normal: Normal,
+    pub(super) prior: Prior,
+}
+
+/// An estimate and the equations there.
+struct Point {
+    estimate: Estimate,
+    prior: Prior,
+    stretches: Vec<Stretch>,
+    normal: Normal,
+    each: Vec<OfRun>,
+}
+
+impl Point {
+    fn at(estimate: Estimate, runs: &[Run], own: &[Vec<f64>]) -> Self {
+        let stretches = products(&estimate, runs, own);
+        let (normal, each) = equations(&estimate, &stretches, |_| true);
+        Point { prior: Prior::of(&estimate), estimate, stretches, normal, each }
+    }
+
+    /// Where all parameters stand, as the equations take them.
+    fn here(&self) -> DVector<f64> {
+        self.prior.steps(self.prior.now())
+    }
+
+    fn cost(&self, lambda: f64) -> f64 {
+        self.normal.left(&self.here()) + self.prior.penalty(&self.normal, lambda, self.prior.now())
+    }
+
+    /// The runs' own coefficients at `x`.
+    fn own(&self, x: &DVector<f64>) -> Vec<Vec<f64>> {
+        let steps = self.prior.steps(x);
+        self.each.iter().map(|run| run.own(&steps)).collect()
+    }
+
+    /// Of each run, the mean squared error over the squared peak-to-peak.
+    fn left(&self, runs: &[Run]) -> Vec<f64> {
+        let here = self.here();
+        let of = |run: &OfRun| run.normal.left(&here) / run.normal.samples / runs[run.run].heavier.powi(2);
+        self.each.iter().map(of).collect()
+    }
+}
+
+/// Fits the parameters that are `freed` from `start` on, whose weights need not be known.
+///
+/// # Errors
+/// What `watch`, which is told each step, returns.
+pub(super) fn refine(
+    start: Estimate,
+    runs: &mut [Run],
+    freed: Freed,
+    watch: &dyn Fn(usize) -> Result<(), Error>,
+) -> Result<Fitted, Error> {
+    let mut point = Point::at(start, runs, &[]);
+    let (mut damping, mut held_out) = (1e-6, HeldOut { lambda: 0.0, folds: Vec::new() });
+    for step in 0..STEPS {
+        watch(step)?;
+        let freed = match (step, freed) {
+            (0, _) => Freed::Weights,
+            (1, Freed::All) => Freed::Creep,
+            (_, freed) => freed,
+        };
+        if step <= SETTLED {
+            held_out = cross_validate(&point.estimate, &point.prior, &point.stretches, damping, freed);
+        }
+        let cost = if step == 0 { f64::INFINITY } else { point.cost(held_out.lambda) };
+        let Some(next) = lower(&point, runs, cost, held_out.lambda, &mut damping, freed) else { break };
+        let fall = 1.0 - next.cost(held_out.lambda) / cost;
+        point = next;
+        if step + 1 < SETTLED && weigh(runs, &point.left(runs)) {
+            let own = point.own(point.prior.now());
+            point = Point::at(point.estimate, runs, &own);
+        }
+        if step > SETTLED && fall < ENOUGH {
+            break;
+        }
+    }
+    let (own, left) = (point.own(point.prior.now()), point.left(runs));
+    let Point { estimate, prior, normal, .. } = point;
+    Ok(Fitted { estimate, own, left, held_out, normal, prior })
+}
+
+/// The next point, of lower cost; none where none is found.
+fn lower(point: &Point, runs: &[Run], cost: f64, lambda: f64, damping: &mut f64, freed: Freed) -> Option<Point> {
+    let mut positive = vec![true; point.prior.now().len()];
+    for _ in 0..TRIES {
+        let x = point.prior.solve(&point.normal, lambda, *damping, freed, &mut positive)?;
+        if let Some(estimate) = point.estimate.moved(x.as_slice()) {
+            let next = Point::at(estimate, runs, &point.own(&x));
+            if next.cost(lambda) < cost {
+                *damping = (*damping * 0.1).max(1e-9);
+                return Some(next);
+            }
+        }
+        *damping *= 10.0;
+    }
+    None
+}
+
+/// Gives both kinds of records the weight that what they leave asks for; whether that changed anything.
+fn weigh(runs: &mut [Run], left: &[f64]) -> bool {
+    let of = |rich: bool| mean(&runs.iter().zip(left).filter(|(r, _)| r.rich == rich).map(|(_, l)| *l).collect::<Vec<_>>());
+    let heavier = (of(true) / of(false)).sqrt().clamp(1.0, HEAVIEST);
+    if !heavier.is_finite() {
+        return false;
+    }
+    for run in runs.iter_mut().filter(|run| !run.rich) {
+        run.heavier = heavier;
+    }
+    true
+}

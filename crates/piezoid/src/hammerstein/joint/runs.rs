@@ -1,0 +1,95 @@
+//! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
+
+use crate::record::Record;
+use crate::series::ends;
+
+/// Stretches a record is cut into when parts of it are held out.
+const STRETCHES: usize = 10;
+
+/// Groups of held-out parts.
+pub(super) const FOLDS: usize = 5;
+
+/// How far the inputs of a record may run beyond those of the others, over the range of all, for the others to tell what
+/// it will do.
+const COVERED: f64 = 0.02;
+
+/// What the actuator did before the record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Past {
+    /// Nothing: it went from rest to the first input and settled.
+    Rest,
+    /// The same as in the record.
+    Itself,
+}
+
+/// A record.
+#[derive(Debug, Clone)]
+pub(super) struct Run<'a> {
+    pub(super) record: &'a Record,
+    /// Whether it exercises the hysteresis; else it is a small-signal record.
+    pub(super) rich: bool,
+    pub(super) past: Past,
+    /// What its errors are multiplied by: 1 / peak-to-peak of y, times how much heavier its kind is.
+    pub(super) scale: f64,
+    pub(super) heavier: f64,
+    /// Samples that may be fitted.
+    pub(super) usable: Vec<bool>,
+    /// Where stretches end, and the fold each belongs to; none is always trained on.
+    pub(super) stretches: Vec<(usize, Option<usize>)>,
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(record: &'a Record, rich: bool) -> Self {
+        let (low, high) = ends(record.y().iter().copied());
+        Run {
+            record,
+            rich,
+            past: past(record.u(), record.ts()),
+            scale: 1.0 / (high - low),
+            heavier: 1.0,
+            usable: vec![true; record.len()],
+            stretches: vec![(record.len(), None)],
+        }
+    }
+}
+
+/// Whether a record begins with an actuator at rest, or in motion as the rest of it. It is at rest where the input is zero or
+/// stands, that is, has not moved by a fiftieth of its range in the time in which on average it moves a fifth.
+pub(super) fn past(u: &[f64], ts: f64) -> Past {
+    let _ = ts;
+    let (low, high) = ends(u.iter().copied());
+    let range = high - low;
+    let path: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
+    let typical = path / (u.len().max(2) - 1) as f64;
+    let soon = ((0.2 * range / typical) as usize).clamp(1, u.len() - 1);
+    let moved = u[..=soon].iter().map(|v| (v - u[0]).abs()).fold(0.0, f64::max);
+    if u[0].abs() <= 0.02 * range || moved <= 0.02 * range { Past::Rest } else { Past::Itself }
+}
+
+/// Says what is held out in turn: whole rich records where at least three can be foretold by the others, else stretches
+/// of each.
+pub(super) fn fold(runs: &mut [Run]) {
+    let range = |run: &Run| ends(run.record.u().iter().copied());
+    let rich: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].rich).collect();
+    let (low, high) = ends(rich.iter().flat_map(|&k| <[f64; 2]>::from(range(&runs[k]))));
+    let slack = COVERED * (high - low);
+    let foretold = |&k: &usize| {
+        let (others_low, others_high) =
+            ends(rich.iter().filter(|&&other| other != k).flat_map(|&other| <[f64; 2]>::from(range(&runs[other]))));
+        let (low, high) = range(&runs[k]);
+        low >= others_low - slack && high <= others_high + slack
+    };
+    let whole: Vec<usize> = rich.iter().copied().filter(foretold).collect();
+    if whole.len() >= 3 {
+        for (fold, k) in whole.into_iter().enumerate() {
+            let n = runs[k].record.len();
+            runs[k].stretches = vec![(n, Some(fold % FOLDS))];
+        }
+    } else {
+        for k in rich {
+            let n = runs[k].record.len();
+            let stretch = |s: usize| ((s + 1) * n / STRETCHES, Some(s % FOLDS));
+            runs[k].stretches = (0..STRETCHES).map(stretch).collect();
+        }
+    }
+}
