@@ -12,7 +12,7 @@ mod rich;
 
 pub(crate) use paper::proportional;
 
-pub use joint::{Joint, identify_joint};
+pub use joint::{Joint, Trial, identify_joint};
 pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
 pub use rich::{LinearPart, dominant_frequency};

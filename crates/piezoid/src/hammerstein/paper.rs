@@ -4,7 +4,7 @@
 //! Where (8) is unstable the whole-record inverse takes its place; where there is no small-signal record the rich ones
 //! give as much of the linear block as they can. Either is told in the notes.
 
-use super::Model;
+use super::{Model, Trial};
 use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
 use super::rich::{LinearPart, linear_from_rich, rich_enough};
 use crate::error::Error;
@@ -59,6 +59,8 @@ pub struct Identified {
     pub linear: LinearPart,
     /// The loops the hysteresis block was made of, by rising frequency.
     pub loops: Vec<HiddenLoop>,
+    /// The operators that were tried; only the joint way tries several.
+    pub trials: Vec<Trial>,
     /// What its user should know.
     pub notes: Vec<String>,
 }
@@ -119,7 +121,7 @@ pub fn identify_paper(
         notes.push("hysteresis block: none, as there is no rich record to find it from".into());
     }
     let model = Model::new(hysteresis, part.arx.clone(), offset)?.with_units(units);
-    Ok(Identified { model, linear: part, loops, notes })
+    Ok(Identified { model, linear: part, loops, trials: Vec::new(), notes })
 }
 
 /// Step 5: the hysteresis block of the loops, and the offset that goes with it [output unit].
@@ -229,7 +231,7 @@ pub(crate) fn proportional(arx: &Arx, offset: f64, records: &[Record]) -> Result
 }
 
 /// The units of the first record; the others must agree in sampling and input unit.
-fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) -> Result<Units, Error> {
+pub(super) fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) -> Result<Units, Error> {
     let Some(first) = records.next() else { return Ok(Units::default()) };
     for record in records {
         same_sampling("the first record", first.ts(), "another record", record.ts())?;

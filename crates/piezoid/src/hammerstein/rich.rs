@@ -185,7 +185,7 @@ fn too_poor(lines: &[f64], n: usize) -> Option<String> {
 }
 
 /// The frequencies [Hz] that the inputs of all records hold, those within a tenth of each other once.
-fn lines(records: &[Record]) -> Vec<f64> {
+pub(super) fn lines(records: &[Record]) -> Vec<f64> {
     records.iter().flat_map(excited).fold(Vec::new(), |mut lines: Vec<f64>, hz| {
         if !lines.iter().any(|l| (l / hz - 1.0).abs() < 0.1) {
             lines.push(hz);

@@ -1,4 +1,17 @@
-//! Identification of all parts together.
+//! Identification of all parts together, without inverting any.
+//!
+//! ```text
+//! y = G(q) C(q) sum_k w_k phi_k[u; p] + c
+//! ```
+//! For given G, creep C and shape p the weights w come from a convex least squares on the filtered responses, with
+//! smoothness and signs as physics has them; all together are then refined by Gauss-Newton on the free-run error, with exact
+//! derivatives. Each record has an offset, a state its G and its creep began in, and a past; errors count over the
+//! peak-to-peak of their record, so that all are heard. Parts that are held out in turn choose the smoothness, the
+//! structure of G where small-signal records do not, and, among operators, the simplest that foretells as well as the best.
+//!
+//! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by over-parametrised and
+//! iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017, DOI
+//! 10.1016/j.automatica.2017.06.044 (a survey). It does not do: hysteresis inside the loop of the dynamics.
 
 mod equations;
 mod estimate;
@@ -7,90 +20,219 @@ mod layout;
 mod products;
 mod refine;
 mod runs;
+mod search;
 mod signals;
 mod solve;
+mod structure;
 
+use super::paper::{Identified, common_units};
+use super::rich::LinearPart;
+use crate::creep::Lag;
 use crate::driver::{Driver, SUBSTEPS};
 use crate::error::Error;
-use crate::hammerstein::Model;
-use crate::hysteresis::{self, Design};
-use crate::linear::{self, Orders};
-use crate::creep::Lag;
-use crate::optimize::swarm;
-use crate::progress::{Progress, unwatched};
+use crate::hysteresis::{Design, OPERATORS, Operator, operator};
+use crate::number::short;
+use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::ends;
-use estimate::Estimate;
+use estimate::{Estimate, Responses};
+use refine::{Fitted, refine};
 use runs::Run;
+use solve::Freed;
+
+/// The shortest time constant of creep [samples], and the longest over the longest record.
+const QUICKEST: f64 = 10.0;
+const SLOWEST: f64 = 1.0;
 
 /// How to identify jointly.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Operator.
+    /// Name of the hysteresis operator, or `auto`: the simplest that foretells held-out parts as well as the best.
     pub operator: String,
-    /// Order.
-    pub order: usize,
-    /// Known driver.
-    pub driver: Option<Driver>,
-    /// Elements
+    /// Order of the linear block; none has it chosen.
+    pub order: Option<usize>,
+    /// Thresholds, levels or knots of the operator; none takes its own number.
     pub elements: Option<usize>,
+    /// Whether creep is looked for.
+    pub creep: bool,
+    /// The driver, where it is known.
+    pub driver: Option<Driver>,
+    /// Seed of the swarm that looks for the shape of operators.
+    pub seed: u64,
 }
 
-/// Joint.
+impl Default for Joint {
+    fn default() -> Self {
+        Joint { operator: "auto".into(), order: None, elements: None, creep: true, driver: None, seed: 0 }
+    }
+}
+
+/// What became of one operator.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The operator.
+    pub operator: &'static str,
+    /// Weights and shape parameters.
+    pub parameters: usize,
+    /// Rms error over peak-to-peak of what was held out, in percent, each part foretold by a fit to all others; infinite where
+    /// nothing came out.
+    pub held_out_percent: f64,
+    /// Whether that is as good as the best, within its uncertainty.
+    pub as_good: bool,
+    /// The shape parameters by name.
+    pub shape: Vec<(&'static str, f64)>,
+    /// Why nothing came out, if so.
+    pub refused: Option<String>,
+}
+
+/// Identifies all parts together: `small` are small-signal records (a PRBS), `rich` those that exercise the hysteresis. The
+/// first list may be empty.
 ///
 /// # Errors
-/// Many.
-pub fn identify_joint(small: &[Record], rich: &[Record], how: &Joint, _progress: &mut Progress) -> Result<Model, Error> {
-    let ts = rich[0].ts();
-    let mut runs: Vec<Run> = small.iter().map(|r| Run::new(r, false)).chain(rich.iter().map(|r| Run::new(r, true))).collect();
-    runs::fold(&mut runs);
-    let range = ends(runs.iter().flat_map(|r| r.record.u()).copied());
-    let longest = runs.iter().map(|r| r.record.duration()).fold(0.0, f64::max);
-    let mut lags = Vec::new();
-    let mut tau = 10.0 * ts;
-    while tau < longest {
-        lags.push(Lag { tau_s: tau, gain: 0.0 });
-        tau *= 10.0;
-    }
-    let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };
-    let design = Design { ts: faster, range, elements: how.elements, frequencies: Vec::new() };
-    let fit = if small.is_empty() {
-        let least_squares = linear::estimator("least-squares")?;
-        let env = |n: &str| std::env::var(n).ok().and_then(|v| v.parse::<usize>().ok()).unwrap_or(0);
-        let mut fit = linear::fit(rich, Orders { na: 0, nb: 1, delay: 0 }, least_squares, &swarm::Settings::default(), &mut unwatched)?;
-        let k = fit.arx.b()[0];
-        let mut b = vec![0.0; env("PZ_DELAY")];
-        let pole = 0.2;
-        let a: Vec<f64> = match env("PZ_NA") { 0 => vec![], 1 => vec![pole], _ => vec![2.0*pole, -pole*pole] };
-        let dc = 1.0 - a.iter().sum::<f64>();
-        b.push(0.999 * k * dc);
-        for _ in 0..env("PZ_NB") { b.push(1e-3 * k * dc / env("PZ_NB") as f64); }
-        fit.arx = crate::linear::Arx::new(ts, a, b)?;
-        fit
-    } else {
-        let least_squares = linear::estimator("least-squares")?;
-        linear::fit(small, Orders { na: how.order, nb: how.order, delay: 1 }, least_squares, &swarm::Settings::default(), &mut unwatched)?
+/// Records of different sampling periods, or of units that cannot be converted; no rich record, or one nothing can be
+/// identified from; an operator that is not known; [`Error::Cancelled`].
+pub fn identify_joint(
+    small: &[Record],
+    rich: &[Record],
+    how: &Joint,
+    progress: &mut Progress,
+) -> Result<Identified, Error> {
+    let units = common_units(small.iter().chain(rich))?;
+    let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
+    let (small, rich) = (convert(small)?, convert(rich)?);
+    let Some(first) = rich.first() else {
+        let remedy = "give at least one record that exercises the hysteresis".into();
+        return Err(Error::TooShort { what: "the list of rich records".into(), have: 0, need: 1, remedy });
     };
-    let basis = (hysteresis::operator(&how.operator)?.basis)(&design)?;
-    let weights = vec![0.0; basis.len()];
-    let estimate = Estimate { driver: how.driver, basis, weights, lags, linear: fit.arx };
-    let t0 = std::time::Instant::now();
-    let fitted = refine::refine(estimate, &mut runs, solve::Freed::All, &|_| Ok(()))?;
-    let e = &fitted.estimate;
-    eprintln!("fitted in {:?}: held out {:.4} %, lambda {:e}, lags {:?}, poles {:?}", t0.elapsed(), 100.0 * fitted.held_out.rms_pp(), fitted.held_out.lambda, e.lags, e.linear.poles());
-    eprintln!("  left %pp {:?}", fitted.left.iter().map(|l| 100.0 * l.sqrt()).collect::<Vec<_>>());
-    eprintln!("  shape {:?}", e.basis.shape());
-    // offsets
-    let mut offsets: Vec<f64> = Vec::new();
-    for (own, run) in fitted.own.iter().zip(&runs) {
-        let c = own.last().copied().unwrap_or(0.0);
-        let phi = estimate::Responses::before(e, run).now().to_vec();
-        let z0: f64 = phi.iter().zip(&e.weights).map(|(p, w)| p * w).sum();
-        let creep: f64 = 1.0 + e.lags.iter().map(|l| l.gain).sum::<f64>();
-        offsets.push(c - e.linear.dc_gain() * creep * z0);
+    let candidates: Vec<&'static Operator> = match how.operator.as_str() {
+        "auto" => OPERATORS.to_vec(),
+        name => vec![operator(name)?],
+    };
+    let (ts, mut notes) = (first.ts(), Vec::new());
+    let mut runs = runs::of(&small, &rich)?;
+    let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
+    let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
+    let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };
+    let frequencies = rich.iter().filter_map(|r| super::dominant_frequency(r.u(), ts)).collect();
+    let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
+    let design = Design { ts: faster, range, elements: how.elements, frequencies };
+
+    let total = candidates.len() + 1;
+    let mut watch_at = |done: usize, what: &str| -> Result<(), Error> {
+        match progress(Stage { what, done, total }).is_break() {
+            true => Err(Error::Cancelled { what: what.into(), done, total }),
+            false => Ok(()),
+        }
+    };
+    let mut watch = |_| watch_at(0, "linear block");
+    watch(0)?;
+    let (linear, reason) = match small.is_empty() {
+        false => structure::of_small(&small, how)?,
+        true => structure::of_rich(&rich, &mut runs, how, &design, &lags, &mut watch)?,
+    };
+    notes.push(format!("linear block: {reason}"));
+
+    let mut trials: Vec<(Trial, Option<Fitted>)> = Vec::new();
+    for (done, row) in candidates.iter().enumerate() {
+        let mut watch = |_| watch_at(done + 1, row.name);
+        let fitted = fit(row, &design, &linear, &lags, how, &mut runs, &mut watch);
+        let trial = match fitted {
+            Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
+            Err(why) if candidates.len() == 1 => return Err(why),
+            Err(why) => (Trial::refused(row, why.to_string()), None),
+            Ok(fitted) => (Trial::of(row, &fitted), Some(fitted)),
+        };
+        trials.push(trial);
     }
-    eprintln!("  offsets {offsets:?}");
+    let best = trials.iter().filter_map(|t| t.1.as_ref()).min_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
+    let Some(best) = best.map(|best| best.held_out.clone()) else {
+        return Err(Error::Unidentifiable { what: "any operator".into(), because: "none could be fitted".into() });
+    };
+    for (trial, fitted) in &mut trials {
+        trial.as_good = fitted.as_ref().is_some_and(|fitted| fitted.held_out.is_as_good_as(&best));
+    }
+    let simplest = (0..trials.len()).filter(|&k| trials[k].0.as_good).min_by_key(|&k| trials[k].0.parameters).unwrap_or(0);
+    let Some(fitted) = trials[simplest].1.take() else {
+        return Err(Error::Unidentifiable { what: "any operator".into(), because: "none could be fitted".into() });
+    };
+    let trials: Vec<Trial> = trials.into_iter().map(|t| t.0).collect();
+
+    let offset = offset(&fitted, &runs, &mut notes, &units.y);
+    let model = fitted.estimate.model(offset)?.with_units(units);
+    let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
+    Ok(Identified { model, linear, loops: Vec::new(), trials, notes })
+}
+
+/// Fits one operator, from where it stands and from where a swarm sends it.
+fn fit(
+    row: &Operator,
+    design: &Design,
+    linear: &crate::linear::Arx,
+    lags: &[Lag],
+    how: &Joint,
+    runs: &mut [Run],
+    watch: refine::Watch,
+) -> Result<Fitted, Error> {
+    let basis = (row.basis)(design)?;
+    let start = Estimate { driver: how.driver, weights: vec![0.0; basis.len()], basis, lags: lags.to_vec(), linear: linear.clone() };
+    watch(0)?;
+    let elsewhere = search::search(&start, runs, how.seed)?;
+    let here = refine(start, runs, Freed::All, watch)?;
+    let Some(elsewhere) = elsewhere else { return Ok(here) };
+    let there = refine(elsewhere, runs, Freed::All, watch)?;
+    Ok(if there.held_out.rms_pp() < here.held_out.rms_pp() { there } else { here })
+}
+
+impl Trial {
+    fn of(row: &Operator, fitted: &Fitted) -> Self {
+        let shape = fitted.estimate.basis.shape();
+        Trial {
+            operator: row.name,
+            parameters: fitted.estimate.weights.len() + shape.len(),
+            held_out_percent: 100.0 * fitted.held_out.rms_pp(),
+            as_good: false,
+            shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
+            refused: None,
+        }
+    }
+
+    fn refused(row: &Operator, why: String) -> Self {
+        Trial {
+            operator: row.name,
+            parameters: 0,
+            held_out_percent: f64::INFINITY,
+            as_good: false,
+            shape: Vec::new(),
+            refused: Some(why),
+        }
+    }
+}
+
+/// Lags a decade apart.
+fn ladder(from: f64, to: f64) -> Vec<Lag> {
+    let rungs = std::iter::successors(Some(from), |tau| Some(10.0 * tau)).take_while(|tau| *tau <= to);
+    rungs.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()
+}
+
+/// The constant in the output of the model: the middle one of all records, whose sensors may have drifted.
+fn offset(fitted: &Fitted, runs: &[Run], notes: &mut Vec<String>, unit: &str) -> f64 {
+    let estimate = &fitted.estimate;
+    let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
+    let of = |(run, own): (&Run, &Vec<f64>)| {
+        let first = products::dot(Responses::before(estimate, run).now(), &estimate.weights);
+        own.last().copied().unwrap_or(0.0) - estimate.linear.dc_gain() * creep * first
+    };
+    let mut offsets: Vec<f64> = runs.iter().zip(&fitted.own).map(of).collect();
     offsets.sort_by(f64::total_cmp);
-    let offset = offsets[offsets.len() / 2];
-    e.model(offset)
+    let (low, high) = (offsets[0], offsets[offsets.len() - 1]);
+    let height = runs.iter().map(|run| run.scale.recip()).fold(0.0, f64::max);
+    if high - low > 0.02 * height {
+        notes.push(format!(
+            "the records stand off one another by up to {} {unit}, {} % of the largest height: sensors drift, or the past of a record was another; \
+             the model has the middle offset",
+            short(high - low),
+            short(100.0 * (high - low) / height)
+        ));
+    }
+    offsets[offsets.len() / 2]
 }

@@ -201,6 +201,7 @@ fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
     (0..estimate.basis.shape().len()).map(of).collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// a'b.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -25,6 +25,9 @@ const ENOUGH: f64 = 1e-3;
 /// How much heavier small-signal samples may become than rich ones.
 const HEAVIEST: f64 = 30.0;
 
+/// Told each step; an error ends the work.
+pub(super) type Watch<'a> = &'a mut dyn FnMut(usize) -> Result<(), Error>;
+
 /// A fitted estimate.
 #[derive(Debug)]
 pub(super) struct Fitted {
@@ -86,7 +89,7 @@ pub(super) fn refine(
     start: Estimate,
     runs: &mut [Run],
     freed: Freed,
-    watch: &dyn Fn(usize) -> Result<(), Error>,
+    watch: Watch,
 ) -> Result<Fitted, Error> {
     let mut point = Point::at(start, runs, &[]);
     let (mut damping, mut held_out) = (1e-6, HeldOut { lambda: 0.0, folds: Vec::new() });

@@ -1,5 +1,6 @@
 //! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
 
+use crate::error::Error;
 use crate::record::Record;
 use crate::series::ends;
 
@@ -39,24 +40,24 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub(super) fn new(record: &'a Record, rich: bool) -> Self {
+    /// None where the output never moves.
+    pub(super) fn new(record: &'a Record, rich: bool) -> Option<Self> {
         let (low, high) = ends(record.y().iter().copied());
-        Run {
+        (low < high).then(|| Run {
             record,
             rich,
-            past: past(record.u(), record.ts()),
+            past: past(record.u()),
             scale: 1.0 / (high - low),
             heavier: 1.0,
             usable: vec![true; record.len()],
             stretches: vec![(record.len(), None)],
-        }
+        })
     }
 }
 
 /// Whether a record begins with an actuator at rest, or in motion as the rest of it. It is at rest where the input is zero or
 /// stands, that is, has not moved by a fiftieth of its range in the time in which on average it moves a fifth.
-pub(super) fn past(u: &[f64], ts: f64) -> Past {
-    let _ = ts;
+fn past(u: &[f64]) -> Past {
     let (low, high) = ends(u.iter().copied());
     let range = high - low;
     let path: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
@@ -66,9 +67,21 @@ pub(super) fn past(u: &[f64], ts: f64) -> Past {
     if u[0].abs() <= 0.02 * range || moved <= 0.02 * range { Past::Rest } else { Past::Itself }
 }
 
+/// All records, with what is held out in turn.
+pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record]) -> Result<Vec<Run<'a>>, Error> {
+    let kinds = small.iter().map(|r| (r, false)).chain(rich.iter().map(|r| (r, true)));
+    let still = || Error::Unidentifiable {
+        what: "a model".into(),
+        because: "the output of a record never moves: is the sensor connected, and the column the right one?".into(),
+    };
+    let mut runs = kinds.map(|(r, rich)| Run::new(r, rich).ok_or_else(still)).collect::<Result<Vec<_>, _>>()?;
+    fold(&mut runs);
+    Ok(runs)
+}
+
 /// Says what is held out in turn: whole rich records where at least three can be foretold by the others, else stretches
 /// of each.
-pub(super) fn fold(runs: &mut [Run]) {
+fn fold(runs: &mut [Run]) {
     let range = |run: &Run| ends(run.record.u().iter().copied());
     let rich: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].rich).collect();
     let (low, high) = ends(rich.iter().flat_map(|&k| <[f64; 2]>::from(range(&runs[k]))));

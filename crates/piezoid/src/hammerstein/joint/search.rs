@@ -1,0 +1,78 @@
+//! Where a problem is not convex: a swarm over the shape of the operator, on a part of the data.
+//!
+//! For each shape the weights are the best there are, so the swarm moves in one dimension a shape parameter. What it
+//! finds is only where refinement starts from.
+
+use super::equations::equations;
+use super::estimate::Estimate;
+use super::products::products;
+use super::runs::Run;
+use super::solve::{Freed, Prior};
+use crate::error::Error;
+use crate::hysteresis::Shape;
+use crate::optimize::{Bounds, swarm};
+use crate::progress::unwatched;
+use crate::record::Record;
+
+/// Samples the swarm looks at, of all runs together.
+const SAMPLES: usize = 10_000;
+
+/// The most shape parameters a swarm is sent to find.
+const MOST: usize = 6;
+
+/// Particles and iterations.
+const PARTICLES: usize = 12;
+const ITERATIONS: usize = 12;
+
+/// The estimate with the best shape a swarm finds; none where there is nothing to search.
+pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Option<Estimate>, Error> {
+    let shape = estimate.basis.shape();
+    if shape.is_empty() || shape.len() > MOST {
+        return Ok(None);
+    }
+    let rich: Vec<&Run> = runs.iter().filter(|run| run.rich).collect();
+    let each = SAMPLES / rich.len().max(1);
+    // The ends: amplitudes that rise are largest there.
+    let end = |run: &&Run| {
+        let (record, n) = (run.record, run.record.len());
+        let from = n.saturating_sub(each);
+        Record::new(record.ts(), record.u()[from..].to_vec(), record.y()[from..].to_vec())
+    };
+    let parts: Vec<Record> = rich.iter().map(end).collect::<Result<_, _>>()?;
+    let parts: Vec<Run> = parts.iter().filter_map(|part| Run::new(part, true)).collect();
+
+    let at = |x: &[f64]| -> Option<Estimate> {
+        let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();
+        let basis = estimate.basis.reshaped(&p).ok()?;
+        Some(Estimate {
+            driver: estimate.driver,
+            basis,
+            weights: estimate.weights.clone(),
+            lags: estimate.lags.clone(),
+            linear: estimate.linear.clone(),
+        })
+    };
+    let cost = |x: &[f64]| -> f64 {
+        let Some(estimate) = at(x) else { return f64::INFINITY };
+        let (normal, _) = equations(&estimate, &products(&estimate, &parts, &[]), |_| true);
+        let prior = Prior::of(&estimate);
+        let mut positive = vec![true; prior.now().len()];
+        match prior.solve(&normal, 1e-6, 1e-6, Freed::Weights, &mut positive) {
+            Some(x) => normal.left(&prior.steps(&x)),
+            None => f64::INFINITY,
+        }
+    };
+    let settings = swarm::Settings { particles: PARTICLES, iterations: ITERATIONS, seed, parallel: true, ..swarm::Settings::default() };
+    let bounds = Bounds::new(vec![0.0; shape.len()], vec![1.0; shape.len()])?;
+    let found = swarm::minimise(&cost, bounds, settings, &mut unwatched)?;
+    Ok(at(&found.x))
+}
+
+/// The shape parameter at a share of its domain, by ratio where that is positive.
+fn from_unit(shape: &Shape, share: f64) -> f64 {
+    if shape.low > 0.0 {
+        shape.low * (shape.high / shape.low).powf(share)
+    } else {
+        shape.low + share * (shape.high - shape.low)
+    }
+}

@@ -1,0 +1,176 @@
+//! The linear block to start from, and how many parameters it may have.
+//!
+//! Small-signal records tell it by themselves: order and delay are chosen on them. Rich records alone tell it only behind the
+//! hysteresis: a coarse Preisach grid stands in for that, its z takes the place of the input, and each structure, from a pure
+//! gain on, is refined together with it. Records that hold few frequencies tell few coefficients: a block of order n needs
+//! n + 1 of them. The simplest structure is taken that foretells held-out parts as well as the best.
+
+use super::Joint;
+use super::estimate::{Estimate, Responses};
+use super::products::dot;
+use super::refine::{Fitted, Watch, refine};
+use super::runs::Run;
+use super::solve::Freed;
+use crate::creep::{Creep, Lag};
+use crate::driver::SUBSTEPS;
+use crate::error::Error;
+use crate::hammerstein::rich::{affine, lines, rich_enough};
+use crate::hysteresis::{Design, operator};
+use crate::linear::{Arx, Choice, Orders, Refinement, output_error, select};
+use crate::number::short;
+use crate::progress::unwatched;
+use crate::record::Record;
+use crate::series::scatter;
+use crate::system::System;
+
+/// The highest order tried, and the longest delay of small-signal records [samples].
+const ORDER: usize = 8;
+const DELAY: usize = 3;
+
+/// Rows of the grid that stands in for the hysteresis.
+const COARSE: usize = 12;
+
+/// The linear block of small-signal records, and why it is this one.
+pub(super) fn of_small(small: &[Record], how: &Joint) -> Result<(Arx, String), Error> {
+    rich_enough(small, 1)?;
+    let seen: Vec<Record> = small.iter().map(|record| behind(record, how)).collect::<Result<_, _>>()?;
+    let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
+    if let Some(n) = how.order {
+        rich_enough(small, n)?;
+        return of_order(&seen, n);
+    }
+    let found = select(&seen, &Choice { order: most, delay: DELAY, parallel: true, ..Choice::default() }, &mut unwatched)?;
+    Ok((found.fit.arx, found.reason))
+}
+
+/// The block of order `n`, with the delay that leaves least.
+fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
+    let of = |delay| output_error(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched);
+    let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
+    let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
+    // The longest delay that costs nothing.
+    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= 1.01 * least);
+    let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
+    let reason = format!("order {n} as asked, with the delay of {} that leaves least", chosen.orders.delay);
+    Ok((chosen.arx, reason))
+}
+
+/// The record with its input as it arrives behind the driver.
+fn behind(record: &Record, how: &Joint) -> Result<Record, Error> {
+    let Some(driver) = how.driver else { return Ok(record.clone()) };
+    let (h, mut v) = (record.ts() / SUBSTEPS as f64, record.u()[0]);
+    let mean = |&u: &f64| {
+        let mut twice = 0.0;
+        for _ in 0..SUBSTEPS {
+            let next = driver.advance(v, u, h);
+            twice += v + next;
+            v = next;
+        }
+        twice / (2 * SUBSTEPS) as f64
+    };
+    let u = record.u().iter().map(mean).collect();
+    Ok(Record::new(record.ts(), u, record.y().to_vec())?.with_units(record.units().clone()))
+}
+
+/// The linear block of rich records alone, and why it is this one.
+pub(super) fn of_rich(
+    rich: &[Record],
+    runs: &mut [Run],
+    how: &Joint,
+    design: &Design,
+    lags: &[Lag],
+    watch: Watch,
+) -> Result<(Arx, String), Error> {
+    let ts = rich[0].ts();
+    let coarse = Design { elements: Some(COARSE), ..design.clone() };
+    let start = |linear: Arx| -> Result<Estimate, Error> {
+        let basis = (operator("preisach")?.basis)(&coarse)?;
+        Ok(Estimate { driver: how.driver, weights: vec![0.0; basis.len()], basis, lags: lags.to_vec(), linear })
+    };
+    let gain = affine(rich)?.0;
+    let plain = refine(start(Arx::gain(ts, gain)?)?, runs, Freed::Creep, watch)?;
+    let hidden: Vec<Record> =
+        runs.iter().map(|run| Record::new(ts, hidden(&plain.estimate, run)?, run.record.y().to_vec())).collect::<Result<_, _>>()?;
+    let least = delay(&hidden);
+
+    // From simple to rich: each is tried on top of the hysteresis.
+    let known = lines(rich).len();
+    let mut tried: Vec<(String, Fitted)> = vec![("a gain".into(), plain)];
+    let mut blocks = Vec::new();
+    let waiting = |d: usize, next: f64| Arx::new(ts, Vec::new(), [vec![0.0; d], vec![(1.0 - next) * gain, next * gain]].concat());
+    if how.order.unwrap_or(0) == 0 {
+        if least > 0 {
+            let late = Arx::new(ts, Vec::new(), [vec![0.0; least], vec![gain]].concat())?;
+            blocks.push((format!("a gain with a delay of {least} samples"), late, Freed::Creep));
+        }
+        let from = least.saturating_sub(1);
+        blocks.push((format!("a gain with a delay between {from} and {} samples", from + 1), waiting(from, 0.5)?, Freed::All));
+    }
+    let orders: Vec<usize> = match how.order {
+        Some(0) => Vec::new(),
+        Some(n) => vec![n],
+        None => (1..=known.saturating_sub(1).min(ORDER)).collect(),
+    };
+    for n in orders {
+        for delay in [least.saturating_sub(1), least] {
+            let orders = Orders { delay, ..Orders::of(n) };
+            if let Ok(fit) = output_error(&hidden, orders, &Refinement::default(), &mut unwatched)
+                && fit.arx.dc_gain() * gain > 0.0
+            {
+                let carried = rescaled(&fit.arx, gain)?;
+                blocks.push((format!("order {n} with a delay of {delay} samples"), carried, Freed::All));
+            }
+        }
+    }
+    for (name, block, freed) in blocks {
+        tried.push((name, refine(start(block)?, runs, freed, watch)?));
+    }
+    let best = tried.iter().map(|t| &t.1.held_out).min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
+    let chosen = match how.order {
+        Some(n) if n > 0 => tried.len() - 1,
+        _ => tried.iter().position(|t| best.as_ref().is_none_or(|best| t.1.held_out.is_as_good_as(best))).unwrap_or(0),
+    };
+    let listed: Vec<String> =
+        tried.iter().map(|(name, fit)| format!("{name} leaves {} %", short(100.0 * fit.held_out.rms_pp()))).collect();
+    let (name, fitted) = tried.swap_remove(chosen);
+    let reason = format!("{name}: of peak-to-peak held out, {}; the simplest as good as the best is taken", listed.join(", "));
+    Ok((fitted.estimate.linear, reason))
+}
+
+/// z of a run behind creep, from zero at its first sample.
+fn hidden(estimate: &Estimate, run: &Run) -> Result<Vec<f64>, Error> {
+    let mut responses = Responses::before(estimate, run);
+    let first = dot(responses.now(), &estimate.weights);
+    let u = run.record.u();
+    let z: Vec<f64> = std::iter::once(0.0)
+        .chain(u[1..].iter().map(|&u| dot(responses.next(u), &estimate.weights) - first))
+        .collect();
+    Ok(Creep::new(estimate.ts(), estimate.lags.clone())?.simulate(&z))
+}
+
+/// The delay [samples] with which a gain leaves least, up to a tenth of the shortest record.
+fn delay(hidden: &[Record]) -> usize {
+    let longest = hidden.iter().map(|r| r.len() / 10).min().unwrap_or(0).min(256);
+    let left = |d: usize| -> f64 {
+        let of = |r: &Record| {
+            let (z, y) = (&r.u()[..r.len() - d], &r.y()[d..]);
+            let (mz, my) = (crate::series::mean(z), crate::series::mean(y));
+            let crossed: f64 = z.iter().zip(y).map(|(z, y)| (z - mz) * (y - my)).sum();
+            1.0 - crossed * crossed / (scatter(z) * scatter(y))
+        };
+        hidden.iter().map(of).sum()
+    };
+    let (mut best, mut least) = (0, left(0));
+    // Downhill from no delay: beyond the first minimum lies the next period.
+    while best < longest && left(best + 1) < least {
+        best += 1;
+        least = left(best);
+    }
+    best
+}
+
+/// The block with another static gain.
+fn rescaled(arx: &Arx, gain: f64) -> Result<Arx, Error> {
+    let k = gain / arx.dc_gain();
+    Arx::new(arx.ts(), arx.a().to_vec(), arx.b().iter().map(|b| b * k).collect())
+}
