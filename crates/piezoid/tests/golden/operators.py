@@ -1,6 +1,6 @@
 """Writes operators.json: hysteresis operators run by their definitions, for tests/golden_operators.rs.
 
-Each row has an operator as a model file holds it, an input, and z. Sums of plays, stops and kernels follow the
+Each row has an operator with its parameters as a model file holds them, an input, and z. Sums of plays, stops and kernels follow the
 definition sample by sample; differential equations are integrated along the straight path from sample to sample by
 scipy's solve_ivp, split where their right side has a kink.
 """
@@ -153,6 +153,9 @@ cases = [
     (tellinen, inner, {"operator": "tellinen", "ascending": {"u": knots.tolist(), "z": loop(-1.0)},
                        "descending": {"u": knots.tolist(), "z": loop(1.0)}}),
 ]
-rows = [{"operator": doc, "u": u.tolist(), "z": np.asarray(model(u, doc)).tolist()} for model, u, doc in cases]
+rows = [
+    {"operator": doc.pop("operator"), "params": doc, "u": u.tolist(), "z": np.asarray(model(u, doc)).tolist()}
+    for model, u, doc in cases
+]
 text = "[\n" + ",\n".join("  " + json.dumps(row) for row in rows) + "\n]\n"
 Path(__file__).with_suffix(".json").write_text(text)
