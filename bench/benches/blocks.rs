@@ -5,7 +5,7 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use piezoid::excitation::{Prbs, Sine};
 use piezoid::hammerstein::Model;
-use piezoid::hysteresis::{Branches, Reading, TwoBranch};
+use piezoid::hysteresis::{Branches, Design, Hysteresis, OPERATORS, Reading, TwoBranch, operator};
 use piezoid::linear::{AbsoluteError, Arx, Orders, Regression, estimator, fit};
 use piezoid::optimize::swarm::{Cost, Settings};
 use piezoid::plant::{Plant, find};
@@ -71,10 +71,39 @@ fn simulation(c: &mut Criterion) {
     group.finish();
 }
 
+/// Samples a second of the operators as they are fitted by default, and of plays before the paper's linear block.
+fn operators(c: &mut Criterion) {
+    let (Ok(u), Ok(model)) = (sine(), plays().and_then(|plays| Model::new(plays, arx()?, 0.0))) else { return };
+    let mut group = c.benchmark_group("operators");
+    group.throughput(Throughput::Elements(u.len() as u64));
+    group.bench_function("30 plays and arx of order 2", |b| b.iter(|| model.simulate(black_box(&u))));
+    for row in OPERATORS {
+        let Ok(block) = fitted(row.name) else { continue };
+        group.bench_function(row.name, |b| b.iter(|| block.simulate(black_box(&u))));
+    }
+    group.finish();
+}
+
+/// Prandtl-Ishlinskii of 30 thresholds.
+fn plays() -> Result<Arc<dyn Hysteresis>, Error> {
+    fitted("prandtl-ishlinskii")
+}
+
+/// The operator called `name` with its own number of elements.
+fn fitted(name: &str) -> Result<Arc<dyn Hysteresis>, Error> {
+    let design = Design { ts: TS, range: (-30.0, 30.0), elements: None, frequencies: vec![5.0, 20.0, 40.0, 80.0] };
+    let basis = (operator(name)?.basis)(&design)?;
+    basis.operator(&vec![0.1; basis.len()])
+}
+
+fn arx() -> Result<Arx, Error> {
+    Arx::new(TS, vec![1.7424, -0.9453], vec![3.1, 3.1, 0.0])
+}
+
 type Named = (&'static str, Box<dyn System>);
 
 fn systems() -> Result<Vec<Named>, Error> {
-    let arx = Arx::new(TS, vec![1.7424, -0.9453], vec![3.1, 3.1, 0.0])?;
+    let arx = arx()?;
     let u: Vec<f64> = (0..17).map(|k| 3.75 * f64::from(k) - 30.0).collect();
     let z = |side: f64| u.iter().map(|u| u + side * (1.0 - u * u / 900.0)).collect();
     let branches = Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?;
@@ -94,5 +123,5 @@ fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation);
+criterion_group!(benches, cost, estimators, simulation, operators);
 criterion_main!(benches);

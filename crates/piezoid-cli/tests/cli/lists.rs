@@ -7,6 +7,8 @@ fn every_list_prints_its_rows_and_gives_them_as_json() {
     let bench = Bench::new();
     for (list, member) in [
         ("operators", "two-branch"),
+        ("operators", "prandtl-ishlinskii"),
+        ("operators", "tellinen"),
         ("plants", "paper"),
         ("excitations", "prbs"),
         ("estimators", "swarm"),

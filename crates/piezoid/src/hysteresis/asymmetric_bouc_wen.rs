@@ -65,7 +65,7 @@ impl Law for AsymmetricBoucWen {
             return Err(Error::parameter("gamma_over_beta", self.gamma_over_beta, rule));
         }
         for (name, skew) in [("loading_skew", self.loading_skew), ("unloading_skew", self.unloading_skew)] {
-            if !(skew.abs() < 1.0) {
+            if skew.is_nan() || skew.abs() >= 1.0 {
                 return Err(Error::parameter(name, skew, "must lie between -1 and 1, where a rate would be 0"));
             }
         }

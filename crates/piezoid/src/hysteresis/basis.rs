@@ -33,9 +33,9 @@ impl Design {
 }
 
 /// The responses phi_k of an operator, and the way back from weights to the operator.
+#[allow(clippy::len_without_is_empty)] // never empty
 pub trait Basis: Debug + Send + Sync {
     /// Number of weights.
-    #[allow(clippy::len_without_is_empty)] // never empty
     fn len(&self) -> usize;
 
     /// Length of the state.

@@ -255,3 +255,50 @@ impl<L: Law> Basis for Weighted<L> {
         Ok(Arc::new(Self::new(ts, range, law, weights.to_vec())?))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{load, operator};
+    use crate::error::Error;
+    use serde_json::json;
+
+    fn refused(document: serde_json::Value) -> String {
+        load(&document, 5e-4).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_does_not_fit_the_law_is_refused_with_its_value() {
+        let play = |range: [f64; 2], thresholds: &[f64], weights: &[f64]| json!({"operator": "prandtl-ishlinskii", "range": range, "thresholds": thresholds, "weights": weights});
+        assert!(load(&play([-1.0, 1.0], &[0.5], &[1.0, 1.0]), 5e-4).is_ok());
+        let message = refused(play([-1.0, 1.0], &[0.5], &[1.0]));
+        assert_eq!(message, "weights = 1 numbers: must be 2 numbers for this prandtl-ishlinskii");
+        assert!(refused(play([1.0, 1.0], &[0.5], &[1.0, 1.0])).starts_with("range = (1.0, 1.0): must run from"));
+        assert!(
+            refused(play([-1.0, 1.0], &[0.5, 0.5], &[1.0; 3])).starts_with("thresholds[1] = 0.5: must be above 0.5")
+        );
+    }
+
+    #[test]
+    fn a_shape_of_another_length_is_refused() {
+        let basis = (operator("bouc-wen").unwrap().example)(5e-4).unwrap();
+        assert_eq!(basis.operator().name, "bouc-wen");
+        let design =
+            crate::hysteresis::Design { ts: 5e-4, range: (-1.0, 1.0), elements: None, frequencies: Vec::new() };
+        let basis = (operator("bouc-wen").unwrap().basis)(&design).unwrap();
+        assert!(matches!(basis.reshaped(&[1.0]), Err(Error::Parameter { .. })));
+        assert!(matches!(basis.operator(&[1.0]), Err(Error::Parameter { .. })));
+    }
+
+    #[test]
+    fn an_operator_of_rate_settles_as_if_the_input_had_come_slowly() {
+        for name in ["rate-dependent-prandtl-ishlinskii", "maxwell-slip"] {
+            let block = (operator(name).unwrap().example)(5e-4).unwrap();
+            let slowly: Vec<f64> = (0..=200_000).map(|t| 20.0 * f64::from(t) / 200_000.0).collect();
+            let z = block.simulate(&slowly)[200_000];
+            let settled = block.step(&mut block.settled(20.0), 20.0);
+            crate::testing::assert_close(&[settled], &[z], 5e-3, 0.0);
+            let rushed = block.simulate(&[20.0])[0];
+            assert!((rushed - z).abs() > 0.02 * z.abs(), "{name}: a rush should end elsewhere, not at {rushed}");
+        }
+    }
+}

@@ -210,6 +210,44 @@ mod tests {
     }
 
     #[test]
+    fn rate_independent_operators_ignore_how_fast_time_passes() {
+        for o in OPERATORS {
+            let [slow, fast] = [1.0, 1e-5].map(|ts| load(&save(&*(o.example)(5e-4).unwrap()), ts).unwrap());
+            let same = slow.simulate(&wander(500)) == fast.simulate(&wander(500));
+            assert_eq!(same, o.rate_independent, "{}", o.name);
+        }
+    }
+
+    #[test]
+    fn operators_that_wipe_out_forget_a_loop_once_its_turning_points_are_passed() {
+        let leg = |from: f64, to: f64| (1..=40).map(move |t| from + (to - from) * f64::from(t) / 40.0);
+        let path = |turns: &[f64]| turns.windows(2).flat_map(|w| leg(w[0], w[1])).collect::<Vec<f64>>();
+        // Up to 20, down to -8 with or without a loop on the way, and on to -25 and back.
+        let plain = path(&[0.0, 20.0, -8.0, -25.0, 10.0]);
+        let looped = path(&[0.0, 20.0, -5.0, 13.0, 2.0, 9.0, -8.0, -25.0, 10.0]);
+        let end = |z: &[f64]| z[z.len() - 81..].to_vec();
+        for example in examples() {
+            let (z, after) = (end(&example.simulate(&plain)), end(&example.simulate(&looped)));
+            let off = z.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            if example.operator().wipes_out {
+                assert_eq!(off, 0.0, "{example:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn operators_with_minor_loops_turn_without_a_jump() {
+        for example in examples() {
+            // Small steps: what a step of 0.01 moves is small, unless it jumps between branches.
+            let fine: Vec<f64> =
+                (0..20_000).map(|t| 29.0 * (f64::from(t) * 0.0013).sin() * (f64::from(t) * 0.0002).cos()).collect();
+            let z = example.resume(&mut example.settled(fine[0]), &fine);
+            let largest = z.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
+            assert_eq!(largest < 0.2, example.operator().minor_loops, "{example:?} moved by {largest}");
+        }
+    }
+
+    #[test]
     fn parameters_that_make_no_sense_are_refused_with_the_operators_name() {
         for o in OPERATORS {
             let error = (o.load)(serde_json::json!({"nonsense": 1}), 5e-4).unwrap_err().to_string();

@@ -88,35 +88,92 @@ impl Law for Play {
 /// Plays side by side in the vector unit. Their sums are added up in one order, whatever its width.
 const LANES: usize = 8;
 
-/// z along `u`; the last plays, if they are not as many as there are lanes, have companions of no weight.
+/// Samples that a company of plays runs through before the next company does.
+const STRETCH: usize = 64;
+
+type Lanes = [f64; LANES];
+
+/// z along `u`, the same to the bit however `u` is cut.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn sum_of_plays(weights: &[f64], thresholds: &[f64], plays: &mut [f64], u: &[f64], z: &mut [f64]) {
-    let [w0, weights @ ..] = weights else { return };
-    let (w, w_rest) = weights.as_chunks::<LANES>();
-    let (r, r_rest) = thresholds.as_chunks::<LANES>();
-    let (p, p_rest) = plays.as_chunks_mut::<LANES>();
-    let (w_last, r_last, mut p_last) = (filled(w_rest), filled(r_rest), filled(p_rest));
-    let rest = usize::from(!p_rest.is_empty());
-    for (z, &u) in z.iter_mut().zip(u) {
-        let mut sums = [0.0; LANES];
-        let blocks = p.iter_mut().chain(&mut p_last[..rest]);
-        for ((p, r), w) in blocks.zip(r.iter().chain(&r_last)).zip(w.iter().chain(&w_last)) {
-            for lane in 0..LANES {
-                let (low, high) = (u - r[lane], u + r[lane]);
-                let below = if p[lane] > high { high } else { p[lane] };
-                p[lane] = if below < low { low } else { below };
-                sums[lane] += w[lane] * p[lane];
-            }
-        }
-        let [a, b, c, d, e, f, g, h] = sums;
-        *z = w0 * u + (((a + e) + (c + g)) + ((b + f) + (d + h)));
+    if u.len() < STRETCH / 2 {
+        stretches::<1>(weights, thresholds, plays, u, z);
+    } else {
+        stretches::<STRETCH>(weights, thresholds, plays, u, z);
     }
-    p_rest.copy_from_slice(&p_last[0][..p_rest.len()]);
 }
 
-/// One block that begins with `rest`, and zeros.
-fn filled(rest: &[f64]) -> [[f64; LANES]; 1] {
-    let mut block = [0.0; LANES];
-    block[..rest.len()].copy_from_slice(rest);
-    [block]
+#[inline(always)] // so that it is compiled for the instructions of the caller
+fn stretches<const N: usize>(weights: &[f64], thresholds: &[f64], plays: &mut [f64], u: &[f64], z: &mut [f64]) {
+    let [w0, weights @ ..] = weights else { return };
+    let (w, w_rest) = weights.as_chunks();
+    let (r, r_rest) = thresholds.as_chunks();
+    let (p, p_rest) = plays.as_chunks_mut();
+    // The last plays, if they are not as many as there are lanes, have companions of no weight.
+    let (w_last, r_last, mut p_last) = (filled(w_rest), filled(r_rest), filled(p_rest));
+    for (u, z) in u.chunks(N).zip(z.chunks_mut(N)) {
+        let mut sums = [[0.0; LANES]; N];
+        for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
+            company(&mut sums, w, r, p, u);
+        }
+        if !p_rest.is_empty() {
+            company(&mut sums, &w_last, &r_last, &mut p_last, u);
+        }
+        for ((z, u), [a, b, c, d, e, f, g, h]) in z.iter_mut().zip(u).zip(sums) {
+            *z = w0 * u + (((a + e) + (c + g)) + ((b + f) + (d + h)));
+        }
+    }
+    p_rest.copy_from_slice(&p_last[..p_rest.len()]);
+}
+
+#[inline(always)]
+fn company(sums: &mut [Lanes], w: &Lanes, r: &Lanes, plays: &mut Lanes, u: &[f64]) {
+    let mut p = *plays;
+    for (sums, &u) in sums.iter_mut().zip(u) {
+        for lane in 0..LANES {
+            let (low, high) = (u - r[lane], u + r[lane]);
+            let below = if p[lane] > high { high } else { p[lane] };
+            p[lane] = if below < low { low } else { below };
+            sums[lane] += w[lane] * p[lane];
+        }
+    }
+    *plays = p;
+}
+
+/// Lanes that begin with `rest`, and zeros.
+fn filled(rest: &[f64]) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    lanes[..rest.len()].copy_from_slice(rest);
+    lanes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::System;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn runs_of_any_length_and_number_of_plays_are_the_definition_and_repeated_steps_to_the_bit() {
+        for n in [1, 7, 8, 9, 30, 64] {
+            let thresholds: Vec<f64> = (1..=n).map(|k| 0.4 * f64::from(k)).collect();
+            let weights: Vec<f64> = (0..=n).map(|k| (1.3 * f64::from(k)).cos()).collect();
+            let law = Play { thresholds: thresholds.clone() };
+            let block = Weighted::new(1.0, (-30.0, 30.0), law, weights.clone()).unwrap();
+            let u: Vec<f64> =
+                (0..777).map(|t| 29.0 * (0.05 * f64::from(t)).sin() * (0.011 * f64::from(t)).cos()).collect();
+
+            let whole = block.simulate(&u);
+            let mut x = block.initial();
+            let stepped: Vec<f64> = u.iter().map(|&u| block.step(&mut x, u)).collect();
+            assert_eq!(stepped, whole);
+
+            let mut plays = vec![0.0f64; thresholds.len()];
+            let defined = u.iter().map(|&u| {
+                plays.iter_mut().zip(&thresholds).for_each(|(p, r)| *p = (u - r).max((u + r).min(*p)));
+                weights[0] * u + plays.iter().zip(&weights[1..]).map(|(p, w)| p * w).sum::<f64>()
+            });
+            assert_close(&whole, &defined.collect::<Vec<_>>(), 1e-12, 1e-12);
+        }
+    }
 }

@@ -8,5 +8,6 @@ mod close;
 mod fused;
 mod linear;
 mod models;
+mod operators;
 mod strategies;
 mod systems;

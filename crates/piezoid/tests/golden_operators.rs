@@ -1,0 +1,32 @@
+//! Hysteresis operators against their definitions, run with numpy and scipy; `golden/operators.py` writes the numbers.
+
+#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+
+#[path = "common/close.rs"]
+mod close;
+#[path = "common/golden.rs"]
+mod golden;
+
+use close::assert_close;
+use golden::{numbers, rows, text};
+use piezoid::hysteresis::operator;
+
+#[test]
+fn operators_are_their_definitions() {
+    let rows = rows(include_str!("golden/operators.json"));
+    assert_eq!(rows.len(), 12);
+    for row in &rows {
+        let name = text(row, "operator");
+        let load = operator(name).expect("an operator there is").load;
+        let block = load(row["params"].clone(), 5e-4).expect("parameters that make sense");
+        let (u, z) = (numbers(row, "u"), numbers(row, "z"));
+        let largest = z.iter().fold(0.0f64, |m, z| m.max(z.abs()));
+        // Sums are exact but for rounding, equations but for the solver of scipy; Tellinen's integrals are a table.
+        let tolerance = match name {
+            "prandtl-ishlinskii" | "stop" | "krasnoselskii-pokrovskii" => 1e-13,
+            "tellinen" => 3e-6,
+            _ => 1e-9,
+        };
+        assert_close(name, &block.simulate(&u), &z, 0.0, tolerance * largest);
+    }
+}
