@@ -4,16 +4,19 @@
 //! left out of the figures.
 
 use crate::error::Error;
-use crate::hammerstein::{Model, dominant_frequency};
+use crate::hammerstein::{Beginning, Model, dominant_frequency};
 use crate::number::short;
 use crate::record::{Record, same_sampling};
-use crate::series::{ends, scatter};
+use crate::series::{ends, mean, scatter};
 use crate::system::System;
 use serde::Serialize;
 
 /// Share of the identified range that an input must come back by to have turned, and stay off its ends to have turned
 /// inside the loop.
 const INSIDE: f64 = 0.05;
+
+/// Share of a record that tells how it began.
+const FIRST: f64 = 0.1;
 
 /// How far a model is from a record, in the record's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -127,8 +130,7 @@ pub fn validate(model: &Model, record: &Record, settings: Settings) -> Result<Va
         wanted: model.units().y.clone(),
     })?;
     let start = crate::record::span(settings.skip, f64::INFINITY, record.ts(), record.len())?.start;
-    let mut simulated = model.resume(&mut model.settled(record.u()[0]), record.u());
-    simulated.iter_mut().for_each(|y| *y *= k);
+    let (mut simulated, _beginning) = begun(model, record, k, settings.free_offset);
     let mut taken_off = None;
     if settings.free_offset {
         let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
@@ -139,6 +141,25 @@ pub fn validate(model: &Model, record: &Record, settings: Settings) -> Result<Va
     let metrics = Metrics::of(&record.y()[start..], &simulated[start..]);
     let remarks = remarks(model, record, start, &metrics);
     Ok(Validation { metrics, simulated, start, taken_off, remarks })
+}
+
+/// The free run from the beginning that leaves least of the first part of the record, in its unit: the input alone does not
+/// tell what the actuator did before.
+fn begun(model: &Model, record: &Record, k: f64, free_offset: bool) -> (Vec<f64>, Beginning) {
+    let u = record.u();
+    let part = (u.len() as f64 * FIRST).ceil() as usize;
+    let left = |beginning: Beginning| {
+        let simulated = model.resume(&mut model.before(u, beginning), &u[..part]);
+        let e: Vec<f64> = record.y().iter().zip(&simulated).map(|(y, s)| y - k * s).collect();
+        let offset = if free_offset { mean(&e) } else { 0.0 };
+        e.iter().map(|e| (e - offset).powi(2)).sum::<f64>()
+    };
+    // Where two leave the same, the likelier.
+    let all = Beginning::of(u).map(|beginning| (left(beginning), beginning));
+    let (_, beginning) =
+        all.into_iter().fold((f64::INFINITY, all[0].1), |best, one| if one.0 < best.0 { one } else { best });
+    let simulated = model.resume(&mut model.before(u, beginning), u);
+    (simulated.into_iter().map(|y| k * y).collect(), beginning)
 }
 
 /// What about this record is beyond what the model, or the figures, can do.

@@ -9,6 +9,7 @@ mod joint;
 mod loops;
 mod paper;
 mod rich;
+mod start;
 
 pub(crate) use paper::proportional;
 
@@ -16,6 +17,7 @@ pub use joint::{Joint, Trial, identify_joint};
 pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
 pub use rich::{LinearPart, dominant_frequency};
+pub use start::Beginning;
 
 use crate::creep::{Creep, Lag};
 use crate::driver::{Driver, SUBSTEPS};

@@ -4,9 +4,9 @@
 //! Where (8) is unstable the whole-record inverse takes its place; where there is no small-signal record the rich ones
 //! give as much of the linear block as they can. Either is told in the notes.
 
-use super::{Model, Trial};
 use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
 use super::rich::{LinearPart, linear_from_rich, rich_enough};
+use super::{Model, Trial};
 use crate::error::Error;
 use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};

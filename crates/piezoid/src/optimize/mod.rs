@@ -5,8 +5,8 @@ pub mod levenberg_marquardt;
 mod non_negative;
 pub mod swarm;
 
-pub(crate) use non_negative::non_negative;
 pub use least_absolute::{LeastAbsolute, least_absolute};
+pub(crate) use non_negative::non_negative;
 
 use serde::{Deserialize, Serialize};
 

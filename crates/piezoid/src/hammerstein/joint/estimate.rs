@@ -32,7 +32,8 @@ impl Estimate {
         let within = |(shape, &p): (Shape, &f64)| p.clamp(shape.low, shape.high);
         let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape]).map(within).collect();
         let delay = std::iter::repeat_n(0.0, self.linear.delay());
-        let linear = Arx::new(self.ts(), x[layout.a].to_vec(), delay.chain(x[layout.b].iter().copied()).collect()).ok()?;
+        let linear =
+            Arx::new(self.ts(), x[layout.a].to_vec(), delay.chain(x[layout.b].iter().copied()).collect()).ok()?;
         if !linear.is_stable() {
             return None;
         }

@@ -144,14 +144,16 @@ pub fn identify_joint(
         };
         trials.push(trial);
     }
-    let best = trials.iter().filter_map(|t| t.1.as_ref()).min_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
+    let best =
+        trials.iter().filter_map(|t| t.1.as_ref()).min_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
     let Some(best) = best.map(|best| best.held_out.clone()) else {
         return Err(Error::Unidentifiable { what: "any operator".into(), because: "none could be fitted".into() });
     };
     for (trial, fitted) in &mut trials {
         trial.as_good = fitted.as_ref().is_some_and(|fitted| fitted.held_out.is_as_good_as(&best));
     }
-    let simplest = (0..trials.len()).filter(|&k| trials[k].0.as_good).min_by_key(|&k| trials[k].0.parameters).unwrap_or(0);
+    let simplest =
+        (0..trials.len()).filter(|&k| trials[k].0.as_good).min_by_key(|&k| trials[k].0.parameters).unwrap_or(0);
     let Some(fitted) = trials[simplest].1.take() else {
         return Err(Error::Unidentifiable { what: "any operator".into(), because: "none could be fitted".into() });
     };
@@ -174,7 +176,13 @@ fn fit(
     watch: refine::Watch,
 ) -> Result<Fitted, Error> {
     let basis = (row.basis)(design)?;
-    let start = Estimate { driver: how.driver, weights: vec![0.0; basis.len()], basis, lags: lags.to_vec(), linear: linear.clone() };
+    let start = Estimate {
+        driver: how.driver,
+        weights: vec![0.0; basis.len()],
+        basis,
+        lags: lags.to_vec(),
+        linear: linear.clone(),
+    };
     watch(0)?;
     let elsewhere = search::search(&start, runs, how.seed)?;
     let here = refine(start, runs, Freed::All, watch)?;

@@ -85,12 +85,7 @@ impl Point {
 ///
 /// # Errors
 /// What `watch`, which is told each step, returns.
-pub(super) fn refine(
-    start: Estimate,
-    runs: &mut [Run],
-    freed: Freed,
-    watch: Watch,
-) -> Result<Fitted, Error> {
+pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Watch) -> Result<Fitted, Error> {
     let mut point = Point::at(start, runs, &[]);
     let (mut damping, mut held_out) = (1e-6, HeldOut { lambda: 0.0, folds: Vec::new() });
     for step in 0..STEPS {
@@ -139,7 +134,8 @@ fn lower(point: &Point, runs: &[Run], cost: f64, lambda: f64, damping: &mut f64,
 
 /// Gives both kinds of records the weight that what they leave asks for; whether that changed anything.
 fn weigh(runs: &mut [Run], left: &[f64]) -> bool {
-    let of = |rich: bool| mean(&runs.iter().zip(left).filter(|(r, _)| r.rich == rich).map(|(_, l)| *l).collect::<Vec<_>>());
+    let of =
+        |rich: bool| mean(&runs.iter().zip(left).filter(|(r, _)| r.rich == rich).map(|(_, l)| *l).collect::<Vec<_>>());
     let heavier = (of(true) / of(false)).sqrt().clamp(1.0, HEAVIEST);
     if !heavier.is_finite() {
         return false;

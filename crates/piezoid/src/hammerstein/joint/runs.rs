@@ -1,6 +1,7 @@
 //! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
 
 use crate::error::Error;
+use crate::hammerstein::start::in_motion;
 use crate::record::Record;
 use crate::series::ends;
 
@@ -46,25 +47,13 @@ impl<'a> Run<'a> {
         (low < high).then(|| Run {
             record,
             rich,
-            past: past(record.u()),
+            past: if in_motion(record.u()) { Past::Itself } else { Past::Rest },
             scale: 1.0 / (high - low),
             heavier: 1.0,
             usable: vec![true; record.len()],
             stretches: vec![(record.len(), None)],
         })
     }
-}
-
-/// Whether a record begins with an actuator at rest, or in motion as the rest of it. It is at rest where the input is zero or
-/// stands, that is, has not moved by a fiftieth of its range in the time in which on average it moves a fifth.
-fn past(u: &[f64]) -> Past {
-    let (low, high) = ends(u.iter().copied());
-    let range = high - low;
-    let path: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
-    let typical = path / (u.len().max(2) - 1) as f64;
-    let soon = ((0.2 * range / typical) as usize).clamp(1, u.len() - 1);
-    let moved = u[..=soon].iter().map(|v| (v - u[0]).abs()).fold(0.0, f64::max);
-    if u[0].abs() <= 0.02 * range || moved <= 0.02 * range { Past::Rest } else { Past::Itself }
 }
 
 /// All records, with what is held out in turn.

@@ -62,7 +62,13 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
             None => f64::INFINITY,
         }
     };
-    let settings = swarm::Settings { particles: PARTICLES, iterations: ITERATIONS, seed, parallel: true, ..swarm::Settings::default() };
+    let settings = swarm::Settings {
+        particles: PARTICLES,
+        iterations: ITERATIONS,
+        seed,
+        parallel: true,
+        ..swarm::Settings::default()
+    };
     let bounds = Bounds::new(vec![0.0; shape.len()], vec![1.0; shape.len()])?;
     let found = swarm::minimise(&cost, bounds, settings, &mut unwatched)?;
     Ok(at(&found.x))

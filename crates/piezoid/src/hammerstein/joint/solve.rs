@@ -97,40 +97,61 @@ impl Prior {
     ) -> Option<DVector<f64>> {
         let (layout, size) = (&self.layout, self.size(normal));
         let weights = layout.weights.len();
-        let mut h = normal.h.clone();
-        // The others enter by their steps, x - now.
-        let mut others = self.now.clone();
-        others.rows_range_mut(layout.weights.clone()).fill(0.0);
-        let mut g = &normal.g + &h * others;
-
+        let (mut h, mut g) = (normal.h.clone(), normal.g.clone());
         let mut w = h.view_mut((0, 0), (weights, weights));
         w += &self.smooth * (size * lambda);
         for k in 0..layout.parameters() {
             let stiff = if k < weights { size * RIDGE + 1e-14 * h[(k, k)] } else { damping * h[(k, k)] };
-            let stiff = stiff + f64::MIN_POSITIVE;
-            h[(k, k)] += stiff;
-            g[k] += if k < weights { 0.0 } else { stiff * self.now[k] };
+            h[(k, k)] += stiff + f64::MIN_POSITIVE;
         }
-        let firm = 1e6 * normal.yy.max(f64::MIN_POSITIVE);
-        h.ger(firm, &self.gain, &self.gain, 1.0);
-        g.axpy(firm * self.gain.dot(&self.now), &self.gain, 1.0);
+        // Gains enter by their steps, but are wanted themselves: they must not be negative.
+        for k in layout.gains.clone() {
+            g.axpy(self.now[k], &normal.h.column(k), 1.0);
+            g[k] += (h[(k, k)] - normal.h[(k, k)]) * self.now[k];
+        }
+        let held = self.hold_static_gain(&mut h, &mut g);
 
-        let moving = match freed {
+        let end = match freed {
             Freed::Weights => weights,
             Freed::Creep => layout.gains.end,
             Freed::All => layout.parameters(),
         };
-        for k in moving..layout.parameters() {
-            g.axpy(-self.now[k], &h.column(k), 1.0);
+        if freed == Freed::Weights {
+            layout.gains.clone().for_each(|k| g.axpy(-self.now[k], &h.column(k), 1.0));
         }
+        let moving: Vec<usize> = (0..end).filter(|k| held.as_ref().is_none_or(|held| held.0 != *k)).collect();
         // Columns of equal size, for the sake of the factorisation.
-        let unit: Vec<f64> = (0..moving).map(|k| h[(k, k)].sqrt().recip()).collect();
-        let scaled: Vec<f64> = (0..moving).flat_map(|i| (0..moving).map(move |j| (i, j))).map(|(i, j)| h[(i, j)] * unit[i] * unit[j]).collect();
-        let target: Vec<f64> = (0..moving).map(|k| g[k] * unit[k]).collect();
-        let solved = non_negative(&scaled, &target, &self.signed[..moving], &mut positive[..moving])?;
+        let unit: Vec<f64> = moving.iter().map(|&k| h[(k, k)].sqrt().recip()).collect();
+        let n = moving.len();
+        let scaled: Vec<f64> =
+            (0..n * n).map(|k| h[(moving[k / n], moving[k % n])] * unit[k / n] * unit[k % n]).collect();
+        let target: Vec<f64> = moving.iter().zip(&unit).map(|(&k, unit)| g[k] * unit).collect();
+        let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
+        let solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
+
         let mut x = self.now.clone();
-        (0..moving).for_each(|k| x[k] = solved[k] * unit[k]);
+        for ((&k, solved), unit) in moving.iter().zip(solved).zip(unit) {
+            x[k] = solved * unit + if k < layout.gains.end { 0.0 } else { self.now[k] };
+        }
+        if let Some((held, ratios)) = held {
+            let steps: f64 = (layout.shape.end..end).map(|k| ratios[k] * (x[k] - self.now[k])).sum();
+            x[held] = self.now[held] - steps;
+        }
         Some(x)
+    }
+
+    /// Takes one b out of the equations, which follows from the others since the static gain of G stays: its index, and by
+    /// how much it falls when another parameter rises. None where G has no parameters.
+    fn hold_static_gain(&self, h: &mut DMatrix<f64>, g: &mut DVector<f64>) -> Option<(usize, DVector<f64>)> {
+        let held = self.layout.b.clone().max_by(|&j, &k| self.gain[j].abs().total_cmp(&self.gain[k].abs()))?;
+        let mut ratios = &self.gain / self.gain[held];
+        ratios[held] = 0.0;
+        let (column, pivot) = (h.column(held).into_owned(), h[(held, held)]);
+        h.ger(-1.0, &ratios, &column, 1.0);
+        h.ger(-1.0, &column, &ratios, 1.0);
+        h.ger(pivot, &ratios, &ratios, 1.0);
+        g.axpy(-g[held], &ratios, 1.0);
+        Some((held, ratios))
     }
 
     /// The mean size of the weights' columns.

@@ -39,7 +39,8 @@ pub(super) fn of_small(small: &[Record], how: &Joint) -> Result<(Arx, String), E
         rich_enough(small, n)?;
         return of_order(&seen, n);
     }
-    let found = select(&seen, &Choice { order: most, delay: DELAY, parallel: true, ..Choice::default() }, &mut unwatched)?;
+    let found =
+        select(&seen, &Choice { order: most, delay: DELAY, parallel: true, ..Choice::default() }, &mut unwatched)?;
     Ok((found.fit.arx, found.reason))
 }
 
@@ -88,42 +89,42 @@ pub(super) fn of_rich(
         Ok(Estimate { driver: how.driver, weights: vec![0.0; basis.len()], basis, lags: lags.to_vec(), linear })
     };
     let gain = affine(rich)?.0;
-    let plain = refine(start(Arx::gain(ts, gain)?)?, runs, Freed::Creep, watch)?;
-    let hidden: Vec<Record> =
-        runs.iter().map(|run| Record::new(ts, hidden(&plain.estimate, run)?, run.record.y().to_vec())).collect::<Result<_, _>>()?;
-    let least = delay(&hidden);
-
-    // From simple to rich: each is tried on top of the hysteresis.
-    let known = lines(rich).len();
-    let mut tried: Vec<(String, Fitted)> = vec![("a gain".into(), plain)];
-    let mut blocks = Vec::new();
-    let waiting = |d: usize, next: f64| Arx::new(ts, Vec::new(), [vec![0.0; d], vec![(1.0 - next) * gain, next * gain]].concat());
-    if how.order.unwrap_or(0) == 0 {
-        if least > 0 {
-            let late = Arx::new(ts, Vec::new(), [vec![0.0; least], vec![gain]].concat())?;
-            blocks.push((format!("a gain with a delay of {least} samples"), late, Freed::Creep));
-        }
-        let from = least.saturating_sub(1);
-        blocks.push((format!("a gain with a delay between {from} and {} samples", from + 1), waiting(from, 0.5)?, Freed::All));
-    }
-    let orders: Vec<usize> = match how.order {
-        Some(0) => Vec::new(),
-        Some(n) => vec![n],
-        None => (1..=known.saturating_sub(1).min(ORDER)).collect(),
+    let late = |d: usize, next: f64| {
+        Arx::new(
+            ts,
+            Vec::new(),
+            [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat(),
+        )
     };
-    for n in orders {
-        for delay in [least.saturating_sub(1), least] {
-            let orders = Orders { delay, ..Orders::of(n) };
-            if let Ok(fit) = output_error(&hidden, orders, &Refinement::default(), &mut unwatched)
-                && fit.arx.dc_gain() * gain > 0.0
-            {
-                let carried = rescaled(&fit.arx, gain)?;
-                blocks.push((format!("order {n} with a delay of {delay} samples"), carried, Freed::All));
-            }
+    let plain = refine(start(late(0, 0.0)?)?, runs, Freed::Creep, watch)?;
+    let waits = delay(&hidden(&plain.estimate, runs)?);
+    let mut tried: Vec<(String, Fitted)> = vec![("a gain".into(), plain)];
+    if how.order.unwrap_or(0) == 0 {
+        if waits > 0 {
+            let fit = refine(start(late(waits, 0.0)?)?, runs, Freed::Creep, watch)?;
+            tried.push((format!("a gain with a delay of {waits} samples"), fit));
         }
+        let from = waits.saturating_sub(1);
+        let fit = refine(start(late(from, 0.5)?)?, runs, Freed::All, watch)?;
+        tried.push((format!("a gain with a delay between {from} and {} samples", from + 1), fit));
     }
-    for (name, block, freed) in blocks {
-        tried.push((name, refine(start(block)?, runs, freed, watch)?));
+
+    // Dynamics, found from the z of what is best so far, as far as the records can tell them.
+    let orders = match how.order {
+        Some(n) => n..=n,
+        None => 1..=lines(rich).len().saturating_sub(1).min(ORDER),
+    };
+    let least = tried.iter().min_by(|p, q| p.1.held_out.rms_pp().total_cmp(&q.1.held_out.rms_pp()));
+    let hidden = hidden(&least.unwrap_or(&tried[0]).1.estimate, runs)?;
+    let delay = delay(&hidden).saturating_sub(1);
+    for n in orders.filter(|n| *n > 0) {
+        let orders = Orders { delay, ..Orders::of(n) };
+        if let Ok(found) = output_error(&hidden, orders, &Refinement::default(), &mut unwatched)
+            && found.arx.dc_gain() * gain > 0.0
+        {
+            let fit = refine(start(rescaled(&found.arx, gain)?)?, runs, Freed::All, watch)?;
+            tried.push((format!("order {n} with a delay of {delay} samples"), fit));
+        }
     }
     let best = tried.iter().map(|t| &t.1.held_out).min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
     let chosen = match how.order {
@@ -133,19 +134,22 @@ pub(super) fn of_rich(
     let listed: Vec<String> =
         tried.iter().map(|(name, fit)| format!("{name} leaves {} %", short(100.0 * fit.held_out.rms_pp()))).collect();
     let (name, fitted) = tried.swap_remove(chosen);
-    let reason = format!("{name}: of peak-to-peak held out, {}; the simplest as good as the best is taken", listed.join(", "));
+    let reason =
+        format!("{name}: of peak-to-peak held out, {}; the simplest as good as the best is taken", listed.join(", "));
     Ok((fitted.estimate.linear, reason))
 }
 
-/// z of a run behind creep, from zero at its first sample.
-fn hidden(estimate: &Estimate, run: &Run) -> Result<Vec<f64>, Error> {
-    let mut responses = Responses::before(estimate, run);
-    let first = dot(responses.now(), &estimate.weights);
-    let u = run.record.u();
-    let z: Vec<f64> = std::iter::once(0.0)
-        .chain(u[1..].iter().map(|&u| dot(responses.next(u), &estimate.weights) - first))
-        .collect();
-    Ok(Creep::new(estimate.ts(), estimate.lags.clone())?.simulate(&z))
+/// The runs with z behind creep, from zero at the first sample, in the place of u.
+fn hidden(estimate: &Estimate, runs: &[Run]) -> Result<Vec<Record>, Error> {
+    let creep = Creep::new(estimate.ts(), estimate.lags.clone())?;
+    let of = |run: &Run| {
+        let mut responses = Responses::before(estimate, run);
+        let first = dot(responses.now(), &estimate.weights);
+        let later = run.record.u()[1..].iter().map(|&u| dot(responses.next(u), &estimate.weights) - first);
+        let z: Vec<f64> = std::iter::once(0.0).chain(later).collect();
+        Record::new(estimate.ts(), creep.simulate(&z), run.record.y().to_vec())
+    };
+    runs.iter().map(of).collect()
 }
 
 /// The delay [samples] with which a gain leaves least, up to a tenth of the shortest record.
