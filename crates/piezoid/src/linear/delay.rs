@@ -31,7 +31,7 @@ pub struct Delay {
 const MOST: usize = 4;
 
 /// A mode more is taken when it lowers the rms of the free run by this share.
-const WORTH: f64 = 0.1;
+const WORTH: f64 = 0.2;
 
 /// The input delay of `records`, looked for from -1 to `longest` samples.
 ///

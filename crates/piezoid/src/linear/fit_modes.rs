@@ -11,8 +11,9 @@
 //! `free_run.rs`. What follows at once jumps where the delay passes whole samples, so the fit is made for each L and the
 //! best is kept. An output that is logged after its input acted has a delay of -Ts.
 //!
-//! It begins at the modes of a block by output error. A mode above half the sampling rate is seen as its mirror image
-//! below: for the highest one both are tried. A lag that is no mode, such as an amplifier's, is taken for delay.
+//! It begins at the modes of a block by output error. A mode above half the sampling rate is seen there as its image
+//! below; what follows from it is not the same, so for all but the mode that carries most the two nearest frequencies of
+//! that image are tried as well, and taken where they leave clearly less. A lag that is no mode, such as an amplifier's, is taken for delay.
 
 use super::free_run::{Past, dot};
 use super::output_error::{Refinement, checked, output_error};
@@ -23,7 +24,7 @@ use crate::optimize::Minimum;
 use crate::optimize::levenberg_marquardt::{self, Normal as Sums, SumOfSquares};
 use crate::progress::{Progress, Stage, unwatched};
 use crate::record::Record;
-use nalgebra::Complex;
+use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
 /// One mode as far as it is known.
@@ -91,29 +92,43 @@ pub fn fit_modes(
     let weights = checked(records, Orders { delay: most, ..Orders::of(2 * n) }, how)?;
     let starts = starts(records, n, how)?;
     let mut best: Option<(ModalError, Minimum)> = None;
-    for whole in 0..=most {
-        let stage = Stage { what: "modes", done: whole, total: most + 1 };
+    for (i, start) in starts.iter().enumerate() {
+        let stage = Stage { what: "modes", done: i, total: starts.len() };
         if progress(stage).is_break() {
-            return Err(Error::Cancelled { what: "the fit of modes".into(), done: whole, total: most + 1 });
+            return Err(Error::Cancelled { what: "the fit of modes".into(), done: i, total: starts.len() });
         }
-        for start in &starts {
-            let problem = ModalError { records, weights: &weights, modes: n, whole };
-            let mut x = start.clone();
-            x.push(whole as f64 - 0.5);
-            let minimum = levenberg_marquardt::minimise(&problem, &x, &how.search, &mut unwatched)?;
-            if best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
+        // Images explain a mode nearly as well as it does itself.
+        let clearly = if i == 0 { 1.0 } else { 0.9 };
+        let bar = best.as_ref().map_or(f64::INFINITY, |(_, b)| clearly * b.cost);
+        let problem = |whole| ModalError { records, weights: &weights, modes: n, whole };
+        let mut laid: Vec<_> = (0..=most).map(|whole| (whole, problem(whole).laid_out(start))).collect();
+        laid.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
+        for (whole, (x, _)) in laid.into_iter().take(TRIED) {
+            let problem = problem(whole);
+            let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut unwatched)?;
+            if minimum.cost < bar && best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
                 best = Some((problem, minimum));
             }
         }
     }
-    match best {
-        Some((problem, minimum)) => problem.told(minimum),
-        None => Err(Error::Unidentifiable { what: "a mode".into(), because: "no delay was allowed".into() }),
-    }
+    let Some((problem, rough)) = best else {
+        return Err(Error::Unidentifiable { what: "a mode".into(), because: "no delay was allowed".into() });
+    };
+    problem.told(levenberg_marquardt::minimise(&problem, &rough.x, &how.search, &mut unwatched)?)
 }
 
-/// ln w, ln zeta and k = 0 of each mode, and r = 0: of the modes that carry most in a block by output error, and with the
-/// highest mirrored at half the sampling rate.
+/// Steps and tolerance that tell starts apart.
+const ROUGH: levenberg_marquardt::Settings =
+    levenberg_marquardt::Settings { iterations: 100, tolerance: 1e-6, damping: 1e-3 };
+
+/// Whole delays that are searched, of those that begin best.
+const TRIED: usize = 2;
+
+/// Delays within a sample that a search may begin at.
+const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+/// ln w, ln zeta and k = 0 of each mode, and r = 0: of the modes that carry most in a block by output error, and with each
+/// but the first of them at the other frequencies that look the same to the samples.
 fn starts(records: &[Record], n: usize, how: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
     let blocks = [0, 1].map(|delay| output_error(records, Orders { delay, ..Orders::of(2 * n) }, how, &mut unwatched));
     let mut blocks: Vec<_> = blocks.into_iter().collect::<Result<_, _>>()?;
@@ -136,17 +151,21 @@ fn starts(records: &[Record], n: usize, how: &Refinement) -> Result<Vec<Vec<f64>
         );
         return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
     }
-    found.sort_by(|p, q| p.0.total_cmp(&q.0));
     let vector = |modes: &[(f64, f64)]| {
-        let each = modes.iter().flat_map(|(hz, damping)| [(TAU * hz).ln(), damping.max(1e-4).ln(), 0.0]);
+        let each = modes.iter().flat_map(|(hz, damping)| [(TAU * hz).ln(), damping.clamp(1e-4, 0.9).ln(), 0.0]);
         each.chain([0.0]).collect::<Vec<f64>>()
     };
     let mut starts = vec![vector(&found)];
     let rate = 1.0 / records[0].ts();
-    if let Some((hz, damping)) = found.pop() {
-        if hz > 0.25 * rate {
-            found.push((rate - hz, damping));
-            starts.push(vector(&found));
+    for i in 1..n {
+        let (hz, damping) = found[i];
+        let rings = hz * (1.0 - damping * damping).sqrt();
+        for image in [rate - rings, rate + rings] {
+            // The same decay a sample.
+            let there = image.hypot(hz * damping);
+            let mut others = found.clone();
+            others[i] = (there, hz * damping / there);
+            starts.push(vector(&others));
         }
     }
     Ok(starts)
@@ -219,9 +238,28 @@ impl ModalError<'_> {
         x[..3 * self.modes].chunks_exact(3).map(|x| Held::new(x, mu, self.records[0].ts())).collect()
     }
 
+    /// The unknowns with these poles, the part of a sample that suits them best, and the k and r that do, which are linear;
+    /// and their cost.
+    fn laid_out(&self, poles: &[f64]) -> (Vec<f64>, f64) {
+        let linear: Vec<usize> = (0..self.modes).map(|i| 3 * i + 2).chain([3 * self.modes]).collect();
+        let with = |part: f64| {
+            let mut x = [poles, &[self.whole as f64 - 1.0 + part]].concat();
+            let (Sums { gradient, hessian, .. }, d) = (self.normal(&x), self.dimension());
+            let right = DVector::from_fn(linear.len(), |i, _| -gradient[linear[i]]);
+            let left = DMatrix::from_fn(linear.len(), linear.len(), |i, j| hessian[linear[i] * d + linear[j]]);
+            if let Some(root) = Cholesky::new(left) {
+                linear.iter().zip(root.solve(&right).iter()).for_each(|(&k, value)| x[k] = *value);
+            }
+            let cost = self.cost(&x);
+            (x, cost)
+        };
+        let all = PARTS.map(with).into_iter();
+        all.min_by(|p, q| p.1.total_cmp(&q.1)).unwrap_or_else(|| with(0.5))
+    }
+
     /// Whether the unknowns are those of modes: damped, and not so fast that they are numbers only.
     fn possible(&self, x: &[f64]) -> bool {
-        let fastest = (TAU / self.records[0].ts()).ln();
+        let fastest = (2.0 * TAU / self.records[0].ts()).ln();
         x.iter().all(|x| x.is_finite()) && x[..3 * self.modes].chunks_exact(3).all(|m| m[0] < fastest && m[1] < 0.0)
     }
 
@@ -252,15 +290,16 @@ impl ModalError<'_> {
             let dw = one_pole(mode.z, (0..n).map(|t| late(&w, t, 1)));
             // C / A d with C fixed: its slope by z is q^-1 / (1 - z q^-1) of itself.
             let past = one_pole(mode.z, free.iter().map(|&y| Complex::new(y, 0.0)));
-            for t in 0..n {
-                let (w, dw) = ([late(&w, t, lag), late(&w, t, lag + 1)], [late(&dw, t, lag), late(&dw, t, lag + 1)]);
-                let by_z = mode.k * (mode.c[0] * dw[0] + mode.c[1] * dw[1]) + late(&past, t, 1);
-                let slope = |[dz, d1, d2]: [Complex<f64>; 3]| 2.0 * (by_z * dz + mode.k * (d1 * w[0] + d2 * w[1])).re;
-                columns[3 * i][t] = slope(mode.slopes[0]);
-                columns[3 * i + 1][t] = slope(mode.slopes[1]);
-                columns[3 * i + 2][t] = 2.0 * (mode.c[0] * w[0] + mode.c[1] * w[1]).re;
-                columns[last + 1][t] += slope(mode.slopes[2]);
-            }
+            let held = |w: &[Complex<f64>], t| mode.c[0] * late(w, t, lag) + mode.c[1] * late(w, t, lag + 1);
+            let slope = |[dz, d1, d2]: [Complex<f64>; 3], t: usize| {
+                let by_z = mode.k * held(&dw, t) + late(&past, t, 1);
+                2.0 * (by_z * dz + mode.k * (d1 * late(&w, t, lag) + d2 * late(&w, t, lag + 1))).re
+            };
+            let [by_w, by_zeta, by_mu] = mode.slopes;
+            columns[3 * i] = (0..n).map(|t| slope(by_w, t)).collect();
+            columns[3 * i + 1] = (0..n).map(|t| slope(by_zeta, t)).collect();
+            columns[3 * i + 2] = (0..n).map(|t| 2.0 * held(&w, t).re).collect();
+            columns[last + 1].iter_mut().enumerate().for_each(|(t, sum)| *sum += slope(by_mu, t));
         }
         columns[last] = shifted(record.u(), lag).collect();
         // Beyond whole samples the delay is held, and has no slope.

@@ -283,7 +283,7 @@ fn impulse_response(a: &[f64], n: usize) -> Vec<f64> {
 pub(super) fn decays(a: &[f64]) -> bool {
     let mut c = a.to_vec();
     while let Some(k) = c.pop() {
-        if !(k.abs() < 1.0) {
+        if k.is_nan() || k.abs() >= 1.0 {
             return false;
         }
         // 1 - c1 q^-1 - ... of one order less.
