@@ -139,7 +139,7 @@ impl Arx {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::fit_modes::tests::held;
+    use crate::linear::modal_error::tests::held;
     use crate::testing::assert_close;
 
     #[test]
