@@ -167,10 +167,10 @@ fn told(problem: &ModalError, mut minimum: Minimum) -> Result<Modes, Error> {
     let runs: Vec<ModalRun> = problem.records.iter().map(|r| problem.run(r, x)).collect();
     let samples: usize = problem.records.iter().map(Record::len).sum();
     let fitted = problem.dimension() + problem.records.len() * (2 * m + problem.whole + 1);
-    let evidence = problem.records.iter().zip(&runs).zip(problem.weights).map(|((record, run), &weight)| Evidence {
+    let evidence = runs.iter().zip(problem.weights).map(|(run, &weight)| Evidence {
         weight,
         e: run.e.clone(),
-        jacobian: problem.jacobian(record, run, x),
+        jacobian: problem.jacobian(run, x),
     });
     let covariance = sandwich(evidence, x.len(), samples as f64 / (samples - fitted) as f64);
     let number = |value: f64, slopes: &[(usize, f64)]| {
@@ -225,7 +225,9 @@ mod tests {
         let arx = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 2.3e-4);
         let u = Prbs::default().samples(TS, 1500).unwrap();
         let y = arx.simulate(&u).iter().map(|y| y + 5.0).collect::<Vec<_>>();
-        let record = Record::new(TS, u[200..].to_vec(), y[200..].to_vec()).unwrap();
+        // An input about 9 V, which has always stood there.
+        let (u, gain) = (u[200..].iter().map(|u| u + 9.0).collect(), 30.0);
+        let record = Record::new(TS, u, y[200..].iter().map(|y| y + 9.0 * gain).collect()).unwrap();
         let found = fit_modes(&[record], 2, 3, &Refinement::default(), &mut unwatched).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value, first.share.value], &[166.3, 0.03, 0.9], 1e-6, 0.0);

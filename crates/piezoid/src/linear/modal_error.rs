@@ -13,7 +13,7 @@
 //! What follows at once jumps where the delay passes whole samples, so L is given; beyond its sample the delay is held.
 
 use super::Arx;
-use super::free_run::{Past, dot};
+use super::free_run::{Past, centred, dot};
 use crate::error::Error;
 use crate::optimize::levenberg_marquardt::{Normal, SumOfSquares};
 use crate::record::Record;
@@ -82,10 +82,10 @@ pub(super) struct ModalRun {
     pub(super) e: Vec<f64>,
     /// The constant in the output.
     pub(super) offset: f64,
-    /// The free run without it.
-    model: Vec<f64>,
-    /// The part of it that is no past.
-    forced: Vec<f64>,
+    /// What the record owes to its past, C / A d.
+    free: Vec<f64>,
+    /// The input, less its mean.
+    u: Vec<f64>,
     past: Past,
 }
 
@@ -122,9 +122,11 @@ impl ModalError<'_> {
 
     pub(super) fn run(&self, record: &Record, x: &[f64]) -> ModalRun {
         let (held, lag, n) = (self.held(x), self.whole, record.len());
-        let mut forced: Vec<f64> = shifted(record.u(), lag).map(|u| x[3 * self.modes] * u).collect();
+        let (middle, u) = centred(record.u());
+        let at_once = x[3 * self.modes];
+        let mut forced: Vec<f64> = shifted(&u, lag).map(|u| at_once * u).collect();
         for mode in &held {
-            let w = one_pole(mode.z, record.u().iter().map(|&u| Complex::new(u, 0.0)));
+            let w = one_pole(mode.z, u.iter().map(|&u| Complex::new(u, 0.0)));
             for (t, y) in forced.iter_mut().enumerate() {
                 *y += 2.0 * mode.k * (mode.c[0] * late(&w, t, lag) + mode.c[1] * late(&w, t, lag + 1)).re;
             }
@@ -132,21 +134,21 @@ impl ModalError<'_> {
         let a: Vec<f64> = self.denominator(&held).iter().skip(1).map(|c| -c).collect();
         let past = Past::new(&a, 2 * self.modes + lag, n);
         let mut e: Vec<f64> = record.y().iter().zip(&forced).map(|(y, f)| y - f).collect();
-        let offset = past.remove(&mut e);
-        let model = record.y().iter().zip(&e).map(|(y, e)| y - e - offset).collect();
-        ModalRun { e, offset, model, forced, past }
+        let level = past.remove(&mut e);
+        let free = record.y().iter().zip(&e).zip(&forced).map(|((y, e), forced)| y - e - level - forced).collect();
+        let gain = at_once + held.iter().map(|mode| mode.k).sum::<f64>();
+        ModalRun { e, offset: level - gain * middle, free, u, past }
     }
 
     /// The slopes of the free run by each unknown, past and offset projected out.
-    pub(super) fn jacobian(&self, record: &Record, run: &ModalRun, x: &[f64]) -> Vec<Vec<f64>> {
-        let (lag, n, last) = (self.whole, record.len(), 3 * self.modes);
-        let free: Vec<f64> = run.model.iter().zip(&run.forced).map(|(y, f)| y - f).collect();
+    pub(super) fn jacobian(&self, run: &ModalRun, x: &[f64]) -> Vec<Vec<f64>> {
+        let (lag, n, last) = (self.whole, run.u.len(), 3 * self.modes);
         let mut columns = vec![vec![0.0; n]; last + 2];
         for (i, mode) in self.held(x).iter().enumerate() {
-            let w = one_pole(mode.z, record.u().iter().map(|&u| Complex::new(u, 0.0)));
+            let w = one_pole(mode.z, run.u.iter().map(|&u| Complex::new(u, 0.0)));
             let dw = one_pole(mode.z, (0..n).map(|t| late(&w, t, 1)));
             // C / A d with C fixed: its slope by z is q^-1 / (1 - z q^-1) of itself.
-            let past = one_pole(mode.z, free.iter().map(|&y| Complex::new(y, 0.0)));
+            let past = one_pole(mode.z, run.free.iter().map(|&y| Complex::new(y, 0.0)));
             let held = |w: &[Complex<f64>], t| mode.c[0] * late(w, t, lag) + mode.c[1] * late(w, t, lag + 1);
             let slope = |[dz, d1, d2]: [Complex<f64>; 3], t: usize| {
                 let by_z = mode.k * held(&dw, t) + late(&past, t, 1);
@@ -158,7 +160,7 @@ impl ModalError<'_> {
             columns[3 * i + 2] = (0..n).map(|t| 2.0 * held(&w, t).re).collect();
             columns[last + 1].iter_mut().enumerate().for_each(|(t, sum)| *sum += slope(by_mu, t));
         }
-        columns[last] = shifted(record.u(), lag).collect();
+        columns[last] = shifted(&run.u, lag).collect();
         // Beyond whole samples the delay is held, and has no slope.
         if !(self.whole as f64 - 1.0..=self.whole as f64).contains(&x[last + 1]) {
             columns[last + 1].fill(0.0);
@@ -211,7 +213,7 @@ impl SumOfSquares for ModalError<'_> {
         }
         for (record, &weight) in self.records.iter().zip(self.weights) {
             let run = self.run(record, x);
-            let columns = self.jacobian(record, &run, x);
+            let columns = self.jacobian(&run, x);
             let hessian = columns.iter().flat_map(|p| columns.iter().map(|q| dot(p, q))).collect();
             let gradient = columns.iter().map(|column| -dot(column, &run.e)).collect();
             sums.add(weight, &Normal { cost: dot(&run.e, &run.e), gradient, hessian });
