@@ -61,9 +61,9 @@ pub struct Candidate {
     pub aic: f64,
     /// Schwarz's criterion.
     pub bic: f64,
-    /// Rms of the free run over the first parts [output unit].
+    /// Rms of the free run over the first parts, weighted where records are [output unit].
     pub rms: f64,
-    /// Rms of the free run over the parts held out [output unit].
+    /// Rms of the free run over the parts held out, likewise [output unit].
     pub held_out: f64,
     /// The same in percent of the peak-to-peak output.
     pub held_out_pp_percent: f64,
