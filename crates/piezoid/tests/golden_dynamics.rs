@@ -53,7 +53,7 @@ fn modes_that_scipy_runs_late_are_found_again() {
         let name = text(row, "name");
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
-        let found = fit_modes(&[record], hz.len(), 3.0, &Refinement::default(), &mut unwatched).expect("modes");
+        let found = fit_modes(&[record], hz.len(), 3, &Refinement::default(), &mut unwatched).expect("modes");
         let of = |what: fn(&piezoid::linear::Mode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);

@@ -24,6 +24,11 @@ fn a_model_is_identified_and_predicts_its_own_data() {
     bench.run("identify --linear prbs.csv -o floor.json").ok().says(&["no rich record"]);
     bench.run("identify --linear prbs.csv --rich sine5.csv --order 3 --estimator least-squares -o m3.json").ok();
     assert_eq!(bench.json("m3.json")["linear"]["a"].as_array().unwrap().len(), 3);
+    for estimator in ["output-error", "instrumental"] {
+        let line =
+            format!("identify --method paper --linear prbs.csv --rich sine5.csv --estimator {estimator} -o e.json");
+        bench.run(&line).ok().prints(&["146.7 Hz"]).says(&[&format!("order 2 by {estimator}")]);
+    }
     bench.run("identify --linear prbs.csv --rich sine5.csv --reading printed --split direction -o p.json").ok();
     bench.run("identify --data sine5.csv --operator proportional -o linear.json").ok();
     for operator in ["two-branch", "rate-scheduled"] {

@@ -31,16 +31,16 @@ pub struct Delay {
 const MOST: usize = 4;
 
 /// A mode more is taken when it lowers the rms of the free run by this share.
-const WORTH: f64 = 0.1;
+const WORTH: f64 = 0.2;
 
-/// The input delay of `records`, looked for from -1 to `longest` samples.
+/// The input delay of `records`, looked for between -1 and `longest` samples.
 ///
 /// ```
 /// use piezoid::{Record, linear::{Refinement, input_delay}, plant::{Plant, find}, excitation::Prbs};
 /// let plant = Plant::new(&(find("pl140")?.spec)(), 5e-4)?;
 /// let u = Prbs::default().samples(5e-4, 2047)?;
 /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-/// let delay = input_delay(&[record], 2.0, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+/// let delay = input_delay(&[record], 2, &Refinement::default(), &mut piezoid::progress::unwatched)?;
 /// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
 /// assert!((delay.seconds.value - 1e-4).abs() < 2e-6 && delay.modes.modes.len() == 2);
 /// # Ok::<(), piezoid::Error>(())
@@ -50,7 +50,7 @@ const WORTH: f64 = 0.1;
 /// As [`fit_modes`].
 pub fn input_delay(
     records: &[Record],
-    longest: f64,
+    longest: usize,
     how: &Refinement,
     progress: &mut Progress,
 ) -> Result<Delay, Error> {
@@ -71,7 +71,7 @@ pub fn input_delay(
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::linear::fit_modes::tests::held;
+    use crate::linear::modal_error::tests::held;
     use crate::progress::unwatched;
     use crate::system::System;
     use crate::testing::assert_close;
@@ -90,7 +90,7 @@ mod tests {
             let noise = Normal::new(0.0, 0.3).unwrap();
             let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
             let record = [Record::new(TS, u, y).unwrap()];
-            let found = input_delay(&record, 3.0, &Refinement::default(), &mut unwatched).unwrap();
+            let found = input_delay(&record, 3, &Refinement::default(), &mut unwatched).unwrap();
             let Uncertain { value, error } = found.seconds;
             assert_close(&[value], &[delay], 0.0, 4.0 * error);
             assert!(error < 2e-6 && found.modes.modes.len() == 1, "{error}");

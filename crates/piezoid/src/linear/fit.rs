@@ -292,3 +292,33 @@ fn residuals(regression: &Regression, theta: &[f64]) -> Residuals {
         lag_one: if energy > 0.0 { neighbours / energy } else { 0.0 },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Prbs;
+    use crate::system::System;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn every_estimator_finds_the_block_of_records_without_noise_and_their_offsets() {
+        let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap();
+        let u = Prbs::default().samples(5e-4, 900).unwrap();
+        let record = |offset: f64, n: usize| {
+            let y = truth.simulate(&u[..n]).iter().map(|y| y + offset).collect();
+            Record::new(5e-4, u[..n].to_vec(), y).unwrap()
+        };
+        let records = [record(40.0, 900), record(-7.0, 500)];
+        for estimator in ESTIMATORS {
+            let orders = Orders { na: 2, nb: 2, delay: 1 };
+            let found = fit(&records, orders, estimator, &swarm::Settings::default(), &mut unwatched).unwrap();
+            let name = estimator.name;
+            assert_close(found.arx.a(), truth.a(), 1e-5, 0.0);
+            assert_close(found.arx.b(), truth.b(), 1e-4, 0.0);
+            assert_close(&found.offsets, &[40.0, -7.0], 1e-6, 0.0);
+            assert!(found.residuals.rms < 1e-3, "{name}: {}", found.residuals.rms);
+            assert_eq!((found.estimator, found.history.len()), (name, found.courses.len()));
+            assert!(found.history.windows(2).all(|w| w[1] <= w[0]), "{name}");
+        }
+    }
+}

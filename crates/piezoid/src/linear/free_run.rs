@@ -7,7 +7,8 @@
 //! All is zero before the record; what was not is in c: the responses of an ARX to any past, inputs included, are spanned
 //! by the m = max(na, last lag of b) first shifts of the impulse response of 1/A. These and the constant k are linear in
 //! y^, so they are projected out (variable projection; Golub & Pereyra 1973, doi:10.1137/0710036), in orthonormal
-//! columns Q that end where 1/A has decayed. With c at its best for every theta, v made of the whole y^ gives the slopes
+//! columns Q that end where 1/A has decayed. What a constant input does lies in Q too, so the mean of u is taken off first:
+//! sums of squares would drown in it. With c at its best for every theta, v made of the whole y^ gives the slopes
 //! at fixed c, and the part of them outside Q is what a change of theta does that no change of c and k can undo.
 //!
 //! The columns of the slopes are shifts of two signals, so the sums of their products follow one from the other:
@@ -16,6 +17,7 @@
 use super::regression::Orders;
 use crate::optimize::levenberg_marquardt::{Normal, SumOfSquares};
 use crate::record::Record;
+use crate::series::mean;
 use multiversion::multiversion;
 use nalgebra::DMatrix;
 use std::ops::RangeInclusive;
@@ -91,13 +93,15 @@ pub(super) type Shifts<'s> = (&'s Signal, RangeInclusive<usize>);
 pub(super) struct FreeRun {
     orders: Orders,
     a: Vec<f64>,
-    /// w = u / A.
+    /// w = u / A, of u less its mean.
     w: Signal,
-    /// y^, without the offset.
+    /// y^ of u less its mean, without the constant beside it.
     pub(super) model: Vec<f64>,
     /// e.
     pub(super) e: Vec<f64>,
-    /// k [output unit].
+    /// That constant: y = model + level + e.
+    pub(super) level: f64,
+    /// k, that of u itself [output unit].
     pub(super) offset: f64,
     /// Q.
     past: Past,
@@ -107,15 +111,17 @@ impl FreeRun {
     /// `theta` must be stable, and the record longer than its orders' history.
     pub(super) fn new(record: &Record, orders: Orders, theta: &[f64]) -> Self {
         let (a, b) = theta.split_at(orders.na);
-        let w = all_pole(a, record.u(), orders.reach());
+        let (middle, u) = centred(record.u());
+        let w = all_pole(a, &u, orders.reach());
         let mut e = record.y().to_vec();
         for (j, &b) in b.iter().enumerate() {
             e.iter_mut().zip(w.late(orders.delay + j)).for_each(|(e, w)| *e -= b * w);
         }
         let past = Past::new(a, orders.history(), record.len());
-        let offset = past.remove(&mut e);
-        let model = record.y().iter().zip(&e).map(|(y, e)| y - e - offset).collect();
-        FreeRun { orders, a: a.to_vec(), w, model, e, offset, past }
+        let level = past.remove(&mut e);
+        let model = record.y().iter().zip(&e).map(|(y, e)| y - e - level).collect();
+        let offset = level - middle * b.iter().sum::<f64>() / (1.0 - a.iter().sum::<f64>());
+        FreeRun { orders, a: a.to_vec(), w, model, e, level, offset, past }
     }
 
     /// x / A, from rest.
@@ -255,6 +261,12 @@ impl Orders {
     }
 }
 
+/// The mean of a series, and what is about it.
+pub(super) fn centred(x: &[f64]) -> (f64, Vec<f64>) {
+    let middle = mean(x);
+    (middle, x.iter().map(|x| x - middle).collect())
+}
+
 /// x / A from rest, with `before` zeros before it, at least as many as there are a.
 fn all_pole(a: &[f64], x: &[f64], before: usize) -> Signal {
     let oldest_first: Vec<f64> = a.iter().rev().copied().collect();
@@ -283,7 +295,7 @@ fn impulse_response(a: &[f64], n: usize) -> Vec<f64> {
 pub(super) fn decays(a: &[f64]) -> bool {
     let mut c = a.to_vec();
     while let Some(k) = c.pop() {
-        if !(k.abs() < 1.0) {
+        if k.is_nan() || k.abs() >= 1.0 {
             return false;
         }
         // 1 - c1 q^-1 - ... of one order less.
@@ -336,6 +348,19 @@ mod tests {
         let run = FreeRun::new(&record(), ORDERS, &THETA);
         assert_close(&run.e, &[0.0; 300], 0.0, 1e-10);
         assert_close(&[run.offset], &[7.0], 1e-11, 0.0);
+    }
+
+    #[test]
+    fn an_input_that_stands_far_from_zero_changes_nothing_but_the_offset() {
+        let near = record();
+        let u: Vec<f64> = near.u().iter().map(|u| u + 1e6).collect();
+        let far = [Record::new(1.0, u, near.y().to_vec()).unwrap()];
+        let (near, theta) = ([near], [1.85, -1.4, 0.45, 1.5, -0.4, 0.5]);
+        let normal = |records| FreeRunError { records, weights: &[1.0], orders: ORDERS }.normal(&theta);
+        assert_close(&normal(&far).hessian, &normal(&near).hessian, 1e-7, 1e-3);
+        let offset = |record| FreeRun::new(record, ORDERS, &theta).offset;
+        let gain = (1.5 - 0.4 + 0.5) / (1.0 - 1.85 + 1.4 - 0.45);
+        assert_close(&[offset(&near[0]) - offset(&far[0])], &[1e6 * gain], 1e-9, 0.0);
     }
 
     #[test]

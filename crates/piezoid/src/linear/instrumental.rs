@@ -24,11 +24,19 @@ use crate::optimize::levenberg_marquardt::{Normal, SumOfSquares};
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
 
-/// The most rounds.
-const ROUNDS: usize = 30;
+/// When rounds end.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ends {
+    /// The most rounds.
+    most: usize,
+    /// A round that changes the cost by less than this share of it is the last.
+    settled: f64,
+}
 
-/// The rounds end when one changes the cost by less than this share of it.
-const SETTLED: f64 = 1e-9;
+/// Good enough to start a search from.
+pub(super) const ROUGH: Ends = Ends { most: 15, settled: 1e-4 };
+
+const FINE: Ends = Ends { most: 50, settled: 1e-10 };
 
 /// The theta of the best free run that was seen, its costs by round, and its courses.
 pub(super) struct Rounds {
@@ -44,19 +52,19 @@ pub(super) struct Rounds {
 pub(super) fn estimate(records: &[Record], orders: Orders, a: &[f64]) -> Result<Rounds, Error> {
     let weights = checked(records, orders, &Refinement::default())?;
     let problem = FreeRunError { records, weights: &weights, orders };
-    let mut found = rounds(&problem, a);
+    let mut found = rounds(&problem, a, FINE);
     found.offsets = problem.runs(&found.theta).map(|(run, _)| run.offset).collect();
     Ok(found)
 }
 
 /// Rounds of refined instrumental variables from the poles of `a`.
-pub(super) fn rounds(problem: &FreeRunError, a: &[f64]) -> Rounds {
+pub(super) fn rounds(problem: &FreeRunError, a: &[f64], ends: Ends) -> Rounds {
     let mut theta = with_best_b(problem, &stabilised(a));
     let cost = problem.cost(&theta);
     let mut best =
         Rounds { theta: theta.clone(), offsets: Vec::new(), cost, history: vec![cost], courses: vec![theta.clone()] };
     let mut before = cost;
-    for _ in 0..ROUNDS {
+    for _ in 0..ends.most {
         let Some(step) = step(problem, &theta) else { break };
         theta.iter_mut().zip(step.iter()).for_each(|(theta, step)| *theta += step);
         if !decays(&theta[..problem.orders.na]) {
@@ -69,7 +77,7 @@ pub(super) fn rounds(problem: &FreeRunError, a: &[f64]) -> Rounds {
         }
         best.history.push(best.cost);
         best.courses.push(best.theta.clone());
-        if !cost.is_finite() || (cost - before).abs() <= SETTLED * cost {
+        if !cost.is_finite() || (cost - before).abs() <= ends.settled * cost {
             break;
         }
         before = cost;

@@ -9,6 +9,7 @@ mod fit_modes;
 mod free_run;
 mod instrumental;
 mod inverse;
+mod modal_error;
 mod modes;
 mod output_error;
 mod regression;

@@ -13,8 +13,10 @@
 //! ```text
 //! tau = -d arg G / dw (w = 0) - Ts / 2 - sum_i share_i 2 zeta_i / w_i
 //! ```
-//! For blocks with poles of their own each. [`fit_modes`](super::fit_modes) fits the same numbers to records, with their
-//! uncertainty. Ljung & Söderström would call this tailor-made; mechanics: Meirovitch 2001, Fundamentals of Vibrations.
+//! For blocks whose poles differ from each other. Poles that only mop up what the order leaves are read as mechanics too, and
+//! spoil residual and delay: [`fit_modes`](super::fit_modes) fits the same numbers to records, with their uncertainty.
+//!
+//! Åström & Wittenmark 1997, Computer-Controlled Systems, 2.3; Meirovitch 2001, Fundamentals of Vibrations.
 
 use super::{Arx, Pole, Root};
 use crate::error::{Error, positive};
@@ -139,7 +141,7 @@ impl Arx {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::fit_modes::tests::held;
+    use crate::linear::modal_error::tests::held;
     use crate::testing::assert_close;
 
     #[test]

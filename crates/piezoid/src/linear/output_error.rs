@@ -9,15 +9,15 @@
 //! are taken out, and the exact slopes: `free_run.rs`. Searched by Levenberg-Marquardt, which refuses unstable blocks.
 //!
 //! Ljung 1998, System Identification: Theory for the User. The error has more than one minimum: [`output_error`] starts
-//! from least squares and from instrumental variables, of the records and of what a block of higher order makes of them,
-//! and keeps the best. A Record whose u is a hidden variable z fits as well as one of a voltage.
+//! from instrumental variables, begun at least squares and at filters that know nothing, and keeps the best. A Record whose u is a hidden variable z fits as well as one of a voltage.
 
-use super::Arx;
 use super::fit::least_squares;
 use super::free_run::FreeRunError;
-use super::instrumental::{rounds, stabilised, with_best_b};
+use super::instrumental::{ROUGH, rounds};
+use super::inverse::monic;
 use super::regression::{Orders, Regression};
 use super::uncertainty;
+use super::{Arx, Root};
 use crate::error::{Error, positive};
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
 use crate::optimize::{Minimum, Reason};
@@ -132,12 +132,11 @@ pub(super) fn checked(records: &[Record], orders: Orders, how: &Refinement) -> R
 /// Samples that are enough to start from.
 const ENOUGH: usize = 8192;
 
-/// The beginnings of the records, as long together as is enough to start from, and a block of high order's free runs in
-/// their place: the same without noise.
-pub(super) struct Beginnings {
-    records: Vec<Record>,
-    noiseless: Option<Vec<Record>>,
-}
+/// Poles of filters that know nothing of the block: of a fast one, and of a slow one for records that are sampled often.
+const BLANK: [f64; 2] = [0.5, 0.8];
+
+/// The beginnings of the records, as long together as is enough to start from.
+pub(super) struct Beginnings(Vec<Record>);
 
 impl Beginnings {
     /// For blocks of up to `orders`.
@@ -149,35 +148,23 @@ impl Beginnings {
             n if n < r.len() => Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()),
             _ => Ok(r.clone()),
         };
-        let records: Vec<Record> = records.iter().map(beginning).collect::<Result<_, _>>()?;
-        let noiseless = noiseless(&records, orders);
-        Ok(Beginnings { records, noiseless })
+        Ok(Beginnings(records.iter().map(beginning).collect::<Result<_, _>>()?))
     }
 
     /// Where a search for a block of `orders` starts: the best free run of instrumental variables begun at the poles of
-    /// least squares, on the records and on what they are without noise.
+    /// least squares, and at those of blank filters, which noise and often sampled records do not mislead.
     pub(super) fn start(&self, orders: Orders, weights: &[f64]) -> Result<Vec<f64>, Error> {
-        let problem = FreeRunError { records: &self.records, weights, orders };
-        let poles = |records| Ok(least_squares(&Regression::new(records, orders)?)?.0[..orders.na].to_vec());
-        let plain = rounds(&problem, &poles(&self.records)?);
-        let other = self.noiseless.as_ref().and_then(|records| poles(records).ok()).map(|a| rounds(&problem, &a));
-        Ok(match other {
-            Some(other) if other.cost < plain.cost => other.theta,
-            _ => plain.theta,
-        })
+        let problem = FreeRunError { records: &self.0, weights, orders };
+        let (theta, _) = least_squares(&Regression::new(&self.0, orders)?)?;
+        let blank = |pole| monic(&vec![Root { re: pole, im: 0.0 }; orders.na]).iter().map(|c| -c).collect::<Vec<f64>>();
+        let mut best = rounds(&problem, &theta[..orders.na], ROUGH);
+        for other in BLANK.map(|pole| rounds(&problem, &blank(pole), ROUGH)) {
+            if other.cost < best.cost {
+                best = other;
+            }
+        }
+        Ok(best.theta)
     }
-}
-
-/// The free runs of a block of higher order than `orders`, by least squares: what errors in y do to its poles is spread
-/// over so many that its response is hardly biased.
-fn noiseless(records: &[Record], orders: Orders) -> Option<Vec<Record>> {
-    let n = 2 * orders.na + 8;
-    let high = Orders { na: n, nb: n, delay: 0 };
-    let (theta, _) = least_squares(&Regression::new(records, high).ok()?).ok()?;
-    let problem = FreeRunError { records, weights: &vec![1.0; records.len()], orders: high };
-    let theta = with_best_b(&problem, &stabilised(&theta[..n]));
-    let free = problem.runs(&theta).zip(records).map(|((run, _), r)| Record::new(r.ts(), r.u().to_vec(), run.model));
-    free.collect::<Result<_, _>>().ok()
 }
 
 /// From `start` to the minimum it leads to.

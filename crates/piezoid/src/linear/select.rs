@@ -4,8 +4,9 @@
 //! the last part, which it has not seen; single samples are never held out, since neighbours tell of each other. With s
 //! the mean square of a block's held-out error and s0 that of the best block, blocks of time give d = s - s0 again and
 //! again, and the standard error of their mean says how far d is known. (Both errors see the same noise, so their
-//! difference is known far better than either.) A block is as good as the best when d is within two standard errors of
-//! nothing, or when its rms is larger by no more than a higher order must be worth. Of those the lowest order is chosen, and
+//! difference is known far better than either.) A block is as good as the best when d is within one standard error of
+//! nothing, when its rms is larger by no more than a higher order must be worth, or when it leaves less than a
+//! ten-thousandth of the peak-to-peak output, which is no longer dynamics. Of those the lowest order is chosen, and
 //! of this the longest delay, for a first coefficient that might as well be zero spoils the inverse.
 //!
 //! AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run over the first part with p the
@@ -19,7 +20,7 @@ use super::output_error::{Beginnings, OutputError, Refinement, checked, search};
 use super::{Arx, Orders, Pole};
 use crate::error::Error;
 use crate::number::short;
-use crate::optimize::levenberg_marquardt;
+use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
 use crate::progress::{Progress, Stage, unwatched};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
@@ -60,9 +61,9 @@ pub struct Candidate {
     pub aic: f64,
     /// Schwarz's criterion.
     pub bic: f64,
-    /// Rms of the free run over the first parts [output unit].
+    /// Rms of the free run over the first parts, weighted where records are [output unit].
     pub rms: f64,
-    /// Rms of the free run over the parts held out [output unit].
+    /// Rms of the free run over the parts held out, likewise [output unit].
     pub held_out: f64,
     /// The same in percent of the peak-to-peak output.
     pub held_out_pp_percent: f64,
@@ -91,12 +92,15 @@ pub struct Selection {
     pub fit: OutputError,
 }
 
+/// A share of the peak-to-peak output that no block is asked to explain.
+const NEGLIGIBLE: f64 = 1e-4;
+
 /// Blocks of time that the parts held out are cut into.
 const BLOCKS: usize = 20;
 
 /// Steps and tolerance that tell candidates apart.
 const ROUGH: levenberg_marquardt::Settings =
-    levenberg_marquardt::Settings { iterations: 25, tolerance: 1e-6, damping: 1e-3 };
+    levenberg_marquardt::Settings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// Chooses order and delay of the linear block of `records`.
 ///
@@ -131,7 +135,7 @@ pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Resu
     checked(&unseen, highest, &how.refinement)?;
     let beginnings = Beginnings::new(&seen, highest)?;
 
-    let (mut fitted, mut refused) = (Vec::new(), Vec::new());
+    let (mut fitted, mut refused): (Vec<OutputError>, Vec<_>) = (Vec::new(), Vec::new());
     for n in 1..=how.order {
         let stage = Stage { what: "order and delay", done: n - 1, total: how.order };
         if progress(stage).is_break() {
@@ -139,8 +143,13 @@ pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Resu
         }
         let fit = |delay| {
             let orders = Orders { delay, ..Orders::of(n) };
-            let start = beginnings.start(orders, &weights);
             let problem = FreeRunError { records: &seen, weights: &weights, orders };
+            let lower = fitted.iter().rfind(|fit| fit.orders == Orders { delay, ..Orders::of(n - 1) });
+            let start = beginnings.start(orders, &weights).map(|start| match lower {
+                // A higher order can do what the lower one did.
+                Some(lower) if lower.minimum.cost < problem.cost(&start) => with_idle_pole(lower),
+                _ => start,
+            });
             let rough = Refinement { search: ROUGH, ..how.refinement.clone() };
             (orders, start.and_then(|start| search(&problem, &start, &rough, &mut unwatched)))
         };
@@ -164,6 +173,18 @@ pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Resu
     let problem = FreeRunError { records, weights: &weights, orders: start.orders };
     let fit = search(&problem, &start.minimum.x, &how.refinement, progress)?;
     Ok(Selection { candidates, refused, chosen, reason, fit })
+}
+
+/// The theta of the same block with one pole more, and a zero upon it.
+fn with_idle_pole(fit: &OutputError) -> Vec<f64> {
+    const POLE: f64 = 0.5;
+    let (a, b) = fit.minimum.x.split_at(fit.orders.na);
+    let times = |c: &[f64], first: f64| {
+        let before = std::iter::once(first).chain(c.iter().copied());
+        c.iter().copied().chain([0.0]).zip(before).map(|(c, before)| c - POLE * before).collect::<Vec<f64>>()
+    };
+    // 1 - a1 q^-1 - ... has -1 where b has what comes before b0.
+    [times(a, -1.0), times(b, 0.0)].concat()
 }
 
 /// Each record's first part, and the last `share` of it.
@@ -210,7 +231,8 @@ fn judged(
             held_out_pp_percent: 100.0 * means[k].sqrt() / (high - low),
             excess,
             excess_error,
-            as_good: excess <= 2.0 * excess_error || means[k].sqrt() <= (1.0 + worth) * means[best].sqrt(),
+            as_good: excess <= excess_error
+                || means[k].sqrt() <= ((1.0 + worth) * means[best].sqrt()).max(NEGLIGIBLE * (high - low)),
             resonance: oscillating.min_by(|p, q| p.damping.total_cmp(&q.damping)),
         }
     };
@@ -247,16 +269,11 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
     if chosen == best {
         return format!("{told}, the least of {all} blocks, and no simpler one comes near");
     }
-    let near = if c.excess <= 2.0 * c.excess_error {
-        format!(
-            "which two standard errors of blocks of time, {}, cannot tell from nothing",
-            short(2.0 * c.excess_error)
-        )
+    let error = short(c.excess_error);
+    let near = if c.excess <= c.excess_error {
+        format!("which a standard error of {error} cannot tell from nothing")
     } else {
-        format!(
-            "beyond two standard errors of blocks of time, {}, but not worth more coefficients",
-            short(2.0 * c.excess_error)
-        )
+        format!("beyond its standard error of {error}, but not worth more coefficients")
     };
     let (least, apart) = (short(b.held_out), short(c.excess));
     format!(
@@ -301,9 +318,14 @@ mod tests {
         }
     }
 
-    /// A block of order 3 with a delay of 2, with white noise of 2 % in its output.
+    /// A block of order 3 with a delay of 2.
+    fn late_block() -> Arx {
+        Arx::new(TS, vec![1.2, -0.9, 0.2], vec![0.0, 0.0, 1.0, 0.4, -0.3, 0.2]).unwrap()
+    }
+
+    /// Its record with white noise of 2 % in the output.
     fn late(seed: u64) -> Record {
-        let truth = Arx::new(TS, vec![1.2, -0.9, 0.2], vec![0.0, 0.0, 1.0, 0.4, -0.3, 0.2]).unwrap();
+        let truth = late_block();
         let u = Prbs::default().samples(TS, 2047).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let noise = Normal::new(0.0, 0.03).unwrap();
@@ -330,6 +352,24 @@ mod tests {
         let one = select(&records, &few, &mut unwatched).unwrap();
         assert_eq!((one.fit.orders.na, one.fit.orders.delay), (3, 2), "{}", one.reason);
         assert_eq!(select(&records, &Choice { parallel: true, ..few }, &mut unwatched).unwrap(), one);
+    }
+
+    #[test]
+    fn an_idle_pole_changes_nothing() {
+        let records = [late(1)];
+        let orders = Orders { na: 2, nb: 3, delay: 1 };
+        let fit = crate::linear::output_error(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
+        let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
+        crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
+    }
+
+    #[test]
+    fn what_is_explained_without_noise_needs_no_more() {
+        let truth = late_block();
+        let u = Prbs::default().samples(TS, 2047).unwrap();
+        let record = Record::new(TS, u.clone(), truth.simulate(&u)).unwrap();
+        let found = select(&[record], &Choice::default(), &mut unwatched).unwrap();
+        assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "{}", found.reason);
     }
 
     #[test]

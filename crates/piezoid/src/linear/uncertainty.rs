@@ -220,7 +220,7 @@ pub fn bootstrap(
     let grow = (samples as f64 / fit.freedom as f64).sqrt();
     let parts: Vec<(Vec<f64>, Vec<f64>)> = problem
         .runs(&fit.minimum.x)
-        .map(|(run, _)| (run.model.iter().map(|y| y + run.offset).collect(), run.e.iter().map(|e| grow * e).collect()))
+        .map(|(run, _)| (run.model.iter().map(|y| y + run.level).collect(), run.e.iter().map(|e| grow * e).collect()))
         .collect();
     let replicate = |m: usize| {
         let mut random = ChaCha8Rng::seed_from_u64(draws.seed);
