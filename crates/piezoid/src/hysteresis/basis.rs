@@ -114,7 +114,7 @@ pub(super) fn curvature(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
 
 #[cfg(test)]
 mod tests {
-    //! The contract every basis keeps, on ranges about zero, above zero, and tiny.
+    //! The contract every basis keeps, on ranges about zero, from zero, above zero, and tiny.
     use super::*;
     use crate::hysteresis::OPERATORS;
     use crate::testing::assert_close;
@@ -128,7 +128,7 @@ mod tests {
 
     /// Every operator's basis, on every range.
     fn bases() -> impl Iterator<Item = (&'static str, Box<dyn Basis>, Vec<f64>)> {
-        let ranges = [(-30.0, 30.0), (0.0, 100.0), (0.0, 0.001)];
+        let ranges = [(-30.0, 30.0), (0.0, 100.0), (20.0, 60.0), (0.0, 0.001)];
         OPERATORS
             .iter()
             .flat_map(move |o| ranges.map(|range| (o.name, (o.basis)(&design(range)).unwrap(), drive(range))))

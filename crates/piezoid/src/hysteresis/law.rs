@@ -119,8 +119,9 @@ impl<L: Law> Weighted<L> {
         finite("weights", &weights)?;
         law.check()?;
         counted(L::row().name, "weights", weights.len(), law.responses())?;
-        let shape = law.shape(0.5 * (range.1 - range.0), ts).iter().map(|s| s.value).collect();
-        Ok(Weighted { ts, params: Params { range, law, weights }, shape })
+        let mut block = Weighted { ts, params: Params { range, law, weights }, shape: Vec::new() };
+        block.shape = Basis::shape(&block).iter().map(|s| s.value).collect();
+        Ok(block)
     }
 
     /// As [`Operator::load`].
@@ -230,7 +231,8 @@ impl<L: Law> Basis for Weighted<L> {
     }
 
     fn shape(&self) -> Vec<Shape> {
-        self.params.law.shape(self.last(&[0.0]).half(), self.ts)
+        let (low, high) = self.params.range;
+        self.params.law.shape(0.5 * (high - low), self.ts)
     }
 
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
