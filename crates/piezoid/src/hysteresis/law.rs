@@ -42,6 +42,11 @@ impl Input {
     }
 }
 
+/// Refuses a field for which the rule does not hold.
+pub(super) fn require(holds: bool, name: &str, value: f64, rule: &str) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::parameter(name, value, rule)) }
+}
+
 /// The law of an operator: thresholds and the like as its fields, which are also its file.
 pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static {
     /// Its row of the list.
