@@ -16,7 +16,7 @@
 use super::Operator;
 use super::basis::Shape;
 use super::bouc_wen::{bends, climb};
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -43,8 +43,8 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: false,
     load: Weighted::<AsymmetricBoucWen>::load,
     basis: |design| {
-        let beta = 0.6 / design.half();
-        let law = AsymmetricBoucWen { beta, gamma_over_beta: 0.25, loading_skew: 0.0, unloading_skew: 0.0 };
+        let beta = 1.0 / design.half();
+        let law = AsymmetricBoucWen { beta, gamma_over_beta: 0.0, loading_skew: 0.0, unloading_skew: 0.0 };
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
@@ -60,16 +60,12 @@ impl Law for AsymmetricBoucWen {
 
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
-        if !(self.gamma_over_beta > -1.0 && self.gamma_over_beta <= 1.0) {
-            let rule = "must lie above -1 and at most at 1, or the hysteresis may grow without end";
-            return Err(Error::parameter("gamma_over_beta", self.gamma_over_beta, rule));
-        }
-        for (name, skew) in [("loading_skew", self.loading_skew), ("unloading_skew", self.unloading_skew)] {
-            if skew.is_nan() || skew.abs() >= 1.0 {
-                return Err(Error::parameter(name, skew, "must lie between -1 and 1, where a rate would be 0"));
-            }
-        }
-        Ok(())
+        let (ratio, loading, unloading) = (self.gamma_over_beta, self.loading_skew, self.unloading_skew);
+        let rule = "must lie above -1 and at most at 1, or the hysteresis may grow without end";
+        require(ratio > -1.0 && ratio <= 1.0, "gamma_over_beta", ratio, rule)?;
+        let rule = "must lie between -1 and 1, where a rate would be 0";
+        require(loading.abs() < 1.0, "loading_skew", loading, rule)?;
+        require(unloading.abs() < 1.0, "unloading_skew", unloading, rule)
     }
 
     fn responses(&self) -> usize {

@@ -17,7 +17,7 @@
 use super::Operator;
 use super::basis::Shape;
 use super::bouc_wen::{bends, climb};
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -54,7 +54,7 @@ pub(super) static OPERATOR: Operator = Operator {
     basis: |design| {
         let half = design.half();
         let wear = 1e-4 / (half * half);
-        Weighted::basis(design.ts, design.range, BaberNoori::of(&[0.6 / half, 0.25, wear, wear, 0.1, 0.3]))
+        Weighted::basis(design.ts, design.range, BaberNoori::of(&[1.0 / half, 0.0, wear, wear, 0.1, 0.3]))
     },
     example: |ts| {
         let law = BaberNoori::of(&[0.05, 0.25, 1e-6, 1e-6, 0.3, 0.4]);
@@ -95,31 +95,12 @@ impl Law for BaberNoori {
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
         positive("pinch_width", self.pinch_width, "shares of the largest h")?;
-        let domains = [
-            (
-                "gamma_over_beta",
-                self.gamma_over_beta,
-                self.gamma_over_beta > -1.0 && self.gamma_over_beta <= 1.0,
-                "lie above -1 and at most at 1",
-            ),
-            (
-                "strength_loss",
-                self.strength_loss,
-                self.strength_loss >= 0.0 && self.strength_loss.is_finite(),
-                "be a number that is not negative",
-            ),
-            (
-                "stiffness_loss",
-                self.stiffness_loss,
-                self.stiffness_loss >= 0.0 && self.stiffness_loss.is_finite(),
-                "be a number that is not negative",
-            ),
-            ("pinch", self.pinch, (0.0..1.0).contains(&self.pinch), "be at least 0 and below 1"),
-        ];
-        match domains.into_iter().find(|d| !d.2) {
-            None => Ok(()),
-            Some((name, value, _, rule)) => Err(Error::parameter(name, value, format!("must {rule}"))),
-        }
+        let (ratio, strength, stiffness) = (self.gamma_over_beta, self.strength_loss, self.stiffness_loss);
+        let wear = |loss: f64| loss >= 0.0 && loss.is_finite();
+        require(ratio > -1.0 && ratio <= 1.0, "gamma_over_beta", ratio, "must lie above -1 and at most at 1")?;
+        require(wear(strength), "strength_loss", strength, "must be a number that is not negative")?;
+        require(wear(stiffness), "stiffness_loss", stiffness, "must be a number that is not negative")?;
+        require((0.0..1.0).contains(&self.pinch), "pinch", self.pinch, "must be at least 0 and below 1")
     }
 
     fn responses(&self) -> usize {

@@ -33,6 +33,17 @@ impl Design {
 }
 
 /// The responses phi_k of an operator, and the way back from weights to the operator.
+///
+/// ```
+/// use piezoid::hysteresis::{Design, operator};
+/// let design = Design { ts: 5e-4, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![] };
+/// let basis = (operator("prandtl-ishlinskii")?.basis)(&design)?;
+/// let block = basis.operator(&vec![0.2; basis.len()])?;
+/// let (mut x, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
+/// basis.step(&mut x, 10.0, &mut phi);
+/// assert!((block.simulate(&[10.0])[0] - 0.2 * phi.iter().sum::<f64>()).abs() < 1e-12);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
 #[allow(clippy::len_without_is_empty)] // never empty
 pub trait Basis: Debug + Send + Sync {
     /// Number of weights.
@@ -59,10 +70,10 @@ pub trait Basis: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// The same basis with other shape parameters.
+    /// The same basis with other shape parameters, as many as [`shape`](Basis::shape) has.
     ///
     /// # Errors
-    /// What the operator refuses.
+    /// Another number of them, and what the operator refuses.
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error>;
 
     /// How z would change with shape parameter `j`, sample by sample: dz/dp_j along `u` from rest.
@@ -71,14 +82,14 @@ pub trait Basis: Debug + Send + Sync {
     /// The operator with these weights.
     ///
     /// # Errors
-    /// What the operator refuses.
+    /// Another number of them than [`len`](Basis::len), and what the operator refuses.
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error>;
 }
 
 /// A shape parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shape {
-    /// As files write it.
+    /// As files write it, where they hold it.
     pub name: &'static str,
     /// Where it stands.
     pub value: f64,
@@ -88,6 +99,14 @@ pub struct Shape {
     pub high: f64,
 }
 
+/// Refuses `what` unless it is `need` numbers.
+pub(super) fn counted(operator: &str, what: &str, have: usize, need: usize) -> Result<(), Error> {
+    if have == need {
+        return Ok(());
+    }
+    Err(Error::parameter(what, format!("{have} numbers"), format!("must be {need} numbers for this {operator}")))
+}
+
 /// Second differences of neighbours, `from` up to `to`: what a smooth row of weights makes small.
 pub(super) fn curvature(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     (from + 1..to.saturating_sub(1)).map(|k| vec![(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)]).collect()
@@ -95,7 +114,7 @@ pub(super) fn curvature(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
 
 #[cfg(test)]
 mod tests {
-    //! The contract every basis keeps, on ranges about zero, above zero, and tiny.
+    //! The contract every basis keeps, on ranges about zero, from zero, above zero, and tiny.
     use super::*;
     use crate::hysteresis::OPERATORS;
     use crate::testing::assert_close;
@@ -109,7 +128,7 @@ mod tests {
 
     /// Every operator's basis, on every range.
     fn bases() -> impl Iterator<Item = (&'static str, Box<dyn Basis>, Vec<f64>)> {
-        let ranges = [(-30.0, 30.0), (0.0, 100.0), (0.0, 0.001)];
+        let ranges = [(-30.0, 30.0), (0.0, 100.0), (20.0, 60.0), (0.0, 0.001)];
         OPERATORS
             .iter()
             .flat_map(move |o| ranges.map(|range| (o.name, (o.basis)(&design(range)).unwrap(), drive(range))))
@@ -189,6 +208,22 @@ mod tests {
     }
 
     #[test]
+    fn a_shape_far_off_is_refused_by_its_name() {
+        // But for Tellinen's, whose branches may be any: where they cross the loop is closed.
+        for (name, basis, _) in bases().filter(|(name, ..)| *name != "tellinen") {
+            let shape = basis.shape();
+            for (j, s) in shape.iter().enumerate() {
+                let mut off: Vec<f64> = shape.iter().map(|s| s.value).collect();
+                off[j] = -1e9;
+                let message = basis.reshaped(&off).unwrap_err().to_string();
+                assert!(message.starts_with(&format!("{} = -1000000000: must", s.name)), "{name}: {message}");
+                off[j] = f64::NAN;
+                assert!(basis.reshaped(&off).is_err(), "{name}");
+            }
+        }
+    }
+
+    #[test]
     fn the_slope_is_that_of_reshaped_operators() {
         for (name, basis, u) in bases() {
             // Off the values it starts with: some stand on a kink.
@@ -224,6 +259,18 @@ mod tests {
             let found = basis.operator(fit.as_slice()).unwrap();
             println!("{name}");
             assert_close(&found.simulate(&u), z.as_slice(), 0.0, 1e-9 * z.amax());
+        }
+    }
+
+    #[test]
+    fn weights_and_shapes_of_another_number_are_refused() {
+        for (name, basis, _) in bases() {
+            for wrong in [0, basis.len() + 1] {
+                let message = basis.operator(&vec![1.0; wrong]).unwrap_err().to_string();
+                assert!(message.starts_with(&format!("weights = {wrong} numbers: must be")), "{message}");
+            }
+            let message = basis.reshaped(&vec![0.1; basis.shape().len() + 1]).unwrap_err().to_string();
+            assert!(message.contains("shape") && message.contains(name), "{message}");
         }
     }
 

@@ -18,7 +18,7 @@
 
 use super::Operator;
 use super::basis::Shape;
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -43,7 +43,7 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: false,
     load: Weighted::<BoucWen>::load,
     basis: |design| {
-        let law = BoucWen { beta: 0.6 / design.half(), gamma_over_beta: 0.25 };
+        let law = BoucWen { beta: 1.0 / design.half(), gamma_over_beta: 0.0 };
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
@@ -81,11 +81,9 @@ impl Law for BoucWen {
 
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
-        if self.gamma_over_beta > -1.0 && self.gamma_over_beta.is_finite() {
-            return Ok(());
-        }
+        let ratio = self.gamma_over_beta;
         let rule = "must be a number above -1, or the hysteresis grows without end";
-        Err(Error::parameter("gamma_over_beta", self.gamma_over_beta, rule))
+        require(ratio > -1.0 && ratio.is_finite(), "gamma_over_beta", ratio, rule)
     }
 
     fn responses(&self) -> usize {

@@ -20,7 +20,7 @@
 use super::Operator;
 use super::basis::Shape;
 use super::bouc_wen::bends;
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -66,10 +66,8 @@ impl Law for Duhem {
 
     fn check(&self) -> Result<(), Error> {
         positive("alpha", self.alpha, "1 / input unit")?;
-        if (1..=MOST).contains(&self.degree) {
-            return Ok(());
-        }
-        Err(Error::parameter("degree", self.degree, format!("must be from 1 to {MOST}")))
+        let rule = format!("must be from 1 to {MOST}");
+        require((1..=MOST).contains(&self.degree), "degree", self.degree as f64, &rule)
     }
 
     fn responses(&self) -> usize {

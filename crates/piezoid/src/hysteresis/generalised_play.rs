@@ -16,7 +16,7 @@
 
 use super::Operator;
 use super::basis::{Design, Shape, curvature};
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
 use crate::error::{Error, finite};
@@ -107,13 +107,10 @@ impl Law for GeneralisedPlay {
             let rule = "must not be 0: a dead zone has to end on one side of it";
             return Err(Error::parameter(format!("dead_zones[{j}]"), 0.0, rule));
         }
-        for (name, value, (low, high)) in self.bends() {
-            if !(low..=high).contains(&value) {
-                let rule = format!("must be from {low} to {high}, or the envelope would fall somewhere");
-                return Err(Error::parameter(name, value, rule));
-            }
-        }
-        Ok(())
+        self.bends().into_iter().try_for_each(|(name, value, (low, high))| {
+            let rule = format!("must be from {low} to {high}, or the envelope would fall somewhere");
+            require((low..=high).contains(&value), name, value, &rule)
+        })
     }
 
     fn responses(&self) -> usize {

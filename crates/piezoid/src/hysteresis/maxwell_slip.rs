@@ -16,7 +16,7 @@
 
 use super::Operator;
 use super::basis::{Shape, curvature};
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::rate_play::speeds;
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
@@ -70,10 +70,8 @@ impl Law for MaxwellSlip {
         thresholds::check(&self.thresholds)?;
         positive("rate", self.rate, "input units a second")?;
         positive("attraction", self.attraction, "seconds")?;
-        if self.rise > -1.0 && self.rise.is_finite() {
-            return Ok(());
-        }
-        Err(Error::parameter("rise", self.rise, "must be a number above -1, where nothing would be held back"))
+        let rule = "must be a number above -1, where nothing would be held back";
+        require(self.rise > -1.0 && self.rise.is_finite(), "rise", self.rise, rule)
     }
 
     fn responses(&self) -> usize {

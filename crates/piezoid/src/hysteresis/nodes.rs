@@ -100,7 +100,7 @@ impl Nodes {
 
     /// The branches of these weights.
     pub(super) fn branches(&self, weights: &[f64]) -> Result<Branches, Error> {
-        let (m, v) = weights.split_at(self.middles().min(weights.len()));
+        let (m, v) = weights.split_at(self.middles());
         let place = |k: usize| k - usize::from(k > self.redundant);
         let middle: Vec<f64> =
             (0..self.knots.len()).map(|k| if k == self.redundant { 0.0 } else { m[place(k)] }).collect();

@@ -1,5 +1,6 @@
 //! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
 
+use super::basis::counted;
 use super::{Basis, Hysteresis, Operator, document, parse};
 use crate::error::{finite, positive};
 use crate::system::System;
@@ -96,7 +97,8 @@ impl Basis for Proportional {
         Vec::new()
     }
 
-    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, crate::Error> {
+    fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, crate::Error> {
+        counted(OPERATOR.name, "shape", shape.len(), 0)?;
         Ok(Box::new(self.clone()))
     }
 
@@ -105,6 +107,7 @@ impl Basis for Proportional {
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, crate::Error> {
+        counted(OPERATOR.name, "weights", weights.len(), 1)?;
         Ok(Arc::new(Proportional::new(self.ts, weights[0])?))
     }
 }

@@ -14,7 +14,7 @@
 
 use super::Operator;
 use super::basis::{Shape, curvature};
-use super::law::{Input, Law, Weighted};
+use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
 use crate::error::{Error, positive};
@@ -68,10 +68,8 @@ impl Law for RatePlay {
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;
         positive("rate", self.rate, "input units a second")?;
-        if self.growth >= 0.0 && self.growth.is_finite() {
-            return Ok(());
-        }
-        Err(Error::parameter("growth", self.growth, "must be a number of input units, and not negative"))
+        let rule = "must be a number of input units, and not negative";
+        require(self.growth >= 0.0 && self.growth.is_finite(), "growth", self.growth, rule)
     }
 
     fn responses(&self) -> usize {

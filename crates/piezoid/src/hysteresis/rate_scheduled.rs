@@ -9,6 +9,7 @@
 //! Like the two branches it stands on, it has no minor loops; and the frequency of an input that is not periodic is a
 //! guess.
 
+use super::basis::counted;
 use super::nodes::Nodes;
 use super::two_branch::{example, read};
 use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
@@ -253,7 +254,8 @@ impl Basis for Values {
         (0..self.schedule.pairs().len()).flat_map(|k| self.nodes.roughness(k * n)).collect()
     }
 
-    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, Error> {
+    fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        counted(OPERATOR.name, "shape", shape.len(), 0)?;
         Ok(Box::new(self.clone()))
     }
 
@@ -262,6 +264,7 @@ impl Basis for Values {
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        counted(OPERATOR.name, "weights", weights.len(), self.len())?;
         let pair = |(pair, weights): (&Pair, &[f64])| {
             Ok(Pair { frequency_hz: pair.frequency_hz, branches: self.nodes.branches(weights)? })
         };

@@ -16,6 +16,7 @@
 //! 10.1109/20.706508 (there with the slope of the vacuum apart). Reversals start without a jump. It does not do: rate,
 //! wiping out; minor loops drift towards a loop of their own; a loop that has turned round reads as none.
 
+use super::basis::counted;
 use super::nodes::Nodes;
 use super::real::{Dual, Real};
 use super::two_branch::example;
@@ -247,10 +248,7 @@ impl Basis for Unit {
 
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
         let n = self.bends.len();
-        if shape.len() != 2 * n {
-            let rule = format!("must be {} numbers for tellinen", 2 * n);
-            return Err(Error::parameter("shape", format!("{} numbers", shape.len()), rule));
-        }
+        counted(OPERATOR.name, "shape", shape.len(), 2 * n)?;
         let (bends, widths) = (shape[..n].to_vec(), shape[n..].to_vec());
         Ok(Box::new(Unit::new(self.operator.ts, self.nodes.clone(), bends, widths)?))
     }
@@ -276,6 +274,7 @@ impl Basis for Unit {
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        counted(OPERATOR.name, "weights", weights.len(), 1)?;
         let branches = branches(&self.nodes, &self.bends, &self.widths, weights[0])?;
         Ok(Arc::new(Tellinen::new(self.operator.ts, branches)?))
     }

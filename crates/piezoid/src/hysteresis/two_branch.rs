@@ -7,6 +7,7 @@
 //! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
 //! the loop jumps to the other branch), and no change of amplitude or offset.
 
+use super::basis::counted;
 use super::nodes::Nodes;
 use super::{Basis, Branches, Hysteresis, Operator, document, parse};
 use crate::error::{Error, positive};
@@ -177,7 +178,8 @@ impl Basis for Values {
         self.nodes.roughness(0)
     }
 
-    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, Error> {
+    fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        counted(OPERATOR.name, "shape", shape.len(), 0)?;
         Ok(Box::new(self.clone()))
     }
 
@@ -186,6 +188,7 @@ impl Basis for Values {
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        counted(OPERATOR.name, "weights", weights.len(), self.len())?;
         Ok(Arc::new(TwoBranch::new(self.ts, self.nodes.branches(weights)?, Reading::Held)?))
     }
 }
