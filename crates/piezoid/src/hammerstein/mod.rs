@@ -4,15 +4,18 @@
 //! u -> hysteresis -> z -> linear -> + offset -> y
 //! ```
 
+mod domain;
 mod loops;
 mod paper;
 mod rich;
 
 pub(crate) use paper::proportional;
 
+pub use crate::waveform::dominant_frequency;
+pub use domain::Domain;
 pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
-pub use rich::{LinearPart, dominant_frequency};
+pub use rich::LinearPart;
 
 use crate::error::Error;
 use crate::hysteresis::{self, Hysteresis};
@@ -46,6 +49,7 @@ pub struct Model {
     linear: Arx,
     offset: f64,
     units: Units,
+    identified: Option<Domain>,
     made: Value,
 }
 
@@ -57,7 +61,7 @@ impl Model {
     pub fn new(hysteresis: Arc<dyn Hysteresis>, linear: Arx, offset: f64) -> Result<Self, Error> {
         same_sampling("the hysteresis block", hysteresis.ts(), "the linear block", linear.ts())?;
         crate::error::finite("offset", &[offset])?;
-        Ok(Model { hysteresis, linear, offset, units: Units::default(), made: Value::Null })
+        Ok(Model { hysteresis, linear, offset, units: Units::default(), identified: None, made: Value::Null })
     }
 
     /// The same model, said to be in other units.
@@ -68,6 +72,11 @@ impl Model {
     /// The same model with a note on how it was made, kept as `fit` in its file.
     pub fn with_provenance(self, made: Value) -> Self {
         Model { made, ..self }
+    }
+
+    /// The same model with the data it was identified on, kept as `identified` in its file.
+    pub fn with_identified(self, domain: Domain) -> Self {
+        Model { identified: Some(domain), ..self }
     }
 
     /// u to z.
@@ -90,6 +99,11 @@ impl Model {
         &self.units
     }
 
+    /// The data it was identified on; `None` if it does not say.
+    pub fn identified(&self) -> Option<&Domain> {
+        self.identified.as_ref()
+    }
+
     /// How the model was made; null if it does not say.
     pub fn provenance(&self) -> &Value {
         &self.made
@@ -105,6 +119,7 @@ impl Model {
             creep: Value::Null,
             linear: Coefficients { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
+            identified: self.identified,
             fit: self.made.clone(),
         };
         // A document of strings and finite numbers always serialises.
@@ -137,7 +152,8 @@ impl Model {
         }
         let linear = Arx::new(d.ts, d.linear.a, d.linear.b)?;
         let model = Model::new(hysteresis::load(&d.hysteresis, d.ts)?, linear, d.offset)?;
-        Ok(model.with_units(d.units).with_provenance(d.fit))
+        let identified = d.identified.map(Domain::checked).transpose()?;
+        Ok(Model { identified, ..model.with_units(d.units).with_provenance(d.fit) })
     }
 }
 
@@ -155,6 +171,8 @@ struct Document {
     linear: Coefficients,
     #[serde(default)]
     offset: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    identified: Option<Domain>,
     #[serde(default)]
     fit: Value,
 }
@@ -203,9 +221,12 @@ mod tests {
         for o in OPERATORS {
             let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
             let model = Model::new((o.example)(5e-4).unwrap(), linear, -0.1).unwrap();
+            assert!(!model.to_json().contains("identified"));
+            let u: Vec<f64> = (0..500).map(|t| 25.0 * (f64::from(t) * 0.1).sin()).collect();
+            let model = model.with_identified(Domain::of_input(&u, 5e-4));
             let again = Model::from_json(&model.to_json()).unwrap();
             assert_eq!(again.to_json(), model.to_json());
-            let u: Vec<f64> = (0..500).map(|t| 25.0 * (f64::from(t) * 0.1).sin()).collect();
+            assert_eq!(again.identified(), model.identified());
             assert_eq!(again.simulate(&u), model.simulate(&u));
         }
     }
@@ -222,5 +243,8 @@ mod tests {
         );
         assert!(model(r#""hysteresis": {}, "linear": {"a": [], "b": [1]}"#).contains("no \"operator\""));
         assert!(model(r#""hysteresis": {"operator": "proportional", "gain": 1}"#).contains("missing field `linear`"));
+        let backwards = r#""identified": {"u": [3, -3], "hz": null, "slew": 1, "mean": [0, 0]}"#;
+        let plain = r#""hysteresis": {"operator": "proportional", "gain": 1}, "linear": {"a": [], "b": [1]}"#;
+        assert!(model(&format!("{plain}, {backwards}")).contains("ends from low to high"));
     }
 }
