@@ -49,7 +49,7 @@ pub(super) fn saturated(record: &Record) -> Option<Finding> {
     (!cut.is_empty()).then(|| Finding {
         defect: Defect::SaturatedOutput,
         text: format!(
-            "the output is saturated: it stands {} while the input moves, in {}; left out",
+            "the output is saturated: it stands {} while the input moves, in {}",
             match cut.len() {
                 1 => format!("at {} {unit}", short(high)),
                 _ => format!("at or between {} and {} {unit}", short(low), short(high)),
@@ -103,7 +103,7 @@ pub(super) fn clipped(record: &Record) -> Option<Finding> {
     let mut arched = arched;
     arched.sort_by_key(|run| run.start);
     let text = format!(
-        "the recorded input is clipped: it stands at its extreme while the output goes on and comes back, in {}; left out",
+        "the recorded input is clipped: it stands at its extreme while the output goes on and comes back, in {}",
         places(&arched, record.ts())
     );
     Some(Finding { defect: Defect::ClippedInput, samples: arched, text })
@@ -129,7 +129,7 @@ pub(super) fn frozen(record: &Record) -> Option<Finding> {
     (!frozen.is_empty()).then(|| Finding {
         defect: Defect::FrozenOutput,
         text: format!(
-            "the output is frozen: it repeats to the last digit while the input moves, in {}; left out",
+            "the output is frozen: it repeats to the last digit while the input moves, in {}",
             places(&frozen, record.ts())
         ),
         samples: frozen,

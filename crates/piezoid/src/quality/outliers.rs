@@ -78,7 +78,7 @@ pub(super) fn outliers(record: &Record, usable: &[bool]) -> Option<Finding> {
     }
     let ranges: Vec<_> = found.keys().map(|t| *t..t + 1).collect();
     let text = format!(
-        "the output has outliers: {}, the largest {} {} off its neighbours ({} % of peak-to-peak); left out",
+        "the output has outliers: {}, the largest {} {} off its neighbours ({} % of peak-to-peak)",
         places(&ranges, record.ts()),
         short(largest),
         record.units().y,
