@@ -84,7 +84,10 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> Shape {
     let height = high - low;
     let middle = 0.5 * (u[peak] + u[start].max(u[end]));
     let gap = at(u, y, peak..=end, middle) - at(u, y, start..=peak, middle);
-    let area: f64 = x.windows(2).zip(part.windows(2)).map(|(u, y)| 0.5 * (y[0] + y[1]) * (u[1] - u[0])).sum();
+    // Closed by a line from its end to its beginning, as an open path has no area.
+    let closing = 0.5 * (y[start] + y[end]) * (u[start] - u[end]);
+    let area: f64 =
+        closing + x.windows(2).zip(part.windows(2)).map(|(u, y)| 0.5 * (y[0] + y[1]) * (u[1] - u[0])).sum::<f64>();
     let after = AFTER_TURN * 2.0 * cycle.amplitude;
     let rising: Vec<usize> = (start..=peak).take_while(|&t| u[t] <= u[start] + after).collect();
     let falling: Vec<usize> = (peak..=end).take_while(|&t| u[t] >= u[peak] - after).collect();
