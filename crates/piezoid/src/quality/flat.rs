@@ -73,17 +73,22 @@ fn capped(u: &[f64], y: &[f64], sign: f64) -> Vec<Range<usize>> {
     let steep = |t: Option<usize>| t.and_then(|t| y.get(t)).is_none_or(|y| sign * y < high - far);
     let sudden = |run: &&Range<usize>| steep(run.start.checked_sub(1)) && steep(Some(run.end));
     let peaks: Vec<Range<usize>> = top.iter().filter(sudden).cloned().collect();
-    let long: Vec<&Range<usize>> = peaks.iter().filter(|run| run.len() >= 3).collect();
-    let moves = |run: &&Range<usize>| {
-        u[(*run).clone()].windows(2).all(|w| w[0] != w[1]) && moved(u, (*run).clone()) > 0.5 * MOVED
+    let moves =
+        |run: &Range<usize>| u[run.clone()].windows(2).all(|w| w[0] != w[1]) && moved(u, run.clone()) > 0.5 * MOVED;
+    // What has settled at its top leaves it when the input moves, and not before.
+    let stands = |run: &Range<usize>| {
+        let before = run.end.saturating_sub(DELAY + 1);
+        u[before..u.len().min(run.end + 1)].windows(2).all(|w| w[0] == w[1])
     };
+    let long: Vec<Range<usize>> = peaks.iter().filter(|run| run.len() >= 3).cloned().collect();
+    let left = long.iter().filter(|run| moves(run) || stands(run)).count();
     let mut near: Vec<f64> =
         y.iter().copied().filter(|y| sign * y > high - 0.1 * (high - low) && !at_top(*y)).collect();
     let below = near.len();
     near.sort_by(f64::total_cmp);
     near.dedup();
     let crowded = near.len() >= 10 && peaks.len() >= 10 && 2 * peaks.iter().map(Range::len).sum::<usize>() > below;
-    if near.len() >= 3 && (crowded || long.len() >= 3 || long.iter().any(moves)) { top } else { Vec::new() }
+    if near.len() >= 3 && (crowded || left >= 3 || long.iter().any(moves)) { top } else { Vec::new() }
 }
 
 /// The input stands at an extreme while the output goes on and comes back, nearly every time.

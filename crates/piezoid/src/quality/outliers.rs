@@ -6,8 +6,8 @@
 //! is what a cubic through four neighbours misses, of the part r of the output that the input does not explain (i is linear
 //! in the output, so it is i that the input is made to explain). A spike of
 //! size s at t shows as s (1/6, -2/3, 1, -2/3, 1/6) around t. Taken for one is what has that shape, stands out of the
-//! scatter of i around it (Hampel's rule, by the median), is no crumb of the range, and is not as sharp as the answer to a
-//! step of the input may be. Spikes of several samples are not looked for.
+//! scatter of i around it (Hampel's rule, by the median) and out of its neighbours, is no crumb of the range, and is not as sharp as the answer to a
+//! step of the input may be. Spikes of several samples, or two within eight samples, are not looked for.
 
 use super::explained::by_input;
 use super::runs::{quantile, resolution};
@@ -27,10 +27,10 @@ const ALIKE: f64 = 0.9;
 const SCATTER: f64 = 8.0;
 
 /// The smallest spike worth the name, over the range of the output.
-const SMALLEST: f64 = 5e-3;
+const SMALLEST: f64 = 1e-2;
 
 /// Share of the usual answer to as sharp a turn of the input that a spike must exceed.
-const SHARP: f64 = 0.5;
+const SHARP: f64 = 0.75;
 
 /// Inputs that explain i, which reaches two samples ahead; beyond them even a beam answers smoothly.
 const LAGS: std::ops::Range<isize> = -2..18;
@@ -40,6 +40,10 @@ const RIDGE: f64 = 1e-6;
 
 /// Samples within which the output answers to a sharp turn.
 const ANSWERS: usize = 6;
+
+/// Samples on either side that a spike, which is three samples wide, must exceed so many times: ringing does not.
+const BESIDE: usize = 8;
+const ALONE: f64 = 1.5;
 
 /// How often what is left is looked at again.
 const ROUNDS: usize = 6;
@@ -108,10 +112,12 @@ fn spikes(u: &[f64], turns: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -
         let usual: Vec<f64> = i[t.saturating_sub(AROUND)..(t + AROUND).min(n)].iter().map(|i| i.abs()).collect();
         // A median of absolute values is 0.6745 standard deviations of a normal scatter.
         let scatter = quantile(usual, 0.5) / 0.6745;
-        let turn = turns[t - ANSWERS..=t + 2].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-        (size.abs() > SCATTER * scatter && size.abs() > SHARP * gain * turn).then_some((t, size))
+        let turn = turns[t - past - 2..=t + 2].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+        let beside = i[t - BESIDE..t - 2].iter().chain(&i[t + 3..=t + BESIDE]).fold(0.0, |m: f64, i| m.max(i.abs()));
+        (size.abs() > SCATTER * scatter && size.abs() > SHARP * gain * turn && size.abs() > ALONE * beside)
+            .then_some((t, size))
     };
-    (past + 3..n - 4).filter(clear).filter_map(|t| stands_out((t, size(t)?))).collect()
+    (past + 3..n - BESIDE).filter(clear).filter_map(|t| stands_out((t, size(t)?))).collect()
 }
 
 /// What a cubic through two neighbours on either side misses; 0 at the ends.

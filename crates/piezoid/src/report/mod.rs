@@ -156,7 +156,7 @@ mod tests {
         let hysteresis = (crate::hysteresis::operator("proportional").unwrap().example)(5e-4).unwrap();
         let beam = Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
         let model = Model::new(hysteresis, beam, 0.0).unwrap();
-        let wave = |hz: f64| (0..4000).map(|t| 9.0 * (std::f64::consts::TAU * hz * f64::from(t) * 5e-4).sin());
+        let wave = |hz: f64| (0..4000).map(move |t| 9.0 * (std::f64::consts::TAU * hz * f64::from(t) * 5e-4).sin());
         let records = [5.0, 20.0].map(|hz| {
             let u: Vec<f64> = wave(hz).collect();
             let y = model.simulate(&u).iter().enumerate().map(|(t, y)| y + f64::from((t * t % 7) as u8)).collect();
