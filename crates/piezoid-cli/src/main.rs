@@ -6,6 +6,7 @@ mod commands;
 mod console;
 mod files;
 mod layout;
+mod tables;
 mod values;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};

@@ -18,6 +18,7 @@ pub mod page;
 pub mod plant;
 pub mod plot;
 pub mod progress;
+pub mod quality;
 pub mod record;
 pub mod report;
 mod series;
@@ -27,6 +28,7 @@ pub mod system;
 #[cfg(test)]
 mod testing;
 pub mod validation;
+mod waveform;
 
 pub use error::Error;
 pub use hammerstein::Model;

@@ -11,7 +11,7 @@ use piezoid::hysteresis::{Reading, Split};
 use piezoid::linear::{Residuals, Root};
 use piezoid::number::{round, short as number};
 use piezoid::optimize::swarm;
-use piezoid::validation::{self, Metrics};
+use piezoid::validation::{self, Linearity, Metrics, small_signal};
 use piezoid::{Record, System};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -163,7 +163,15 @@ impl Identify {
         for note in &found.notes {
             console.remark(note);
         }
-        files::write_json(self.json.as_deref(), &result(&found, &on_itself), console)?;
+        let linearity: Vec<Option<Linearity>> = linear.iter().map(|record| small_signal(record).ok()).collect();
+        for (path, seen) in self.linear.iter().zip(&linearity) {
+            if let Some(seen) = seen.as_ref().filter(|seen| !seen.is_linear) {
+                console.remark(&format!("{}: {}", path.display(), seen.verdict));
+            }
+        }
+        let mut result = result(&found, &on_itself);
+        result["linearity"] = json!(linearity);
+        files::write_json(self.json.as_deref(), &result, console)?;
         files::write(&self.output, &model.to_json(), console)
     }
 }

@@ -9,6 +9,8 @@ mod simulate;
 mod study;
 mod validate;
 
+pub(crate) use validate::Proven;
+
 use crate::console::Console;
 use anyhow::Result;
 use clap::Subcommand;

@@ -2,11 +2,11 @@
 
 use crate::console::Console;
 use crate::files::{self, Columns};
-use crate::layout::table;
+use crate::tables;
 use crate::values::{apart, seconds};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use piezoid::number::{round, short as number};
+use piezoid::number::round;
 use piezoid::validation::{self, Metrics, Settings, Validation};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
@@ -21,7 +21,11 @@ Examples:
         --json -
 
 The model runs free: it sees the input alone, and starts as if the first input had stood for long. \
-nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.";
+nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
+
+Errors by frequency and amplitude are those of the cycles of the input, over all files; where it does not go to and fro, \
+of the spectra, in third-octave bands. The floor is the scatter of y between repetitions of the same input. What is left is \
+white when a Ljung-Box test cannot tell it from noise; it goes with the input when the model lacks something.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -29,6 +33,9 @@ nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-pe
 pub(crate) struct Validate {
     #[command(flatten)]
     proof: Proof,
+    /// Show all bands, all loops, and what the tests of the residuals mean.
+    #[arg(long)]
+    full: bool,
     /// Write the figures as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -104,15 +111,7 @@ impl Validate {
         let each: Vec<Metrics> = proven.iter().map(|p| p.validation.metrics).collect();
         let total = Metrics::total(&each);
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
-            let unit = &proven[0].record.units().y;
-            let mut rows: Vec<_> = proven.iter().map(|p| row(&p.file, &p.validation.metrics)).collect();
-            if rows.len() > 1 {
-                rows.push(row("total", &total));
-            }
-            let rmse = format!("rmse [{unit}]");
-            let max = format!("max [{unit}]");
-            let header = ["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"];
-            console.print(&table(&header, &rows, console.room()))?;
+            console.print(&tables::all(&proven, &total, self.full, console))?;
         }
         for p in &proven {
             for remark in &p.validation.remarks {
@@ -120,19 +119,21 @@ impl Validate {
             }
         }
         let file = |p: &Proven| {
+            let v = &p.validation;
             let mut object = json!({"file": p.file, "unit": p.record.units().y});
-            merge(&mut object, json!(p.validation.metrics));
-            merge(&mut object, json!({"remarks": p.validation.remarks}));
+            merge(&mut object, json!(v.metrics));
+            merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
+            merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
+            merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
             object
         };
+        let mut total = json!(total);
+        let [by_frequency, by_amplitude] = tables::merged_bins(&proven);
+        merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
+        merge(&mut total, json!({"unproven": tables::unproven(&proven)}));
         let result = json!({"files": proven.iter().map(file).collect::<Vec<_>>(), "total": total});
         files::write_json(self.json.as_deref(), &result, console)
     }
-}
-
-fn row(name: &str, m: &Metrics) -> Vec<String> {
-    let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent];
-    [name.to_string(), m.n.to_string()].into_iter().chain(figures.map(number)).collect()
 }
 
 /// Adds the members of one object to another.

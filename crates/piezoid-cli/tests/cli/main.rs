@@ -13,6 +13,7 @@ mod measured;
 mod misfits;
 mod process;
 mod proof;
+mod quality;
 mod study;
 mod usage;
 mod workflow;

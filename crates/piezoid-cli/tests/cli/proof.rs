@@ -74,3 +74,63 @@ fn a_free_offset_takes_the_mean_error_away() {
     assert!((rmse("drifted.csv", "free") / rmse("sine5.csv", "free") - 1.0).abs() < 1e-9);
     assert!(rmse("sine5.csv", "free") <= rmse("sine5.csv", "kept"));
 }
+
+#[test]
+fn the_error_is_told_by_frequency_by_amplitude_by_loop_and_beside_the_floor() {
+    let bench = Bench::stocked();
+    bench.run("excite rising-sine --ts 5e-4 --duration 2 --amplitude 28 --frequency 5 -o drive.csv").ok();
+    bench.run("simulate --plant pl140 --input drive.csv -o rising.csv").ok();
+    bench.run("simulate --plant pl140 --input drive5.csv -o noisy.csv").ok();
+    let line = "validate --model model.json --data sine5.csv sine20.csv rising.csv noisy.csv";
+    let run = bench.run(&format!("{line} --json v.json")).ok();
+    run.prints(&["f [Hz]", "amplitude [V]", "width %", "floor [um]", "follows u", "the resonance at 146.7 Hz"]);
+    let json = bench.json("v.json");
+    let hz: Vec<f64> = json["total"]["by_frequency"].as_array().unwrap().iter().map(|b| number(&b["at"])).collect();
+    assert!(hz.len() == 2 && (hz[0] - 5.0).abs() < 0.1 && (hz[1] - 20.0).abs() < 0.1, "{hz:?}");
+    assert!(json["total"]["by_amplitude"].as_array().unwrap().len() >= 4);
+    let loops = &json["files"][0]["loops"][0];
+    let [measured, model] = ["measured", "model"].map(|who| number(&loops[who]["width_percent"]));
+    assert!((12.0..14.0).contains(&measured) && (measured - model).abs() < 0.5, "{loops}");
+    assert_eq!(number(&loops["measured"]["reversals"]), 2.0);
+    // The twin's sensor has 0.2 um of noise.
+    let floor = &json["files"][3]["floor"];
+    assert!((number(&floor["rms"]) - 0.2).abs() < 0.02 && number(&floor["error_over_floor"]) > 10.0, "{floor}");
+    assert!(json["files"][2]["floor"].is_null(), "a rising sine does not repeat");
+    let verdict = json["files"][3]["whiteness"]["verdict"].to_string();
+    assert!(verdict.contains("not white"), "{verdict}");
+
+    let brief = bench.run(line).ok().out.lines().count();
+    let full = bench.run(&format!("{line} --full")).ok();
+    assert!(full.out.lines().count() > brief + 10);
+    full.prints(&["closure %", "at turns", "noisy.csv: what is left is not white"]);
+}
+
+#[test]
+fn a_record_beyond_what_the_model_was_identified_on_is_told_so() {
+    let bench = Bench::stocked();
+    let domain = &bench.json("model.json")["identified"];
+    assert_eq!((number(&domain["u"][0]), number(&domain["u"][1])), (-30.0, 30.0));
+    bench.run("excite sine --ts 5e-4 --duration 1 --amplitude 10 --frequency 20 --offset 18 -o drive.csv").ok();
+    bench.run("simulate --plant paper --input drive.csv -o biased.csv").ok();
+    bench.run("validate --model model.json --data biased.csv").ok().says(&["has a mean of 18.00 V", "another bias"]);
+    bench.run("excite stepped-sine --ts 5e-4 --duration 1 --amplitude 28 --frequency 20 -o drive.csv").ok();
+    bench.run("simulate --plant paper --input drive.csv -o steps.csv").ok();
+    bench.run("validate --model model.json --data steps.csv").ok().says(&["changes by up to", "V/s"]);
+}
+
+#[test]
+fn a_large_multisine_is_told_to_be_no_small_signal() {
+    let bench = Bench::stocked();
+    bench
+        .run(
+            "excite multisine --ts 5e-4 --duration 2 --amplitude 28 --frequency-low 1 --frequency-high 60 -o drive.csv",
+        )
+        .ok();
+    bench.run("simulate --plant paper --input drive.csv -o large.csv").ok();
+    let found = bench.run("identify --linear large.csv --rich sine5.csv -o m.json --json f.json").ok();
+    found.says(&["large.csv: the record is not linear", "% of the output's rms"]);
+    assert_eq!(bench.json("f.json")["linearity"][0]["is_linear"], false);
+    let sound = bench.run("identify --linear prbs.csv --rich sine5.csv -o m.json --json f.json").ok();
+    assert!(!sound.err.contains("is not linear"), "{}", sound.err);
+    assert_eq!(bench.json("f.json")["linearity"][0]["is_linear"], true);
+}

@@ -1,11 +1,11 @@
 //! The loops of the hidden variable: the points of (u, z) of each frequency, gathered from the records and split.
 
-use super::rich::dominant_frequency;
 use crate::error::Error;
 use crate::hysteresis::{Branches, Loop, Split};
 use crate::number::round;
 use crate::record::Record;
 use crate::series::{ends, mean};
+use crate::waveform::dominant_frequency;
 
 /// Frequencies that differ by less than this are one.
 const SAME_FREQUENCY: f64 = 0.02;

@@ -5,6 +5,7 @@
 //! ```
 //! The driver stands there where it is known; where it is not, the linear block holds what it does to small steps.
 
+mod domain;
 mod joint;
 mod loops;
 mod paper;
@@ -13,10 +14,12 @@ mod start;
 
 pub(crate) use paper::proportional;
 
+pub use crate::waveform::dominant_frequency;
+pub use domain::Domain;
 pub use joint::{Joint, Trial, identify_joint};
 pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
-pub use rich::{LinearPart, dominant_frequency};
+pub use rich::LinearPart;
 pub use start::Beginning;
 
 use crate::creep::{Creep, Lag};
@@ -56,6 +59,7 @@ pub struct Model {
     linear: Arx,
     offset: f64,
     units: Units,
+    identified: Option<Domain>,
     made: Value,
 }
 
@@ -82,8 +86,8 @@ impl Model {
         let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
         same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
         crate::error::finite("offset", &[offset])?;
-        let creep = Creep::new(linear.ts(), Vec::new())?;
-        Ok(Model { driver, hysteresis, creep, linear, offset, units: Units::default(), made: Value::Null })
+        let (creep, units) = (Creep::new(linear.ts(), Vec::new())?, Units::default());
+        Ok(Model { driver, hysteresis, creep, linear, offset, units, identified: None, made: Value::Null })
     }
 
     /// The same model with creep between the hysteresis and the linear block.
@@ -103,6 +107,11 @@ impl Model {
     /// The same model with a note on how it was made, kept as `fit` in its file.
     pub fn with_provenance(self, made: Value) -> Self {
         Model { made, ..self }
+    }
+
+    /// The same model with the data it was identified on, kept as `identified` in its file.
+    pub fn with_identified(self, domain: Domain) -> Self {
+        Model { identified: Some(domain), ..self }
     }
 
     /// The driver, where it is known.
@@ -135,6 +144,11 @@ impl Model {
         &self.units
     }
 
+    /// The data it was identified on; `None` if it does not say.
+    pub fn identified(&self) -> Option<&Domain> {
+        self.identified.as_ref()
+    }
+
     /// How the model was made; null if it does not say.
     pub fn provenance(&self) -> &Value {
         &self.made
@@ -151,6 +165,7 @@ impl Model {
             creep: Some(self.creep.lags().to_vec()).filter(|lags| !lags.is_empty()),
             linear: Coefficients { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
+            identified: self.identified,
             fit: self.made.clone(),
         };
         // A document of strings and finite numbers always serialises.
@@ -183,7 +198,8 @@ impl Model {
         let ts = if driver.is_some() { d.ts / SUBSTEPS as f64 } else { d.ts };
         let model = Model::driven(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
         let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
-        Ok(model.with_units(d.units).with_provenance(d.fit))
+        let identified = d.identified.map(Domain::checked).transpose()?;
+        Ok(Model { identified, ..model.with_units(d.units).with_provenance(d.fit) })
     }
 }
 
@@ -203,6 +219,8 @@ struct Document {
     linear: Coefficients,
     #[serde(default)]
     offset: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    identified: Option<Domain>,
     #[serde(default)]
     fit: Value,
 }
@@ -285,9 +303,12 @@ mod tests {
         for o in OPERATORS {
             let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
             let model = Model::new((o.example)(5e-4).unwrap(), linear, -0.1).unwrap();
+            assert!(!model.to_json().contains("identified"));
+            let u: Vec<f64> = (0..500).map(|t| 25.0 * (f64::from(t) * 0.1).sin()).collect();
+            let model = model.with_identified(Domain::of_input(&u, 5e-4));
             let again = Model::from_json(&model.to_json()).unwrap();
             assert_eq!(again.to_json(), model.to_json());
-            let u: Vec<f64> = (0..500).map(|t| 25.0 * (f64::from(t) * 0.1).sin()).collect();
+            assert_eq!(again.identified(), model.identified());
             assert_eq!(again.simulate(&u), model.simulate(&u));
         }
     }
@@ -304,5 +325,8 @@ mod tests {
         );
         assert!(model(r#""hysteresis": {}, "linear": {"a": [], "b": [1]}"#).contains("no \"operator\""));
         assert!(model(r#""hysteresis": {"operator": "proportional", "gain": 1}"#).contains("missing field `linear`"));
+        let backwards = r#""identified": {"u": [3, -3], "hz": null, "slew": 1, "mean": [0, 0]}"#;
+        let plain = r#""hysteresis": {"operator": "proportional", "gain": 1}, "linear": {"a": [], "b": [1]}"#;
+        assert!(model(&format!("{plain}, {backwards}")).contains("ends from low to high"));
     }
 }

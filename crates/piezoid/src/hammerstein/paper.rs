@@ -6,13 +6,14 @@
 
 use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
 use super::rich::{LinearPart, linear_from_rich, rich_enough};
-use super::{Model, Trial};
+use super::{Domain, Model, Trial};
 use crate::error::Error;
 use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
 use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::Progress;
+use crate::quality::{Need, around, excites, inspect};
 use crate::record::{Record, Units, same_sampling};
 use crate::system::System;
 use std::sync::Arc;
@@ -83,6 +84,9 @@ pub fn identify_paper(
 
     let part = linear_part(&linear, &rich, how, progress)?;
     let mut notes = vec![format!("linear block: {}", part.reason)];
+    notes.extend(unproven(&part, &linear));
+    notes.extend(defects("small-signal record", &linear));
+    notes.extend(defects("rich record", &rich));
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
             "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try more iterations, a \
@@ -121,6 +125,10 @@ pub fn identify_paper(
         notes.push("hysteresis block: none, as there is no rich record to find it from".into());
     }
     let model = Model::new(hysteresis, part.arx.clone(), offset)?.with_units(units);
+    let model = match Domain::of(linear.iter().chain(&rich)) {
+        Some(domain) => model.with_identified(domain),
+        None => model,
+    };
     Ok(Identified { model, linear: part, loops, trials: Vec::new(), notes })
 }
 
@@ -202,6 +210,31 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     let reason = format!("order {order} by {by} on {n} samples of small signal{failed}");
     let reason = reason + &linear::too_low(linear, &fit).unwrap_or_default();
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
+}
+
+/// What is wrong with the records, which this method fits all the same.
+fn defects(which: &str, records: &[Record]) -> Vec<String> {
+    let several = records.len() > 1;
+    let each = records.iter().enumerate().flat_map(|(k, record)| {
+        let name = if several { format!("{which} {}", k + 1) } else { which.to_string() };
+        let findings = inspect(record, &Need::default()).findings.into_iter();
+        findings.map(move |f| {
+            format!("{name}: {}", f.text.replace("; left out", "; the paper's method fits it all the same"))
+        })
+    });
+    each.collect()
+}
+
+/// A resonance of the linear block that no small-signal record excites.
+fn unproven(part: &LinearPart, linear: &[Record]) -> Option<String> {
+    let resonance = part.arx.resonance().filter(|_| !linear.is_empty())?;
+    let lit = |record: &Record| excites(record.u(), record.ts(), around(resonance.hz));
+    (!linear.iter().any(lit)).then(|| {
+        format!(
+            "linear block: no small-signal record has power near its resonance at {} Hz, so that is a guess: excite it with a PRBS",
+            short(resonance.hz)
+        )
+    })
 }
 
 /// The branches of each loop with its frequency.

@@ -4,15 +4,14 @@
 //! any fit is a guess that repairs the hysteresis block instead. Then a gain is left, and the reason is told.
 
 use crate::error::Error;
-use crate::fourier::forward;
+use crate::fourier::{LINE, power};
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::number::round;
 use crate::optimize::swarm;
 use crate::progress::unwatched;
 use crate::record::Record;
-use crate::series::{ends, mean, scatter};
+use crate::series::{mean, scatter};
 use crate::system::System;
-use nalgebra::Complex;
 
 /// Power of a spectral line, against the strongest, from which it counts as excited.
 const EXCITED: f64 = 1e-4;
@@ -34,32 +33,6 @@ pub struct LinearPart {
     pub fit: Option<Fit>,
     /// How it was found and why so, in words.
     pub reason: String,
-}
-
-/// The frequency at which `u` goes to and fro about its mid-value [Hz], sampled every `ts` [s]: the mean over whole
-/// periods, told by its crossings. `None` where there is no whole period.
-///
-/// ```
-/// let u: Vec<f64> = (0..1000).map(|t| (f64::from(t) * 0.02).sin()).collect();
-/// let hz = piezoid::hammerstein::dominant_frequency(&u, 1e-3).unwrap();
-/// assert!((hz - 0.02 / std::f64::consts::TAU * 1e3).abs() < 0.01);
-/// ```
-pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
-    let (low, high) = ends(u.iter().copied());
-    let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
-    // A crossing upwards counts once the input has been clearly below; its time is interpolated.
-    let mut armed = false;
-    let mut crossings = Vec::new();
-    for (t, w) in u.windows(2).enumerate() {
-        armed |= w[0] < middle - guard;
-        if armed && w[0] < middle && w[1] >= middle {
-            crossings.push(t as f64 + (middle - w[0]) / (w[1] - w[0]));
-            armed = false;
-        }
-    }
-    let (first, last) = (crossings.first()?, crossings.last()?);
-    let periods = (crossings.len() - 1) as f64;
-    (last > first).then(|| periods / ((last - first) * ts))
 }
 
 /// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay. Where
@@ -194,22 +167,11 @@ pub(super) fn lines(records: &[Record]) -> Vec<f64> {
     })
 }
 
-/// The frequencies [Hz] at which the input has power worth the name. The window (Harris 1978, four terms,
-/// doi:10.1109/PROC.1978.10837) makes a line eight bins wide with nothing beside it, so bins in a row count as a line each
-/// eight.
+/// The frequencies [Hz] at which the input has power worth the name. A line is [`LINE`] bins wide, so bins in a row count
+/// as a line each that many.
 fn excited(record: &Record) -> Vec<f64> {
     let n = record.len();
-    let window = |t: usize| {
-        let turn = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
-        0.35875 - 0.48829 * turn.cos() + 0.14128 * (2.0 * turn).cos() - 0.01168 * (3.0 * turn).cos()
-    };
-    let weights: Vec<f64> = (0..n).map(window).collect();
-    // The mean under the window: any other leaves a line at 0 Hz.
-    let mean = record.u().iter().zip(&weights).map(|(u, w)| u * w).sum::<f64>() / weights.iter().sum::<f64>();
-    let mut spectrum: Vec<Complex<f64>> =
-        record.u().iter().zip(&weights).map(|(u, w)| Complex::from((u - mean) * w)).collect();
-    forward(n).process(&mut spectrum);
-    let power: Vec<f64> = spectrum[..=n / 2].iter().map(|c| c.norm_sqr()).collect();
+    let power = power(record.u());
     let strongest = power.iter().copied().fold(0.0, f64::max);
     let hz = |bin: f64| bin / (n as f64 * record.ts());
     let strong: Vec<usize> = (1..power.len()).filter(|&k| power[k] > EXCITED * strongest).collect();
@@ -219,7 +181,7 @@ fn excited(record: &Record) -> Vec<f64> {
         let (moment, sum) = bins.iter().fold((0.0, 0.0), |(m, s), &k| (m + k as f64 * power[k], s + power[k]));
         moment / sum
     };
-    runs.flat_map(|run| run.chunks(run.len() / (run.len() / 8).max(1)).map(centre).collect::<Vec<_>>())
+    runs.flat_map(|run| run.chunks(run.len() / (run.len() / LINE).max(1)).map(centre).collect::<Vec<_>>())
         .map(hz)
         .collect()
 }

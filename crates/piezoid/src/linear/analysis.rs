@@ -78,6 +78,12 @@ impl Arx {
         poles
     }
 
+    /// The least damped of the poles that ring: damping ratio between 0 and 0.3.
+    pub fn resonance(&self) -> Option<Pole> {
+        let rings = self.poles().into_iter().filter(|p| p.z.im > 0.0 && (0.0..0.3).contains(&p.damping));
+        rings.min_by(|p, q| p.damping.total_cmp(&q.damping))
+    }
+
     /// Zeros of b0 + b1 q^-1 + ... in the z plane by rising modulus. Leading zeros of `b` (a delay) give none, and those
     /// at the origin, which trailing zeros of `b` make, are not listed.
     pub fn zeros(&self) -> Vec<Root> {

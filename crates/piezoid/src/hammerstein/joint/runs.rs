@@ -1,9 +1,9 @@
 //! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
 
 use crate::error::Error;
-use crate::hammerstein::start::in_motion;
 use crate::record::Record;
 use crate::series::ends;
+use crate::waveform::in_motion;
 
 /// Stretches a record is cut into when parts of it are held out.
 const STRETCHES: usize = 10;

@@ -16,7 +16,7 @@ mod everett;
 mod grid;
 mod memory;
 
-use super::basis::{Basis, Design};
+use super::basis::{Basis, Design, counted};
 use super::{Hysteresis, Operator, document, parse};
 use crate::error::{Error, finite, positive};
 use crate::system::System;
@@ -231,7 +231,8 @@ impl Basis for Cells {
         rows
     }
 
-    fn reshaped(&self, _: &[f64]) -> Result<Box<dyn Basis>, Error> {
+    fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
+        counted(OPERATOR.name, "shape", shape.len(), 0)?;
         Ok(Box::new(self.clone()))
     }
 
@@ -240,6 +241,7 @@ impl Basis for Cells {
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
+        counted(OPERATOR.name, "weights", weights.len(), Basis::len(self))?;
         let (slope, weights) = (weights[0], weights[1..].to_vec());
         let params = Params { range: self.range, levels: self.levels.clone(), slope, weights };
         Ok(Arc::new(Preisach::new(self.ts, params)?))

@@ -1,15 +1,15 @@
 //! The report on a model: what it is, and how it meets records it has not seen.
 
+mod errors;
+mod record;
+mod residuals;
+
 use crate::hammerstein::Model;
 use crate::number::short;
 use crate::page::{Fact, Page, Section, Table, Text};
-use crate::plot::{Axes, Axis, Figure, Role, Series};
 use crate::record::Record;
 use crate::system::System;
 use crate::validation::{Metrics, Validation};
-
-/// The longest stretch of time that a figure of a record shows [samples].
-const SHOWN: usize = 4000;
 
 /// A record and the model's free run over it.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +35,7 @@ pub fn report(model: &Model, trials: &[Trial]) -> Page {
         model.ts()
     ));
     let page = if trials.is_empty() { page } else { page.section(proof(trials)) };
-    let page = trials.iter().fold(page, |page, trial| page.section(one(trial)));
+    let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
     page.section(blocks(model))
 }
 
@@ -52,75 +52,33 @@ fn proof(trials: &[Trial]) -> Section {
     };
     let table = trials.iter().fold(table, |table, t| table.row(row(t.name, &t.validation.metrics)));
     let table = if trials.len() > 1 { table.row(row("total", &total)) } else { table };
-    Section::new("Proof")
+    let section = Section::new("Proof")
         .facts([
             Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
             Fact::new(short(total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
             Fact::new(short(total.max_abs), unit.clone(), "largest error"),
         ])
-        .table(table.note("Free run: the model sees the input alone, never the measured output."))
+        .table(table.note("Free run: the model sees the input alone, never the measured output."));
+    let section = errors::by_all(section, trials);
+    match unproven(trials) {
+        open if open.is_empty() => section,
+        open => section.text("What none of these records shows, however good the figures are:").list(open),
+    }
 }
 
-fn one(trial: &Trial) -> Section {
-    let Trial { name, record, validation } = *trial;
-    let section = Section::new(name);
-    let section = validation.remarks.iter().fold(section, |s, remark| s.warning("Beyond the model", remark.as_str()));
-    let section = match validation.taken_off {
-        Some(mean) => {
-            let (mean, unit) = (short(mean), &record.units().y);
-            section.note("Offset", format!("A mean error of {mean} {unit} was taken off before anything was compared."))
-        }
-        None => section,
-    };
-    section.figure(time_series(trial)).figure(loops(trial))
+/// What no record can tell.
+fn unproven(trials: &[Trial]) -> Vec<String> {
+    let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
+    let of = |t: &Trial, text: &str| t.validation.unproven.iter().any(|other| subject(other) == subject(text));
+    let first = trials.first().map_or(&[][..], |t| &t.validation.unproven);
+    first.iter().filter(|text| trials.iter().all(|t| of(t, text))).cloned().collect()
 }
 
-fn time_series(trial: &Trial) -> Figure {
-    let Trial { record, validation, .. } = *trial;
-    let units = record.units();
-    let range = validation.start..record.len().min(validation.start + SHOWN);
-    let t: Vec<f64> = range.clone().map(|k| k as f64 * record.ts()).collect();
-    let (y, simulated) = (&record.y()[range.clone()], &validation.simulated[range]);
-    let error: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
-    let left = short(validation.metrics.rms_pp_percent);
-    let part = if record.len() - validation.start > SHOWN { "the first part of the record" } else { "the record" };
-    let of = &record.y()[validation.start..];
-    let errors = of.iter().zip(&validation.simulated[validation.start..]).map(|(y, s)| (y - s).abs());
-    let worst = errors.enumerate().fold((0, 0.0), |worst, (k, e)| if e > worst.1 { (k, e) } else { worst }).0;
-    let at = short((validation.start + worst) as f64 * record.ts());
-    let caption = format!(
-        "Measurement and free run over {part}, and what is left: {left} % of peak-to-peak over all of it. The largest error is at {at} s."
-    );
-    Figure::new("Time series", caption)
-        .panel(
-            Axes::new("t [s]", Axis::new(format!("y [{}]", units.y)))
-                .height(0.6)
-                .with(Series::line(&t, y).role(Role::Measured).named("measured"))
-                .with(Series::line(&t, simulated).role(Role::Model).named("model")),
-        )
-        .panel(
-            Axes::new("t [s]", Axis::new(format!("error [{}]", units.y)))
-                .height(0.4)
-                .with(Series::line(&t, &error).role(Role::Residual)),
-        )
-        .stacked()
-}
-
-fn loops(trial: &Trial) -> Figure {
-    let Trial { record, validation, .. } = *trial;
-    let units = record.units();
-    let range = validation.start..record.len().min(validation.start + SHOWN);
-    let u = &record.u()[range.clone()];
-    let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
-    let caption = format!(
-        "Output over input in {part}, as measured and as the model runs free. Over all of it the two differ by {} % of the height, rms.",
-        short(validation.metrics.rms_pp_percent)
-    );
-    Figure::new("Loops", caption).panel(
-        Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("y [{}]", units.y)))
-            .with(Series::line(u, &record.y()[range.clone()]).role(Role::Measured).named("measured"))
-            .with(Series::line(u, &validation.simulated[range]).role(Role::Model).named("model")),
-    )
+/// The same words as a sentence.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
 }
 
 fn blocks(model: &Model) -> Section {
@@ -134,6 +92,20 @@ fn blocks(model: &Model) -> Section {
         operator.reference
     ));
     let section = Section::new("The model").text(hysteresis);
+    let section = match model.identified() {
+        Some(d) => section.text(format!(
+            "Identified on inputs from {} to {} {u}, of means from {} to {} {u}, changing by up to {} {u}/s{}: beyond that it \
+             extrapolates.",
+            short(d.u[0]),
+            short(d.u[1]),
+            short(d.mean[0]),
+            short(d.mean[1]),
+            short(d.slew),
+            d.hz.map_or(String::new(), |[low, high]| format!(", with power from {} to {} Hz", short(low), short(high))),
+            u = units.u
+        )),
+        None => section,
+    };
     let section = match arx.a() {
         [] => section.text(format!(
             "Linear block: a gain of {:.5} {}/{}, without dynamics.",
@@ -177,5 +149,35 @@ mod tests {
             assert!(html.contains("a&lt;b.csv"));
             assert_eq!(html.contains("has no minor loops"), !o.minor_loops, "{}", o.name);
         }
+    }
+
+    #[test]
+    fn where_the_error_lies_and_what_it_is_stands_in_tables_and_figures() {
+        let hysteresis = (crate::hysteresis::operator("proportional").unwrap().example)(5e-4).unwrap();
+        let beam = Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
+        let model = Model::new(hysteresis, beam, 0.0).unwrap();
+        let wave = |hz: f64| (0..4000).map(move |t| 9.0 * (std::f64::consts::TAU * hz * f64::from(t) * 5e-4).sin());
+        let records = [5.0, 20.0].map(|hz| {
+            let u: Vec<f64> = wave(hz).collect();
+            let y = model.simulate(&u).iter().enumerate().map(|(t, y)| y + f64::from((t * t % 7) as u8)).collect();
+            Record::new(5e-4, u, y).unwrap()
+        });
+        let model = model.with_identified(crate::hammerstein::Domain::of(&records[..1]).unwrap());
+        let seen = records.each_ref().map(|r| validate(&model, r, Settings::default()).unwrap());
+        let trials = [0, 1].map(|k| Trial { name: "r.csv", record: &records[k], validation: &seen[k] });
+        let html = report(&model, &trials).html();
+        for said in [
+            "Error by frequency",
+            "Loops, measured and model",
+            "with itself",
+            "over the input",
+            "no model leaves less",
+            "the resonance at 146.7 Hz",
+            "Identified on inputs from",
+            "The input changes by up to",
+        ] {
+            assert!(html.contains(said), "{said}");
+        }
+        assert!(!html.contains("Error by amplitude"), "one amplitude says no more than the figures");
     }
 }

@@ -1,0 +1,175 @@
+//! The tables of a validation in the terminal: the figures first, then where the error lies, and what it is.
+
+use crate::commands::Proven;
+use crate::console::Console;
+use crate::layout::{capitalised, table};
+use piezoid::number::{round, short as number};
+use piezoid::validation::{Bin, Loops, Metrics, Source, merged};
+
+/// The most bands shown unless all are asked for, and how many of the worst are shown in their place.
+const MOST: usize = 12;
+const WORST: usize = 8;
+
+/// Everything that is worth a look; with `full` everything there is.
+pub(crate) fn all(proven: &[Proven], total: &Metrics, full: bool, console: &Console) -> String {
+    let Some(first) = proven.first() else { return String::new() };
+    let (units, room) = (first.record.units(), console.room());
+    let [by_frequency, by_amplitude] = merged_bins(proven);
+    let amplitude = format!("amplitude [{}]", units.u);
+    [
+        figures(proven, total, &units.y, room),
+        bins("f [Hz]", &by_frequency, &units.y, full, console),
+        bins(&amplitude, &by_amplitude, &units.y, full, console),
+        loops(proven, full, console),
+        residuals(proven, full, console),
+        open(&unproven(proven), console),
+    ]
+    .into_iter()
+    .filter(|part| !part.is_empty())
+    .collect::<Vec<_>>()
+    .join("\n")
+}
+
+/// The bins of all records by frequency and by amplitude.
+pub(crate) fn merged_bins(proven: &[Proven]) -> [Vec<Bin>; 2] {
+    [
+        merged(proven.iter().flat_map(|p| &p.validation.by_frequency)),
+        merged(proven.iter().flat_map(|p| &p.validation.by_amplitude)),
+    ]
+}
+
+/// What none of the records can tell.
+pub(crate) fn unproven(proven: &[Proven]) -> Vec<String> {
+    let Some((first, others)) = proven.split_first() else { return Vec::new() };
+    let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
+    let by_all = |text: &&String| {
+        others.iter().all(|p| p.validation.unproven.iter().any(|other| subject(other) == subject(text)))
+    };
+    first.validation.unproven.iter().filter(by_all).cloned().collect()
+}
+
+fn figures(proven: &[Proven], total: &Metrics, unit: &str, room: Option<usize>) -> String {
+    let row = |name: &str, m: &Metrics| {
+        let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent];
+        [name.to_string(), m.n.to_string()].into_iter().chain(figures.map(number)).collect::<Vec<_>>()
+    };
+    let mut rows: Vec<_> = proven.iter().map(|p| row(&p.file, &p.validation.metrics)).collect();
+    if rows.len() > 1 {
+        rows.push(row("total", total));
+    }
+    let (rmse, max) = (format!("rmse [{unit}]"), format!("max [{unit}]"));
+    table(&["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"], &rows, room)
+}
+
+/// One bin says no more than the figures do.
+fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> String {
+    if bins.len() < 2 {
+        return String::new();
+    }
+    let least = match bins.len() > MOST && !full {
+        true => {
+            let mut errors: Vec<f64> = bins.iter().map(|b| b.rmse).collect();
+            errors.sort_by(|a, b| b.total_cmp(a));
+            errors[WORST - 1]
+        }
+        false => 0.0,
+    };
+    let shown: Vec<&Bin> = bins.iter().filter(|b| b.rmse >= least || b.rmse.is_nan()).collect();
+    let row = |b: &&Bin| {
+        let of = match b.source {
+            Source::Cycles => b.cycles.to_string(),
+            Source::Spectrum => "spectrum".into(),
+        };
+        vec![number(b.at), of, number(b.rmse), number(b.nrmse_percent), number(b.rms_pp_percent)]
+    };
+    let rmse = format!("rmse [{unit}]");
+    let header = [head, "cycles", &rmse, "nrmse %", "rms/pp %"];
+    let text = table(&header, &shown.iter().map(row).collect::<Vec<_>>(), console.room());
+    match shown.len() < bins.len() {
+        true => {
+            let left = format!("The {} of {} bands with the largest error; --full shows all.", shown.len(), bins.len());
+            text + &console.paragraph(&left, "")
+        }
+        false => text,
+    }
+}
+
+/// The largest loops of each record; all of them, and all of their figures, with `full`.
+fn loops(proven: &[Proven], full: bool, console: &Console) -> String {
+    let largest = |p: &Proven| {
+        let most = p.validation.loops.iter().map(|l| l.amplitude).fold(0.0, f64::max);
+        p.validation.loops.iter().filter(move |l| full || l.amplitude == most).copied().collect::<Vec<_>>()
+    };
+    let rows: Vec<(&str, Loops)> =
+        proven.iter().flat_map(|p| largest(p).into_iter().map(move |l| (p.file.as_str(), l))).collect();
+    let Some(unit) = proven.first().filter(|_| !rows.is_empty()).map(|p| p.record.units()) else {
+        return String::new();
+    };
+    let pair = |measured: f64, model: f64| [number(measured), number(model)];
+    let amplitude = format!("[{}]", unit.u);
+    let widths = |(file, l): &(&str, Loops)| {
+        let [width, closure, slope] = [
+            pair(l.measured.width_percent, l.model.width_percent),
+            pair(l.measured.closure_percent, l.model.closure_percent),
+            pair(l.measured.slope, l.model.slope),
+        ];
+        let place = [file.to_string(), round(l.hz), number(l.amplitude)];
+        place
+            .into_iter()
+            .chain(width)
+            .chain(slope)
+            .chain(if full { closure.to_vec() } else { vec![] })
+            .collect::<Vec<_>>()
+    };
+    let mut header = vec!["loops", "f [Hz]", &amplitude, "width %", "model", "slope", "model"];
+    if full {
+        header.extend(["closure %", "model"]);
+    }
+    let mut text = table(&header, &rows.iter().map(widths).collect::<Vec<_>>(), console.room());
+    if full {
+        let more = |(file, l): &(&str, Loops)| {
+            let [area, reversals] =
+                [pair(l.measured.area, l.model.area), pair(l.measured.reversals, l.model.reversals)];
+            let known = |s: Option<f64>| s.map_or("-".into(), number);
+            let turn = [known(l.measured.slope_after_turn), known(l.model.slope_after_turn)];
+            let place = [file.to_string(), round(l.hz), number(l.amplitude)];
+            place.into_iter().chain(area).chain(turn).chain(reversals).collect::<Vec<_>>()
+        };
+        let header = ["loops", "f [Hz]", &amplitude, "area", "model", "at turns", "model", "turns", "model"];
+        text += &format!("\n{}", table(&header, &rows.iter().map(more).collect::<Vec<_>>(), console.room()));
+    }
+    text
+}
+
+/// The noise floor, and whether what is left is noise.
+fn residuals(proven: &[Proven], full: bool, console: &Console) -> String {
+    let tested = proven.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
+    let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
+    let row = |p: &Proven| {
+        let (floor, whiteness) = (&p.validation.floor, &p.validation.whiteness);
+        vec![
+            p.file.clone(),
+            floor.map_or("-".into(), |f| number(f.rms)),
+            floor.map_or("-".into(), |f| number(f.error_over_floor)),
+            whiteness.as_ref().map_or("-".into(), |w| word(w.is_white())),
+            whiteness.as_ref().map_or("-".into(), |w| word(w.follows_input())),
+        ]
+    };
+    let rows: Vec<_> = tested.map(row).collect();
+    let Some(unit) = proven.first().filter(|_| !rows.is_empty()).map(|p| p.record.units().y.clone()) else {
+        return String::new();
+    };
+    let floor = format!("floor [{unit}]");
+    let mut text = table(&["what is left", &floor, "rmse/floor", "white", "follows u"], &rows, console.room());
+    for p in proven.iter().filter(|_| full) {
+        for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
+            text += &console.paragraph(&format!("{}: {said}.", p.file), "  ");
+        }
+    }
+    text
+}
+
+fn open(unproven: &[String], console: &Console) -> String {
+    let line = |text: &String| console.paragraph(&format!("Not shown by any of these records: {text}."), "  ");
+    capitalised(&unproven.iter().map(line).collect::<String>())
+}

@@ -1,0 +1,210 @@
+//! Stretches where one of the two signals stands and the other does not.
+//!
+//! A peak passed smoothly stays within a quarter of a small height for half of the time that it stays within that height;
+//! a peak cut off stays there nearly all of the time. That tells a limit from a peak, with noise and without.
+
+use super::runs::{quantile, resolution, runs};
+use super::{Defect, Finding, places};
+use crate::number::short;
+use crate::record::Record;
+use crate::series::ends;
+use std::ops::Range;
+
+/// Height below an extreme that is looked at, over the range.
+const TOP: f64 = 0.01;
+
+/// Share of a stretch near the extreme from which the peak counts as cut off.
+const CUT: f64 = 0.8;
+
+/// How far the other signal must have moved meanwhile, over its range.
+const MOVED: f64 = 0.02;
+
+/// The shortest stretch that is told [samples].
+const SHORTEST: usize = 8;
+
+/// The longest delay between input and output [samples]: what happens in the last moments of a stretch has not reached the
+/// output yet.
+const DELAY: usize = 5;
+
+/// The output stands at an extreme while the input moves.
+pub(super) fn saturated(record: &Record) -> Option<Finding> {
+    let (u, y) = (record.u(), record.y());
+    let mut cut: Vec<Range<usize>> = Vec::new();
+    for sign in [1.0, -1.0] {
+        let slow =
+            cut_off(y, sign).into_iter().filter(|run| moved(u, run.start..run.end.saturating_sub(DELAY)) > MOVED);
+        cut.extend(slow);
+        cut.extend(capped(u, y, sign));
+    }
+    cut.sort_by_key(|run| run.start);
+    cut = cut.into_iter().fold(Vec::new(), |mut all: Vec<Range<usize>>, run| {
+        match all.last_mut() {
+            Some(last) if run.start <= last.end => last.end = last.end.max(run.end),
+            _ => all.push(run),
+        }
+        all
+    });
+    let (low, high) = ends(cut.iter().flat_map(|run| y[run.clone()].iter().copied()));
+    let unit = &record.units().y;
+    (!cut.is_empty()).then(|| Finding {
+        defect: Defect::SaturatedOutput,
+        text: format!(
+            "the output is saturated: it stands {} while the input moves, in {}",
+            match cut.len() {
+                1 => format!("at {} {unit}", short(high)),
+                _ => format!("at or between {} and {} {unit}", short(low), short(high)),
+            },
+            places(&cut, record.ts())
+        ),
+        samples: cut,
+    })
+}
+
+/// The samples of fast movements at exactly the top of `sign` y, reached and left in large steps, where they cannot be
+/// smooth peaks: three in a row, as a peak leaves three samples within one step of the sensor only where the next is no more
+/// than three steps away; or more of them than half of all that is near, of many values. One such peak is enough while the
+/// input moves.
+fn capped(u: &[f64], y: &[f64], sign: f64) -> Vec<Range<usize>> {
+    let (low, high) = ends(y.iter().map(|y| sign * y));
+    let step = resolution(y);
+    let far = (4.0 * step).max(2e-3 * (high - low));
+    let at_top = |y: f64| sign * y >= high - 0.5 * step.min(1e-9 * (high - low));
+    let top = runs(y.len(), 0, |t| at_top(y[t]));
+    let steep = |t: Option<usize>| t.and_then(|t| y.get(t)).is_none_or(|y| sign * y < high - far);
+    let sudden = |run: &&Range<usize>| steep(run.start.checked_sub(1)) && steep(Some(run.end));
+    let peaks: Vec<Range<usize>> = top.iter().filter(sudden).cloned().collect();
+    let moves =
+        |run: &Range<usize>| u[run.clone()].windows(2).all(|w| w[0] != w[1]) && moved(u, run.clone()) > 0.5 * MOVED;
+    // What has settled at its top leaves it when the input moves, and not before.
+    let stands = |run: &Range<usize>| {
+        let before = run.end.saturating_sub(DELAY + 1);
+        u[before..u.len().min(run.end + 1)].windows(2).all(|w| w[0] == w[1])
+    };
+    let long: Vec<Range<usize>> = peaks.iter().filter(|run| run.len() >= 3).cloned().collect();
+    let left = long.iter().filter(|run| moves(run) || stands(run)).count();
+    let mut near: Vec<f64> =
+        y.iter().copied().filter(|y| sign * y > high - 0.1 * (high - low) && !at_top(*y)).collect();
+    let below = near.len();
+    near.sort_by(f64::total_cmp);
+    near.dedup();
+    let crowded = near.len() >= 10 && peaks.len() >= 10 && 2 * peaks.iter().map(Range::len).sum::<usize>() > below;
+    if near.len() >= 3 && (crowded || left >= 3 || long.iter().any(moves)) { top } else { Vec::new() }
+}
+
+/// The input stands at an extreme while the output goes on and comes back, nearly every time.
+pub(super) fn clipped(record: &Record) -> Option<Finding> {
+    let (u, y) = (record.u(), record.y());
+    let (low, high) = ends(y.iter().copied());
+    let mut all = Vec::new();
+    for (sign, end) in [(1.0, ends(u.iter().copied()).1), (-1.0, -ends(u.iter().copied()).0)] {
+        let stands = runs(u.len(), 0, |t| sign * u[t] == end);
+        let long = stands.into_iter().filter(|run| run.len() >= SHORTEST && slides_in(u, run));
+        all.extend(long.map(|run| (arches(y, &run, sign * (u_follows(u, y)), MOVED * (high - low)), run)));
+    }
+    let arched: Vec<Range<usize>> = all.iter().filter(|(arched, _)| *arched).map(|(_, run)| run.clone()).collect();
+    if arched.len() < 2 || (arched.len() as f64) < CUT * all.len() as f64 {
+        return None;
+    }
+    let mut arched = arched;
+    arched.sort_by_key(|run| run.start);
+    let text = format!(
+        "the recorded input is clipped: it stands at its extreme while the output goes on and comes back, in {}",
+        places(&arched, record.ts())
+    );
+    Some(Finding { defect: Defect::ClippedInput, samples: arched, text })
+}
+
+/// The output repeats to the bit while the input moves, away from its extremes.
+pub(super) fn frozen(record: &Record) -> Option<Finding> {
+    let (u, y) = (record.u(), record.y());
+    let (low, high) = ends(y.iter().copied());
+    // Near a peak of the output, which may stand while a fast input moves, one step of the sensor hides this much.
+    let hidden = 4.0 * (resolution(y) / (high - low)).sqrt();
+    let stands = |t: usize| t > 0 && y[t] == y[t - 1];
+    let near = |run: &Range<usize>| (y[run.start] - low).min(high - y[run.start]) < TOP * (high - low);
+    let frozen: Vec<Range<usize>> = runs(y.len(), 0, stands)
+        .into_iter()
+        .map(|run| run.start - 1..run.end)
+        .filter(|run| {
+            run.len() >= SHORTEST
+                && !near(run)
+                && moved(u, run.start..run.end.saturating_sub(DELAY)) > MOVED.max(hidden)
+        })
+        .collect();
+    (!frozen.is_empty()).then(|| Finding {
+        defect: Defect::FrozenOutput,
+        text: format!(
+            "the output is frozen: it repeats to the last digit while the input moves, in {}",
+            places(&frozen, record.ts())
+        ),
+        samples: frozen,
+    })
+}
+
+/// An otherwise smooth input jumps, and the output with it.
+pub(super) fn missing(record: &Record) -> Option<Finding> {
+    let (u, y) = (record.u(), record.y());
+    let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
+    let still = steps.iter().filter(|d| **d == 0.0).count();
+    let usual = quantile(steps.clone(), 0.99);
+    // A jump must be rare: what steps often is made of steps.
+    let jumps: Vec<usize> = (0..steps.len()).filter(|&t| steps[t] > 8.0 * usual).map(|t| t + 1).collect();
+    let (low, high) = ends(u.iter().copied());
+    let large = jumps.iter().all(|&t| steps[t - 1] > MOVED * (high - low));
+    if jumps.is_empty() || jumps.len() > 3 || 10 * still > steps.len() || !large {
+        return None;
+    }
+    let ranges: Vec<Range<usize>> = jumps.iter().map(|&t| t..(t + 1).min(y.len())).collect();
+    let text = format!(
+        "rows seem to be missing: the input, smooth elsewhere, jumps by {} {} at {}: split the record there",
+        short(jumps.iter().fold(0.0, |m: f64, &t| m.max(steps[t - 1]))),
+        record.units().u,
+        places(&ranges, record.ts())
+    );
+    Some(Finding { defect: Defect::MissingRows, samples: ranges, text })
+}
+
+/// The stretches where `sign` x is at its top as only a limit keeps it there.
+fn cut_off(x: &[f64], sign: f64) -> Vec<Range<usize>> {
+    let (low, high) = ends(x.iter().map(|x| sign * x));
+    let range = high - low;
+    let top = (TOP * range).max(16.0 * resolution(x).min(range / 64.0));
+    let near = |t: usize, height: f64| sign * x[t] >= high - height;
+    let excursions = runs(x.len(), 2, |t| near(t, top));
+    let flat = excursions.into_iter().filter_map(|run| {
+        let inner = runs(run.len(), 2, |t| near(run.start + t, 0.25 * top));
+        let longest = inner.into_iter().max_by_key(|r| r.len())?;
+        let cut = longest.len() >= SHORTEST && longest.len() as f64 >= CUT * run.len() as f64;
+        cut.then(|| run.start + longest.start..run.start + longest.end)
+    });
+    flat.collect()
+}
+
+/// How far `u` moves over a run, over its range.
+fn moved(u: &[f64], run: Range<usize>) -> f64 {
+    let (low, high) = ends(u.iter().copied());
+    let (lowest, highest) = ends(u[run.start..run.end.max(run.start + 1)].iter().copied());
+    (highest - lowest) / (high - low)
+}
+
+/// Whether `u` comes to the run no faster than it moved just before: a wave cut off, not a step.
+fn slides_in(u: &[f64], run: &Range<usize>) -> bool {
+    run.start >= 3 && {
+        let (last, before) = (u[run.start] - u[run.start - 1], u[run.start - 1] - u[run.start - 2]);
+        last.abs() <= 1.5 * before.abs() && before != 0.0
+    }
+}
+
+/// Whether `sign` y rises over the run by more than `height` above both of its ends, and highest near its middle.
+fn arches(y: &[f64], run: &Range<usize>, sign: f64, height: f64) -> bool {
+    let part: Vec<f64> = y[run.clone()].iter().map(|y| sign * y).collect();
+    let (k, peak) = part.iter().enumerate().fold((0, f64::MIN), |m, (k, y)| if *y > m.1 { (k, *y) } else { m });
+    let middle = k as f64 / part.len() as f64;
+    (0.3..=0.7).contains(&middle) && peak - part[0] > height && peak - part[part.len() - 1] > height
+}
+
+/// 1 where the output rises with the input, -1 where it falls.
+fn u_follows(u: &[f64], y: &[f64]) -> f64 {
+    let (mu, my) = (crate::series::mean(u), crate::series::mean(y));
+    u.iter().zip(y).map(|(u, y)| (u - mu) * (y - my)).sum::<f64>().signum()
+}

@@ -1,0 +1,48 @@
+//! Runs of samples that have something in common.
+
+use std::ops::Range;
+
+/// The runs of samples from 0 up to `n` that are `so`, gaps of up to `gap` samples closed.
+pub(super) fn runs(n: usize, gap: usize, so: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for t in (0..n).filter(|t| so(*t)) {
+        match runs.last_mut() {
+            Some(last) if t <= last.end + gap => last.end = t + 1,
+            _ => runs.push(t..t + 1),
+        }
+    }
+    runs
+}
+
+/// The smallest step between neighbours that is not zero: the resolution of what recorded them, or less.
+pub(super) fn resolution(x: &[f64]) -> f64 {
+    let steps = x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
+    steps.fold(f64::INFINITY, f64::min)
+}
+
+/// The value below which a share of `x` lies; 0 of none.
+pub(super) fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
+    let k = (share * x.len() as f64) as usize;
+    match x.len() {
+        0 => 0.0,
+        n => *x.select_nth_unstable_by(k.min(n - 1), f64::total_cmp).1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_close_small_gaps_and_keep_large_ones() {
+        let so = [true, false, true, false, false, false, true];
+        assert_eq!(runs(7, 1, |t| so[t]), [0..3, 6..7]);
+        assert_eq!(runs(7, 0, |t| so[t]).len(), 3);
+    }
+
+    #[test]
+    fn quantiles_count_from_below() {
+        let x = vec![4.0, 1.0, 3.0, 2.0];
+        assert_eq!((quantile(x.clone(), 0.0), quantile(x.clone(), 0.5), quantile(x, 1.0)), (1.0, 3.0, 4.0));
+    }
+}

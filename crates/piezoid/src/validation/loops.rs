@@ -1,0 +1,185 @@
+//! Loops, as measured and as the model has them: width, area, closure and slopes of y over u.
+//!
+//! A cycle goes from one lower turning point of the input up to the upper one and back down to the next lower. Its width is
+//! the distance of its two branches at mid input, over its height; its area is that between the branches, positive where
+//! the ascending one lies below; its closure is how far y at its end is from y at its beginning, over its height:
+//! creep, drift and growing amplitudes keep loops open. Cycles alike in frequency and amplitude are averaged.
+
+use super::Run;
+use super::bins::{alike, band};
+use crate::series::{ends, mean};
+use crate::waveform::{Cycle, turns};
+use serde::Serialize;
+use std::ops::RangeInclusive;
+
+/// Part of the input's height after a turn whose slope is that of the reversal.
+const AFTER_TURN: f64 = 0.15;
+
+/// The share of its range that an output must come back by to have turned.
+const TURN: f64 = 0.02;
+
+/// The shape of a loop of y over u.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Shape {
+    /// 100 distance of the branches at mid input / height; negative where the ascending branch lies above.
+    pub width_percent: f64,
+    /// Area [input unit x output unit]; negative where the loop is run through the other way round.
+    pub area: f64,
+    /// 100 (y at its end - y at its beginning) / height.
+    pub closure_percent: f64,
+    /// Slope of the line through all points, by least squares [output unit / input unit].
+    pub slope: f64,
+    /// Slope just after a turn, the mean of both ends; none where steps leave no points there [output unit / input unit].
+    pub slope_after_turn: Option<f64>,
+    /// Turns of the output in a cycle: 2, and more where it rings.
+    pub reversals: f64,
+}
+
+/// The loops of cycles alike: measured beside the model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Loops {
+    /// Frequency, the mean [Hz].
+    pub hz: f64,
+    /// Half the height of the input, the mean [input unit].
+    pub amplitude: f64,
+    /// Cycles averaged.
+    pub cycles: usize,
+    /// As measured, a cycle.
+    pub measured: Shape,
+    /// As the model has it, a cycle.
+    pub model: Shape,
+}
+
+/// The loops of a run, by rising frequency, then amplitude.
+pub(super) fn loops(run: &Run) -> Vec<Loops> {
+    let mut groups: Vec<Vec<&Cycle>> = Vec::new();
+    for cycle in run.cycles {
+        match groups.iter_mut().find(|group| alike(group[0], cycle)) {
+            Some(group) => group.push(cycle),
+            None => groups.push(vec![cycle]),
+        }
+    }
+    let u = run.record.u();
+    let one = |group: Vec<&Cycle>| {
+        let average = |of: &dyn Fn(&Cycle) -> f64| mean(&group.iter().map(|c| of(c)).collect::<Vec<_>>());
+        let shape = |y: &[f64]| average_of(&group.iter().map(|cycle| of(u, y, cycle)).collect::<Vec<_>>());
+        Loops {
+            hz: average(&|c| c.hz),
+            amplitude: average(&|c| c.amplitude),
+            cycles: group.len(),
+            measured: shape(run.record.y()),
+            model: shape(run.simulated),
+        }
+    };
+    let mut loops: Vec<Loops> = groups.into_iter().map(one).collect();
+    loops.sort_by(|a, b| band(a.hz).total_cmp(&band(b.hz)).then(a.amplitude.total_cmp(&b.amplitude)));
+    loops
+}
+
+/// The shape of one cycle.
+fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> Shape {
+    let (start, peak, end) = (cycle.samples.start, cycle.peak, cycle.samples.end - 1);
+    let (x, part) = (&u[start..=end], &y[start..=end]);
+    let (low, high) = ends(part.iter().copied());
+    let height = high - low;
+    let middle = 0.5 * (u[peak] + u[start].max(u[end]));
+    let gap = at(u, y, peak..=end, middle) - at(u, y, start..=peak, middle);
+    // Closed by a line from its end to its beginning, as an open path has no area.
+    let closing = 0.5 * (y[start] + y[end]) * (u[start] - u[end]);
+    let area: f64 =
+        closing + x.windows(2).zip(part.windows(2)).map(|(u, y)| 0.5 * (y[0] + y[1]) * (u[1] - u[0])).sum::<f64>();
+    let after = AFTER_TURN * 2.0 * cycle.amplitude;
+    let rising: Vec<usize> = (start..=peak).take_while(|&t| u[t] <= u[start] + after).collect();
+    let falling: Vec<usize> = (peak..=end).take_while(|&t| u[t] >= u[peak] - after).collect();
+    let slope_at = |points: &[usize]| {
+        let (u, y): (Vec<f64>, Vec<f64>) = points.iter().map(|&t| (u[t], y[t])).unzip();
+        (points.len() >= 3).then(|| slope(&u, &y)).filter(|s| s.is_finite())
+    };
+    // The output turns late: a quarter more on either side holds three turns of a cycle, of which one is a neighbour's.
+    let quarter = (end - start) / 4;
+    let around = &y[start.saturating_sub(quarter)..(end + quarter + 1).min(y.len())];
+    Shape {
+        width_percent: 100.0 * gap / height,
+        // The integral of y du is the area below the ascending branch less that below the descending one.
+        area: -area,
+        closure_percent: 100.0 * (y[end] - y[start]) / height,
+        slope: slope(x, part),
+        slope_after_turn: slope_at(&rising).zip(slope_at(&falling)).map(|(a, b)| 0.5 * (a + b)),
+        reversals: turns(around, TURN).len().saturating_sub(1) as f64,
+    }
+}
+
+/// The value of `y` where `u` first passes `level` within a part of the record, which it does between two samples.
+fn at(u: &[f64], y: &[f64], part: RangeInclusive<usize>, level: f64) -> f64 {
+    let (start, end) = part.into_inner();
+    let passes = |t: &usize| (u[*t] - level) * (u[*t + 1] - level) <= 0.0 && u[*t] != u[*t + 1];
+    let crossing = (start..end).find(passes);
+    crossing.map_or(f64::NAN, |t| y[t] + (y[t + 1] - y[t]) * (level - u[t]) / (u[t + 1] - u[t]))
+}
+
+/// The slope of y over u, by least squares.
+fn slope(u: &[f64], y: &[f64]) -> f64 {
+    let (mu, my) = (mean(u), mean(y));
+    let (mut uu, mut uy) = (0.0, 0.0);
+    for (u, y) in u.iter().zip(y) {
+        uu += (u - mu) * (u - mu);
+        uy += (u - mu) * (y - my);
+    }
+    uy / uu
+}
+
+fn average_of(shapes: &[Shape]) -> Shape {
+    let average = |of: fn(&Shape) -> f64| mean(&shapes.iter().map(of).collect::<Vec<_>>());
+    let known: Vec<f64> = shapes.iter().filter_map(|s| s.slope_after_turn).collect();
+    Shape {
+        width_percent: average(|s| s.width_percent),
+        area: average(|s| s.area),
+        closure_percent: average(|s| s.closure_percent),
+        slope: average(|s| s.slope),
+        slope_after_turn: (!known.is_empty()).then(|| mean(&known)),
+        reversals: average(|s| s.reversals),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Record;
+    use crate::testing::assert_close;
+    use crate::waveform::cycles;
+    use std::f64::consts::{PI, TAU};
+
+    const TS: f64 = 5e-4;
+
+    fn loops_of(u: Vec<f64>, y: Vec<f64>, simulated: &[f64]) -> Vec<Loops> {
+        let record = Record::new(TS, u, y).unwrap();
+        loops(&Run { record: &record, simulated, cycles: &cycles(record.u(), TS) })
+    }
+
+    #[test]
+    fn an_ellipse_has_the_width_and_area_of_an_ellipse_and_the_model_its_own() {
+        let wave =
+            |lag: f64| (0..4000).map(|t| 10.0 * (TAU * 5.0 * f64::from(t) * TS - lag).sin()).collect::<Vec<f64>>();
+        let found = loops_of(wave(0.0), wave(0.2), &wave(0.0));
+        assert_eq!((found.len(), found[0].cycles), (1, 9));
+        let Loops { hz, amplitude, measured, model, .. } = found[0];
+        // y lags u by 0.2 rad: at mid input the branches stand 2 x 10 sin 0.2 apart, and the area is pi 10 10 sin 0.2.
+        let width = 100.0 * 0.2f64.sin();
+        assert_close(&[hz, amplitude, measured.width_percent], &[5.0, 10.0, width], 1e-3, 0.0);
+        assert_close(&[measured.area, measured.slope], &[PI * 100.0 * 0.2f64.sin(), 0.2f64.cos()], 1e-3, 0.0);
+        assert_close(&[measured.closure_percent, model.width_percent, model.area], &[0.0; 3], 0.0, 1e-9);
+        assert_eq!((measured.reversals, model.slope_after_turn.map(|s| (s - 1.0).abs() < 1e-9)), (2.0, Some(true)));
+        assert!(measured.slope_after_turn.unwrap() < 0.8);
+    }
+
+    #[test]
+    fn a_drift_keeps_loops_open_and_ringing_turns_more_often() {
+        let u: Vec<f64> = (0..4000).map(|t| 10.0 * (TAU * 5.0 * f64::from(t) * TS).sin()).collect();
+        let drifting: Vec<f64> = u.iter().enumerate().map(|(t, u)| u + 1e-3 * t as f64).collect();
+        let ringing: Vec<f64> = u.iter().enumerate().map(|(t, u)| u + 3.0 * (0.2 * t as f64).sin()).collect();
+        let found = loops_of(u, drifting, &ringing);
+        assert_close(&[found[0].measured.closure_percent], &[100.0 * 0.4 / 20.2], 2e-2, 0.0);
+        assert_eq!(found[0].measured.reversals, 2.0);
+        assert!(found[0].model.reversals > 10.0);
+    }
+}

@@ -1,0 +1,261 @@
+//! What the reader of the figures should know: what the model was never shown, and what the record cannot tell.
+
+use super::{Loops, Metrics};
+use crate::hammerstein::{Domain, Model};
+use crate::number::short;
+use crate::quality::{Need, around, excites, inspect};
+use crate::record::Record;
+use crate::series::ends;
+use crate::waveform::dominant_frequency;
+
+/// Share of the identified range that an input must come back by to have turned, and stay off its ends to have turned
+/// inside the loop.
+const INSIDE: f64 = 0.05;
+
+/// How far beyond a rate or frequency an input may go, over it.
+const BEYOND: f64 = 0.1;
+
+/// Share of the identified range below which an input says little about hysteresis.
+const SMALL: f64 = 0.2;
+
+/// Width of the model's loop below which it is hardly open [% of its height].
+const CLOSED: f64 = 1.0;
+
+/// What about this record is beyond what the model, or the figures, can do.
+pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics) -> Vec<String> {
+    let mut remarks: Vec<String> = match (metrics.mse.is_finite(), metrics.nrmse_percent.is_finite()) {
+        (false, _) => vec![
+            "the error is beyond what numbers can hold: figures that do not exist are - in tables and null in JSON"
+                .into(),
+        ],
+        (true, false) => vec![
+            "the output does not change, so its error has no share of it: that is - in tables and null in JSON".into(),
+        ],
+        (true, true) => Vec::new(),
+    };
+    remarks.extend(range(model, record));
+    let frequency = at_frequency(model, record);
+    let told = frequency.is_some();
+    remarks.extend(frequency);
+    remarks.extend(inner_turns_of(model, record));
+    remarks.extend(model.identified().map_or_else(Vec::new, |domain| beyond(model, domain, record, told)));
+    let fatal = |f: &crate::quality::Finding| f.defect.is_fatal();
+    remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(|f| !fatal(f)).map(|f| f.text));
+    remarks
+}
+
+/// The input leaves the range that the model was identified on.
+fn range(model: &Model, record: &Record) -> Option<String> {
+    let unit = &model.units().u;
+    let (low, high) = identified_range(model)?;
+    let (lowest, highest) = ends(record.u().iter().copied());
+    let slack = 0.01 * (high - low);
+    (lowest < low - slack || highest > high + slack).then(|| {
+        format!(
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: beyond that it extrapolates",
+            short(lowest),
+            short(highest),
+            short(low),
+            short(high)
+        )
+    })
+}
+
+fn identified_range(model: &Model) -> Option<(f64, f64)> {
+    model.hysteresis().range().or_else(|| model.identified().map(|d| (d.u[0], d.u[1])))
+}
+
+/// The input goes to and fro at a frequency that the hysteresis block was not identified at.
+fn at_frequency(model: &Model, record: &Record) -> Option<String> {
+    let (slowest, fastest) = model.hysteresis().frequencies()?;
+    let hz = dominant_frequency(record.u(), record.ts())?;
+    (!((1.0 - BEYOND) * slowest..=(1.0 + BEYOND) * fastest).contains(&hz)).then(|| {
+        format!(
+            "the input goes to and fro at {} Hz, but the model was identified from {} to {} Hz: beyond that it extrapolates",
+            short(hz),
+            short(slowest),
+            short(fastest)
+        )
+    })
+}
+
+/// The input turns inside the loop, and the block has no loops there.
+fn inner_turns_of(model: &Model, record: &Record) -> Option<String> {
+    let (low, high) = model.hysteresis().range()?;
+    let operator = model.hysteresis().operator();
+    let turns = inner_turns(record.u(), low, high);
+    (turns > 0 && !operator.minor_loops).then(|| {
+        format!(
+            "the input turns {turns} times inside the identified range, and the {} block has no minor loops: at each such turn it \
+             jumps to the other branch of the full loop instead of following a smaller one",
+            operator.name
+        )
+    })
+}
+
+/// Frequencies (unless `told`), rates and means of the input that the model was not identified on.
+fn beyond(model: &Model, domain: &Domain, record: &Record, told: bool) -> Vec<String> {
+    let unit = &model.units().u;
+    let seen = Domain::of_input(record.u(), record.ts());
+    let mut beyond = Vec::new();
+    if let Some(([low, high], [slowest, fastest])) = seen.hz.zip(domain.hz)
+        && !told
+        // A record shows frequencies to one over its length.
+        && (high > (1.0 + BEYOND) * fastest + 1.0 / record.duration() || low < (1.0 - BEYOND) * slowest - 1.0 / record.duration())
+    {
+        beyond.push(format!(
+            "the input has its power from {} to {} Hz, but the model was identified from {} to {} Hz: beyond that it extrapolates",
+            short(low),
+            short(high),
+            short(slowest),
+            short(fastest)
+        ));
+    }
+    if seen.slew > (1.0 + BEYOND) * domain.slew {
+        beyond.push(format!(
+            "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: beyond that it extrapolates",
+            short(seen.slew),
+            short(domain.slew)
+        ));
+    }
+    let slack = 0.05 * (domain.u[1] - domain.u[0]);
+    if seen.mean[0] < domain.mean[0] - slack || seen.mean[1] > domain.mean[1] + slack {
+        let identified = match (short(domain.mean[0]), short(domain.mean[1])) {
+            (low, high) if low == high => low,
+            (low, high) => format!("from {low} to {high}"),
+        };
+        beyond.push(format!(
+            "the input has a mean of {} {unit}, but the model was identified at {identified} {unit}: about another bias it extrapolates",
+            short(seen.mean[0])
+        ));
+    }
+    beyond
+}
+
+/// What this record cannot tell about the model.
+pub(super) fn unproven(model: &Model, record: &Record, loops: &[Loops]) -> Vec<String> {
+    let mut unproven = Vec::new();
+    if let Some(pole) = model.linear().resonance()
+        && !excites(record.u(), record.ts(), around(pole.hz))
+    {
+        unproven.push(format!(
+            "the resonance at {} Hz (damping {}): the input has no power near it",
+            short(pole.hz),
+            short(pole.damping)
+        ));
+    }
+    let curved = model.hysteresis().operator().name != "proportional";
+    let (lowest, highest) = ends(record.u().iter().copied());
+    let share = identified_range(model).map(|(low, high)| (highest - lowest) / (high - low));
+    let widest = loops.iter().map(|l| l.model.width_percent.abs()).reduce(f64::max);
+    match (share, widest) {
+        (Some(share), _) if curved && share < SMALL => unproven.push(format!(
+            "the hysteresis: the input covers {} % of the range that the model was identified on",
+            short(100.0 * share)
+        )),
+        (_, Some(width)) if curved && width < CLOSED => {
+            unproven.push(format!("the hysteresis: at this amplitude the model's loop is {} % wide", short(width)))
+        }
+        _ => {}
+    }
+    unproven
+}
+
+/// Turns of `u` that lie inside the range from `low` to `high`, away from its ends.
+fn inner_turns(u: &[f64], low: f64, high: f64) -> usize {
+    let margin = INSIDE * (high - low);
+    let (mut extreme, mut trend, mut turns) = (u[0], 0.0, 0);
+    for &u in u {
+        if (u - extreme) * trend > 0.0 {
+            extreme = u;
+        } else if (u - extreme).abs() > margin {
+            turns += usize::from(trend != 0.0 && extreme > low + margin && extreme < high - margin);
+            (trend, extreme) = ((u - extreme).signum(), u);
+        }
+    }
+    turns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::{OPERATORS, Proportional};
+    use crate::linear::Arx;
+    use crate::system::System;
+    use crate::validation::{Settings, validate};
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    const TS: f64 = 5e-4;
+
+    #[test]
+    fn turns_are_counted_inside_the_range_only() {
+        let full: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.1).sin()).collect();
+        assert_eq!(inner_turns(&full, -1.0, 1.0), 0);
+        let half: Vec<f64> = full.iter().map(|u| 0.5 * u).collect();
+        assert_eq!(inner_turns(&half, -1.0, 1.0), 12);
+    }
+
+    fn sine(bias: f64, height: f64, hz: f64) -> Vec<f64> {
+        (0..4000).map(|t| bias + height * (TAU * hz * f64::from(t) * TS).sin()).collect()
+    }
+
+    fn said(model: &Model, u: Vec<f64>) -> (Vec<String>, Vec<String>) {
+        let y = model.simulate(&u);
+        let seen = validate(model, &Record::new(TS, u, y).unwrap(), Settings::default()).unwrap();
+        (seen.remarks, seen.unproven)
+    }
+
+    #[test]
+    fn amplitude_frequency_rate_and_bias_beyond_the_data_are_told_and_what_lies_within_is_not() {
+        let gain = Arc::new(Proportional::new(TS, 1.0).unwrap());
+        let model = Model::new(gain, Arx::gain(TS, 33.0).unwrap(), 0.0).unwrap();
+        assert_eq!(
+            said(&model, sine(0.0, 90.0, 300.0)).0,
+            Vec::<String>::new(),
+            "a model that does not say has no limits"
+        );
+        let record = |u: Vec<f64>| Record::new(TS, u.clone(), u).unwrap();
+        let domain = Domain::of(&[record(sine(0.0, 20.0, 5.0)), record(sine(0.0, 1.0, 200.0))]).unwrap();
+        let model = model.with_identified(domain);
+        for within in [sine(0.0, 20.0, 5.0), sine(0.0, 1.0, 200.0), sine(0.5, 15.0, 10.0)] {
+            assert_eq!(said(&model, within).0, Vec::<String>::new());
+        }
+        for (u, says) in [
+            (
+                sine(0.0, 25.0, 5.0),
+                "the input runs from -25.00 to 25.00 V, but the model was identified from -20.00 to 20.00 V",
+            ),
+            (sine(0.0, 0.5, 300.0), "its power from 300.0 to 300.0 Hz, but the model was identified from 5.0"),
+            (sine(0.0, 20.0, 50.0), "the input changes by up to 6"),
+            (sine(8.0, 10.0, 5.0), "the input has a mean of 8.000 V, but the model was identified at"),
+        ] {
+            let remarks = said(&model, u).0;
+            assert!(remarks.len() == 1 && remarks[0].contains(says), "{says}: {remarks:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_record_cannot_tell_is_told() {
+        let beam = Arx::new(TS, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
+        for o in OPERATORS {
+            let model = Model::new((o.example)(TS).unwrap(), beam.clone(), 0.0).unwrap();
+            let large = said(&model, sine(0.0, 28.0, 5.0)).1;
+            assert!(large.len() == 1 && large[0].contains("the resonance at 146.7 Hz"), "{}: {large:?}", o.name);
+            let small = said(&model, sine(0.0, 2.0, 140.0)).1;
+            assert_eq!(small.len(), usize::from(o.name != "proportional"), "{}: {small:?}", o.name);
+            assert!(small.iter().all(|s| s.contains("the hysteresis: the input covers")), "{small:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_record_is_remarked() {
+        let gain = Arc::new(Proportional::new(TS, 1.0).unwrap());
+        let model = Model::new(gain, Arx::gain(TS, 33.0).unwrap(), 0.0).unwrap();
+        let u = sine(0.0, 20.0, 5.0);
+        let mut y = model.simulate(&u);
+        y[700] += 200.0;
+        let seen = validate(&model, &Record::new(TS, u, y).unwrap(), Settings::default()).unwrap();
+        assert!(seen.remarks.iter().any(|r| r.contains("outliers: 1 sample (at 0.35 s)")), "{:?}", seen.remarks);
+    }
+}

@@ -1,0 +1,117 @@
+//! The cycles of an input: from one lower turning point to the next.
+
+use crate::series::ends;
+use std::ops::Range;
+
+/// The share of its range that an input must come back by to have turned.
+const TURN: f64 = 0.02;
+
+/// Bend of the logarithm of length or height over three cycles, up to which an input goes to and fro: in the middle of
+/// all. Sweeps and growing amplitudes have none; the bits of a PRBS and the peaks of a multisine of random phases have
+/// more. With Schroeder's phases a multisine is a sweep.
+const REGULAR: f64 = 0.35;
+
+/// One movement up and back.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Cycle {
+    /// From the lower turning point up to, and including, the next.
+    pub(crate) samples: Range<usize>,
+    /// The upper turning point.
+    pub(crate) peak: usize,
+    /// Half the height of the input [input unit].
+    pub(crate) amplitude: f64,
+    /// One over its length [Hz].
+    pub(crate) hz: f64,
+}
+
+/// The whole cycles of `u`, sampled every `ts` [s]; none where it does not go to and fro regularly.
+pub(crate) fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
+    let turns = turns(u, TURN);
+    // A lower turning point is lower than the upper one that follows.
+    let first = usize::from(turns.len() > 1 && u[turns[0]] > u[turns[1]]);
+    let found: Vec<Cycle> = turns[first.min(turns.len())..]
+        .windows(3)
+        .step_by(2)
+        .map(|w| {
+            let (low, high) = ends(u[w[0]..=w[2]].iter().copied());
+            let hz = 1.0 / ((w[2] - w[0]) as f64 * ts);
+            Cycle { samples: w[0]..w[2] + 1, peak: w[1], amplitude: 0.5 * (high - low), hz }
+        })
+        .collect();
+    let middle = |of: fn(&Cycle) -> f64| {
+        let bend = |w: &[Cycle]| (of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).ln().abs();
+        let mut bends: Vec<f64> = found.windows(3).map(bend).collect();
+        bends.sort_by(f64::total_cmp);
+        bends.get(bends.len() / 2).copied().unwrap_or(0.0)
+    };
+    let regular = middle(|c| c.hz) < REGULAR && middle(|c| c.amplitude) < REGULAR;
+    if regular { found } else { Vec::new() }
+}
+
+/// The samples at which `x` turns: its extremes between movements of more than a `share` of its range. Of an extreme that
+/// is held, the sample in the middle. Either end of the record counts where it is an extreme of all.
+pub(crate) fn turns(x: &[f64], share: f64) -> Vec<usize> {
+    let (low, high) = ends(x.iter().copied());
+    let guard = share * (high - low);
+    let outermost = |x: f64| (x - low).min(high - x) < 0.5 * guard;
+    let mut turns = Vec::new();
+    // The direction, and where the extreme of it was met first and last.
+    let (mut trend, mut first, mut last) = (0.0, 0, 0);
+    for (t, &now) in x.iter().enumerate() {
+        let beyond = (now - x[first]) * trend;
+        if trend == 0.0 {
+            // Not yet under way.
+            if (now - x[0]).abs() > guard {
+                turns.extend(outermost(x[0]).then_some(0));
+                (trend, first, last) = ((now - x[0]).signum(), t, t);
+            }
+        } else if beyond > 0.0 {
+            (first, last) = (t, t);
+        } else if beyond == 0.0 {
+            last = t;
+        } else if -beyond > guard {
+            turns.push(first.midpoint(last));
+            (trend, first, last) = (-trend, t, t);
+        }
+    }
+    turns.extend((trend != 0.0 && outermost(x[first])).then_some(first.midpoint(last)));
+    turns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{Chirp, Multisine, Prbs, RisingSine, Sine, Staircase};
+
+    const TS: f64 = 5e-4;
+
+    #[test]
+    fn a_sine_has_its_cycles_from_valley_to_valley() {
+        let u = Sine { amplitude: 3.0, frequency: 5.0, ..Sine::default() }.samples(TS, 2000).unwrap();
+        let cycles = cycles(&u, TS);
+        assert_eq!(cycles.iter().map(|c| c.samples.start).collect::<Vec<_>>(), [300, 700, 1100, 1500]);
+        assert!(
+            cycles.iter().all(|c| c.hz == 5.0 && (c.amplitude - 3.0).abs() < 1e-9 && c.peak == c.samples.start + 200)
+        );
+    }
+
+    #[test]
+    fn amplitudes_grow_in_a_rising_sine_and_frequencies_in_a_sweep() {
+        let rising = RisingSine { amplitude: 3.0, frequency: 5.0, ..RisingSine::default() }.samples(TS, 8000).unwrap();
+        let amplitudes: Vec<f64> = cycles(&rising, TS).iter().map(|c| c.amplitude).collect();
+        assert!(amplitudes.len() > 15 && amplitudes.is_sorted(), "{amplitudes:?}");
+        let sweep = Chirp { frequency_start: 1.0, frequency_end: 50.0, ..Chirp::default() };
+        let hz: Vec<f64> = cycles(&sweep.samples(TS, 8000).unwrap(), TS).iter().map(|c| c.hz).collect();
+        assert!(hz[0] < 6.0 && hz[hz.len() - 1] > 45.0, "{hz:?}");
+    }
+
+    #[test]
+    fn steps_are_no_turns_and_broadband_inputs_have_no_cycles() {
+        let steps = Staircase { amplitude: 3.0, frequency: 5.0, ..Staircase::default() }.samples(TS, 2000).unwrap();
+        assert_eq!(cycles(&steps, TS).len(), 4);
+        assert!(cycles(&Prbs::default().samples(TS, 2047).unwrap(), TS).is_empty());
+        let wide = Multisine { frequency_high: 300.0, seed: 3, ..Multisine::default() }.samples(TS, 4000).unwrap();
+        assert!(cycles(&wide, TS).is_empty());
+        assert!(cycles(&[1.0; 50], TS).is_empty() && cycles(&[1.0, 2.0], TS).is_empty());
+    }
+}

@@ -1,0 +1,39 @@
+//! What an input does: how fast it goes to and fro, when it repeats, where its cycles begin, and which band it fills.
+
+mod band;
+mod cycles;
+mod motion;
+mod repetition;
+
+pub(crate) use band::band;
+pub(crate) use cycles::{Cycle, cycles, turns};
+pub(crate) use motion::in_motion;
+pub(crate) use repetition::period;
+
+use crate::series::ends;
+
+/// The frequency at which `u` goes to and fro about its mid-value [Hz], sampled every `ts` [s]: the mean over whole
+/// periods, told by its crossings. `None` where there is no whole period.
+///
+/// ```
+/// let u: Vec<f64> = (0..1000).map(|t| (f64::from(t) * 0.02).sin()).collect();
+/// let hz = piezoid::hammerstein::dominant_frequency(&u, 1e-3).unwrap();
+/// assert!((hz - 0.02 / std::f64::consts::TAU * 1e3).abs() < 0.01);
+/// ```
+pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
+    let (low, high) = ends(u.iter().copied());
+    let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
+    // A crossing upwards counts once the input has been clearly below; its time is interpolated.
+    let mut armed = false;
+    let mut crossings = Vec::new();
+    for (t, w) in u.windows(2).enumerate() {
+        armed |= w[0] < middle - guard;
+        if armed && w[0] < middle && w[1] >= middle {
+            crossings.push(t as f64 + (middle - w[0]) / (w[1] - w[0]));
+            armed = false;
+        }
+    }
+    let (first, last) = (crossings.first()?, crossings.last()?);
+    let periods = (crossings.len() - 1) as f64;
+    (last > first).then(|| periods / ((last - first) * ts))
+}

@@ -1,0 +1,87 @@
+//! The period after which an input repeats.
+
+use crate::fourier::forward;
+use crate::series::{mean, scatter};
+use nalgebra::Complex;
+
+/// The rms of what differs between repetitions, over that of the input, up to which they are the same input.
+const SAME: f64 = 1e-3;
+
+/// The same measure that a lag must exceed before a repetition is looked for: else a slow input would repeat at once.
+const OTHER: f64 = 0.5;
+
+/// Samples after which `u` repeats, all through; `None` where it does not do so at least once.
+pub(crate) fn period(u: &[f64]) -> Option<usize> {
+    let (n, middle) = (u.len(), mean(u));
+    let variance = scatter(u) / n as f64;
+    if variance.is_nan() || variance <= 0.0 {
+        return None;
+    }
+    let centred: Vec<f64> = u.iter().map(|u| u - middle).collect();
+    let products = products(&centred);
+    // Sums of squares from the first sample on.
+    let squares: Vec<f64> = std::iter::once(0.0)
+        .chain(centred.iter().scan(0.0, |sum, c| {
+            *sum += c * c;
+            Some(*sum)
+        }))
+        .collect();
+    // The mean square of what differs at a lag, over twice the variance that it is for strangers.
+    let differs = |p: usize| {
+        let energy = squares[n - p] + squares[n] - squares[p] - 2.0 * products[p];
+        energy / ((n - p) as f64 * 2.0 * variance)
+    };
+    let start = (1..=n / 2).find(|&p| differs(p) > OTHER * OTHER)?;
+    let exact = |p: usize| {
+        let energy: f64 = centred[p..].iter().zip(&centred).map(|(a, b)| (a - b) * (a - b)).sum();
+        energy / ((n - p) as f64 * variance)
+    };
+    // Transforms round: what they let through is looked at again.
+    (start..=n / 2)
+        .filter(|&p| differs(p) < 4.0 * SAME * SAME && differs(p) <= differs(p - 1))
+        .find(|&p| exact(p) < SAME * SAME && (p + 1 > n / 2 || exact(p) <= exact(p + 1)))
+}
+
+/// The sums of `x[t] x[t - p]` for each lag p.
+fn products(x: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let length = (2 * n).next_power_of_two();
+    let fft = forward(length);
+    let mut spectrum: Vec<Complex<f64>> = x.iter().map(|x| Complex::from(*x)).collect();
+    spectrum.resize(length, Complex::ZERO);
+    fft.process(&mut spectrum);
+    let mut power: Vec<Complex<f64>> = spectrum.iter().map(|c| Complex::from(c.norm_sqr())).collect();
+    // The power is real and even: forward and backward transforms agree.
+    fft.process(&mut power);
+    power[..n].iter().map(|c| c.re / length as f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{Chirp, Multisine, Prbs, RisingSine, Sine};
+
+    #[test]
+    fn what_repeats_is_found_to_the_sample() {
+        let prbs = Prbs { order: 8, ..Prbs::default() };
+        assert_eq!(period(&prbs.samples(5e-4, 1000).unwrap()), Some(255));
+        let sine = Sine { amplitude: 3.0, frequency: 5.0, ..Sine::default() };
+        assert_eq!(period(&sine.samples(5e-4, 2000).unwrap()), Some(400));
+        let thirds = Sine { amplitude: 3.0, frequency: 3.0, ..Sine::default() };
+        assert_eq!(period(&thirds.samples(5e-4, 8000).unwrap()), Some(2000));
+        let wide = Multisine { period: 0.5, frequency_low: 2.0, ..Multisine::default() };
+        assert_eq!(period(&wide.samples(5e-4, 3500).unwrap()), Some(1000));
+    }
+
+    #[test]
+    fn what_does_not_repeat_has_no_period() {
+        let once = Prbs { order: 11, ..Prbs::default() }.samples(5e-4, 2047).unwrap();
+        let rising =
+            RisingSine { amplitude: 3.0, frequency: 5.0, ..RisingSine::default() }.samples(5e-4, 2000).unwrap();
+        let sweep = Chirp { frequency_start: 1.0, frequency_end: 9.0, ..Chirp::default() }.samples(5e-4, 4000).unwrap();
+        let ramp: Vec<f64> = (0..500).map(f64::from).collect();
+        for u in [once, rising, sweep, ramp, vec![1.0; 300], vec![1.0]] {
+            assert_eq!(period(&u), None);
+        }
+    }
+}
