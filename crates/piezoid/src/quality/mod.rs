@@ -11,7 +11,8 @@
 //! | drift | what u does not explain moves, and does not slow down as creep does | told |
 //! | poor excitation | u has no power in the band that is needed | told |
 //!
-//! Rows that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. A spike of less than 1 % of peak-to-peak, a drift as small as creep, and a clipped square wave look like sound data, and pass.
+//! Rows that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. A spike of less than 1 % of
+//! peak-to-peak, a drift as small as creep, and a clipped square wave look like sound data, and pass.
 //!
 //! Reference: Pearson 2002, Outliers in process modeling and identification, doi:10.1109/87.974338 (Hampel's rule).
 

@@ -15,6 +15,9 @@ const INSIDE: f64 = 0.05;
 /// How far beyond a rate or frequency an input may go, over it.
 const BEYOND: f64 = 0.1;
 
+/// The same of the band of an input: a growing amplitude widens its line.
+const BESIDE: f64 = 0.25;
+
 /// Share of the identified range below which an input says little about hysteresis.
 const SMALL: f64 = 0.2;
 
@@ -101,7 +104,7 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, told: bool) -> Vec<St
     if let Some(([low, high], [slowest, fastest])) = seen.hz.zip(domain.hz)
         && !told
         // A record shows frequencies to one over its length.
-        && (high > (1.0 + BEYOND) * fastest + 1.0 / record.duration() || low < (1.0 - BEYOND) * slowest - 1.0 / record.duration())
+        && (high > (1.0 + BESIDE) * fastest + 1.0 / record.duration() || low < (1.0 - BESIDE) * slowest - 1.0 / record.duration())
     {
         beyond.push(format!(
             "the input has its power from {} to {} Hz, but the model was identified from {} to {} Hz: beyond that it extrapolates",
