@@ -8,6 +8,9 @@ use crate::system::System;
 /// Share of a record that tells how it began.
 const FIRST: f64 = 0.1;
 
+/// Share of the squared error of a likelier beginning that a less likely one must stay below.
+const CLEARLY: f64 = 0.8;
+
 /// The free run from the beginning that leaves least of the first part of the record, in its unit: the input alone does not
 /// tell what the actuator did before.
 pub(super) fn begun(model: &Model, record: &Record, k: f64, free_offset: bool) -> (Vec<f64>, Beginning) {
@@ -19,10 +22,8 @@ pub(super) fn begun(model: &Model, record: &Record, k: f64, free_offset: bool) -
         let offset = if free_offset { mean(&e) } else { 0.0 };
         e.iter().map(|e| (e - offset).powi(2)).sum::<f64>()
     };
-    // Where two leave the same, the likelier.
-    let all = Beginning::of(u).map(|beginning| (left(beginning), beginning));
-    let (_, beginning) =
-        all.into_iter().fold((f64::INFINITY, all[0].1), |best, one| if one.0 < best.0 { one } else { best });
+    let [likely, others @ ..] = Beginning::of(u).map(|beginning| (left(beginning), beginning));
+    let (_, beginning) = others.into_iter().fold(likely, |best, one| if one.0 < CLEARLY * best.0 { one } else { best });
     let simulated = model.resume(&mut model.before(u, beginning), u);
     (simulated.into_iter().map(|y| k * y).collect(), beginning)
 }

@@ -1,8 +1,8 @@
 //! Proof on data the model has not seen: free run, never one step ahead.
 //!
 //! The model sees the input alone. What happened before the record no input tells: of three beginnings (settled at the
-//! first input, at rest before it, in motion as in the record) the free run takes the one that leaves least of the first
-//! tenth of the record, and says which. The first `skip` seconds are left out of the figures. Beside the figures of a whole record stand those by frequency and by amplitude ([`Bin`]), the
+//! first input, at rest before it, in motion as in the record) the free run takes the one that its input makes likely,
+//! unless another leaves clearly less of the first tenth of the record, and says which. The first `skip` seconds are left out of the figures. Beside the figures of a whole record stand those by frequency and by amplitude ([`Bin`]), the
 //! loops as measured and as the model has them ([`Loops`]), whether what is left is noise ([`Whiteness`]), how much of it
 //! the sensor itself leaves ([`Floor`]), and in words what the model was never shown and what the record cannot tell.
 //! [`small_signal`] asks a record, without any model, whether it is linear.
