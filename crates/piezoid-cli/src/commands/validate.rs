@@ -120,7 +120,7 @@ impl Validate {
         }
         let file = |p: &Proven| {
             let v = &p.validation;
-            let mut object = json!({"file": p.file, "unit": p.record.units().y});
+            let mut object = json!({"file": p.file, "unit": p.record.units().y, "beginning": v.beginning});
             merge(&mut object, json!(v.metrics));
             merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
             merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));

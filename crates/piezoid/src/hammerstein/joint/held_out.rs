@@ -6,6 +6,7 @@ use super::products::Stretch;
 use super::runs::FOLDS;
 use super::solve::{Freed, Prior};
 use crate::series::{mean, scatter};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Weights of smoothness tried, from rough to smooth.
@@ -21,6 +22,8 @@ pub(super) struct HeldOut {
     pub(super) lambda: f64,
     /// Of each fold, the mean squared error over the squared peak-to-peak of its records.
     pub(super) folds: Vec<f64>,
+    /// The parameters found without each fold.
+    pub(super) without: Vec<DVector<f64>>,
 }
 
 impl HeldOut {
@@ -38,18 +41,23 @@ impl HeldOut {
     }
 }
 
-/// The errors of the smoothest lambda that is as good as the best. Only `freed` parameters are fitted anew without a fold.
+/// The held-out errors for the smoothness with the least, or for one that is `fixed`. Only `freed` parameters are fitted anew
+/// without a fold.
 pub(super) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,
     stretches: &[Stretch],
     damping: f64,
     freed: Freed,
+    fixed: Option<f64>,
 ) -> HeldOut {
-    let rough = estimate.basis.roughness().is_empty();
-    let lambdas = if rough { &LAMBDAS[..1] } else { &LAMBDAS[..] };
+    let lambdas: Vec<f64> = match fixed {
+        Some(lambda) => vec![lambda],
+        None if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
+        None => LAMBDAS.to_vec(),
+    };
     let folds: Vec<usize> = (0..FOLDS).filter(|fold| stretches.iter().any(|s| s.fold == Some(*fold))).collect();
-    let of = |&fold: &usize| -> Vec<f64> {
+    let of = |&fold: &usize| -> Vec<(f64, DVector<f64>)> {
         let (train, _) = equations(estimate, stretches, |s| s.fold != Some(fold));
         let tests: Vec<Normal> = stretches
             .iter()
@@ -59,19 +67,23 @@ pub(super) fn cross_validate(
         // From smooth to rough, each starting from the signs found before.
         let mut positive = vec![true; prior.now().len()];
         let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, freed, &mut positive) {
-            None => f64::INFINITY,
+            None => (f64::INFINITY, prior.now().clone()),
             Some(x) => {
                 let steps = prior.steps(&x);
-                mean(&tests.iter().map(|test| test.left(&steps) / test.samples).collect::<Vec<_>>())
+                (mean(&tests.iter().map(|test| test.left(&steps) / test.samples).collect::<Vec<_>>()), x)
             }
         };
-        let mut errors: Vec<f64> = lambdas.iter().rev().map(error).collect();
+        let mut errors: Vec<_> = lambdas.iter().rev().map(error).collect();
         errors.reverse();
         errors
     };
-    let by_fold: Vec<Vec<f64>> = folds.par_iter().map(of).collect();
-    let of_lambda = |(k, &lambda)| HeldOut { lambda, folds: by_fold.iter().map(|fold| fold[k]).collect() };
-    let tried: Vec<HeldOut> = lambdas.iter().enumerate().map(of_lambda).collect();
-    let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).unwrap_or(&tried[0]);
-    best.clone()
+    let by_fold: Vec<Vec<_>> = folds.par_iter().map(of).collect();
+    let of_lambda = |k: usize| HeldOut {
+        lambda: lambdas[k],
+        folds: by_fold.iter().map(|fold| fold[k].0).collect(),
+        without: by_fold.iter().map(|fold| fold[k].1.clone()).collect(),
+    };
+    let tried = (0..lambdas.len()).map(of_lambda);
+    let least = tried.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
+    least.unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
 }

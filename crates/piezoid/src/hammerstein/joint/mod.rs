@@ -24,8 +24,12 @@ mod search;
 mod signals;
 mod solve;
 mod structure;
+mod uncertainty;
 
-use super::paper::{Identified, common_units};
+pub use uncertainty::Parameter;
+
+use super::Domain;
+use super::paper::{Identified, common_units, defects, unexcited};
 use super::rich::LinearPart;
 use crate::creep::Lag;
 use crate::driver::{Driver, SUBSTEPS};
@@ -109,6 +113,8 @@ pub fn identify_joint(
         name => vec![operator(name)?],
     };
     let (ts, mut notes) = (first.ts(), Vec::new());
+    notes.extend(defects("small-signal record", &small));
+    notes.extend(defects("rich record", &rich));
     let mut runs = runs::of(&small, &rich)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
@@ -161,8 +167,18 @@ pub fn identify_joint(
 
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
     let model = fitted.estimate.model(offset)?.with_units(units);
+    let model = match Domain::of(small.iter().chain(&rich)) {
+        Some(domain) => model.with_identified(domain),
+        None => model,
+    };
+    let parameters = uncertainty::parameters(&fitted);
+    notes.extend(parameters.iter().filter(|p| p.is_unknown()).map(|p| {
+        let (value, error) = (short(p.value), short(p.error));
+        format!("{} is {value} with a standard error of {error}: these records do not tell it", p.name)
+    }));
+    notes.extend(unexcited(model.linear(), small.iter().chain(&rich)));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
-    Ok(Identified { model, linear, loops: Vec::new(), trials, notes })
+    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
 }
 
 /// Fits one operator, from where it stands and from where a swarm sends it.

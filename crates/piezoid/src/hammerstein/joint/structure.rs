@@ -117,12 +117,17 @@ pub(super) fn of_rich(
     let least = tried.iter().min_by(|p, q| p.1.held_out.rms_pp().total_cmp(&q.1.held_out.rms_pp()));
     let hidden = hidden(&least.unwrap_or(&tried[0]).1.estimate, runs)?;
     let delay = delay(&hidden).saturating_sub(1);
+    let fastest = lines(rich).into_iter().fold(0.0, f64::max);
     for n in orders.filter(|n| *n > 0) {
         let orders = Orders { delay, ..Orders::of(n) };
         if let Ok(found) = output_error(&hidden, orders, &Refinement::default(), &mut unwatched)
             && found.arx.dc_gain() * gain > 0.0
         {
             let fit = refine(start(rescaled(&found.arx, gain)?)?, runs, Freed::All, watch)?;
+            // A lag slower than the drive is creep, and repairs what the hysteresis block cannot do.
+            if fit.estimate.linear.poles().iter().any(|pole| pole.z.im == 0.0 && pole.hz < fastest) {
+                continue;
+            }
             tried.push((format!("order {n} with a delay of {delay} samples"), fit));
         }
     }
