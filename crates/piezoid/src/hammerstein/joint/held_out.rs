@@ -12,8 +12,9 @@ use rayon::prelude::*;
 /// Weights of smoothness tried, from rough to smooth.
 const LAMBDAS: [f64; 9] = [1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
-/// By how much a simpler one may be worse, however uncertain the difference: in rms.
-const WORSE: f64 = 1.1;
+/// By how much a simpler one may be worse, in rms, however uncertain the difference; and what is as good as nothing.
+const WORSE: f64 = 1.05;
+const ROUNDING: f64 = 1e-9;
 
 /// Errors of the parts that were held out in turn, each fitted on all others.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,16 +33,19 @@ impl HeldOut {
         mean(&self.folds).sqrt()
     }
 
-    /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows.
+    /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows, and over
+    /// all folds by no more than is worth a simpler model.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(|(e, best)| 0.5 * (e / best).ln()).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
-        mean(&ratios) <= error.min(WORSE.ln())
+        // What the very best leaves of noise-free data is rounding.
+        let rounding = self.rms_pp() < ROUNDING;
+        rounding || (mean(&ratios) <= error && self.rms_pp() <= WORSE * best.rms_pp())
     }
 }
 
-/// The held-out errors for the smoothness with the least, or for one that is `fixed`. Only `freed` parameters are fitted anew
+/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `freed` parameters are fitted anew
 /// without a fold.
 pub(super) fn cross_validate(
     estimate: &Estimate,
@@ -83,7 +87,8 @@ pub(super) fn cross_validate(
         folds: by_fold.iter().map(|fold| fold[k].0).collect(),
         without: by_fold.iter().map(|fold| fold[k].1.clone()).collect(),
     };
-    let tried = (0..lambdas.len()).map(of_lambda);
-    let least = tried.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
-    least.unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
+    let tried: Vec<HeldOut> = (0..lambdas.len()).map(of_lambda).collect();
+    let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
+    let smoothest = tried.iter().rfind(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
+    smoothest.cloned().unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
 }

@@ -86,6 +86,7 @@ impl Point {
 /// # Errors
 /// What `watch`, which is told each step, returns.
 pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Watch) -> Result<Fitted, Error> {
+    runs.iter_mut().for_each(|run| run.heavier = 1.0);
     let mut point = Point::at(start, runs, &[]);
     let (mut damping, mut lambda) = (1e-6, 0.0);
     for step in 0..STEPS {
