@@ -4,7 +4,7 @@
 //! min |error|^2 + S lambda |D w|^2 + mu |steps of the others|^2,   w_k >= 0 where physics asks for it,  g_i >= 0
 //! ```
 //! D takes second differences of neighbouring weights; S is the mean size of the weights' columns, so lambda has no unit.
-//! Lags of creep are held to like gains in the same way.
+//! A slow lag of creep tends to the gain of the quicker one before it.
 //! A factor may stand in G or in w alike: the static gain of G is held, and w carries it.
 
 use super::equations::Normal;
@@ -20,9 +20,10 @@ const RIDGE: f64 = 1e-12;
 const SLOW: f64 = 0.04;
 const SAMPLES: f64 = 15.0;
 
-/// How firmly neighbouring lags of creep are held to the same gain, as the logarithmic law has it, over the size of their
-/// columns: records are too short to tell the slowest apart.
-const ALIKE: f64 = 0.05;
+/// How firmly the gain of a lag is held to that of the quicker one before it, over the mean size of their columns: the
+/// logarithmic law has them alike, and records are too short to tell the slowest. No firmer than to the most that is usual.
+const ALIKE: f64 = 0.03;
+const USUAL: f64 = 0.03;
 
 /// Which parameters move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -124,9 +125,8 @@ impl Prior {
         let gains = layout.gains.clone();
         let alike = ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64;
         for k in gains.skip(self.quick + 1) {
-            for (i, j, sign) in [(k, k, 1.0), (k - 1, k - 1, 1.0), (k, k - 1, -1.0), (k - 1, k, -1.0)] {
-                h[(i, j)] += sign * alike;
-            }
+            h[(k, k)] += alike;
+            g[k] += alike * self.now[k - 1].min(USUAL);
         }
         let held = self.hold_static_gain(&mut h, &mut g);
 
