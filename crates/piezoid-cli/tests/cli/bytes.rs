@@ -6,12 +6,12 @@ use crate::bench::{Bench, skipped};
 fn identify_gives_the_same_bytes_wherever_it_is_run() {
     let [once, again] = [(); 2].map(|()| {
         let bench = Bench::stocked();
-        let run = bench.run("identify --linear prbs.csv --rich sine5.csv sine20.csv -o m.json --json f.json").ok();
+        let run = bench.run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv -o m.json --json f.json").ok();
         (run.out, bench.text("m.json"), bench.text("f.json"))
     });
     assert!(once == again);
     let bench = Bench::stocked();
-    bench.run("identify --linear prbs.csv --rich sine5.csv sine20.csv --seed 2 -o m.json").ok();
+    bench.run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv --seed 2 -o m.json").ok();
     assert_ne!(bench.text("m.json"), once.1);
 }
 
@@ -20,7 +20,7 @@ fn a_model_tells_how_it_was_made_and_names_no_folder() {
     let bench = Bench::stocked();
     std::fs::create_dir(bench.path("lab")).unwrap();
     bench.write("lab/a b.csv", bench.bytes("sine20.csv"));
-    let mut command = bench.command("identify --seed 7 --iterations 30");
+    let mut command = bench.command("identify --method paper --seed 7 --iterations 30");
     command.arg("--linear").arg(bench.path("prbs.csv")).arg(format!("--rich={}", bench.path("sine5.csv").display()));
     command.arg("--rich").arg("lab/a b.csv").arg("-o").arg(bench.path("m.json"));
     assert!(command.output().unwrap().status.success());
@@ -32,7 +32,7 @@ fn a_model_tells_how_it_was_made_and_names_no_folder() {
     let fit = &bench.json("m.json")["fit"];
     assert_eq!(
         fit["command"],
-        "piezoid identify --seed 7 --iterations 30 --linear prbs.csv --rich=sine5.csv --rich 'a b.csv' -o m.json"
+        "piezoid identify --method paper --seed 7 --iterations 30 --linear prbs.csv --rich=sine5.csv --rich 'a b.csv' -o m.json"
     );
     assert_eq!((&fit["seed"], &fit["version"]), (&7.into(), &env!("CARGO_PKG_VERSION").into()));
     let files: Vec<&str> = fit["files"].as_array().unwrap().iter().map(|f| f["file"].as_str().unwrap()).collect();

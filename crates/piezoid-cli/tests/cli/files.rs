@@ -93,8 +93,8 @@ mod unix {
     #[test]
     fn a_record_is_read_from_a_pipe_and_hashed_as_read() {
         let bench = Bench::stocked();
-        bench.run("identify --data sine5.csv -o file.json").ok();
-        let script = "cat sine5.csv | \"$0\" identify --data /dev/stdin -o pipe.json";
+        bench.run("identify --operator stop --data sine5.csv -o file.json").ok();
+        let script = "cat sine5.csv | \"$0\" identify --operator stop --data /dev/stdin -o pipe.json";
         let mut sh = Command::new("sh");
         assert!(
             sh.args(["-c", script, env!("CARGO_BIN_EXE_piezoid")])

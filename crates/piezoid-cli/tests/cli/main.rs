@@ -8,6 +8,7 @@ mod bench;
 mod bytes;
 mod drive;
 mod files;
+mod joint;
 mod lists;
 mod measured;
 mod misfits;

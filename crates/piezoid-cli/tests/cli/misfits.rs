@@ -105,7 +105,7 @@ fn data_that_cannot_tell_the_linear_block_are_refused_in_words() {
 #[test]
 fn an_unstable_model_is_told_as_such_and_its_blow_up_writes_nothing() {
     let bench = Bench::stocked();
-    let line = "identify --linear prbs.csv --rich sine5.csv --order 6 --iterations 50 -o wild.json";
+    let line = "identify --method paper --linear prbs.csv --rich sine5.csv --order 6 --iterations 50 -o wild.json";
     bench.run(line).ok().says(&["note: the linear block is unstable", "more iterations"]);
     bench.refused("simulate --model wild.json --input drive5.csv -o y.csv").says(&["grows beyond", " s:", "unstable"]);
     let run = bench.run("validate --model wild.json --data sine5.csv --json -").ok().says(&["note:", "null in JSON"]);

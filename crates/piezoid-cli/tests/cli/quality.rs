@@ -50,7 +50,7 @@ fn each_defect_is_named_with_its_place_by_identify_validate_and_the_report() {
             .ok()
             .says(&[&["note:", &file], says].concat());
         bench
-            .run(&format!("identify --data {file} --ts 5e-4 -o new.json"))
+            .run(&format!("identify --data {file} --operator prandtl-ishlinskii --ts 5e-4 -o new.json"))
             .ok()
             .says(&[&["note: rich record: "], says].concat());
         bench.run(&format!("report --model model.json --data {file} --ts 5e-4 -o page.html")).ok();
@@ -69,9 +69,9 @@ fn each_defect_is_named_with_its_place_by_identify_validate_and_the_report() {
 fn what_nothing_can_be_found_from_is_refused_by_identify() {
     let bench = stocked();
     rewritten(&bench, "sound.csv", "still.csv", |_, _, y| Some((3.0, y)));
-    bench.refused("identify --data still.csv --ts 5e-4 -o new.json").says(&["input of every record is constant"]);
+    bench.refused("identify --data still.csv --ts 5e-4 -o new.json").says(&["input is constant at 3 V"]);
     rewritten(&bench, "sound.csv", "dead.csv", |_, u, _| Some((u, 7.0)));
-    bench.refused("identify --data dead.csv --ts 5e-4 -o new.json").says(&["the output does not follow the input"]);
+    bench.refused("identify --data dead.csv --ts 5e-4 -o new.json").says(&["output is constant at 7 um", "sensor"]);
     bench.refused("identify --data sound.csv --to 0.004 -o new.json").says(&["samples", "at least"]);
     bench.refused("identify --linear sound.csv --rich sound.csv -o new.json").says(&["one frequency (5 Hz)", "PRBS"]);
 }

@@ -28,12 +28,12 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("identify -o m.json", &["--rich"]),
         ("identify --data sine5.csv", &["--output"]),
         ("identify --data sine5.csv --rich sine5.csv -o m.json", &["cannot be used with"]),
-        ("identify --data sine5.csv --order 0 -o m.json", &["'0'", "--order", "1..=12"]),
+        ("identify --method paper --data sine5.csv --order 0 -o m.json", &["--order 0", "at least order 1"]),
         ("identify --data sine5.csv --order 99 -o m.json", &["'99'", "--order"]),
         ("identify --data sine5.csv --iterations 0 -o m.json", &["'0'", "--iterations", "1 or more"]),
         ("identify --data sine5.csv --particles -3 -o m.json", &["'-3'", "--particles"]),
         ("identify --data sine5.csv --bins 0 -o m.json", &["'0'", "--bins"]),
-        ("identify --data sine5.csv --method jiont -o m.json", &["'jiont'", "paper"]),
+        ("identify --data sine5.csv --method jiont -o m.json", &["'jiont'", "joint", "paper"]),
         ("identify --data sine5.csv -o - --json -", &["stdout"]),
         ("identify --data sine5.csv -o m.json --json m.json", &["m.json", "another file"]),
         ("identify --data sine5.csv -o sine5.csv", &["sine5.csv", "overwritten"]),
@@ -67,7 +67,7 @@ fn an_unknown_name_is_answered_with_the_nearest_one() {
         ("simulate --plant pl14o --input drive5.csv -o y.csv", "`pl140`"),
         ("plants --show pl1400", "`pl140`"),
         ("identify --data sine5.csv --operator twobranch -o m.json", "`two-branch`"),
-        ("identify --data sine5.csv --estimator swrm -o m.json", "`swarm`"),
+        ("identify --method paper --data sine5.csv --estimator swrm -o m.json", "`swarm`"),
         ("excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --driver pl40 -o u.csv", "`pl140`"),
     ];
     for (line, meant) in lines {

@@ -1,0 +1,82 @@
+//! The joint way, from the command line.
+
+use crate::bench::{Bench, number};
+
+/// A bench with a PRBS, a rising sine to learn from and a modulated one to test on, of the paper's actuator.
+fn stocked() -> Bench {
+    let bench = Bench::stocked();
+    for (name, kind) in [
+        ("rise5", "rising-sine --duration 2 --amplitude 28 --frequency 5"),
+        ("rise40", "rising-sine --duration 1 --amplitude 20 --frequency 40"),
+        ("stairs", "staircase --duration 1 --amplitude 25 --frequency 10"),
+    ] {
+        bench.run(&format!("excite {kind} --ts 5e-4 -o drive.csv")).ok();
+        bench.run(&format!("simulate --plant paper --input drive.csv -o {name}.csv")).ok();
+    }
+    bench
+}
+
+#[test]
+fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_this_one() {
+    let bench = stocked();
+    let line = "identify --linear prbs.csv --rich rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
+    let run = bench.run(line).ok();
+    let run = run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
+    let found = bench.json("f.json");
+    assert!(number(&found["trials"][0]["held_out_percent"]) < 0.01, "{}", found["trials"]);
+    let parameter = |name: &str| {
+        let all = found["parameters"].as_array().unwrap();
+        all.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("{name}: {all:?}"))["value"].as_f64().unwrap()
+    };
+    assert!((parameter("mode 1 frequency [Hz]") / 146.7 - 1.0).abs() < 1e-3);
+    assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
+    let left = bench.run("validate --model m.json --data stairs.csv --json -").ok().out_json();
+    assert!(number(&left["total"]["rms_pp_percent"]) < 0.02, "{}", left["total"]["rms_pp_percent"]);
+}
+
+#[test]
+fn auto_takes_the_law_the_actuator_has() {
+    let bench = stocked();
+    let run = bench.run("identify --linear prbs.csv --rich rise5.csv rise40.csv -o m.json --json f.json").ok();
+    let run = run.prints(&["preisach", "tellinen", "duhem"]);
+    let found = bench.json("f.json");
+    assert_eq!(found["operator"], "bouc-wen", "{}", run.out);
+}
+
+#[test]
+fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
+    let bench = stocked();
+    let run = bench.run("identify --data sine5.csv sine20.csv --elements 6 -o m.json --json f.json").ok();
+    let _ = run.says(&["hold no minor loops", "amplitude rises"]);
+    let found = bench.json("f.json");
+    let tried: Vec<&str> = found["trials"].as_array().unwrap().iter().filter_map(|t| t["operator"].as_str()).collect();
+    assert!(tried.contains(&"preisach") && !tried.contains(&"bouc-wen"), "{tried:?}");
+}
+
+#[test]
+fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
+    let bench = stocked();
+    for (line, says) in [
+        ("identify --data sine5.csv --bins 9 -o m.json", "--bins belongs to --method paper"),
+        ("identify --data sine5.csv --method paper --no-creep -o m.json", "--no-creep belongs to --method joint"),
+        ("identify --data sine5.csv --driver bd300 -o m.json", "--capacitance"),
+        ("identify --data sine5.csv --driver bd30 -o m.json", "did you mean `bd300`?"),
+    ] {
+        bench.misused(line).says(&[says]);
+    }
+    let line = "identify --data rise5.csv --operator stop --driver pl140 --driver-lag 1e-4 -o m.json";
+    bench.run(line).ok();
+    let model = bench.json("m.json");
+    assert!((number(&model["driver"]["slew"]) * 8.2e-6 - 0.5).abs() < 1e-9 && number(&model["driver"]["lag_s"]) == 1e-4);
+    bench.run("validate --model m.json --data rise5.csv").ok();
+}
+
+#[test]
+fn the_same_command_gives_the_same_bytes() {
+    let bench = stocked();
+    let line = "identify --data rise5.csv rise40.csv --operator generalised-prandtl-ishlinskii -o m.json --json f.json";
+    bench.run(line).ok();
+    let first = (bench.text("m.json"), bench.text("f.json"));
+    bench.run(line).ok();
+    assert!(first == (bench.text("m.json"), bench.text("f.json")));
+}
