@@ -33,6 +33,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::sync::Arc;
 
+/// Samples that one block runs through before the next does: few enough to stay in the nearest cache.
+const STRETCH: usize = 512;
+
+/// Samples of which the voltages behind a driver are kept at a time.
+const SEEN: usize = 64;
+
 /// The schema number of model files.
 const SCHEMA: u64 = 1;
 
@@ -241,20 +247,28 @@ impl Model {
         [hysteresis, creep, linear, driver]
     }
 
-    /// One sample of z, from the states of the hysteresis block and the driver.
-    fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], u: f64) -> f64 {
-        match (&self.driver, driver) {
-            (Some(d), [v, z]) => {
-                let (h, mut twice) = (self.ts() / SUBSTEPS as f64, 0.0);
-                for _ in 0..SUBSTEPS {
-                    *v = d.advance(*v, u, h);
-                    let next = self.hysteresis.step(hysteresis, *v);
+    /// Replaces the inputs in `signal` by z, from the states of the hysteresis block and the driver.
+    fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], signal: &mut [f64]) {
+        let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
+        let h = self.ts() / SUBSTEPS as f64;
+        for stretch in signal.chunks_mut(SEEN) {
+            let mut seen = [[0.0; SUBSTEPS]; SEEN];
+            let seen = &mut seen[..stretch.len()];
+            for (voltages, u) in seen.iter_mut().zip(&*stretch) {
+                for voltage in voltages {
+                    *v = d.advance(*v, *u, h);
+                    *voltage = *v;
+                }
+            }
+            self.hysteresis.respond(hysteresis, seen.as_flattened_mut());
+            for (mean, after) in stretch.iter_mut().zip(seen) {
+                let mut twice = 0.0;
+                for next in *after {
                     twice += *z + next;
                     *z = next;
                 }
-                twice / (2 * SUBSTEPS) as f64
+                *mean = twice / (2 * SUBSTEPS) as f64;
             }
-            _ => self.hysteresis.step(hysteresis, u),
         }
     }
 }
@@ -287,9 +301,19 @@ impl System for Model {
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        let mut signal = [u];
+        self.respond(x, &mut signal);
+        signal[0]
+    }
+
+    fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
         let [hysteresis, creep, linear, driver] = self.parts(x);
-        let z = self.hidden(hysteresis, driver, u);
-        self.linear.step(linear, self.creep.step(creep, z)) + self.offset
+        for stretch in signal.chunks_mut(STRETCH) {
+            self.hidden(hysteresis, driver, stretch);
+            self.creep.respond(creep, stretch);
+            self.linear.respond(linear, stretch);
+            stretch.iter_mut().for_each(|y| *y += self.offset);
+        }
     }
 }
 
