@@ -161,13 +161,7 @@ fn filter(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: im
 }
 
 /// [`filter`] of `N` coefficients, with its past in registers.
-fn short<const N: usize>(
-    gain: f64,
-    c: &[f64],
-    past: &mut [f64],
-    signal: &mut [f64],
-    newest: impl Fn(f64, f64) -> f64,
-) {
+fn short<const N: usize>(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
     let (Ok(c), Ok(past)) = (<&[f64; N]>::try_from(c), <&mut [f64; N]>::try_from(past)) else { return };
     let mut p = *past;
     for v in signal {

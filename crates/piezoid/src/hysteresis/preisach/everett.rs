@@ -10,18 +10,19 @@
 //! Reference: D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
 
 use super::grid::{Grid, cell};
+use crate::intervals::Intervals;
 
 /// E and V, tabulated.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Everett {
-    levels: Vec<f64>,
+    levels: Intervals,
     /// At the nodes (M = l_i, m = l_j): the weights off the diagonal that turn.
     nodes: Vec<f64>,
     /// The weights on the diagonal, and of how many below each level they are the sum.
     diagonal: Vec<f64>,
     diagonal_below: Vec<f64>,
     /// Where V changes its polynomial, and V there, halfway to the next, and at the next.
-    breaks: Vec<f64>,
+    breaks: Intervals,
     virgin: Vec<[f64; 3]>,
 }
 
@@ -51,7 +52,8 @@ impl Everett {
             if u < 0.0 { -sum } else { sum }
         };
         let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(turned)).collect();
-        Everett { levels: levels.to_vec(), nodes, diagonal, diagonal_below, breaks, virgin }
+        let (levels, breaks) = (Intervals::new(levels.to_vec()), Intervals::new(breaks));
+        Everett { levels, nodes, diagonal, diagonal_below, breaks, virgin }
     }
 
     /// E between `m` and `M`, m <= M.
@@ -60,7 +62,7 @@ impl Everett {
         if i == j {
             return self.diagonal[i] * (a - b) * (a - b);
         }
-        let node = |i: usize, j: usize| self.nodes[i * self.levels.len() + j];
+        let node = |i: usize, j: usize| self.nodes[i * self.levels.edges().len() + j];
         // Shares of the next node: a upwards from l_i, 1 - b downwards from l_{j+1}.
         let at = |i: usize| b * node(i, j + 1) + (1.0 - b) * node(i, j);
         let off = (1.0 - a) * at(i) + a * at(i + 1);
@@ -70,20 +72,16 @@ impl Everett {
 
     /// V at `u`.
     pub(super) fn from_rest(&self, u: f64) -> f64 {
-        let last = self.breaks.len() - 1;
-        let u = u.clamp(self.breaks[0], self.breaks[last]);
-        let k = self.breaks.partition_point(|b| *b <= u).clamp(1, last) - 1;
-        let s = (u - self.breaks[k]) / (self.breaks[k + 1] - self.breaks[k]);
+        let k = self.breaks.of(u);
+        let s = self.breaks.share(k, u);
         let [start, middle, end] = self.virgin[k];
         start + s * (4.0 * middle - 3.0 * start - end + 2.0 * s * (start + end - 2.0 * middle))
     }
 
     /// The cell of an axis that holds `u`, and how far into it.
     fn place(&self, u: f64) -> (usize, f64) {
-        let n = self.diagonal.len();
-        let i = self.levels.partition_point(|l| *l <= u).clamp(1, n) - 1;
-        let (low, high) = (self.levels[i], self.levels[i + 1]);
-        (i, ((u - low) / (high - low)).clamp(0.0, 1.0))
+        let i = self.levels.of(u);
+        (i, self.levels.share(i, u))
     }
 }
 
