@@ -46,6 +46,7 @@ impl Intervals {
     }
 
     /// The number of the interval that holds `u`, its lower edge included; the first or the last for what lies beyond.
+    #[inline]
     pub(crate) fn of(&self, u: f64) -> usize {
         let Cell { before, within, first } = self.cells[self.cell(u)];
         if within < 2 {

@@ -66,10 +66,22 @@ impl Spline {
     }
 
     /// The curve at `x`; beyond the knots, the cubic of the outermost piece, which soon runs far off.
+    #[inline]
     pub fn at(&self, x: f64) -> f64 {
+        self.on(self.place(x))
+    }
+
+    /// The piece that `x` lies on, and how far into it.
+    #[inline]
+    pub(crate) fn place(&self, x: f64) -> (usize, f64) {
         let i = self.knots.of(x);
-        let t = x - self.knots.edges()[i];
-        let [c0, c1, c2, c3] = self.pieces[i];
+        (i, x - self.knots.edges()[i])
+    }
+
+    /// The curve at a place of this spline, or of another through the same knots.
+    #[inline]
+    pub(crate) fn on(&self, (piece, t): (usize, f64)) -> f64 {
+        let [c0, c1, c2, c3] = self.pieces[piece];
         c0 + t * (c1 + t * (c2 + t * c3))
     }
 

@@ -102,8 +102,9 @@ mod tests {
             grid.from_rest(m, |k, share| sum += weights[k] * share * if m < 0.0 { -1.0 } else { 1.0 });
             assert_close(&[everett.from_rest(m)], &[sum], 0.0, 1e-13);
             for &high in &points[k..] {
-                let mut sum = 0.0;
-                grid.between(m, high, |k, share| sum += weights[k] * share);
+                let mut turned = vec![0.0; weights.len()];
+                grid.between(m, high, 1.0, &mut turned);
+                let sum = turned.iter().zip(&weights).map(|(share, w)| share * w).sum();
                 assert_close(&[everett.between(m, high)], &[sum], 0.0, 1e-13);
             }
         }

@@ -28,15 +28,19 @@ impl Grid<'_> {
         self.0.len() - 1
     }
 
-    /// For each cell the share of its relays that turn between `low` and `high`.
-    pub(super) fn between(&self, low: f64, high: f64, mut share: impl FnMut(usize, f64)) {
-        for i in 0..self.rows() {
-            let a = self.below(i, high);
-            for j in 0..i {
-                share(cell(i, j), a * (1.0 - self.below(j, low)));
+    /// Adds to each cell of `sums` `way` times the share of its relays that turn between `low` and `high`: those of alphas up
+    /// to `high` and betas from `low`, in a corner of the triangle.
+    pub(super) fn between(&self, low: f64, high: f64, way: f64, sums: &mut [f64]) {
+        let ((last, upto), (first, below)) = (self.place(high), self.place(low));
+        for i in first..=last {
+            let alphas = if i == last { upto } else { 1.0 };
+            let Some((diagonal, row)) = sums[cell(i, first)..=cell(i, i)].split_last_mut() else { return };
+            if let Some((begin, whole)) = row.split_first_mut() {
+                *begin += way * alphas * (1.0 - below);
+                whole.iter_mut().for_each(|sum| *sum += way * alphas);
             }
-            let both = (a - self.below(i, low)).max(0.0);
-            share(cell(i, i), both * both);
+            let both = if i == first { (alphas - below).max(0.0) } else { alphas };
+            *diagonal += way * both * both;
         }
     }
 
@@ -49,10 +53,11 @@ impl Grid<'_> {
         }
     }
 
-    /// The share of cell `i` of one axis that lies below `u`.
-    fn below(&self, i: usize, u: f64) -> f64 {
+    /// The cell of one axis that holds `u`, and the share of it that lies below `u`.
+    fn place(&self, u: f64) -> (usize, f64) {
+        let i = self.0.partition_point(|level| *level <= u).clamp(1, self.rows()) - 1;
         let (low, high) = (self.0[i], self.0[i + 1]);
-        ((u - low) / (high - low)).clamp(0.0, 1.0)
+        (i, ((u - low) / (high - low)).clamp(0.0, 1.0))
     }
 
     /// The share of cell (i, j) that turns from rest to `u`. A negative `u` turns, seen in the mirror of alpha + beta = 0,

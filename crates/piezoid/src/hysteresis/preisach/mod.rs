@@ -192,8 +192,10 @@ impl Basis for Cells {
             let (branch, start, now) = self.memory.travel(x, u);
             match branch {
                 Branch::Rest => grid.from_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
-                Branch::From(r) if u >= r => grid.between(r, u, |k, share| now[k] = start[k] + share),
-                Branch::From(r) => grid.between(u, r, |k, share| now[k] = start[k] - share),
+                Branch::From(r) => {
+                    now.copy_from_slice(start);
+                    grid.between(r.min(u), r.max(u), if u >= r { 1.0 } else { -1.0 }, now);
+                }
             }
         }
         phi[0] = u;
