@@ -338,6 +338,22 @@ mod tests {
     }
 
     #[test]
+    fn a_run_is_its_steps_to_the_bit_whatever_the_model_holds() {
+        let u: Vec<f64> = (0..2 * STRETCH).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
+        for o in OPERATORS {
+            for driver in [None, Some(Driver::new(1e-4, Some(2e4)).unwrap())] {
+                let hysteresis = (o.example)(5e-4 / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 }).unwrap();
+                let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
+                let model = Model::driven(driver, hysteresis, linear, -0.1).unwrap();
+                let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
+                let mut x = model.initial();
+                let stepped: Vec<f64> = u.iter().map(|&u| model.step(&mut x, u)).collect();
+                assert_eq!(model.simulate(&u), stepped, "{}", o.name);
+            }
+        }
+    }
+
+    #[test]
     fn documents_that_are_no_models_say_why() {
         let message = |text: &str| Model::from_json(text).unwrap_err().to_string();
         assert!(message("{").contains("not a JSON document"));

@@ -214,6 +214,28 @@ mod tests {
     }
 
     #[test]
+    fn runs_of_any_order_are_equation_1_and_repeated_steps_to_the_bit() {
+        let u: Vec<f64> = (0..300).map(|t| f64::from(t * t % 17)).collect();
+        for (na, nb) in (0..12).flat_map(|na| (0..12).map(move |nb| (na, nb))) {
+            let a: Vec<f64> = (1..=na).map(|k| 0.6 * (-0.5f64).powi(k)).collect();
+            let b: Vec<f64> = (0..=nb).map(|k| (1.3 * f64::from(k)).cos()).collect();
+            let arx = Arx::new(1.0, a.clone(), b.clone()).unwrap();
+            let y = arx.simulate(&u);
+            let mut x = arx.initial();
+            assert_eq!(u.iter().map(|&u| arx.step(&mut x, u)).collect::<Vec<_>>(), y);
+            let mut parts = arx.initial();
+            assert_eq!([arx.resume(&mut parts, &u[..5]), arx.resume(&mut parts, &u[5..])].concat(), y);
+            assert_eq!(parts, x);
+
+            let past = |s: &[f64], t: usize, c: &[f64], lag: usize| -> f64 {
+                c.iter().enumerate().filter_map(|(k, c)| Some(c * s[t.checked_sub(k + lag)?])).sum()
+            };
+            let defined: Vec<f64> = (0..u.len()).map(|t| past(&y, t, &a, 1) + past(&u, t, &b, 0)).collect();
+            assert_close(&y, &defined, 1e-12, 1e-12);
+        }
+    }
+
+    #[test]
     fn a_settled_block_stays_where_it_is() {
         let (arx, u) = (table2(), [7.0; 50]);
         let y = arx.resume(&mut arx.settled(7.0), &u);

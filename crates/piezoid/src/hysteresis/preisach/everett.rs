@@ -15,7 +15,7 @@ use crate::intervals::Intervals;
 /// E and V, tabulated.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Everett {
-    levels: Intervals,
+    grid: Grid,
     /// At the nodes (M = l_i, m = l_j): the weights off the diagonal that turn.
     nodes: Vec<f64>,
     /// The weights on the diagonal, and of how many below each level they are the sum.
@@ -29,7 +29,7 @@ pub(super) struct Everett {
 impl Everett {
     /// `levels` rise; `weights` has one number a cell of the triangle.
     pub(super) fn new(levels: &[f64], weights: &[f64]) -> Self {
-        let (grid, n) = (Grid(levels), levels.len() - 1);
+        let (grid, n) = (Grid::new(levels.to_vec()), levels.len() - 1);
         let stride = n + 1;
         let mut nodes = vec![0.0; stride * stride];
         for i in 1..=n {
@@ -52,17 +52,16 @@ impl Everett {
             if u < 0.0 { -sum } else { sum }
         };
         let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(turned)).collect();
-        let (levels, breaks) = (Intervals::new(levels.to_vec()), Intervals::new(breaks));
-        Everett { levels, nodes, diagonal, diagonal_below, breaks, virgin }
+        Everett { grid, nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
     }
 
     /// E between `m` and `M`, m <= M.
     pub(super) fn between(&self, m: f64, high: f64) -> f64 {
-        let ((i, a), (j, b)) = (self.place(high), self.place(m));
+        let ((i, a), (j, b)) = (self.grid.place(high), self.grid.place(m));
         if i == j {
             return self.diagonal[i] * (a - b) * (a - b);
         }
-        let node = |i: usize, j: usize| self.nodes[i * self.levels.edges().len() + j];
+        let node = |i: usize, j: usize| self.nodes[i * self.grid.levels().len() + j];
         // Shares of the next node: a upwards from l_i, 1 - b downwards from l_{j+1}.
         let at = |i: usize| b * node(i, j + 1) + (1.0 - b) * node(i, j);
         let off = (1.0 - a) * at(i) + a * at(i + 1);
@@ -77,12 +76,6 @@ impl Everett {
         let [start, middle, end] = self.virgin[k];
         start + s * (4.0 * middle - 3.0 * start - end + 2.0 * s * (start + end - 2.0 * middle))
     }
-
-    /// The cell of an axis that holds `u`, and how far into it.
-    fn place(&self, u: f64) -> (usize, f64) {
-        let i = self.levels.of(u);
-        (i, self.levels.share(i, u))
-    }
 }
 
 #[cfg(test)]
@@ -95,7 +88,7 @@ mod tests {
     fn the_tables_are_the_sums_over_the_cells() {
         let levels = [-3.0, -1.5, -0.4, 0.9, 2.0, 3.5];
         let weights: Vec<f64> = (0..cells(5)).map(|k| 0.3 + (k as f64 * 1.7).sin().abs()).collect();
-        let (grid, everett) = (Grid(&levels), Everett::new(&levels, &weights));
+        let (grid, everett) = (Grid::new(levels.to_vec()), Everett::new(&levels, &weights));
         let points: Vec<f64> = (0..50).map(|k| -4.0 + 0.17 * f64::from(k)).collect();
         for (k, &m) in points.iter().enumerate() {
             let mut sum = 0.0;
