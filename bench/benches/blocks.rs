@@ -157,7 +157,26 @@ fn models() -> Result<Vec<Named>, Error> {
             Arc::new(model(fitted("prandtl-ishlinskii")?)?.with_creep(Creep::logarithmic(TS, 0.01, 0.01, 10.0)?)?),
         ),
         ("30 plays behind a driver".into(), Arc::new(Model::driven(Some(driver), plays, arx()?, 0.0)?)),
+        ("30 plays, sample by sample".into(), Arc::new(Stepped(model(fitted("prandtl-ishlinskii")?)?))),
     ])
+}
+
+/// A system without a run of its own.
+#[derive(Debug)]
+struct Stepped(Model);
+
+impl System for Stepped {
+    fn ts(&self) -> f64 {
+        self.0.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.0.order()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        self.0.step(x, u)
+    }
 }
 
 fn sine() -> Result<Vec<f64>, Error> {
