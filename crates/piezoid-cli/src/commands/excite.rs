@@ -118,7 +118,7 @@ impl Excite {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let Common { ts, duration, driver, capacitance, clip, output } = self.common;
         files::ready(&[Some(&output)])?;
-        let limits = driver.as_deref().map(|name| limits(name, capacitance)).transpose()?;
+        let limits = driver.as_deref().map(|name| driver_limits(name, capacitance)).transpose()?;
         let mut u = argument(self.kind.samples(ts, duration, &self.values))?;
         if let (Some(limits), Some(name)) = (limits, driver) {
             if clip {
@@ -141,7 +141,7 @@ impl Excite {
 }
 
 /// The limits of a driver with its load.
-fn limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
+pub(crate) fn driver_limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
     let limits: Limits = argument(Driver::find(name))?.limits;
     let capacitance = capacitance.or(limits.capacitance);
     if limits.current.is_some() && capacitance.is_none() {

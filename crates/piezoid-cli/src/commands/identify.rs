@@ -1,27 +1,32 @@
 //! `piezoid identify`: from measured records to a model.
 
+use super::identified::{result, summary};
+use super::{Proven, driver_limits};
 use crate::console::Console;
 use crate::files::{self, Columns, Measured};
-use crate::layout::table;
-use crate::values::{apart, argument, count};
-use anyhow::Result;
+use crate::values::{Misused, apart, argument, count, farads, seconds};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use piezoid::hammerstein::{Identified, Paper, identify_paper};
+use piezoid::Record;
+use piezoid::driver::Driver;
+use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
-use piezoid::linear::{Residuals, Root};
-use piezoid::number::{round, short as number};
 use piezoid::optimize::swarm;
-use piezoid::validation::{self, Linearity, Metrics, small_signal};
-use piezoid::{Record, System};
-use serde_json::{Value, json};
+use piezoid::validation::{Linearity, Settings, small_signal, validate};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
-  The paper's way: a small PRBS for the linear block, a sine a frequency for the hysteresis:
-    piezoid identify --linear prbs.csv --rich sine5.csv sine20.csv -o model.json
-  One record and nothing else, without its start-up:
-    piezoid identify --data record.csv --from 1.5 --to 20 -o model.json
+  A small PRBS for the linear block, rising sines for the hysteresis; operator and order are chosen:
+    piezoid identify --linear prbs.csv --rich rise1.csv rise20.csv rise80.csv \\
+        -o model.json
+  What records there are, without their start-up, and one operator:
+    piezoid identify --data run1.csv run2.csv --from 1.5 \\
+        --operator preisach -o model.json
+  The paper's way: two branches a frequency, ARX by swarm:
+    piezoid identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv \\
+        -o model.json
   Columns of other names, and no time column:
     piezoid identify --data log.csv --ts 0.005 --input-col cmd_V \\
         --output-col pos_um -o model.json";
@@ -36,40 +41,22 @@ pub(crate) struct Identify {
     /// Small-signal records for the linear block: a PRBS of about 1 V.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     linear: Vec<PathBuf>,
-    /// Records that exercise the hysteresis, one a frequency.
+    /// Records that exercise the hysteresis: rising sines, at some frequencies.
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present_any = ["linear", "data"])]
     rich: Vec<PathBuf>,
     /// Records for everything, where no small-signal one was taken.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["linear", "rich"])]
     data: Vec<PathBuf>,
     /// The way to identify.
-    #[arg(long, value_name = "WAY", value_enum, default_value_t = Method::Paper)]
+    #[arg(long, value_name = "WAY", value_enum, default_value_t = Method::Joint)]
     method: Method,
-    /// The hysteresis operator, by name (see `piezoid operators`); auto is two-branch for one frequency and
-    /// rate-scheduled for more.
+    /// The hysteresis operator, by name (see `piezoid operators`). Auto tries all and takes the simplest that foretells
+    /// held-out parts as well as the best; the paper's way takes its branches.
     #[arg(long, value_name = "NAME", default_value = "auto")]
     operator: String,
-    /// Order of the linear block.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=12), allow_negative_numbers = true)]
-    order: u8,
-    /// The estimator of the linear block (see `piezoid estimators`).
-    #[arg(long, value_name = "NAME", default_value = "swarm")]
-    estimator: String,
-    /// How the points of a loop are told apart.
-    #[arg(long, value_name = "WAY", value_enum, default_value_t = SplitBy::Line)]
-    split: SplitBy,
-    /// Averages on each branch, between the turning points.
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true, default_value_t = Paper::default().bins)]
-    bins: usize,
-    /// Which branch is read while the input is held.
-    #[arg(long, value_name = "RULE", value_enum, default_value_t = Read::Held)]
-    reading: Read,
-    /// Particles of the swarm.
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true, default_value_t = swarm::Settings::default().particles)]
-    particles: usize,
-    /// Iterations of the swarm.
-    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true, default_value_t = swarm::Settings::default().iterations)]
-    iterations: usize,
+    /// Order of the linear block [default: chosen; 2 the paper's way].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=12), allow_negative_numbers = true)]
+    order: Option<u8>,
     /// Seed of the swarm.
     #[arg(long, value_name = "N", default_value_t = swarm::Settings::default().seed)]
     seed: u64,
@@ -80,11 +67,62 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
+    joint: OfJoint,
+    #[command(flatten)]
+    paper: OfPaper,
+    #[command(flatten)]
     columns: Columns,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+/// What only the joint way knows.
+#[derive(Args)]
+#[command(next_help_heading = "The joint way")]
+struct OfJoint {
+    /// Thresholds, levels or knots of the operator [default: its own number].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    elements: Option<usize>,
+    /// Leave creep out.
+    #[arg(long)]
+    no_creep: bool,
+    /// The driver the records were taken with, where its limits matter (see `piezoid drivers`).
+    #[arg(long, value_name = "NAME")]
+    driver: Option<String>,
+    /// Capacitance of the load, for the driver's current limit.
+    #[arg(long, value_name = "FARAD", requires = "driver", value_parser = farads)]
+    capacitance: Option<f64>,
+    /// Time constant of the driver, where it is known.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    driver_lag: Option<f64>,
+}
+
+/// What only the paper's way knows.
+#[derive(Args)]
+#[command(next_help_heading = "The paper's way")]
+struct OfPaper {
+    /// The estimator of the linear block (see `piezoid estimators`) [default: swarm].
+    #[arg(long, value_name = "NAME")]
+    estimator: Option<String>,
+    /// How the points of a loop are told apart [default: line].
+    #[arg(long, value_name = "WAY", value_enum)]
+    split: Option<SplitBy>,
+    /// Averages on each branch, between the turning points [default: 16].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    bins: Option<usize>,
+    /// Which branch is read while the input is held [default: held].
+    #[arg(long, value_name = "RULE", value_enum)]
+    reading: Option<Read>,
+    /// Particles of the swarm [default: 50].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    particles: Option<usize>,
+    /// Iterations of the swarm [default: 500].
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    iterations: Option<usize>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Method {
+    /// All parts together, by the free-run error.
+    Joint,
     /// The paper's six steps.
     Paper,
 }
@@ -107,15 +145,14 @@ enum Read {
 
 impl Identify {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        let Method::Paper = self.method;
         let rich_files: Vec<&PathBuf> = self.rich.iter().chain(&self.data).collect();
         let files: Vec<&PathBuf> = self.linear.iter().chain(rich_files.iter().copied()).collect();
         apart(&[Some(&self.output), self.json.as_deref()], &files)?;
         files::ready(&[Some(&self.output), self.json.as_deref()])?;
-        argument(piezoid::linear::estimator(&self.estimator))?;
         if self.operator != "auto" {
             argument(piezoid::hysteresis::operator(&self.operator))?;
         }
+        let way = self.way()?;
         let mut origins = Vec::new();
         let mut read = |path: &&PathBuf| {
             let Measured { record, origin } = self.columns.record(path)?;
@@ -124,41 +161,21 @@ impl Identify {
         };
         let linear: Vec<Record> = self.linear.iter().map(|path| read(&path)).collect::<Result<_>>()?;
         let rich: Vec<Record> = rich_files.iter().map(read).collect::<Result<_>>()?;
-        let how = Paper {
-            order: self.order.into(),
-            estimator: self.estimator.clone(),
-            operator: self.operator.clone(),
-            split: match self.split {
-                SplitBy::Line => Split::Line,
-                SplitBy::Direction => Split::Direction,
-            },
-            bins: self.bins,
-            reading: match self.reading {
-                Read::Held => Reading::Held,
-                Read::Printed => Reading::Printed,
-            },
-            swarm: swarm::Settings {
-                particles: self.particles,
-                iterations: self.iterations,
-                seed: self.seed,
-                ..swarm::Settings::default()
-            },
-        };
-        let found = console.done(identify_paper(&linear, &rich, &how, &mut console.progress()))?;
+        let mut progress = console.progress();
+        let found = console.done(match &way {
+            Way::Joint(how) => identify_joint(&linear, &rich, how, &mut progress),
+            Way::Paper(how) => identify_paper(&linear, &rich, how, &mut progress),
+        })?;
+        drop(progress);
 
         let mut made = files::provenance(origins);
         made["seed"] = json!(self.seed);
-        let on_itself = rich
-            .iter()
-            .map(|record| {
-                let record = record.output_in(&found.model.units().y)?;
-                Ok(validation::validate(&found.model, &record, validation::Settings::default())?.metrics)
-            })
-            .collect::<Result<Vec<Metrics>>>()?;
+        // The joint way gives each record an offset of its own.
+        let settings = Settings { free_offset: self.method == Method::Joint, ..Settings::default() };
+        let trained = trained(&found, &rich_files, &rich, settings)?;
         let model = found.model.clone().with_provenance(made);
-
         if ![Some(self.output.as_path()), self.json.as_deref()].contains(&Some(Path::new("-"))) {
-            console.print(&summary(&found, &rich_files, &on_itself, console))?;
+            console.print(&summary(&found, &trained, console))?;
         }
         for note in &found.notes {
             console.remark(note);
@@ -169,104 +186,109 @@ impl Identify {
                 console.remark(&format!("{}: {}", path.display(), seen.verdict));
             }
         }
-        let mut result = result(&found, &on_itself);
+        let mut result = result(&found, &trained);
         result["linearity"] = json!(linearity);
         files::write_json(self.json.as_deref(), &result, console)?;
         files::write(&self.output, &model.to_json(), console)
     }
+
+    /// The method with its settings; those of the other one are refused.
+    fn way(&self) -> Result<Way> {
+        let (joint, paper) = (&self.joint, &self.paper);
+        let misplaced = |way: &str, given: &[(&str, bool)]| match given.iter().find(|(_, given)| *given) {
+            Some((name, _)) => {
+                bail!(Misused(format!("{name} belongs to --method {way}: leave it out, or ask for that method")))
+            }
+            None => Ok(()),
+        };
+        match self.method {
+            Method::Joint => {
+                misplaced(
+                    "paper",
+                    &[
+                        ("--estimator", paper.estimator.is_some()),
+                        ("--split", paper.split.is_some()),
+                        ("--bins", paper.bins.is_some()),
+                        ("--reading", paper.reading.is_some()),
+                        ("--particles", paper.particles.is_some()),
+                        ("--iterations", paper.iterations.is_some()),
+                    ],
+                )?;
+                Ok(Way::Joint(Joint {
+                    operator: self.operator.clone(),
+                    order: self.order.map(usize::from),
+                    elements: joint.elements,
+                    creep: !joint.no_creep,
+                    driver: joint.driver()?,
+                    seed: self.seed,
+                }))
+            }
+            Method::Paper => {
+                misplaced(
+                    "joint",
+                    &[
+                        ("--elements", joint.elements.is_some()),
+                        ("--no-creep", joint.no_creep),
+                        ("--driver", joint.driver.is_some()),
+                        ("--driver-lag", joint.driver_lag.is_some()),
+                    ],
+                )?;
+                let usual = Paper::default();
+                let order = self.order.map_or(usual.order, usize::from);
+                if order == 0 {
+                    bail!(Misused("--order 0: the paper's way needs at least order 1".into()));
+                }
+                argument(piezoid::linear::estimator(paper.estimator.as_deref().unwrap_or(&usual.estimator)))?;
+                Ok(Way::Paper(Paper {
+                    order,
+                    operator: self.operator.clone(),
+                    estimator: paper.estimator.clone().unwrap_or(usual.estimator),
+                    split: match paper.split {
+                        Some(SplitBy::Direction) => Split::Direction,
+                        _ => Split::Line,
+                    },
+                    bins: paper.bins.unwrap_or(usual.bins),
+                    reading: match paper.reading {
+                        Some(Read::Printed) => Reading::Printed,
+                        _ => Reading::Held,
+                    },
+                    swarm: swarm::Settings {
+                        particles: paper.particles.unwrap_or(usual.swarm.particles),
+                        iterations: paper.iterations.unwrap_or(usual.swarm.iterations),
+                        seed: self.seed,
+                        ..usual.swarm
+                    },
+                }))
+            }
+        }
+    }
 }
 
-fn summary(found: &Identified, rich: &[&PathBuf], on_itself: &[Metrics], console: &Console) -> String {
-    let (arx, units) = (found.model.linear(), found.model.units());
-    let listed = |name: &str, values: Vec<String>| {
-        console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
-    };
-    let each = |values: &[f64]| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>();
-    let form = match arx.a() {
-        [] => "a gain without dynamics",
-        _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
-    };
-    let mut text = console.paragraph(&format!("Linear block: {form}, every {} s", arx.ts()), "  ");
-    if !arx.a().is_empty() {
-        text += &listed("a", each(arx.a()));
-        text += &listed("b", each(arx.b()));
-        text += &listed(
-            "poles",
-            arx.poles().iter().map(|p| format!("{} Hz (damping {})", number(p.hz), round(p.damping))).collect(),
-        );
-        text += &listed("zeros", arx.zeros().iter().map(Root::to_string).collect());
-    }
-    if let Some(fit) = &found.linear.fit {
-        let Residuals { rms, max_abs, .. } = fit.residuals;
-        let white = if fit.residuals.are_white() { "white" } else { "not white" };
-        text += &format!(
-            "  errors    {} {} rms, {} at most, one step ahead; {white}\n",
-            number(rms),
-            units.y,
-            number(max_abs)
-        );
-    }
-    text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
-    text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
-    if let Some(gain) = arx.noise_gain() {
-        text += &format!("  inverse   makes {} {} of 1 {} of noise\n", number(gain), units.u, units.y);
-    }
-    text += &format!("\nHysteresis block: {}\n", found.model.hysteresis().operator().name);
-    if !found.loops.is_empty() {
-        let row = |l: &piezoid::hammerstein::HiddenLoop| {
-            let (low, high) = l.found.branches.range();
-            let side = if l.found.ascending_below { "below" } else { "above" };
-            let width = number(100.0 * l.found.branches.width());
-            vec![
-                l.frequency_hz.map_or("-".into(), round),
-                round(low),
-                round(high),
-                width,
-                side.into(),
-                round(100.0 * l.found.agreement),
-            ]
-        };
-        let (from, to) = (format!("from [{}]", units.u), format!("to [{}]", units.u));
-        let header = ["f [Hz]", &from, &to, "width %", "ascending", "agreement %"];
-        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), console.room());
-    }
-    if !on_itself.is_empty() {
-        let row = |(path, m): (&&PathBuf, &Metrics)| {
-            vec![path.display().to_string(), number(m.rmse), number(m.nrmse_percent), number(m.rms_pp_percent)]
-        };
-        let rmse = format!("rmse [{}]", units.y);
-        let rows: Vec<_> = rich.iter().zip(on_itself).map(row).collect();
-        let header = ["its own data", &rmse, "nrmse %", "rms/pp %"];
-        text += &format!("\nFree run\n{}", table(&header, &rows, console.room()));
-    }
-    text
+/// A method with its settings.
+enum Way {
+    Joint(Joint),
+    Paper(Paper),
 }
 
-fn result(found: &Identified, on_itself: &[Metrics]) -> Value {
-    let arx = found.model.linear();
-    let each = |l: &piezoid::hammerstein::HiddenLoop| {
-        json!({
-            "frequency_hz": l.frequency_hz,
-            "loop_width_percent": 100.0 * l.found.branches.width(),
-            "ascending_below": l.found.ascending_below,
-            "agreement": l.found.agreement,
-        })
+impl OfJoint {
+    /// The driver as a block; none where nothing is known of it.
+    fn driver(&self) -> Result<Option<Driver>> {
+        let Some(name) = &self.driver else {
+            return self.driver_lag.map(|lag| argument(Driver::new(lag, None))).transpose();
+        };
+        let limits = driver_limits(name, self.capacitance)?;
+        let by_current = limits.current.zip(limits.capacitance).map(|(current, farads)| current / farads);
+        let slew = limits.slew.into_iter().chain(by_current).reduce(f64::min);
+        argument(Driver::new(self.driver_lag.unwrap_or(0.0), slew)).map(Some)
+    }
+}
+
+/// The model's free run over the rich records it was made from.
+fn trained(found: &Identified, files: &[&PathBuf], rich: &[Record], settings: Settings) -> Result<Vec<Proven>> {
+    let prove = |(path, record): (&&PathBuf, &Record)| {
+        let record = record.output_in(&found.model.units().y)?;
+        let validation = validate(&found.model, &record, settings)?;
+        Ok(Proven { file: path.display().to_string(), record, validation })
     };
-    json!({
-        "linear": {
-            "a": arx.a(),
-            "b": arx.b(),
-            "poles": arx.poles(),
-            "zeros": arx.zeros(),
-            "noise_gain": arx.noise_gain(),
-            "reason": found.linear.reason,
-            "residuals": found.linear.fit.as_ref().map(|f| f.residuals),
-            "offsets": found.linear.fit.as_ref().map(|f| &f.offsets),
-            "convergence": found.linear.fit.as_ref().map(|f| &f.history),
-        },
-        "operator": found.model.hysteresis().operator().name,
-        "loops": found.loops.iter().map(each).collect::<Vec<_>>(),
-        "training": on_itself,
-        "notes": found.notes,
-    })
+    files.iter().zip(rich).map(prove).collect()
 }

@@ -1,6 +1,7 @@
 //! One file a verb: arguments -> library call -> rendering.
 
 mod excite;
+mod identified;
 mod identify;
 mod lists;
 mod report;
@@ -9,7 +10,8 @@ mod simulate;
 mod study;
 mod validate;
 
-pub(crate) use validate::Proven;
+pub(crate) use excite::driver_limits;
+pub(crate) use validate::{Proven, figures};
 
 use crate::console::Console;
 use anyhow::Result;

@@ -5,8 +5,9 @@ use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::values::apart;
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use piezoid::System;
+use piezoid::hammerstein::Beginning;
 use piezoid::plant::Plant;
 use std::path::PathBuf;
 
@@ -39,8 +40,11 @@ pub(crate) struct Simulate {
     /// The file to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Start as if the first input had stood for long, instead of at rest.
-    #[arg(long)]
+    /// What came before: rest; the first input, which had stood for long; or the same as in the record.
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = Begin::Rest)]
+    begin: Begin,
+    /// The same as --begin settled.
+    #[arg(long, conflicts_with = "begin")]
     settled: bool,
     /// Seed of the plant's noise.
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -49,16 +53,30 @@ pub(crate) struct Simulate {
     columns: Columns,
 }
 
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Begin {
+    /// Rest, and a jump to the first input.
+    Rest,
+    /// The first input, which had stood for long.
+    Settled,
+    /// The same as in the record.
+    Motion,
+}
+
 impl Simulate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &[&self.input])?;
         files::ready(&[Some(&self.output)])?;
         let input = self.columns.input(&self.input)?;
         let (u, ts) = (&input.samples, input.ts);
+        let begin = if self.settled { Begin::Settled } else { self.begin };
         let (y, u_unit, y_unit) = match (&self.plant, &self.model) {
             (Some(plant), _) => {
                 let plant = Plant::new(&lists::plant(plant)?, ts)?.with_seed(self.seed);
-                let mut x = if self.settled { plant.settled(u[0]) } else { plant.initial() };
+                let mut x = if begin == Begin::Rest { plant.initial() } else { plant.settled(u[0]) };
+                if begin == Begin::Motion {
+                    plant.resume(&mut x, u);
+                }
                 let y: Vec<f64> = plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect();
                 let saturation = plant.saturation(&x);
                 if saturation.any() {
@@ -75,7 +93,12 @@ impl Simulate {
                 }
                 piezoid::record::same_sampling("the model", model.ts(), "the input", ts)
                     .with_context(|| self.input.display().to_string())?;
-                let mut x = if self.settled { model.settled(u[0]) } else { model.initial() };
+                let beginning = match begin {
+                    Begin::Rest => Beginning::Rest,
+                    Begin::Settled => Beginning::Settled,
+                    Begin::Motion => Beginning::Motion,
+                };
+                let mut x = model.before(u, beginning);
                 (model.resume(&mut x, u), units.u.clone(), units.y.clone())
             }
             _ => bail!("name a --plant or a --model"),

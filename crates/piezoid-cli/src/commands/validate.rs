@@ -118,22 +118,24 @@ impl Validate {
                 console.remark(&format!("{}: {remark}", p.file));
             }
         }
-        let file = |p: &Proven| {
-            let v = &p.validation;
-            let mut object = json!({"file": p.file, "unit": p.record.units().y});
-            merge(&mut object, json!(v.metrics));
-            merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
-            merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
-            merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
-            object
-        };
         let mut total = json!(total);
         let [by_frequency, by_amplitude] = tables::merged_bins(&proven);
         merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
         merge(&mut total, json!({"unproven": tables::unproven(&proven)}));
-        let result = json!({"files": proven.iter().map(file).collect::<Vec<_>>(), "total": total});
+        let result = json!({"files": proven.iter().map(figures).collect::<Vec<_>>(), "total": total});
         files::write_json(self.json.as_deref(), &result, console)
     }
+}
+
+/// All about one record, for scripts.
+pub(crate) fn figures(p: &Proven) -> Value {
+    let v = &p.validation;
+    let mut object = json!({"file": p.file, "unit": p.record.units().y, "beginning": v.beginning});
+    merge(&mut object, json!(v.metrics));
+    merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
+    merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
+    merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
+    object
 }
 
 /// Adds the members of one object to another.

@@ -16,7 +16,7 @@ pub(crate) use paper::proportional;
 
 pub use crate::waveform::dominant_frequency;
 pub use domain::Domain;
-pub use joint::{Joint, Trial, identify_joint};
+pub use joint::{Joint, Parameter, Trial, identify_joint};
 pub use loops::HiddenLoop;
 pub use paper::{Identified, Paper, hidden, identify_paper};
 pub use rich::LinearPart;

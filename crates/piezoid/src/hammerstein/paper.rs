@@ -6,7 +6,7 @@
 
 use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
 use super::rich::{LinearPart, linear_from_rich, rich_enough};
-use super::{Domain, Model, Trial};
+use super::{Domain, Model, Parameter, Trial};
 use crate::error::Error;
 use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
@@ -62,6 +62,8 @@ pub struct Identified {
     pub loops: Vec<HiddenLoop>,
     /// The operators that were tried; only the joint way tries several.
     pub trials: Vec<Trial>,
+    /// What an engineer asks for, with its standard error; only the joint way knows it.
+    pub parameters: Vec<Parameter>,
     /// What its user should know.
     pub notes: Vec<String>,
 }
@@ -84,9 +86,11 @@ pub fn identify_paper(
 
     let part = linear_part(&linear, &rich, how, progress)?;
     let mut notes = vec![format!("linear block: {}", part.reason)];
-    notes.extend(unproven(&part, &linear));
-    notes.extend(defects("small-signal record", &linear));
-    notes.extend(defects("rich record", &rich));
+    if !linear.is_empty() {
+        notes.extend(unexcited(&part.arx, linear.iter()));
+    }
+    let defects = [defects("small-signal record", &linear), defects("rich record", &rich)].concat();
+    notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method fits it all the same")));
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
             "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try more iterations, a \
@@ -129,7 +133,7 @@ pub fn identify_paper(
         Some(domain) => model.with_identified(domain),
         None => model,
     };
-    Ok(Identified { model, linear: part, loops, trials: Vec::new(), notes })
+    Ok(Identified { model, linear: part, loops, trials: Vec::new(), parameters: Vec::new(), notes })
 }
 
 /// Step 5: the hysteresis block of the loops, and the offset that goes with it [output unit].
@@ -212,26 +216,24 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
-/// What is wrong with the records, which this method fits all the same.
-fn defects(which: &str, records: &[Record]) -> Vec<String> {
+/// What is wrong with the records, each named by what it is and its number.
+pub(super) fn defects(which: &str, records: &[Record]) -> Vec<String> {
     let several = records.len() > 1;
     let each = records.iter().enumerate().flat_map(|(k, record)| {
         let name = if several { format!("{which} {}", k + 1) } else { which.to_string() };
         let findings = inspect(record, &Need::default()).findings.into_iter();
-        findings.map(move |f| {
-            format!("{name}: {}", f.text.replace("; left out", "; the paper's method fits it all the same"))
-        })
+        findings.map(move |f| format!("{name}: {}", f.text))
     });
     each.collect()
 }
 
-/// A resonance of the linear block that no small-signal record excites.
-fn unproven(part: &LinearPart, linear: &[Record]) -> Option<String> {
-    let resonance = part.arx.resonance().filter(|_| !linear.is_empty())?;
+/// A resonance of the linear block that none of the records it was found from excites.
+pub(super) fn unexcited<'a>(arx: &Arx, mut records: impl Iterator<Item = &'a Record>) -> Option<String> {
+    let resonance = arx.resonance()?;
     let lit = |record: &Record| excites(record.u(), record.ts(), around(resonance.hz));
-    (!linear.iter().any(lit)).then(|| {
+    (!records.any(lit)).then(|| {
         format!(
-            "linear block: no small-signal record has power near its resonance at {} Hz, so that is a guess: excite it with a PRBS",
+            "linear block: no record it was found from has power near its resonance at {} Hz, so that is a guess: excite it with a PRBS",
             short(resonance.hz)
         )
     })

@@ -6,13 +6,15 @@ use super::products::Stretch;
 use super::runs::FOLDS;
 use super::solve::{Freed, Prior};
 use crate::series::{mean, scatter};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Weights of smoothness tried, from rough to smooth.
 const LAMBDAS: [f64; 9] = [1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
-/// By how much a simpler one may be worse, however uncertain the difference: in rms.
-const WORSE: f64 = 1.1;
+/// By how much a simpler one may be worse, in rms, however uncertain the difference; and what is as good as nothing.
+const WORSE: f64 = 1.05;
+const ROUNDING: f64 = 1e-9;
 
 /// Errors of the parts that were held out in turn, each fitted on all others.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +23,8 @@ pub(super) struct HeldOut {
     pub(super) lambda: f64,
     /// Of each fold, the mean squared error over the squared peak-to-peak of its records.
     pub(super) folds: Vec<f64>,
+    /// The parameters found without each fold.
+    pub(super) without: Vec<DVector<f64>>,
 }
 
 impl HeldOut {
@@ -29,27 +33,35 @@ impl HeldOut {
         mean(&self.folds).sqrt()
     }
 
-    /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows.
+    /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows, and over
+    /// all folds by no more than is worth a simpler model.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(|(e, best)| 0.5 * (e / best).ln()).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
-        mean(&ratios) <= error.min(WORSE.ln())
+        // What the very best leaves of noise-free data is rounding.
+        let rounding = self.rms_pp() < ROUNDING;
+        rounding || (mean(&ratios) <= error && self.rms_pp() <= WORSE * best.rms_pp())
     }
 }
 
-/// The errors of the smoothest lambda that is as good as the best. Only `freed` parameters are fitted anew without a fold.
+/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `freed` parameters are fitted anew
+/// without a fold.
 pub(super) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,
     stretches: &[Stretch],
     damping: f64,
     freed: Freed,
+    fixed: Option<f64>,
 ) -> HeldOut {
-    let rough = estimate.basis.roughness().is_empty();
-    let lambdas = if rough { &LAMBDAS[..1] } else { &LAMBDAS[..] };
+    let lambdas: Vec<f64> = match fixed {
+        Some(lambda) => vec![lambda],
+        None if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
+        None => LAMBDAS.to_vec(),
+    };
     let folds: Vec<usize> = (0..FOLDS).filter(|fold| stretches.iter().any(|s| s.fold == Some(*fold))).collect();
-    let of = |&fold: &usize| -> Vec<f64> {
+    let of = |&fold: &usize| -> Vec<(f64, DVector<f64>)> {
         let (train, _) = equations(estimate, stretches, |s| s.fold != Some(fold));
         let tests: Vec<Normal> = stretches
             .iter()
@@ -59,19 +71,24 @@ pub(super) fn cross_validate(
         // From smooth to rough, each starting from the signs found before.
         let mut positive = vec![true; prior.now().len()];
         let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, freed, &mut positive) {
-            None => f64::INFINITY,
+            None => (f64::INFINITY, prior.now().clone()),
             Some(x) => {
                 let steps = prior.steps(&x);
-                mean(&tests.iter().map(|test| test.left(&steps) / test.samples).collect::<Vec<_>>())
+                (mean(&tests.iter().map(|test| test.left(&steps) / test.samples).collect::<Vec<_>>()), x)
             }
         };
-        let mut errors: Vec<f64> = lambdas.iter().rev().map(error).collect();
+        let mut errors: Vec<_> = lambdas.iter().rev().map(error).collect();
         errors.reverse();
         errors
     };
-    let by_fold: Vec<Vec<f64>> = folds.par_iter().map(of).collect();
-    let of_lambda = |(k, &lambda)| HeldOut { lambda, folds: by_fold.iter().map(|fold| fold[k]).collect() };
-    let tried: Vec<HeldOut> = lambdas.iter().enumerate().map(of_lambda).collect();
-    let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).unwrap_or(&tried[0]);
-    best.clone()
+    let by_fold: Vec<Vec<_>> = folds.par_iter().map(of).collect();
+    let of_lambda = |k: usize| HeldOut {
+        lambda: lambdas[k],
+        folds: by_fold.iter().map(|fold| fold[k].0).collect(),
+        without: by_fold.iter().map(|fold| fold[k].1.clone()).collect(),
+    };
+    let tried: Vec<HeldOut> = (0..lambdas.len()).map(of_lambda).collect();
+    let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
+    let smoothest = tried.iter().rfind(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
+    smoothest.cloned().unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
 }

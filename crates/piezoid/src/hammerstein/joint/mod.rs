@@ -24,13 +24,19 @@ mod search;
 mod signals;
 mod solve;
 mod structure;
+mod trials;
+mod uncertainty;
 
-use super::paper::{Identified, common_units};
+pub use trials::Trial;
+pub use uncertainty::Parameter;
+
+use super::Domain;
+use super::paper::{Identified, common_units, defects, unexcited};
 use super::rich::LinearPart;
 use crate::creep::Lag;
 use crate::driver::{Driver, SUBSTEPS};
 use crate::error::Error;
-use crate::hysteresis::{Design, OPERATORS, Operator, operator};
+use crate::hysteresis::{Design, Operator};
 use crate::number::short;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
@@ -67,24 +73,6 @@ impl Default for Joint {
     }
 }
 
-/// What became of one operator.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
-    /// The operator.
-    pub operator: &'static str,
-    /// Weights and shape parameters.
-    pub parameters: usize,
-    /// Rms error over peak-to-peak of what was held out, in percent, each part foretold by a fit to all others; infinite where
-    /// nothing came out.
-    pub held_out_percent: f64,
-    /// Whether that is as good as the best, within its uncertainty.
-    pub as_good: bool,
-    /// The shape parameters by name.
-    pub shape: Vec<(&'static str, f64)>,
-    /// Why nothing came out, if so.
-    pub refused: Option<String>,
-}
-
 /// Identifies all parts together: `small` are small-signal records (a PRBS), `rich` those that exercise the hysteresis. The
 /// first list may be empty.
 ///
@@ -100,16 +88,17 @@ pub fn identify_joint(
     let units = common_units(small.iter().chain(rich))?;
     let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
     let (small, rich) = (convert(small)?, convert(rich)?);
-    let Some(first) = rich.first() else {
-        let remedy = "give at least one record that exercises the hysteresis".into();
-        return Err(Error::TooShort { what: "the list of rich records".into(), have: 0, need: 1, remedy });
-    };
-    let candidates: Vec<&'static Operator> = match how.operator.as_str() {
-        "auto" => OPERATORS.to_vec(),
-        name => vec![operator(name)?],
+    let Some(first) = rich.first().or(small.first()) else {
+        let remedy = "give a small-signal record, a rich one, or both".into();
+        return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
     };
     let (ts, mut notes) = (first.ts(), Vec::new());
-    let mut runs = runs::of(&small, &rich)?;
+    // Without any other, small-signal records are all there is to find hysteresis from.
+    let (beside, rich) = if rich.is_empty() { (&[][..], small.clone()) } else { (&small[..], rich) };
+    let candidates = trials::candidates(&how.operator, &rich, &mut notes)?;
+    notes.extend(defects("small-signal record", beside));
+    notes.extend(defects("rich record", &rich));
+    let mut runs = runs::of(beside, &rich)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
     let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };
@@ -127,7 +116,7 @@ pub fn identify_joint(
     let mut watch = |_| watch_at(0, "linear block");
     watch(0)?;
     let (linear, reason) = match small.is_empty() {
-        false => structure::of_small(&small, how)?,
+        false => structure::of_small(&small, how, &lags)?,
         true => structure::of_rich(&rich, &mut runs, how, &design, &lags, &mut watch)?,
     };
     notes.push(format!("linear block: {reason}"));
@@ -144,25 +133,21 @@ pub fn identify_joint(
         };
         trials.push(trial);
     }
-    let best =
-        trials.iter().filter_map(|t| t.1.as_ref()).min_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
-    let Some(best) = best.map(|best| best.held_out.clone()) else {
-        return Err(Error::Unidentifiable { what: "any operator".into(), because: "none could be fitted".into() });
-    };
-    for (trial, fitted) in &mut trials {
-        trial.as_good = fitted.as_ref().is_some_and(|fitted| fitted.held_out.is_as_good_as(&best));
-    }
-    let simplest =
-        (0..trials.len()).filter(|&k| trials[k].0.as_good).min_by_key(|&k| trials[k].0.parameters).unwrap_or(0);
-    let Some(fitted) = trials[simplest].1.take() else {
-        return Err(Error::Unidentifiable { what: "any operator".into(), because: "none could be fitted".into() });
-    };
-    let trials: Vec<Trial> = trials.into_iter().map(|t| t.0).collect();
-
+    let (fitted, trials) = trials::choose(trials)?;
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
     let model = fitted.estimate.model(offset)?.with_units(units);
+    let model = match Domain::of(small.iter().chain(&rich)) {
+        Some(domain) => model.with_identified(domain),
+        None => model,
+    };
+    let parameters = uncertainty::parameters(&fitted);
+    notes.extend(parameters.iter().filter(|p| p.is_unknown()).map(|p| {
+        let (value, error) = (short(p.value), short(p.error));
+        format!("{} is {value} with a standard error of {error}: these records do not tell it", p.name)
+    }));
+    notes.extend(unexcited(model.linear(), small.iter().chain(&rich)));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
-    Ok(Identified { model, linear, loops: Vec::new(), trials, notes })
+    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
 }
 
 /// Fits one operator, from where it stands and from where a swarm sends it.
@@ -189,31 +174,6 @@ fn fit(
     let Some(elsewhere) = elsewhere else { return Ok(here) };
     let there = refine(elsewhere, runs, Freed::All, watch)?;
     Ok(if there.held_out.rms_pp() < here.held_out.rms_pp() { there } else { here })
-}
-
-impl Trial {
-    fn of(row: &Operator, fitted: &Fitted) -> Self {
-        let shape = fitted.estimate.basis.shape();
-        Trial {
-            operator: row.name,
-            parameters: fitted.estimate.weights.len() + shape.len(),
-            held_out_percent: 100.0 * fitted.held_out.rms_pp(),
-            as_good: false,
-            shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
-            refused: None,
-        }
-    }
-
-    fn refused(row: &Operator, why: String) -> Self {
-        Trial {
-            operator: row.name,
-            parameters: 0,
-            held_out_percent: f64::INFINITY,
-            as_good: false,
-            shape: Vec::new(),
-            refused: Some(why),
-        }
-    }
 }
 
 /// Lags a decade apart.

@@ -34,12 +34,7 @@ pub(super) struct Fitted {
     pub(super) estimate: Estimate,
     /// State of creep, state of G and constant of each run.
     pub(super) own: Vec<Vec<f64>>,
-    /// Of each run, the mean squared error over the squared peak-to-peak.
-    pub(super) left: Vec<f64>,
     pub(super) held_out: HeldOut,
-    /// The equations where it ended, and what is known beside them.
-    pub(super) normal: Normal,
-    pub(super) prior: Prior,
 }
 
 /// An estimate and the equations there.
@@ -67,6 +62,11 @@ impl Point {
         self.normal.left(&self.here()) + self.prior.penalty(&self.normal, lambda, self.prior.now())
     }
 
+    /// What the equations foretell of what is held out in turn.
+    fn held_out(&self, damping: f64, freed: Freed, lambda: Option<f64>) -> HeldOut {
+        cross_validate(&self.estimate, &self.prior, &self.stretches, damping, freed, lambda)
+    }
+
     /// The runs' own coefficients at `x`.
     fn own(&self, x: &DVector<f64>) -> Vec<Vec<f64>> {
         let steps = self.prior.steps(x);
@@ -86,8 +86,9 @@ impl Point {
 /// # Errors
 /// What `watch`, which is told each step, returns.
 pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Watch) -> Result<Fitted, Error> {
+    runs.iter_mut().for_each(|run| run.heavier = 1.0);
     let mut point = Point::at(start, runs, &[]);
-    let (mut damping, mut held_out) = (1e-6, HeldOut { lambda: 0.0, folds: Vec::new() });
+    let (mut damping, mut lambda) = (1e-6, 0.0);
     for step in 0..STEPS {
         watch(step)?;
         let freed = match (step, freed) {
@@ -96,11 +97,11 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
             (_, freed) => freed,
         };
         if step <= SETTLED {
-            held_out = cross_validate(&point.estimate, &point.prior, &point.stretches, damping, freed);
+            lambda = point.held_out(damping, freed, None).lambda;
         }
-        let cost = if step == 0 { f64::INFINITY } else { point.cost(held_out.lambda) };
-        let Some(next) = lower(&point, runs, cost, held_out.lambda, &mut damping, freed) else { break };
-        let fall = 1.0 - next.cost(held_out.lambda) / cost;
+        let cost = if step == 0 { f64::INFINITY } else { point.cost(lambda) };
+        let Some(next) = lower(&point, runs, cost, lambda, &mut damping, freed) else { break };
+        let fall = 1.0 - next.cost(lambda) / cost;
         point = next;
         if step + 1 < SETTLED && weigh(runs, &point.left(runs)) {
             let own = point.own(point.prior.now());
@@ -110,9 +111,8 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
             break;
         }
     }
-    let (own, left) = (point.own(point.prior.now()), point.left(runs));
-    let Point { estimate, prior, normal, .. } = point;
-    Ok(Fitted { estimate, own, left, held_out, normal, prior })
+    let (own, held_out) = (point.own(point.prior.now()), point.held_out(damping, freed, Some(lambda)));
+    Ok(Fitted { estimate: point.estimate, own, held_out })
 }
 
 /// The next point, of lower cost; none where none is found.

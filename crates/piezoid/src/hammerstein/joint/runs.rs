@@ -1,6 +1,7 @@
 //! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
 
 use crate::error::Error;
+use crate::quality::{Need, inspect};
 use crate::record::Record;
 use crate::series::ends;
 use crate::waveform::in_motion;
@@ -42,7 +43,7 @@ pub(super) struct Run<'a> {
 
 impl<'a> Run<'a> {
     /// None where the output never moves.
-    pub(super) fn new(record: &'a Record, rich: bool) -> Option<Self> {
+    pub(super) fn new(record: &'a Record, rich: bool, usable: Vec<bool>) -> Option<Self> {
         let (low, high) = ends(record.y().iter().copied());
         (low < high).then(|| Run {
             record,
@@ -50,20 +51,23 @@ impl<'a> Run<'a> {
             past: if in_motion(record.u()) { Past::Itself } else { Past::Rest },
             scale: 1.0 / (high - low),
             heavier: 1.0,
-            usable: vec![true; record.len()],
+            usable,
             stretches: vec![(record.len(), None)],
         })
     }
 }
 
 /// All records, with what is held out in turn.
+///
+/// # Errors
+/// Refuses a record nothing can be identified from.
 pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record]) -> Result<Vec<Run<'a>>, Error> {
-    let kinds = small.iter().map(|r| (r, false)).chain(rich.iter().map(|r| (r, true)));
-    let still = || Error::Unidentifiable {
-        what: "a model".into(),
-        because: "the output of a record never moves: is the sensor connected, and the column the right one?".into(),
-    };
-    let mut runs = kinds.map(|(r, rich)| Run::new(r, rich).ok_or_else(still)).collect::<Result<Vec<_>, _>>()?;
+    let mut runs = Vec::new();
+    for (record, rich) in small.iter().map(|r| (r, false)).chain(rich.iter().map(|r| (r, true))) {
+        let seen = inspect(record, &Need::default());
+        seen.sound()?;
+        runs.extend(Run::new(record, rich, seen.usable));
+    }
     fold(&mut runs);
     Ok(runs)
 }

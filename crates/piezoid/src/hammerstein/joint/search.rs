@@ -39,7 +39,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
         Record::new(record.ts(), record.u()[from..].to_vec(), record.y()[from..].to_vec())
     };
     let parts: Vec<Record> = rich.iter().map(end).collect::<Result<_, _>>()?;
-    let parts: Vec<Run> = parts.iter().filter_map(|part| Run::new(part, true)).collect();
+    let parts: Vec<Run> = parts.iter().filter_map(|part| Run::new(part, true, vec![true; part.len()])).collect();
 
     let at = |x: &[f64]| -> Option<Estimate> {
         let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();

@@ -4,6 +4,7 @@
 //! min |error|^2 + S lambda |D w|^2 + mu |steps of the others|^2,   w_k >= 0 where physics asks for it,  g_i >= 0
 //! ```
 //! D takes second differences of neighbouring weights; S is the mean size of the weights' columns, so lambda has no unit.
+//! Lags of creep are held to like gains in the same way.
 //! A factor may stand in G or in w alike: the static gain of G is held, and w carries it.
 
 use super::equations::Normal;
@@ -14,6 +15,14 @@ use nalgebra::{DMatrix, DVector};
 
 /// Ridge on the weights, against ties between them.
 const RIDGE: f64 = 1e-12;
+
+/// The time constant from which lags are creep [s], and at least so many samples; quicker ones are dynamics of another kind.
+const SLOW: f64 = 0.04;
+const SAMPLES: f64 = 15.0;
+
+/// How firmly neighbouring lags of creep are held to the same gain, as the logarithmic law has it, over the size of their
+/// columns: records are too short to tell the slowest apart.
+const ALIKE: f64 = 0.05;
 
 /// Which parameters move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +47,8 @@ pub(super) struct Prior {
     signed: Vec<bool>,
     /// The derivative of ln(static gain of G).
     gain: DVector<f64>,
+    /// Lags that are too quick to count as creep.
+    quick: usize,
 }
 
 impl Prior {
@@ -63,7 +74,8 @@ impl Prior {
         let mut gain = DVector::zeros(layout.parameters());
         gain.rows_range_mut(layout.a.clone()).fill(1.0 / fed_back);
         gain.rows_range_mut(layout.b.clone()).fill(1.0 / fed_forward);
-        Prior { now: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain }
+        let quick = estimate.lags.iter().filter(|lag| lag.tau_s < SLOW.max(SAMPLES * estimate.ts())).count();
+        Prior { now: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain, quick }
     }
 
     /// Where all parameters stand.
@@ -108,6 +120,13 @@ impl Prior {
         for k in layout.gains.clone() {
             g.axpy(self.now[k], &normal.h.column(k), 1.0);
             g[k] += (h[(k, k)] - normal.h[(k, k)]) * self.now[k];
+        }
+        let gains = layout.gains.clone();
+        let alike = ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64;
+        for k in gains.skip(self.quick + 1) {
+            for (i, j, sign) in [(k, k, 1.0), (k - 1, k - 1, 1.0), (k, k - 1, -1.0), (k - 1, k, -1.0)] {
+                h[(i, j)] += sign * alike;
+            }
         }
         let held = self.hold_static_gain(&mut h, &mut g);
 

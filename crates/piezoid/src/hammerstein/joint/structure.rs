@@ -16,12 +16,13 @@ use crate::driver::SUBSTEPS;
 use crate::error::Error;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
 use crate::hysteresis::{Design, operator};
-use crate::linear::{Arx, Choice, Orders, Refinement, output_error, select};
+use crate::linear::{Arx, Choice, Orders, Refinement, output_error, refine as refine_alone, select};
 use crate::number::short;
 use crate::progress::unwatched;
 use crate::record::Record;
 use crate::series::scatter;
 use crate::system::System;
+use std::f64::consts::TAU;
 
 /// The highest order tried, and the longest delay of small-signal records [samples].
 const ORDER: usize = 8;
@@ -31,7 +32,8 @@ const DELAY: usize = 3;
 const COARSE: usize = 12;
 
 /// The linear block of small-signal records, and why it is this one.
-pub(super) fn of_small(small: &[Record], how: &Joint) -> Result<(Arx, String), Error> {
+pub(super) fn of_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
+    let slowest = lags.first().map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s));
     rich_enough(small, 1)?;
     let seen: Vec<Record> = small.iter().map(|record| behind(record, how)).collect::<Result<_, _>>()?;
     let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
@@ -41,7 +43,21 @@ pub(super) fn of_small(small: &[Record], how: &Joint) -> Result<(Arx, String), E
     }
     let found =
         select(&seen, &Choice { order: most, delay: DELAY, parallel: true, ..Choice::default() }, &mut unwatched)?;
-    Ok((found.fit.arx, found.reason))
+    let creeps = |arx: &Arx| arx.poles().iter().any(|p| p.z.im == 0.0 && p.z.re > 0.0 && p.hz < slowest);
+    if !how.creep || !creeps(&found.fit.arx) {
+        return Ok((found.fit.arx, found.reason));
+    }
+    // A slow lag of the linear block is creep, which has a block of its own.
+    let chosen = &found.candidates[found.chosen];
+    let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= 1.1 * chosen.held_out);
+    match near.min_by_key(|c| (c.orders.na, std::cmp::Reverse(c.orders.delay))) {
+        None => Ok((found.fit.arx, found.reason)),
+        Some(near) => {
+            let fit = refine_alone(&seen, &near.arx, &Refinement::default(), &mut unwatched)?;
+            let (n, delay) = (near.orders.na, near.orders.delay);
+            Ok((fit.arx, format!("order {n} with delay {delay}; {}, but has a lag as slow as creep", found.reason)))
+        }
+    }
 }
 
 /// The block of order `n`, with the delay that leaves least.
@@ -117,12 +133,17 @@ pub(super) fn of_rich(
     let least = tried.iter().min_by(|p, q| p.1.held_out.rms_pp().total_cmp(&q.1.held_out.rms_pp()));
     let hidden = hidden(&least.unwrap_or(&tried[0]).1.estimate, runs)?;
     let delay = delay(&hidden).saturating_sub(1);
+    let fastest = lines(rich).into_iter().fold(0.0, f64::max);
     for n in orders.filter(|n| *n > 0) {
         let orders = Orders { delay, ..Orders::of(n) };
         if let Ok(found) = output_error(&hidden, orders, &Refinement::default(), &mut unwatched)
             && found.arx.dc_gain() * gain > 0.0
         {
             let fit = refine(start(rescaled(&found.arx, gain)?)?, runs, Freed::All, watch)?;
+            // A lag slower than the drive is creep, and repairs what the hysteresis block cannot do.
+            if fit.estimate.linear.poles().iter().any(|pole| pole.z.im == 0.0 && pole.hz < fastest) {
+                continue;
+            }
             tried.push((format!("order {n} with a delay of {delay} samples"), fit));
         }
     }

@@ -1,0 +1,103 @@
+//! Which operators are tried, and which is taken.
+
+use super::refine::Fitted;
+use crate::error::Error;
+use crate::hysteresis::{OPERATORS, Operator, operator};
+use crate::record::Record;
+use crate::series::ends;
+use crate::waveform::turns;
+use serde::Serialize;
+
+/// Share of the inputs' range by which a turn must stay off its ends to begin a minor loop, and how many such turns show
+/// what minor loops do.
+const INSIDE: f64 = 0.1;
+const ENOUGH: usize = 8;
+
+/// What became of one operator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trial {
+    /// The operator.
+    pub operator: &'static str,
+    /// Weights and shape parameters.
+    pub parameters: usize,
+    /// Rms error over peak-to-peak of what was held out, in percent, each part foretold by a fit to all others; infinite where
+    /// nothing came out.
+    pub held_out_percent: f64,
+    /// Whether that is as good as the best, within its uncertainty.
+    pub as_good: bool,
+    /// The shape parameters by name.
+    pub shape: Vec<(&'static str, f64)>,
+    /// Why nothing came out, if so.
+    pub refused: Option<String>,
+}
+
+/// The operators to try. Where the records hold no minor loops, nothing in them tells operators apart that differ there; then
+/// of all only those are tried that do what measured ceramics do: follow minor loops, and wipe them out.
+pub(super) fn candidates(
+    name: &str,
+    rich: &[Record],
+    notes: &mut Vec<String>,
+) -> Result<Vec<&'static Operator>, Error> {
+    if name != "auto" {
+        return Ok(vec![operator(name)?]);
+    }
+    let (low, high) = ends(rich.iter().flat_map(|record| record.u()).copied());
+    let margin = INSIDE * (high - low);
+    let inner = |record: &Record| {
+        let inside = |&&t: &&usize| (low + margin..high - margin).contains(&record.u()[t]);
+        turns(record.u(), 0.5 * INSIDE).iter().filter(inside).count()
+    };
+    if rich.iter().map(inner).sum::<usize>() >= ENOUGH {
+        return Ok(OPERATORS.to_vec());
+    }
+    notes.push(
+        "the records hold no minor loops, so what the model makes of smaller amplitudes is a guess; tried were only operators \
+         that wipe out minor loops, as measured ceramics do: add a sine whose amplitude rises"
+            .into(),
+    );
+    Ok(OPERATORS.iter().copied().filter(|o| o.minor_loops && o.wipes_out).collect())
+}
+
+/// Of those that are as good as the best the one with the fewest parameters, and all of them as they are told.
+pub(super) fn choose(trials: Vec<(Trial, Option<Fitted>)>) -> Result<(Fitted, Vec<Trial>), Error> {
+    let (mut told, fitted): (Vec<Trial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
+    let found = fitted.iter().flatten().map(|fitted| &fitted.held_out);
+    let best = found.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
+    for (trial, fitted) in told.iter_mut().zip(&fitted) {
+        trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
+    }
+    let good = told.iter().zip(fitted).filter(|(trial, _)| trial.as_good);
+    match good.min_by_key(|(trial, _)| trial.parameters) {
+        Some((_, Some(fitted))) => Ok((fitted, told)),
+        _ => {
+            let each = told.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
+            let because = each.collect::<Vec<_>>().join("; ");
+            Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because })
+        }
+    }
+}
+
+impl Trial {
+    pub(super) fn of(row: &Operator, fitted: &Fitted) -> Self {
+        let shape = fitted.estimate.basis.shape();
+        Trial {
+            operator: row.name,
+            parameters: fitted.estimate.weights.len() + shape.len(),
+            held_out_percent: 100.0 * fitted.held_out.rms_pp(),
+            as_good: false,
+            shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
+            refused: None,
+        }
+    }
+
+    pub(super) fn refused(row: &Operator, why: String) -> Self {
+        Trial {
+            operator: row.name,
+            parameters: 0,
+            held_out_percent: f64::INFINITY,
+            as_good: false,
+            shape: Vec::new(),
+            refused: Some(why),
+        }
+    }
+}

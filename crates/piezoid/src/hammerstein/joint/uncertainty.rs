@@ -1,0 +1,78 @@
+//! How far the parameters are known, by the jackknife: each fold is left out in turn, and what the parameters then are tells
+//! how much they owe to it.
+//!
+//! ```text
+//! error^2 = (F - 1) / F  sum over folds of (value without the fold - mean of these)^2
+//! ```
+//! It needs no assumption about the residuals, and counts the errors of the model as well as noise.
+//!
+//! B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462.
+
+use super::refine::Fitted;
+use crate::linear::Arx;
+use crate::series::scatter;
+use serde::Serialize;
+
+/// Error over value from which a parameter counts as not identified.
+const UNKNOWN: f64 = 0.5;
+
+/// A parameter an engineer asks for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Parameter {
+    /// What it is, with its unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl Parameter {
+    /// Whether the records leave it open by more than half of its value.
+    pub fn is_unknown(&self) -> bool {
+        !(self.error <= UNKNOWN * self.value.abs())
+    }
+}
+
+/// Creep, shape of the hysteresis, and modes of the linear block, as far as there are any.
+pub(super) fn parameters(fitted: &Fitted) -> Vec<Parameter> {
+    let estimate = &fitted.estimate;
+    let others: Vec<_> = fitted.held_out.without.iter().filter_map(|x| estimate.moved(x.as_slice())).collect();
+    let parameter = |name: String, value: f64, of: &dyn Fn(&super::Estimate) -> f64| {
+        let values: Vec<f64> = others.iter().map(of).collect();
+        let n = values.len() as f64;
+        let error = if n > 1.0 { ((n - 1.0) / n * scatter(&values)).sqrt() } else { f64::INFINITY };
+        Parameter { name, value, error }
+    };
+    let mut parameters = Vec::new();
+    for (k, shape) in estimate.basis.shape().into_iter().enumerate() {
+        parameters.push(parameter(shape.name.into(), shape.value, &|e| e.basis.shape()[k].value));
+    }
+    for (k, lag) in estimate.lags.iter().enumerate().filter(|(_, lag)| lag.gain > 0.0) {
+        let name = format!("creep of {} s", crate::number::short(lag.tau_s));
+        parameters.push(parameter(name, lag.gain, &|e| e.lags[k].gain));
+    }
+    // The poles that ring below half the sampling rate: beyond, they are images.
+    let rings = |arx: &Arx| {
+        let half = 0.5 / estimate.ts();
+        arx.poles()
+            .into_iter()
+            .filter(move |p| p.z.im > 0.0 && p.damping < 0.5 && p.hz < 0.9 * half)
+            .collect::<Vec<_>>()
+    };
+    for (k, pole) in rings(&estimate.linear).into_iter().enumerate() {
+        // The nearest by frequency, should their order change.
+        let nearest = |e: &super::Estimate| {
+            let near = |p: &crate::linear::Pole| (p.hz / pole.hz).ln().abs();
+            rings(&e.linear).into_iter().min_by(|p, q| near(p).total_cmp(&near(q)))
+        };
+        let mode = k + 1;
+        parameters.push(parameter(format!("mode {mode} frequency [Hz]"), pole.hz, &|e| {
+            nearest(e).map_or(f64::NAN, |p| p.hz)
+        }));
+        parameters.push(parameter(format!("mode {mode} damping"), pole.damping, &|e| {
+            nearest(e).map_or(f64::NAN, |p| p.damping)
+        }));
+    }
+    parameters
+}
