@@ -3,9 +3,11 @@
 #![allow(missing_docs)] // criterion's macros make public items of their own
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use piezoid::creep::Creep;
+use piezoid::driver::{Driver, SUBSTEPS};
 use piezoid::excitation::{Prbs, Sine};
 use piezoid::hammerstein::Model;
-use piezoid::hysteresis::{Branches, Design, Hysteresis, OPERATORS, Reading, TwoBranch, operator};
+use piezoid::hysteresis::{Basis, Branches, Design, Hysteresis, OPERATORS, Operator, Reading, TwoBranch, operator};
 use piezoid::linear::{AbsoluteError, Arx, Orders, Regression, estimator, fit};
 use piezoid::optimize::swarm::{Cost, Settings};
 use piezoid::plant::{Plant, find};
@@ -60,10 +62,10 @@ fn estimators(c: &mut Criterion) {
     group.finish();
 }
 
-/// Samples a second of the blocks and of the twins.
-fn simulation(c: &mut Criterion) {
-    let (Ok(systems), Ok(u)) = (systems(), sine()) else { return };
-    let mut group = c.benchmark_group("simulation");
+/// Samples a second of each of these systems, driven by the same sine.
+fn side_by_side(c: &mut Criterion, group: &str, systems: Result<Vec<Named>, Error>) {
+    let (Ok(systems), Ok(u)) = (systems, sine()) else { return };
+    let mut group = c.benchmark_group(group);
     group.throughput(Throughput::Elements(u.len() as u64));
     for (name, system) in &systems {
         group.bench_function(BenchmarkId::from_parameter(name), |b| b.iter(|| system.simulate(black_box(&u))));
@@ -71,54 +73,115 @@ fn simulation(c: &mut Criterion) {
     group.finish();
 }
 
-/// Samples a second of the operators as they are fitted by default, and of plays before the paper's linear block.
-fn operators(c: &mut Criterion) {
-    let (Ok(u), Ok(plays), Ok(arx)) = (sine(), fitted("prandtl-ishlinskii"), arx()) else { return };
-    let Ok(model) = Model::new(plays.clone(), arx.clone(), 0.0) else { return };
-    let mut group = c.benchmark_group("operators");
+/// The linear blocks, the models, the operators as they are fitted by default, and the twins.
+fn simulation(c: &mut Criterion) {
+    side_by_side(c, "linear", linear());
+    side_by_side(c, "models", models());
+    let operator = |row: &&'static Operator| Ok((row.name.into(), fitted(row.name)? as Arc<dyn System>));
+    side_by_side(c, "operators", OPERATORS.iter().map(operator).collect());
+    let twin = |name: &str| Ok((name.into(), Arc::new(Plant::new(&(find(name)?.spec)(), TS)?) as Arc<dyn System>));
+    side_by_side(c, "twins", ["paper", "pl140"].into_iter().map(twin).collect());
+}
+
+/// Samples a second of what the joint way fits: all responses of an operator, before they are weighted.
+fn bases(c: &mut Criterion) {
+    let Ok(u) = sine() else { return };
+    let mut group = c.benchmark_group("bases");
     group.throughput(Throughput::Elements(u.len() as u64));
-    group.bench_function("model of 30 plays and arx of order 2", |b| b.iter(|| model.simulate(black_box(&u))));
-    group.bench_function("30 plays, then arx of order 2", |b| b.iter(|| arx.simulate(&plays.simulate(black_box(&u)))));
     for row in OPERATORS {
-        let Ok(block) = fitted(row.name) else { continue };
-        group.bench_function(row.name, |b| b.iter(|| block.simulate(black_box(&u))));
+        let Ok(basis) = basis(row.name) else { continue };
+        let (rest, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
+        group.bench_function(row.name, |b| {
+            let mut x = rest.clone();
+            b.iter(|| {
+                x.copy_from_slice(&rest);
+                u.iter().for_each(|&u| basis.step(&mut x, u, black_box(&mut phi)));
+            });
+        });
     }
     group.finish();
 }
 
-/// The operator called `name` with its own number of elements.
-fn fitted(name: &str) -> Result<Arc<dyn Hysteresis>, Error> {
+/// The basis of the operator called `name`, of its own number of elements.
+fn basis(name: &str) -> Result<Box<dyn Basis>, Error> {
     let design = Design { ts: TS, range: (-30.0, 30.0), elements: None, frequencies: vec![5.0, 20.0, 40.0, 80.0] };
-    let basis = (operator(name)?.basis)(&design)?;
+    (operator(name)?.basis)(&design)
+}
+
+/// The operator called `name`, of its own number of elements.
+fn fitted(name: &str) -> Result<Arc<dyn Hysteresis>, Error> {
+    let basis = basis(name)?;
     basis.operator(&vec![0.1; basis.len()])
 }
 
+/// The paper's linear block.
 fn arx() -> Result<Arx, Error> {
     Arx::new(TS, vec![1.7424, -0.9453], vec![3.1, 3.1, 0.0])
 }
 
-type Named = (&'static str, Box<dyn System>);
-
-fn systems() -> Result<Vec<Named>, Error> {
-    let arx = arx()?;
+/// The paper's hysteresis block.
+fn two_branch() -> Result<TwoBranch, Error> {
     let u: Vec<f64> = (0..17).map(|k| 3.75 * f64::from(k) - 30.0).collect();
     let z = |side: f64| u.iter().map(|u| u + side * (1.0 - u * u / 900.0)).collect();
-    let branches = Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?;
-    let block = TwoBranch::new(TS, branches, Reading::Held)?;
-    let model = Model::new(Arc::new(block.clone()), arx.clone(), 0.0)?;
-    let plant = |name| Plant::new(&(find(name)?.spec)(), TS);
+    TwoBranch::new(TS, Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?, Reading::Held)
+}
+
+type Named = (String, Arc<dyn System>);
+
+fn linear() -> Result<Vec<Named>, Error> {
+    let of_order = |n: i32| {
+        let a = (1..=n).map(|k| 0.5 * (-0.6f64).powi(k)).collect();
+        Arx::new(TS, a, (0..=n).map(|k| 0.7f64.powi(k)).collect())
+    };
+    let mut systems: Vec<Named> = Vec::new();
+    for n in [1, 2, 3, 4, 6, 8, 16] {
+        systems.push((format!("arx of order {n}"), Arc::new(of_order(n)?)));
+    }
+    systems.push(("creep of 4 lags".into(), Arc::new(Creep::logarithmic(TS, 0.01, 0.01, 10.0)?)));
+    Ok(systems)
+}
+
+/// Models by what precedes the paper's linear block.
+fn models() -> Result<Vec<Named>, Error> {
+    let model = |hysteresis| Model::new(hysteresis, arx()?, 0.0);
+    let driver = Driver::new(1e-4, Some(6e4))?;
+    let faster = TS / SUBSTEPS as f64;
+    let design = Design { ts: faster, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
+    let plays = (operator("prandtl-ishlinskii")?.basis)(&design)?.operator(&[0.1; 31])?;
     Ok(vec![
-        ("arx of order 2", Box::new(arx)),
-        ("two-branch", Box::new(block)),
-        ("the paper's model", Box::new(model)),
-        ("twin paper", Box::new(plant("paper")?)),
-        ("twin pl140", Box::new(plant("pl140")?)),
+        ("the paper's: two branches".into(), Arc::new(model(Arc::new(two_branch()?))?)),
+        ("30 plays".into(), Arc::new(model(fitted("prandtl-ishlinskii")?)?)),
+        ("preisach".into(), Arc::new(model(fitted("preisach")?)?)),
+        (
+            "30 plays and creep of 4 lags".into(),
+            Arc::new(model(fitted("prandtl-ishlinskii")?)?.with_creep(Creep::logarithmic(TS, 0.01, 0.01, 10.0)?)?),
+        ),
+        ("30 plays behind a driver".into(), Arc::new(Model::driven(Some(driver), plays, arx()?, 0.0)?)),
+        ("30 plays, sample by sample".into(), Arc::new(Stepped(model(fitted("prandtl-ishlinskii")?)?))),
     ])
+}
+
+/// A system without a run of its own.
+#[derive(Debug)]
+struct Stepped(Model);
+
+impl System for Stepped {
+    fn ts(&self) -> f64 {
+        self.0.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.0.order()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        self.0.step(x, u)
+    }
 }
 
 fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation, operators);
+criterion_group!(benches, cost, estimators, simulation, bases);
 criterion_main!(benches);

@@ -95,13 +95,44 @@ impl System for Creep {
     }
 
     fn step(&self, x: &mut [f64], z: f64) -> f64 {
-        let mut y = z;
-        for ((x, rate), lag) in x.iter_mut().zip(&self.rates).zip(&self.lags) {
-            *x += rate * (z - *x);
-            y += lag.gain * *x;
-        }
-        y
+        rungs(x, &self.rates, &self.lags, z)
     }
+
+    fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
+        match x.len() {
+            0 => {}
+            1 => self.few::<1>(x, signal),
+            2 => self.few::<2>(x, signal),
+            3 => self.few::<3>(x, signal),
+            4 => self.few::<4>(x, signal),
+            5 => self.few::<5>(x, signal),
+            _ => signal.iter_mut().for_each(|v| *v = self.step(x, *v)),
+        }
+    }
+}
+
+impl Creep {
+    /// [`System::respond`] of `N` lags, kept in registers.
+    fn few<const N: usize>(&self, x: &mut [f64], signal: &mut [f64]) {
+        let (Ok(past), Ok(rates)) = (<&mut [f64; N]>::try_from(x), <&[f64; N]>::try_from(&self.rates[..])) else {
+            return;
+        };
+        let Ok(lags) = <&[Lag; N]>::try_from(&self.lags[..]) else { return };
+        let mut x = *past;
+        signal.iter_mut().for_each(|v| *v = rungs(&mut x, rates, lags, *v));
+        *past = x;
+    }
+}
+
+/// One sample of the ladder.
+#[inline(always)]
+fn rungs(x: &mut [f64], rates: &[f64], lags: &[Lag], z: f64) -> f64 {
+    let mut y = z;
+    for ((x, rate), lag) in x.iter_mut().zip(rates).zip(lags) {
+        *x += rate * (z - *x);
+        y += lag.gain * *x;
+    }
+    y
 }
 
 #[cfg(test)]
@@ -122,6 +153,18 @@ mod tests {
         let creep = Creep::logarithmic(1e-3, 0.02, 0.1, 100.0).unwrap();
         assert_eq!(creep.lags().len(), 4);
         assert_close(&creep.resume(&mut creep.settled(5.0), &[5.0; 100]), &[5.4; 100], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn a_run_is_its_steps_to_the_bit_however_many_lags_there_are() {
+        let z: Vec<f64> = (0..300).map(|t| (0.1 * f64::from(t)).sin()).collect();
+        for n in 0..9 {
+            let lags = (0..n).map(|k| Lag { tau_s: 0.003 * 1.7f64.powi(k), gain: 0.1 + 0.02 * f64::from(k) });
+            let creep = Creep::new(1e-3, lags.collect()).unwrap();
+            let mut x = creep.initial();
+            let stepped: Vec<f64> = z.iter().map(|&z| creep.step(&mut x, z)).collect();
+            assert_eq!(creep.simulate(&z), stepped);
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod formats;
 mod fourier;
 pub mod hammerstein;
 pub mod hysteresis;
+mod intervals;
 pub mod linear;
 pub mod number;
 pub mod optimize;

@@ -5,6 +5,7 @@
 //! each (de Boor 1978, A Practical Guide to Splines, chapter IV). Two knots give a line, three a parabola.
 
 use crate::error::{Error, finite};
+use crate::intervals::Intervals;
 
 /// An interpolating cubic spline.
 ///
@@ -16,7 +17,7 @@ use crate::error::{Error, finite};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spline {
-    x: Vec<f64>,
+    knots: Intervals,
     /// For each piece, the value, slope, half curvature and sixth of the third derivative at its left knot.
     pieces: Vec<[f64; 4]>,
 }
@@ -61,20 +62,32 @@ impl Spline {
                 rule,
             ));
         }
-        Ok(Spline { x: x.to_vec(), pieces })
+        Ok(Spline { knots: Intervals::new(x.to_vec()), pieces })
     }
 
     /// The curve at `x`; beyond the knots, the cubic of the outermost piece, which soon runs far off.
+    #[inline]
     pub fn at(&self, x: f64) -> f64 {
-        let i = self.x.partition_point(|&knot| knot <= x).clamp(1, self.pieces.len()) - 1;
-        let t = x - self.x[i];
-        let [c0, c1, c2, c3] = self.pieces[i];
+        self.on(self.place(x))
+    }
+
+    /// The piece that `x` lies on, and how far into it.
+    #[inline]
+    pub(crate) fn place(&self, x: f64) -> (usize, f64) {
+        let i = self.knots.of(x);
+        (i, x - self.knots.edges()[i])
+    }
+
+    /// The curve at a place of this spline, or of another through the same knots.
+    #[inline]
+    pub(crate) fn on(&self, (piece, t): (usize, f64)) -> f64 {
+        let [c0, c1, c2, c3] = self.pieces[piece];
         c0 + t * (c1 + t * (c2 + t * c3))
     }
 
     /// The knots, rising.
     pub fn knots(&self) -> &[f64] {
-        &self.x
+        self.knots.edges()
     }
 }
 

@@ -37,12 +37,14 @@ impl Model {
             Beginning::Motion => {
                 let mut x = self.settled(first);
                 let [hysteresis, creep, linear, driver] = self.parts(&mut x);
-                let z: Vec<f64> = u.iter().map(|&u| self.hidden(hysteresis, driver, u)).collect();
+                let mut z = u.to_vec();
+                self.hidden(hysteresis, driver, &mut z);
                 creep.copy_from_slice(&self.creep().settled(mean(&z)));
-                z.iter().for_each(|&z| _ = self.creep().step(creep, z));
-                let z = self.hidden(&mut hysteresis.to_vec(), &mut driver.to_vec(), first);
-                let crept = self.creep().step(&mut creep.to_vec(), z);
-                linear.copy_from_slice(&self.linear().settled(crept));
+                self.creep().respond(creep, &mut z);
+                let mut crept = [first];
+                self.hidden(&mut hysteresis.to_vec(), &mut driver.to_vec(), &mut crept);
+                self.creep().respond(&mut creep.to_vec(), &mut crept);
+                linear.copy_from_slice(&self.linear().settled(crept[0]));
                 x
             }
         }

@@ -83,8 +83,9 @@ fn advance<R: Real>(shape: &[R], h: R, (middle, e): (R, R), s: R) -> R {
     let e = if e.value() > 0.0 { e } else { 0.0.into() };
     let (nu, eta) = (one + strength_loss * e, one + stiffness_loss * e);
     let (grow, relax) = (nu * beta * (one + ratio), nu * beta * (one - ratio));
-    let v = middle * grow / width;
-    climb(h, s * (one - pinch * (-v * v).exp()) / eta, grow, relax)
+    // Divided first, where nothing waits for it.
+    let (v, path) = (middle * (grow / width), s / eta);
+    climb(h, path * (one - pinch * (-v * v).exp()), grow, relax)
 }
 
 impl Law for BaberNoori {

@@ -64,10 +64,23 @@ impl Branch {
         Branch::try_from(Knots { u, z })
     }
 
+    #[inline]
     pub(super) fn at(&self, u: f64) -> f64 {
+        self.on(self.place(u))
+    }
+
+    /// Where `u` lies on the spline, and how far beyond its ends.
+    #[inline]
+    pub(super) fn place(&self, u: f64) -> ((usize, f64), f64) {
         let (first, last) = (self.knots.u[0], self.knots.u[self.knots.u.len() - 1]);
         let inside = u.clamp(first, last);
-        self.spline.at(inside) + self.beyond * (u - inside)
+        (self.spline.place(inside), u - inside)
+    }
+
+    /// The curve at a place of this branch, or of another through the same knots.
+    #[inline]
+    pub(super) fn on(&self, (inside, beyond): ((usize, f64), f64)) -> f64 {
+        self.spline.on(inside) + self.beyond * beyond
     }
 }
 

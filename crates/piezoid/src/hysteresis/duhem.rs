@@ -86,10 +86,11 @@ impl Law for Duhem {
             let left = (-length).exp();
             let (end, back) = (R::from(input.u / scale), R::from(-path / scale));
             // integral[i]: of e^(-x r) v^j r^i, v the scaled input, for j = 0, 1, 2, ... in turn.
-            let mut integral = moments(length);
+            let n = x.len();
+            let mut integral = moments(length, left, n);
             for (j, psi) in x.iter_mut().enumerate() {
                 *psi = left * *psi + R::from(path) * integral[0];
-                for i in 0..MOST - 1 - j {
+                for i in 0..n - 1 - j {
                     integral[i] = end * integral[i] + back * integral[i + 1];
                 }
             }
@@ -119,33 +120,43 @@ impl Law for Duhem {
     }
 }
 
-/// m_i = int_0^1 e^(-x r) r^i dr for i = 0..MOST, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1), which loses nothing
-/// downwards for small x and upwards for large.
-fn moments<R: Real>(x: R) -> [R; MOST] {
-    let (left, mut m) = ((-x).exp(), [R::from(0.0); MOST]);
+/// m_i = int_0^1 e^(-x r) r^i dr for i = 0..n, given e^-x, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1), which loses
+/// nothing downwards for small x and upwards for large.
+fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
+    let mut m = [R::from(0.0); MOST];
     if x.value() > MOST as f64 {
         m[0] = (-x).growth();
-        for i in 1..MOST {
+        for i in 1..n {
             m[i] = (R::from(i as f64) * m[i - 1] - left) / x;
         }
         return m;
     }
-    // e^-x (1/(n+1) + x/((n+1)(n+2)) + ...): positive terms.
-    let mut term = R::from(1.0 / MOST as f64);
+    // e^-x (1/n + x/(n (n+1)) + ...): positive terms.
+    let mut term = R::from(1.0 / n as f64);
     let mut sum = term;
-    for k in 1..60 {
-        term = term * x / R::from((MOST + k) as f64);
+    for reciprocal in &RECIPROCALS[n..] {
+        term = term * x * (*reciprocal).into();
         sum = sum + term;
         if term.value() < 1e-17 * sum.value() {
             break;
         }
     }
-    m[MOST - 1] = left * sum;
-    for i in (0..MOST - 1).rev() {
-        m[i] = (left + x * m[i + 1]) / R::from((i + 1) as f64);
+    m[n - 1] = left * sum;
+    for i in (0..n - 1).rev() {
+        m[i] = (left + x * m[i + 1]) * RECIPROCALS[i].into();
     }
     m
 }
+
+/// 1, 1/2, 1/3, ...: a product takes a quarter of the time of a division.
+const RECIPROCALS: [f64; 60 + MOST] = {
+    let (mut r, mut i) = ([1.0; 60 + MOST], 1);
+    while i < r.len() {
+        r[i] = 1.0 / (i + 1) as f64;
+        i += 1;
+    }
+    r
+};
 
 #[cfg(test)]
 mod tests {
@@ -162,7 +173,10 @@ mod tests {
                 let r = |k: i32| (f64::from(k) + 0.5) / f64::from(n);
                 (0..n).map(|k| (-x * r(k)).exp() * r(k).powi(i)).sum::<f64>() / f64::from(n)
             };
-            assert_close(&moments(x), &std::array::from_fn::<f64, MOST, _>(|i| integral(i as i32)), 1e-7, 0.0);
+            for few in [1, 3, MOST] {
+                let known: Vec<f64> = (0..few).map(|i| integral(i as i32)).collect();
+                assert_close(&moments(x, (-x).exp(), few)[..few], &known, 1e-7, 0.0);
+            }
         }
     }
 

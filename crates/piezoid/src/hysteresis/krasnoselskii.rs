@@ -99,16 +99,21 @@ impl Law for Krasnoselskii {
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
         let ridge = |v: f64| (R::from(0.5) + R::from(v) / shape[0]).clamp(0.0.into(), 1.0.into());
-        for (j, &up) in self.levels.iter().enumerate() {
-            let (rise, rise_at_rest) = (ridge(u - up), ridge(-up));
-            for (i, &down) in self.levels[..=j].iter().enumerate() {
-                let (fall, fall_at_rest) = (ridge(u - down), ridge(-down));
-                let rest = R::from(0.5).clamp(rise_at_rest, fall_at_rest);
-                let k = index(i, j);
-                x[k] = x[k].clamp(rise - rest, fall - rest);
-                phi(k, x[k]);
-            }
+        // The ramp of each level, now and at rest: what pairs rise by and fall by.
+        let (mut now, mut at_rest) = ([R::from(0.0); MOST], [R::from(0.0); MOST]);
+        for ((now, at_rest), &s) in now.iter_mut().zip(&mut at_rest).zip(&self.levels) {
+            (*now, *at_rest) = (ridge(u - s), ridge(-s));
         }
+        let mut kernels = &mut x[..];
+        for j in 0..self.levels.len() {
+            let (row, next) = std::mem::take(&mut kernels).split_at_mut(j + 1);
+            for ((k, &fall), &fall_at_rest) in row.iter_mut().zip(&now).zip(&at_rest) {
+                let rest = R::from(0.5).clamp(at_rest[j], fall_at_rest);
+                *k = k.clamp(now[j] - rest, fall - rest);
+            }
+            kernels = next;
+        }
+        x.iter().enumerate().for_each(|(k, kernel)| phi(k, *kernel));
     }
 
     fn non_negative(&self, _: usize) -> bool {

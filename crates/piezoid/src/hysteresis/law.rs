@@ -64,13 +64,14 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     /// One sample: advances `x` and hands every phi_k, in order, to `phi`.
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, phi: impl FnMut(usize, R));
 
-    /// z along `u`, after `last`. Overridden where that is measurably faster, with the same bits however `u` is cut.
-    fn run(&self, weights: &[f64], shape: &[f64], x: &mut [f64], last: Input, u: &[f64], z: &mut [f64]) {
+    /// Replaces the inputs in `signal`, which come after `last`, by z. Overridden where that is measurably faster, with the
+    /// same bits however `signal` is cut.
+    fn run(&self, weights: &[f64], shape: &[f64], x: &mut [f64], last: Input, signal: &mut [f64]) {
         let mut input = last;
-        for (z, &u) in z.iter_mut().zip(u) {
-            input = input.then(u);
-            *z = 0.0;
-            self.step(shape, x, input, |k, phi| *z += weights[k] * phi);
+        for v in signal {
+            input = input.then(*v);
+            *v = 0.0;
+            self.step(shape, x, input, |k, phi| *v += weights[k] * phi);
         }
     }
 
@@ -161,9 +162,10 @@ impl<L: Law> Weighted<L> {
         x[0] = u.into();
     }
 
-    fn run(&self, x: &mut [f64], last: Input, u: &[f64], z: &mut [f64]) {
-        self.params.law.run(&self.params.weights, &self.shape, &mut x[1..], last, u, z);
-        x[0] = u.last().copied().unwrap_or(x[0]);
+    fn run(&self, x: &mut [f64], last: Input, signal: &mut [f64]) {
+        let Some(&end) = signal.last() else { return };
+        self.params.law.run(&self.params.weights, &self.shape, &mut x[1..], last, signal);
+        x[0] = end;
     }
 }
 
@@ -179,20 +181,18 @@ impl<L: Law> System for Weighted<L> {
     fn settled(&self, u: f64) -> Vec<f64> {
         let mut x = System::initial(self);
         let slowly = Input { ts: f64::INFINITY, ..self.last(&x) };
-        self.run(&mut x, slowly, &[u], &mut [0.0]);
+        self.run(&mut x, slowly, &mut [u]);
         x
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        let mut z = [0.0];
-        self.run(x, self.last(x), &[u], &mut z);
-        z[0]
+        let mut signal = [u];
+        self.run(x, self.last(x), &mut signal);
+        signal[0]
     }
 
-    fn resume(&self, x: &mut [f64], u: &[f64]) -> Vec<f64> {
-        let mut z = vec![0.0; u.len()];
-        self.run(x, self.last(x), u, &mut z);
-        z
+    fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
+        self.run(x, self.last(x), signal);
     }
 }
 

@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 /// The weights are w_0 of the input itself, then one for each slider.
 ///
-/// State: for each slider e_k and whether it slides (1 rising, -1 falling, 0 sticking).
+/// State: the e_k; then for each slider whether it slides (1 rising, -1 falling, 0 sticking).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct MaxwellSlip {
     /// r_1 < r_2 < ... [input unit]
@@ -88,27 +88,24 @@ impl Law for MaxwellSlip {
         let way = if path == 0.0 { 0.0 } else { path.signum() };
         let gain = R::from(1.0) + rise * (R::from(1.0) - (-R::from(input.rate()) / rate).exp());
         let left = (-R::from(input.ts) / attraction).exp();
-        phi(0, input.u.into());
-        for (k, (slider, &r)) in x.chunks_exact_mut(2).zip(&self.thresholds).enumerate() {
-            let breakaway = gain * r.into();
-            // Seen in the direction of the movement, everything rises.
-            let e = slider[0] * way.into();
-            let slides = slider[1].value() == way;
-            let pulled = e + path.abs().into();
-            if way == 0.0 {
-                slider[1] = 0.0.into();
-            } else if !slides && pulled < breakaway {
-                slider[0] = pulled * way.into();
-                slider[1] = 0.0.into();
-            } else {
-                let beyond = e - breakaway;
+        let (sliders, sliding) = x.split_at_mut(self.thresholds.len());
+        if way == 0.0 {
+            sliding.fill(0.0.into());
+        } else {
+            for ((slider, sliding), &r) in sliders.iter_mut().zip(sliding).zip(&self.thresholds) {
+                // Seen in the direction of the movement, everything rises.
+                let (e, breakaway) = (*slider * way.into(), gain * r.into());
+                let (pulled, beyond) = (e + path.abs().into(), e - breakaway);
+                let slides = sliding.value() == way;
                 // What breaks away within the sample stands at its breakaway, which then draws it no further.
-                let late = if slides || beyond.value() > 0.0 { beyond * left } else { 0.0.into() };
-                slider[0] = (breakaway + late) * way.into();
-                slider[1] = way.into();
+                let late = if slides | (beyond.value() > 0.0) { beyond * left } else { 0.0.into() };
+                let sticks = !slides & (pulled < breakaway);
+                *slider = if sticks { pulled } else { breakaway + late } * way.into();
+                *sliding = if sticks { 0.0 } else { way }.into();
             }
-            phi(k + 1, -slider[0]);
         }
+        phi(0, input.u.into());
+        sliders.iter().enumerate().for_each(|(k, e)| phi(k + 1, -*e));
     }
 
     fn non_negative(&self, _: usize) -> bool {

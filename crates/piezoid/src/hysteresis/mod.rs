@@ -188,6 +188,8 @@ mod tests {
             let mut z = example.resume(&mut x, &u[..377]);
             z.extend(example.resume(&mut x, &u[377..]));
             assert_eq!(z, example.simulate(&u));
+            let mut x = example.initial();
+            assert_eq!(u.iter().map(|&u| example.step(&mut x, u)).collect::<Vec<_>>(), z, "{example:?}");
         }
     }
 

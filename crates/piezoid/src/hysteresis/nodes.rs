@@ -65,19 +65,23 @@ impl Nodes {
         self.cardinals[k].at(u)
     }
 
-    /// Knot of the m_k that is weight `place`.
-    fn knot(&self, place: usize) -> usize {
-        place + usize::from(place >= self.redundant)
+    /// Place of m_k, which is not the redundant one, among the weights.
+    fn weight(&self, k: usize) -> usize {
+        k - usize::from(k > self.redundant)
     }
 
     /// Adds `share` of the responses at `u` to `phi`.
     pub(super) fn respond(&self, u: f64, way: f64, share: f64, phi: &mut [f64]) {
         let (middles, sides) = phi.split_at_mut(self.middles());
-        for (place, phi) in middles.iter_mut().enumerate() {
-            *phi += share * self.middle(self.knot(place), u);
-        }
-        for (k, phi) in sides.iter_mut().enumerate() {
-            *phi += share * way * self.side(k + 1, u);
+        let place = self.cardinals[0].place(u);
+        for (k, (cardinal, at_rest)) in self.cardinals.iter().zip(&self.at_rest).enumerate() {
+            let c = cardinal.on(place);
+            if k != self.redundant {
+                middles[self.weight(k)] += share * (c - at_rest);
+            }
+            if (1..=sides.len()).contains(&k) {
+                sides[k - 1] += share * way * c;
+            }
         }
     }
 
@@ -87,8 +91,8 @@ impl Nodes {
 
     /// Second differences of the m_k and of the v_k, counted from weight `from`.
     pub(super) fn roughness(&self, from: usize) -> Vec<Vec<(usize, f64)>> {
-        let (n, redundant, middles) = (self.knots.len(), self.redundant, self.middles());
-        let middle = move |k: usize| (k != redundant).then(|| from + k - usize::from(k > redundant));
+        let (n, middles) = (self.knots.len(), self.middles());
+        let middle = |k: usize| (k != self.redundant).then(|| from + self.weight(k));
         // v is 0 at both ends.
         let side = move |k: usize| (1..n - 1).contains(&k).then(|| from + middles + k - 1);
         let bend = |weight: &dyn Fn(usize) -> Option<usize>, k: usize| {
@@ -101,9 +105,8 @@ impl Nodes {
     /// The branches of these weights.
     pub(super) fn branches(&self, weights: &[f64]) -> Result<Branches, Error> {
         let (m, v) = weights.split_at(self.middles());
-        let place = |k: usize| k - usize::from(k > self.redundant);
         let middle: Vec<f64> =
-            (0..self.knots.len()).map(|k| if k == self.redundant { 0.0 } else { m[place(k)] }).collect();
+            (0..self.knots.len()).map(|k| if k == self.redundant { 0.0 } else { m[self.weight(k)] }).collect();
         let side: Vec<f64> = std::iter::once(&0.0).chain(v).chain(&[0.0]).copied().collect();
         self.branches_of(&middle, &side)
     }

@@ -72,8 +72,8 @@ impl Law for Play {
         }
     }
 
-    fn run(&self, weights: &[f64], _: &[f64], x: &mut [f64], _: Input, u: &[f64], z: &mut [f64]) {
-        sum_of_plays(weights, &self.thresholds, x, u, z);
+    fn run(&self, weights: &[f64], _: &[f64], x: &mut [f64], _: Input, signal: &mut [f64]) {
+        sum_of_plays(weights, &self.thresholds, x, signal);
     }
 
     fn non_negative(&self, _: usize) -> bool {
@@ -93,34 +93,34 @@ const STRETCH: usize = 64;
 
 type Lanes = [f64; LANES];
 
-/// z along `u`, the same to the bit however `u` is cut.
+/// Replaces u by z, the same to the bit however the signal is cut.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-fn sum_of_plays(weights: &[f64], thresholds: &[f64], plays: &mut [f64], u: &[f64], z: &mut [f64]) {
-    if u.len() < STRETCH / 2 {
-        stretches::<1>(weights, thresholds, plays, u, z);
+fn sum_of_plays(weights: &[f64], thresholds: &[f64], plays: &mut [f64], signal: &mut [f64]) {
+    if signal.len() < STRETCH / 2 {
+        stretches::<1>(weights, thresholds, plays, signal);
     } else {
-        stretches::<STRETCH>(weights, thresholds, plays, u, z);
+        stretches::<STRETCH>(weights, thresholds, plays, signal);
     }
 }
 
 #[inline(always)] // so that it is compiled for the instructions of the caller
-fn stretches<const N: usize>(weights: &[f64], thresholds: &[f64], plays: &mut [f64], u: &[f64], z: &mut [f64]) {
+fn stretches<const N: usize>(weights: &[f64], thresholds: &[f64], plays: &mut [f64], signal: &mut [f64]) {
     let [w0, weights @ ..] = weights else { return };
     let (w, w_rest) = weights.as_chunks();
     let (r, r_rest) = thresholds.as_chunks();
     let (p, p_rest) = plays.as_chunks_mut();
     // The last plays, if they are not as many as there are lanes, have companions of no weight.
     let (w_last, r_last, mut p_last) = (filled(w_rest), filled(r_rest), filled(p_rest));
-    for (u, z) in u.chunks(N).zip(z.chunks_mut(N)) {
+    for stretch in signal.chunks_mut(N) {
         let mut sums = [[0.0; LANES]; N];
         for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
-            company(&mut sums, w, r, p, u);
+            company(&mut sums, w, r, p, stretch);
         }
         if !p_rest.is_empty() {
-            company(&mut sums, &w_last, &r_last, &mut p_last, u);
+            company(&mut sums, &w_last, &r_last, &mut p_last, stretch);
         }
-        for ((z, u), [a, b, c, d, e, f, g, h]) in z.iter_mut().zip(u).zip(sums) {
-            *z = w0 * u + (((a + e) + (c + g)) + ((b + f) + (d + h)));
+        for (v, [a, b, c, d, e, f, g, h]) in stretch.iter_mut().zip(sums) {
+            *v = w0 * *v + (((a + e) + (c + g)) + ((b + f) + (d + h)));
         }
     }
     p_rest.copy_from_slice(&p_last[..p_rest.len()]);

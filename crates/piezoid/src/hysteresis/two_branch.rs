@@ -127,6 +127,17 @@ impl System for TwoBranch {
         x[0] = u;
         read(&self.params.branches, u, x[1])
     }
+
+    fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
+        let Params { reading, branches } = &self.params;
+        let (mut before, mut direction) = (x[0], x[1]);
+        for v in signal {
+            direction = reading.direction(before, *v, direction);
+            before = *v;
+            *v = read(branches, *v, direction);
+        }
+        (x[0], x[1]) = (before, direction);
+    }
 }
 
 impl Hysteresis for TwoBranch {

@@ -131,14 +131,63 @@ impl System for Arx {
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        let (outputs, inputs) = x.split_at_mut(self.a.len());
-        let fed_back: f64 = self.a.iter().zip(&*outputs).map(|(a, y)| a * y).sum();
-        let fed_forward: f64 = self.b[1..].iter().zip(&*inputs).map(|(b, u)| b * u).sum();
-        let y = fed_back + (self.b[0] * u + fed_forward);
-        shift_in(outputs, y);
-        shift_in(inputs, u);
-        y
+        let mut signal = [u];
+        self.respond(x, &mut signal);
+        signal[0]
     }
+
+    fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
+        let (outputs, inputs) = x.split_at_mut(self.a.len());
+        filter(self.b[0], &self.b[1..], inputs, signal, |u, _| u);
+        filter(1.0, &self.a, outputs, signal, |_, y| y);
+    }
+}
+
+/// Replaces v by gain v + c_1 p_1 + c_2 p_2 + ... along the signal. Of the old v and the new one, `newest` says which is
+/// p_1 next.
+fn filter(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
+    match c.len() {
+        0 => short::<0>(gain, c, past, signal, newest),
+        1 => short::<1>(gain, c, past, signal, newest),
+        2 => short::<2>(gain, c, past, signal, newest),
+        3 => short::<3>(gain, c, past, signal, newest),
+        4 => short::<4>(gain, c, past, signal, newest),
+        5 => short::<5>(gain, c, past, signal, newest),
+        6 => short::<6>(gain, c, past, signal, newest),
+        7 => short::<7>(gain, c, past, signal, newest),
+        8 => short::<8>(gain, c, past, signal, newest),
+        _ => long(gain, c, past, signal, newest),
+    }
+}
+
+/// [`filter`] of `N` coefficients, with its past in registers.
+fn short<const N: usize>(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
+    let (Ok(c), Ok(past)) = (<&[f64; N]>::try_from(c), <&mut [f64; N]>::try_from(past)) else { return };
+    let mut p = *past;
+    for v in signal {
+        let new = sum(gain * *v, c, p.iter().rev());
+        p = std::array::from_fn(|k| if k == 0 { newest(*v, new) } else { p[k - 1] });
+        *v = new;
+    }
+    *past = p;
+}
+
+/// [`filter`] of many coefficients, with its past where it happened instead of shifted along.
+fn long(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
+    let mut p = Vec::with_capacity(past.len() + signal.len());
+    p.extend(past.iter().rev());
+    for (t, v) in signal.iter_mut().enumerate() {
+        let new = sum(gain * *v, c, p[t..].iter());
+        p.push(newest(*v, new));
+        *v = new;
+    }
+    past.iter_mut().zip(p.iter().rev()).for_each(|(past, p)| *past = *p);
+}
+
+/// The oldest first: so the newest output, which is known last, is waited for by one product and one sum alone.
+#[inline(always)]
+fn sum<'a>(v: f64, c: &[f64], oldest_first: impl Iterator<Item = &'a f64>) -> f64 {
+    c.iter().rev().zip(oldest_first).fold(v, |sum, (c, p)| sum + c * p)
 }
 
 /// Makes `newest` the first of `past`, which forgets its last.
@@ -162,6 +211,28 @@ mod tests {
     fn the_step_response_ends_at_the_dc_gain() {
         let y = table2().simulate(&[1.0; 4000]);
         assert_close(&y[3999..], &[0.0005 / 0.2029], 1e-9, 0.0);
+    }
+
+    #[test]
+    fn runs_of_any_order_are_equation_1_and_repeated_steps_to_the_bit() {
+        let u: Vec<f64> = (0..300).map(|t| f64::from(t * t % 17)).collect();
+        for (na, nb) in (0..12).flat_map(|na| (0..12).map(move |nb| (na, nb))) {
+            let a: Vec<f64> = (1..=na).map(|k| 0.6 * (-0.5f64).powi(k)).collect();
+            let b: Vec<f64> = (0..=nb).map(|k| (1.3 * f64::from(k)).cos()).collect();
+            let arx = Arx::new(1.0, a.clone(), b.clone()).unwrap();
+            let y = arx.simulate(&u);
+            let mut x = arx.initial();
+            assert_eq!(u.iter().map(|&u| arx.step(&mut x, u)).collect::<Vec<_>>(), y);
+            let mut parts = arx.initial();
+            assert_eq!([arx.resume(&mut parts, &u[..5]), arx.resume(&mut parts, &u[5..])].concat(), y);
+            assert_eq!(parts, x);
+
+            let past = |s: &[f64], t: usize, c: &[f64], lag: usize| -> f64 {
+                c.iter().enumerate().filter_map(|(k, c)| Some(c * s[t.checked_sub(k + lag)?])).sum()
+            };
+            let defined: Vec<f64> = (0..u.len()).map(|t| past(&y, t, &a, 1) + past(&u, t, &b, 0)).collect();
+            assert_close(&y, &defined, 1e-12, 1e-12);
+        }
     }
 
     #[test]

@@ -10,25 +10,26 @@
 //! Reference: D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
 
 use super::grid::{Grid, cell};
+use crate::intervals::Intervals;
 
 /// E and V, tabulated.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Everett {
-    levels: Vec<f64>,
+    grid: Grid,
     /// At the nodes (M = l_i, m = l_j): the weights off the diagonal that turn.
     nodes: Vec<f64>,
     /// The weights on the diagonal, and of how many below each level they are the sum.
     diagonal: Vec<f64>,
     diagonal_below: Vec<f64>,
     /// Where V changes its polynomial, and V there, halfway to the next, and at the next.
-    breaks: Vec<f64>,
+    breaks: Intervals,
     virgin: Vec<[f64; 3]>,
 }
 
 impl Everett {
     /// `levels` rise; `weights` has one number a cell of the triangle.
     pub(super) fn new(levels: &[f64], weights: &[f64]) -> Self {
-        let (grid, n) = (Grid(levels), levels.len() - 1);
+        let (grid, n) = (Grid::new(levels.to_vec()), levels.len() - 1);
         let stride = n + 1;
         let mut nodes = vec![0.0; stride * stride];
         for i in 1..=n {
@@ -51,16 +52,16 @@ impl Everett {
             if u < 0.0 { -sum } else { sum }
         };
         let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(turned)).collect();
-        Everett { levels: levels.to_vec(), nodes, diagonal, diagonal_below, breaks, virgin }
+        Everett { grid, nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
     }
 
     /// E between `m` and `M`, m <= M.
     pub(super) fn between(&self, m: f64, high: f64) -> f64 {
-        let ((i, a), (j, b)) = (self.place(high), self.place(m));
+        let ((i, a), (j, b)) = (self.grid.place(high), self.grid.place(m));
         if i == j {
             return self.diagonal[i] * (a - b) * (a - b);
         }
-        let node = |i: usize, j: usize| self.nodes[i * self.levels.len() + j];
+        let node = |i: usize, j: usize| self.nodes[i * self.grid.levels().len() + j];
         // Shares of the next node: a upwards from l_i, 1 - b downwards from l_{j+1}.
         let at = |i: usize| b * node(i, j + 1) + (1.0 - b) * node(i, j);
         let off = (1.0 - a) * at(i) + a * at(i + 1);
@@ -70,20 +71,10 @@ impl Everett {
 
     /// V at `u`.
     pub(super) fn from_rest(&self, u: f64) -> f64 {
-        let last = self.breaks.len() - 1;
-        let u = u.clamp(self.breaks[0], self.breaks[last]);
-        let k = self.breaks.partition_point(|b| *b <= u).clamp(1, last) - 1;
-        let s = (u - self.breaks[k]) / (self.breaks[k + 1] - self.breaks[k]);
+        let k = self.breaks.of(u);
+        let s = self.breaks.share(k, u);
         let [start, middle, end] = self.virgin[k];
         start + s * (4.0 * middle - 3.0 * start - end + 2.0 * s * (start + end - 2.0 * middle))
-    }
-
-    /// The cell of an axis that holds `u`, and how far into it.
-    fn place(&self, u: f64) -> (usize, f64) {
-        let n = self.diagonal.len();
-        let i = self.levels.partition_point(|l| *l <= u).clamp(1, n) - 1;
-        let (low, high) = (self.levels[i], self.levels[i + 1]);
-        (i, ((u - low) / (high - low)).clamp(0.0, 1.0))
     }
 }
 
@@ -97,15 +88,16 @@ mod tests {
     fn the_tables_are_the_sums_over_the_cells() {
         let levels = [-3.0, -1.5, -0.4, 0.9, 2.0, 3.5];
         let weights: Vec<f64> = (0..cells(5)).map(|k| 0.3 + (k as f64 * 1.7).sin().abs()).collect();
-        let (grid, everett) = (Grid(&levels), Everett::new(&levels, &weights));
+        let (grid, everett) = (Grid::new(levels.to_vec()), Everett::new(&levels, &weights));
         let points: Vec<f64> = (0..50).map(|k| -4.0 + 0.17 * f64::from(k)).collect();
         for (k, &m) in points.iter().enumerate() {
             let mut sum = 0.0;
             grid.from_rest(m, |k, share| sum += weights[k] * share * if m < 0.0 { -1.0 } else { 1.0 });
             assert_close(&[everett.from_rest(m)], &[sum], 0.0, 1e-13);
             for &high in &points[k..] {
-                let mut sum = 0.0;
-                grid.between(m, high, |k, share| sum += weights[k] * share);
+                let mut turned = vec![0.0; weights.len()];
+                grid.between(m, high, 1.0, &mut turned);
+                let sum = turned.iter().zip(&weights).map(|(share, w)| share * w).sum();
                 assert_close(&[everett.between(m, high)], &[sum], 0.0, 1e-13);
             }
         }

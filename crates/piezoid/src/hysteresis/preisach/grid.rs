@@ -8,9 +8,11 @@
 //! alpha + beta >= 0, for demagnetisation has left the others up already. What share of a cell that is, is an area: a
 //! rectangle, a triangle, or what the line alpha + beta = 0 leaves of them.
 
+use crate::intervals::Intervals;
+
 /// Levels l_0 < l_1 < ... < l_n, the edges of the cells.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Grid<'a>(pub(super) &'a [f64]);
+pub(super) struct Grid(Intervals);
 
 /// Cells in a triangle of `n` rows.
 pub(super) fn cells(n: usize) -> usize {
@@ -22,21 +24,40 @@ pub(super) fn cell(i: usize, j: usize) -> usize {
     cells(i) + j
 }
 
-impl Grid<'_> {
-    /// Rows of cells.
-    pub(super) fn rows(&self) -> usize {
-        self.0.len() - 1
+impl Grid {
+    /// `levels` rise, and there are two at least.
+    pub(super) fn new(levels: Vec<f64>) -> Self {
+        Grid(Intervals::new(levels))
     }
 
-    /// For each cell the share of its relays that turn between `low` and `high`.
-    pub(super) fn between(&self, low: f64, high: f64, mut share: impl FnMut(usize, f64)) {
-        for i in 0..self.rows() {
-            let a = self.below(i, high);
-            for j in 0..i {
-                share(cell(i, j), a * (1.0 - self.below(j, low)));
+    pub(super) fn levels(&self) -> &[f64] {
+        self.0.edges()
+    }
+
+    /// Rows of cells.
+    pub(super) fn rows(&self) -> usize {
+        self.levels().len() - 1
+    }
+
+    /// The cell of one axis that holds `u`, and the share of it that lies below `u`.
+    pub(super) fn place(&self, u: f64) -> (usize, f64) {
+        let i = self.0.of(u);
+        (i, self.0.share(i, u))
+    }
+
+    /// Adds to each cell of `sums` `way` times the share of its relays that turn between `low` and `high`: those of alphas up
+    /// to `high` and betas from `low`, in a corner of the triangle.
+    pub(super) fn between(&self, low: f64, high: f64, way: f64, sums: &mut [f64]) {
+        let ((last, upto), (first, below)) = (self.place(high), self.place(low));
+        for i in first..=last {
+            let alphas = if i == last { upto } else { 1.0 };
+            let Some((diagonal, row)) = sums[cell(i, first)..=cell(i, i)].split_last_mut() else { return };
+            if let Some((begin, whole)) = row.split_first_mut() {
+                *begin += way * alphas * (1.0 - below);
+                whole.iter_mut().for_each(|sum| *sum += way * alphas);
             }
-            let both = (a - self.below(i, low)).max(0.0);
-            share(cell(i, i), both * both);
+            let both = if i == first { (alphas - below).max(0.0) } else { alphas };
+            *diagonal += way * both * both;
         }
     }
 
@@ -49,16 +70,10 @@ impl Grid<'_> {
         }
     }
 
-    /// The share of cell `i` of one axis that lies below `u`.
-    fn below(&self, i: usize, u: f64) -> f64 {
-        let (low, high) = (self.0[i], self.0[i + 1]);
-        ((u - low) / (high - low)).clamp(0.0, 1.0)
-    }
-
     /// The share of cell (i, j) that turns from rest to `u`. A negative `u` turns, seen in the mirror of alpha + beta = 0,
     /// what a positive one does: cell (i, j) is then the one whose alpha runs from -l_{j+1} to -l_j.
     fn from_rest_in(&self, i: usize, j: usize, u: f64) -> f64 {
-        let l = self.0;
+        let l = self.levels();
         let (alpha, beta) = match u >= 0.0 {
             true => ((l[i], l[i + 1]), (l[j], l[j + 1])),
             false => ((-l[j + 1], -l[j]), (-l[i + 1], -l[i])),

@@ -70,7 +70,7 @@ pub(super) static OPERATOR: Operator = Operator {
     example: |ts| {
         let design = Design { ts, range: (-30.0, 30.0), elements: Some(8), frequencies: Vec::new() };
         let cells = Cells::new(&design)?;
-        let n = cells.levels.len() - 1;
+        let n = cells.grid.rows();
         let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
         let weights = (0..n).flat_map(|i| (0..=i).map(move |j| density(i, j)));
         cells.operator(&[0.7].into_iter().chain(weights).collect::<Vec<_>>())
@@ -156,7 +156,7 @@ impl Hysteresis for Preisach {
 struct Cells {
     ts: f64,
     range: (f64, f64),
-    levels: Vec<f64>,
+    grid: Grid,
     memory: Memory,
 }
 
@@ -169,7 +169,7 @@ impl Cells {
         let levels: Vec<f64> = (0..=rows + 2 * BEYOND).map(level).collect();
         check(&levels)?;
         let memory = Memory { value: cells(levels.len() - 1) };
-        Ok(Cells { ts: design.ts, range: design.range, levels, memory })
+        Ok(Cells { ts: design.ts, range: design.range, grid: Grid::new(levels), memory })
     }
 }
 
@@ -187,13 +187,14 @@ impl Basis for Cells {
     }
 
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
-        let grid = Grid(&self.levels);
         if u != self.memory.input(x) {
             let (branch, start, now) = self.memory.travel(x, u);
             match branch {
-                Branch::Rest => grid.from_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
-                Branch::From(r) if u >= r => grid.between(r, u, |k, share| now[k] = start[k] + share),
-                Branch::From(r) => grid.between(u, r, |k, share| now[k] = start[k] - share),
+                Branch::Rest => self.grid.from_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
+                Branch::From(r) => {
+                    now.copy_from_slice(start);
+                    self.grid.between(r.min(u), r.max(u), if u >= r { 1.0 } else { -1.0 }, now);
+                }
             }
         }
         phi[0] = u;
@@ -206,7 +207,7 @@ impl Basis for Cells {
 
     /// Second differences of the density along both axes and along the diagonals.
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        let n = self.levels.len() - 1;
+        let n = self.grid.rows();
         // A cell on the diagonal is half a cell.
         let density = |i: usize, j: usize, factor: f64| (1 + cell(i, j), if i == j { 2.0 * factor } else { factor });
         let mut rows = Vec::new();
@@ -243,7 +244,7 @@ impl Basis for Cells {
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), Basis::len(self))?;
         let (slope, weights) = (weights[0], weights[1..].to_vec());
-        let params = Params { range: self.range, levels: self.levels.clone(), slope, weights };
+        let params = Params { range: self.range, levels: self.grid.levels().to_vec(), slope, weights };
         Ok(Arc::new(Preisach::new(self.ts, params)?))
     }
 }

@@ -1,0 +1,98 @@
+//! Which of many intervals holds a number, in a time that hardly grows with how many there are.
+//!
+//! Even cells lie over all edges, and of each cell it is known how many edges lie below it. What is left to compare are the
+//! edges within one cell: one or none where edges are nearly even, and elsewhere they are searched by halving.
+
+/// Cells to an interval.
+const FINENESS: usize = 2;
+
+/// Intervals between rising edges.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Intervals {
+    edges: Vec<f64>,
+    cells_per_unit: f64,
+    cells: Vec<Cell>,
+}
+
+/// Some of the edges between the first and the last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cell {
+    /// How many lie in the cells before this one.
+    before: usize,
+    /// How many lie in this one.
+    within: usize,
+    /// The first of them; no number where there is none.
+    first: f64,
+}
+
+impl Intervals {
+    /// `edges` rise, and there is one at least; a single one counts as an interval.
+    pub(crate) fn new(edges: Vec<f64>) -> Self {
+        let (n, low, high) = (FINENESS * edges.len(), edges[0], edges[edges.len() - 1]);
+        let cells_per_unit = n as f64 / (high - low);
+        let mut intervals = Intervals { edges, cells_per_unit, cells: Vec::new() };
+        intervals.cells = vec![Cell { before: 0, within: 0, first: f64::NAN }; n];
+        for i in 0..intervals.inner().len() {
+            let edge = intervals.inner()[i];
+            let k = intervals.cell(edge);
+            let cell = &mut intervals.cells[k];
+            if cell.within == 0 {
+                cell.first = edge;
+            }
+            cell.within += 1;
+            intervals.cells[k + 1..].iter_mut().for_each(|cell| cell.before += 1);
+        }
+        intervals
+    }
+
+    /// The number of the interval that holds `u`, its lower edge included; the first or the last for what lies beyond.
+    #[inline]
+    pub(crate) fn of(&self, u: f64) -> usize {
+        let Cell { before, within, first } = self.cells[self.cell(u)];
+        if within < 2 {
+            return before + usize::from(first <= u);
+        }
+        before + self.inner()[before..before + within].partition_point(|edge| *edge <= u)
+    }
+
+    /// The share of interval `i` that lies below `u`, 0 to 1.
+    pub(crate) fn share(&self, i: usize, u: f64) -> f64 {
+        let (low, high) = (self.edges[i], self.edges[i + 1]);
+        ((u - low) / (high - low)).clamp(0.0, 1.0)
+    }
+
+    pub(crate) fn edges(&self) -> &[f64] {
+        &self.edges
+    }
+
+    /// The edges between the first and the last.
+    fn inner(&self) -> &[f64] {
+        let last = self.edges.len() - 1;
+        &self.edges[last.min(1)..last]
+    }
+
+    /// The cell of `u`. Rounding may put it into a neighbour of its own, but never a larger u below a smaller one.
+    fn cell(&self, u: f64) -> usize {
+        (((u - self.edges[0]) * self.cells_per_unit) as usize).min(self.cells.len() - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_is_found_where_a_search_finds_it() {
+        let even: Vec<f64> = (0..=30).map(|k| -0.3 + 0.1 * f64::from(k)).collect();
+        let crowded: Vec<f64> = (0..60).map(|k| 1.7f64.powi(k)).collect();
+        for edges in [even, crowded, vec![-1.0, 2.0], vec![3.0], vec![0.0, 5e-324, 1e-323], vec![-1e308, 0.0, 1e308]] {
+            let intervals = Intervals::new(edges.clone());
+            let last = edges.len().max(2) - 2;
+            let near = edges.iter().flat_map(|e| [e.next_down(), *e, e.next_up(), e + 0.03, 0.7 * e]);
+            for u in near.chain([f64::NEG_INFINITY, f64::INFINITY, f64::NAN]) {
+                let found = edges.partition_point(|edge| *edge <= u).max(1) - 1;
+                assert_eq!(intervals.of(u), found.min(last), "{u} in {edges:?}");
+            }
+        }
+    }
+}
