@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Weights of smoothness tried, from rough to smooth.
-const LAMBDAS: [f64; 9] = [1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// By how much a simpler one may be worse, however uncertain the difference: in rms.
 const WORSE: f64 = 1.1;

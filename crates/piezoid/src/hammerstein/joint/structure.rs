@@ -30,8 +30,15 @@ const DELAY: usize = 3;
 /// Rows of the grid that stands in for the hysteresis.
 const COARSE: usize = 12;
 
-/// The linear block of small-signal records, and why it is this one.
-pub(super) fn of_small(small: &[Record], how: &Joint) -> Result<(Arx, String), Error> {
+/// The linear block of small-signal records, and why it is this one. Its gain has the sign of that of the rich records:
+/// hysteresis that jumps at reversals may turn small signals round.
+pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint) -> Result<(Arx, String), Error> {
+    let (linear, reason) = by_small(small, how)?;
+    let turned = linear.dc_gain() * affine(rich)?.0 < 0.0;
+    Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
+}
+
+fn by_small(small: &[Record], how: &Joint) -> Result<(Arx, String), Error> {
     rich_enough(small, 1)?;
     let seen: Vec<Record> = small.iter().map(|record| behind(record, how)).collect::<Result<_, _>>()?;
     let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
