@@ -15,6 +15,9 @@ const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2
 /// By how much a simpler one may be worse, however uncertain the difference: in rms.
 const WORSE: f64 = 1.1;
 
+/// Mean squared error over squared peak-to-peak that is rounding, as records without noise leave it.
+const ROUNDING: f64 = 1e-14;
+
 /// Errors of the parts that were held out in turn, each fitted on all others.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeldOut {
@@ -34,7 +37,8 @@ impl HeldOut {
 
     /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
-        let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(|(e, best)| 0.5 * (e / best).ln()).collect();
+        let ratio = |(e, best): (&f64, &f64)| 0.5 * ((e + ROUNDING) / (best + ROUNDING)).ln();
+        let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
         mean(&ratios) <= error.min(WORSE.ln())
