@@ -82,9 +82,11 @@ fn summary(study: &Outcome, console: &Console) -> String {
         let row = |f: &study::Frequency| {
             let mse = PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map_or("-".into(), |(_, mse)| number(*mse));
             let cells = METHODS.iter().map(|m| f.row(m.name).map_or("-".into(), |r| number(figure(r))));
-            [round(f.hz), round(f.amplitude)].into_iter().chain(cells).chain(printed.then_some(mse)).collect()
+            let amplitude = (!printed).then(|| round(f.amplitude));
+            [round(f.hz)].into_iter().chain(amplitude).chain(cells).chain(printed.then_some(mse)).collect()
         };
-        let mut header = vec!["f [Hz]", "u [V]"];
+        let mut header = vec!["f [Hz]"];
+        header.extend((!printed).then_some("u [V]"));
         header.extend(METHODS.iter().map(|m| m.name));
         header.extend(printed.then_some("paper"));
         let rows: Vec<_> = study.frequencies.iter().map(row).collect();

@@ -6,7 +6,9 @@ use crate::bench::{Bench, skipped};
 fn identify_gives_the_same_bytes_wherever_it_is_run() {
     let [once, again] = [(); 2].map(|()| {
         let bench = Bench::stocked();
-        let run = bench.run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv -o m.json --json f.json").ok();
+        let run = bench
+            .run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv -o m.json --json f.json")
+            .ok();
         (run.out, bench.text("m.json"), bench.text("f.json"))
     });
     assert!(once == again);

@@ -20,20 +20,32 @@ fn a_model_is_identified_and_predicts_its_own_data() {
     let pole = &bench.json("f.json")["linear"]["poles"][0];
     assert!((number(&pole["hz"]) - 146.7).abs() < 1.0 && (number(&pole["damping"]) - 0.061).abs() < 0.005, "{pole}");
 
-    bench.run("identify --method paper --data sine5.csv -o gain.json").ok().says(&["pure gain", "one frequency (5", "PRBS"]);
+    bench.run("identify --method paper --data sine5.csv -o gain.json").ok().says(&[
+        "pure gain",
+        "one frequency (5",
+        "PRBS",
+    ]);
     bench.run("identify --method paper --linear prbs.csv -o floor.json").ok().says(&["no rich record"]);
-    bench.run("identify --method paper --linear prbs.csv --rich sine5.csv --order 3 --estimator least-squares -o m3.json").ok();
+    bench
+        .run(
+            "identify --method paper --linear prbs.csv --rich sine5.csv --order 3 --estimator least-squares -o m3.json",
+        )
+        .ok();
     assert_eq!(bench.json("m3.json")["linear"]["a"].as_array().unwrap().len(), 3);
     for estimator in ["output-error", "instrumental"] {
         let line =
             format!("identify --method paper --linear prbs.csv --rich sine5.csv --estimator {estimator} -o e.json");
         bench.run(&line).ok().prints(&["146.7 Hz"]).says(&[&format!("order 2 by {estimator}")]);
     }
-    bench.run("identify --method paper --linear prbs.csv --rich sine5.csv --reading printed --split direction -o p.json").ok();
+    bench
+        .run("identify --method paper --linear prbs.csv --rich sine5.csv --reading printed --split direction -o p.json")
+        .ok();
     bench.run("identify --method paper --data sine5.csv --operator proportional -o linear.json").ok();
     for operator in ["two-branch", "rate-scheduled"] {
         bench
-            .run(&format!("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv --operator {operator} -o o.json"))
+            .run(&format!(
+                "identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv --operator {operator} -o o.json"
+            ))
             .ok();
         assert_eq!(bench.json("o.json")["hysteresis"]["operator"], operator);
     }
@@ -108,5 +120,7 @@ fn results_go_down_a_pipe_and_come_up_from_one() {
     assert_eq!(bench.run("simulate --plant paper --input drive5.csv -o -").ok().out, bench.text("sine5.csv"));
     let model = bench.run("identify --operator stop --data sine5.csv -o -").ok().out_json();
     assert_eq!(model["piezoid"], 1);
-    assert!(bench.run("identify --operator stop --data sine5.csv -o m.json --json -").ok().out_json()["loops"].is_array());
+    assert!(
+        bench.run("identify --operator stop --data sine5.csv -o m.json --json -").ok().out_json()["loops"].is_array()
+    );
 }

@@ -46,10 +46,10 @@ pub(super) static OPERATOR: Operator = Operator {
     load: Weighted::<Krasnoselskii>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Krasnoselskii::even(design)),
     example: |ts| {
-        let design = Design { ts, range: (-30.0, 30.0), elements: Some(8), frequencies: Vec::new() };
+        let design = Design { ts, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
         let law = Krasnoselskii::even(&design);
-        let near = |k: usize| (0..8).any(|j| index(j, j) == k);
-        let weights = (0..law.responses()).map(|k| if near(k) { 4.0 } else { 0.5 }).collect();
+        let near = |k: usize| (0..law.levels.len()).any(|j| index(j, j) == k);
+        let weights = (0..law.responses()).map(|k| if near(k) { 2.5 } else { 0.2 }).collect();
         Ok(Arc::new(Weighted::new(ts, design.range, law, weights)?))
     },
 };

@@ -22,6 +22,9 @@ use std::sync::Arc;
 /// Share of the identified range by which the input must come back before it has turned.
 const TURN: f64 = 0.02;
 
+/// Frequencies of two records that are nearer than this, relative, are one.
+const SAME: f64 = 0.01;
+
 /// Branches scheduled by the frequency of the input.
 ///
 /// State: the last input; its direction (1, -1, 0 not yet known); the trend (the direction between turns); the extreme
@@ -217,8 +220,12 @@ impl Values {
         }
         let nodes = Nodes::new(design)?;
         let flat = nodes.branches(&vec![0.0; nodes.len()])?;
-        let pair = |&frequency_hz| Pair { frequency_hz, branches: flat.clone() };
-        let pairs = design.frequencies.iter().map(pair).collect();
+        // Records of one frequency, as far as it can be told, share their branches.
+        let mut frequencies = design.frequencies.clone();
+        frequencies.sort_by(f64::total_cmp);
+        frequencies.dedup_by(|next, f| *next < (1.0 + SAME) * *f);
+        let pair = |frequency_hz| Pair { frequency_hz, branches: flat.clone() };
+        let pairs = frequencies.into_iter().map(pair).collect();
         Ok(Values { schedule: RateScheduled::new(design.ts, pairs, Reading::Held)?, nodes })
     }
 }

@@ -3,8 +3,8 @@
 use super::basis::Design;
 use crate::error::{Error, finite};
 
-/// How many, unless told otherwise.
-pub(super) const ELEMENTS: usize = 30;
+/// How many, unless told otherwise: every thirtieth of half the range.
+pub(super) const ELEMENTS: usize = 29;
 
 /// The most there may be.
 const MOST: usize = 4096;

@@ -24,6 +24,7 @@ mod text;
 pub use section::{Fact, Section};
 pub use table::{Cell, Table};
 pub use text::Text;
+pub(crate) use text::sentence;
 
 use crate::plot::{self, escape};
 use section::Numbers;

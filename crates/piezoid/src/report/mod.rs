@@ -74,13 +74,6 @@ fn unproven(trials: &[Trial]) -> Vec<String> {
     first.iter().filter(|text| trials.iter().all(|t| of(t, text))).cloned().collect()
 }
 
-/// The same words as a sentence.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
-    format!("{first}{}.", letters.as_str())
-}
-
 fn blocks(model: &Model) -> Section {
     let (arx, units) = (model.linear(), model.units());
     let operator = model.hysteresis().operator();

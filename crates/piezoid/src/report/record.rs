@@ -1,8 +1,8 @@
 //! A record in the report: its course, its loops, and what is left.
 
-use super::{Trial, residuals, sentence};
+use super::{Trial, residuals};
 use crate::number::{round, short};
-use crate::page::{Section, Table};
+use crate::page::{Section, Table, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use crate::validation::Shape;
 

@@ -1,8 +1,8 @@
 //! What the model leaves of a record: against the noise floor, and against noise itself.
 
-use super::{Trial, sentence};
+use super::Trial;
 use crate::number::short;
-use crate::page::Section;
+use crate::page::{Section, sentence};
 use crate::plot::{Axes, Figure, Role, Series};
 use crate::validation::Whiteness;
 

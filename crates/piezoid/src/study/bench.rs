@@ -1,10 +1,10 @@
 //! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
 
-use super::{AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, Row, SETTLING, TS};
+use super::{AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, Row, SETTLING, Seen, TS, Way};
 use crate::error::Error;
-use crate::excitation::{Sine, SteppedSine};
+use crate::excitation::{RisingSine, Sine, SteppedSine};
 use crate::hammerstein::{HiddenLoop, Model, hidden, proportional};
-use crate::hysteresis::{Branches, Hysteresis, Proportional, Split, TwoBranch};
+use crate::hysteresis::{Branches, Hysteresis, Loop, Proportional, Split, TwoBranch};
 use crate::linear::Arx;
 use crate::plant::{Plant, Saturation, Spec};
 use crate::record::{Record, Units};
@@ -66,12 +66,20 @@ impl Bench {
         Ok(amplitude)
     }
 
+    /// A sine that rises to the largest amplitude the sensor can follow.
+    pub(super) fn rising(&self, hz: f64, limits: &mut Vec<(String, Saturation)>) -> Result<Record, Error> {
+        let n = (RISING_DURATION / TS) as usize;
+        let rising = |amplitude| RisingSine { amplitude, frequency: hz, ..RisingSine::default() }.samples(TS, n);
+        self.measure(rising(self.amplitude(&[&rising])?)?, &format!("rising sine of {hz} Hz"), limits)
+    }
+
     /// Steps 3 to 6 of the paper at one frequency, for every method.
     pub(super) fn frequency(
         &self,
         hz: f64,
         own: &(Arx, f64),
         table_2: &Arx,
+        joint: &Model,
         limits: &mut Vec<(String, Saturation)>,
     ) -> Result<Frequency, Error> {
         let n = (DURATION / TS) as usize;
@@ -83,34 +91,39 @@ impl Bench {
         let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
         let settled = (SETTLING / TS) as usize;
 
-        let loop_by = |arx: &Arx, offset: f64| -> Result<HiddenLoop, Error> {
-            let (z, _) = hidden(arx, offset, sine.y())?;
+        let loop_of = |z: &[f64]| -> Result<HiddenLoop, Error> {
             let settled = settled.min(z.len());
             let (u, z) = (sine.u()[settled..z.len()].to_vec(), z[settled..].to_vec());
             let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
             Ok(HiddenLoop { frequency_hz: Some(hz), u, z, found })
         };
+        let loop_by = |arx: &Arx, offset: f64| loop_of(&hidden(arx, offset, sine.y())?.0);
         let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(table_2, 0.0)?);
+        let of_joint = loop_of(&joint.hysteresis().simulate(sine.u()))?;
         let test = whole.part(SETTLING, f64::INFINITY)?;
+        let width = |found: &Loop| 100.0 * found.branches.width();
         let rows = METHODS.iter().map(|method| {
-            let (arx, offset, found) = match method.table_2 {
-                true => (table_2, 0.0, &by_table_2.found),
-                false => (&own.0, own.1, &by_own.found),
-            };
-            let (hysteresis, offset): (Arc<dyn Hysteresis>, f64) = match method.reading {
-                Some(reading) => (Arc::new(TwoBranch::new(TS, found.branches.clone(), reading)?), offset),
-                None => {
-                    let (gain, offset) = proportional(arx, offset, std::slice::from_ref(&sine))?;
-                    (Arc::new(Proportional::new(TS, gain)?), offset)
+            let series = |block: Arc<dyn Hysteresis>, arx: &Arx, offset| Model::new(block, arx.clone(), offset);
+            let (model, loop_width_percent) = match method.way {
+                Way::Branches(seen, reading) => {
+                    let (arx, offset, found) = match seen {
+                        Seen::ByTable2 => (table_2, 0.0, &by_table_2.found),
+                        Seen::ByOwn => (&own.0, own.1, &by_own.found),
+                    };
+                    let block = TwoBranch::new(TS, found.branches.clone(), reading)?;
+                    (series(Arc::new(block), arx, offset)?, width(found))
                 }
+                Way::Gain => {
+                    let (gain, offset) = proportional(&own.0, own.1, std::slice::from_ref(&sine))?;
+                    (series(Arc::new(Proportional::new(TS, gain)?), &own.0, offset)?, 0.0)
+                }
+                Way::Joint => (joint.clone(), width(&of_joint.found)),
             };
-            let model = Model::new(hysteresis, arx.clone(), offset)?;
             let simulated = model.simulate(whole.u())[settled..].to_vec();
             let metrics = Metrics::of(test.y(), &simulated);
-            let loop_width_percent = method.reading.map_or(0.0, |_| 100.0 * found.branches.width());
             Ok(Row { method: method.name, metrics, loop_width_percent, simulated })
         });
         let rows = rows.collect::<Result<_, Error>>()?;
-        Ok(Frequency { hz, amplitude, own: by_own, by_table_2, test, rows })
+        Ok(Frequency { hz, amplitude, own: by_own, by_table_2, joint: of_joint, test, rows })
     }
 }

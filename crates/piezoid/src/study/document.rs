@@ -1,7 +1,8 @@
 //! The study as a document for scripts.
 
-use super::{Block, Frequency, PRINTED_MSE, Row, Study};
-use serde_json::{Value, json};
+use super::{Block, Frequency, PRINTED_MSE, RISING, Row, Study};
+use crate::hammerstein::Trial;
+use serde_json::{Map, Value, json};
 
 /// The studies as one document: `table1`, `table2` over all plants, `convergence` of the first, and each study whole
 /// under `studies`. Numbers that are not finite are null.
@@ -15,6 +16,7 @@ pub fn to_json(studies: &[Study]) -> Value {
             "convergence": s.convergence,
             "optimum": s.optimum,
             "noise_gain": s.noise_gain,
+            "joint": joint(s),
             "notes": s.notes,
         })
     };
@@ -60,4 +62,28 @@ fn table2(study: &Study) -> Vec<Value> {
         })
     };
     study.blocks.iter().map(row).collect()
+}
+
+fn joint(study: &Study) -> Value {
+    let trial = |t: &Trial| {
+        json!({
+            "operator": t.operator,
+            "parameters": t.parameters,
+            "held_out_percent": t.held_out_percent,
+            "as_good": t.as_good,
+            "shape": t.shape.iter().map(|&(name, value)| (name.to_string(), value.into())).collect::<Map<_, _>>(),
+            "refused": t.refused,
+        })
+    };
+    let model = &study.joint.model;
+    json!({
+        "operator": model.hysteresis().operator().name,
+        "trained_at_hz": RISING,
+        "creep": model.creep().lags(),
+        "a": model.linear().a(),
+        "b": model.linear().b(),
+        "offset": model.offset(),
+        "trials": study.joint.trials.iter().map(trial).collect::<Vec<_>>(),
+        "notes": study.joint.notes,
+    })
 }

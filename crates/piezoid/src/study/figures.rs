@@ -108,21 +108,27 @@ fn branch(branches: &Branches, read: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>
     (0..=120).map(|k| low + (high - low) * f64::from(k) / 120.0).map(|u| (u, read(u))).unzip()
 }
 
-/// The loop of the hidden variable with its separating line and branches: Figs 2, 4 and 5.
+/// The loop of the hidden variable with its separating line and branches, and that of the joint model: Figs 2, 4 and 5.
 pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
     let found = &f.own.found;
     let (up_u, up_z) = branch(&found.branches, |u| found.branches.ascending(u));
     let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
     let [(u0, z0), (u1, z1)] = found.line;
     let caption = format!(
-        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that their direction says.",
+        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that their direction says. The \
+         loop of the joint model opens by {:.1} %.",
         100.0 * found.branches.width(),
-        100.0 * found.agreement
+        100.0 * found.agreement,
+        100.0 * f.joint.found.branches.width()
     );
+    // The last period, closed.
+    let period = (1.0 / (f.hz * TS)).ceil() as usize + 1;
+    let last = f.joint.u.len().saturating_sub(period);
     Figure::new(format!("Loop at {} Hz", f.hz), caption).small().panel(
         Axes::new("u [V]", "z [V]")
             .titled(format!("{} Hz: {:.1} % wide", f.hz, 100.0 * found.branches.width()))
             .with(Series::dots(&f.own.u, &f.own.z).role(Role::Measured))
+            .with(Series::line(&f.joint.u[last..], &f.joint.z[last..]).role(Role::Accent5).named("joint"))
             .with(Series::line(&up_u, &up_z).role(Role::Ascending).named("ascending"))
             .with(Series::line(&down_u, &down_z).role(Role::Descending).named("descending"))
             .with(Series::dashed(&[u0, u1], &[z0, z1]).role(Role::Reference)),
@@ -136,8 +142,11 @@ pub(super) fn test(f: &Frequency) -> Figure {
     let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
     let mut answer = Axes::new("t [ms]", "y [mm]").height(0.6).titled(format!("{} Hz", f.hz));
     let mut left = Axes::new("t [ms]", "error [mm]").height(0.4);
-    let shown =
-        [("printed-rule", "rule as printed", Role::Descending), ("held-direction", "direction held", Role::Model)];
+    let shown = [
+        ("printed-rule", "rule as printed", Role::Descending),
+        ("held-direction", "direction held", Role::Model),
+        ("joint", "joint model", Role::Accent5),
+    ];
     let mut words = Vec::new();
     for (method, name, role) in shown {
         let Some(row) = f.row(method) else { continue };
@@ -158,20 +167,28 @@ pub(super) fn width(study: &Study) -> Figure {
     };
     let own = widths(&|f| f.own.found.branches.width());
     let printed = widths(&|f| f.by_table_2.found.branches.width());
+    let joint = widths(&|f| f.joint.found.branches.width());
     let caption = format!(
         "The same records, seen through two linear blocks. By the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
-         at {} Hz; by that of the paper's Table 2 it seems to go from {:.0} % to {:.0} %.",
+         at {} Hz; by that of the paper's Table 2 it seems to go from {:.0} % to {:.0} %. The joint model sees no record through an \
+         inverse: its loop changes with the amplitude of the sine, which is lowered near the resonance, and from {:.0} % at {} Hz it \
+         goes to {:.0} % at {} Hz.",
         own[0],
         hz[0],
         own[own.len() - 1],
         hz[hz.len() - 1],
         printed[0],
-        printed[printed.len() - 1]
+        printed[printed.len() - 1],
+        joint[0],
+        hz[0],
+        joint[joint.len() - 1],
+        hz[hz.len() - 1]
     );
     Figure::new("Width of the loop against frequency", caption).panel(
         Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::new("loop width [% of height]").from(0.0))
             .with(Series::marked(&hz, &printed).role(Role::Descending).named("by the paper's Table 2"))
-            .with(Series::marked(&hz, &own).role(Role::Model).named("by the estimated block")),
+            .with(Series::marked(&hz, &own).role(Role::Model).named("by the estimated block"))
+            .with(Series::marked(&hz, &joint).role(Role::Accent5).named("of the joint model")),
     )
 }
 
@@ -181,7 +198,7 @@ const FLOOR: f64 = 1e-6;
 /// Mean squared error of every method against frequency, with the printed Table 1.
 pub(super) fn error(study: &Study) -> Figure {
     let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
-    let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual];
+    let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual, Role::Accent5];
     let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]").from(FLOOR));
     for (method, role) in METHODS.iter().zip(roles) {
         let rows = study.frequencies.iter().filter_map(|f| f.row(method.name));

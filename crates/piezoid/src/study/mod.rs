@@ -1,7 +1,9 @@
 //! The paper's experiment as data: identify on a PRBS and sines, test on stepped sines, frequency by frequency.
 //!
-//! Each method sees the same records. What differs is told by its row of [`METHODS`]; what is the paper's and what is
-//! ours is in its summary. The plant is asked only for what an experimenter could measure.
+//! The paper's methods make a model of each frequency, from the PRBS and a sine of that frequency and amplitude. The joint
+//! one makes a single model of all, from the same PRBS and four rising sines; most frequencies of the test it has never
+//! seen. What differs is told by each row of [`METHODS`]; what is the paper's and what is ours is in its summary. The plant
+//! is asked only for what an experimenter could measure, and no model sees a test record.
 
 mod bench;
 mod document;
@@ -16,7 +18,7 @@ pub use words::{four_decimals, verdict};
 
 use crate::error::Error;
 use crate::excitation::Prbs;
-use crate::hammerstein::HiddenLoop;
+use crate::hammerstein::{HiddenLoop, Identified, Joint, identify_joint};
 use crate::hysteresis::Reading;
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::optimize::swarm;
@@ -54,6 +56,10 @@ const RANGE_USED: f64 = 0.6;
 /// Averages a branch.
 const BINS: usize = 16;
 
+/// Frequencies [Hz] of the rising sines of the joint model, and their length [s].
+pub const RISING: [f64; 4] = [5.0, 20.0, 80.0, 160.0];
+const RISING_DURATION: f64 = 1.0;
+
 /// One way to predict the test signal: a row of [`METHODS`].
 #[derive(Debug)]
 pub struct Method {
@@ -61,10 +67,25 @@ pub struct Method {
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// Whether its linear block is the paper's Table 2 instead of the identified one.
-    table_2: bool,
-    /// The branch read while the input is held; none for the model without hysteresis.
-    reading: Option<Reading>,
+    way: Way,
+}
+
+/// What a method makes its model of.
+#[derive(Debug, Clone, Copy)]
+enum Way {
+    /// Two branches of the loop at each frequency, by the printed or by the estimated linear block, read in this way.
+    Branches(Seen, Reading),
+    /// A gain at each frequency.
+    Gain,
+    /// One model of all frequencies.
+    Joint,
+}
+
+/// The linear block through which a loop is seen.
+#[derive(Debug, Clone, Copy)]
+enum Seen {
+    ByTable2,
+    ByOwn,
 }
 
 /// The methods compared.
@@ -72,21 +93,23 @@ pub static METHODS: &[Method] = &[
     Method {
         name: "printed-rule",
         summary: "the paper's two branches, read by its rule to the letter",
-        table_2: false,
-        reading: Some(Reading::Printed),
+        way: Way::Branches(Seen::ByOwn, Reading::Printed),
     },
     Method {
         name: "held-direction",
         summary: "the same branches, the direction held while the input stands",
-        table_2: false,
-        reading: Some(Reading::Held),
+        way: Way::Branches(Seen::ByOwn, Reading::Held),
     },
-    Method { name: "linear", summary: "no hysteresis: the best gain", table_2: false, reading: None },
+    Method { name: "linear", summary: "no hysteresis: the best gain", way: Way::Gain },
     Method {
         name: "table2-arx",
         summary: "the paper's rule with the linear block printed in its Table 2",
-        table_2: true,
-        reading: Some(Reading::Printed),
+        way: Way::Branches(Seen::ByTable2, Reading::Printed),
+    },
+    Method {
+        name: "joint",
+        summary: "one model of all frequencies, its parts identified together: a hysteresis operator with memory, and no inverse",
+        way: Way::Joint,
     },
 ];
 
@@ -132,6 +155,8 @@ pub struct Frequency {
     pub own: HiddenLoop,
     /// The loop by the block of the paper's Table 2.
     pub by_table_2: HiddenLoop,
+    /// The loop of the joint model's hysteresis block.
+    pub joint: HiddenLoop,
     /// The stepped sine and the answer to it [mm], settled.
     pub test: Record,
     /// One row a method.
@@ -160,13 +185,15 @@ pub struct Study {
     pub optimum: f64,
     /// Noise gain of the inverse of the swarm's block [V/mm]; none when a zero lies on the unit circle.
     pub noise_gain: Option<f64>,
+    /// The model of all frequencies, with the operators that were tried.
+    pub joint: Identified,
     /// By frequency.
     pub frequencies: Vec<Frequency>,
     /// What its reader should know.
     pub notes: Vec<String>,
 }
 
-/// Runs the experiment on `plant`; `seed` drives the swarm and the plant's noise.
+/// Runs the experiment on `plant`; `seed` drives the swarms and the plant's noise.
 ///
 /// # Errors
 /// What the identification refuses, and [`Error::Cancelled`].
@@ -202,13 +229,20 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
         ));
     }
 
+    let rising = RISING.into_iter().map(|hz| bench.rising(hz, &mut limits)).collect::<Result<Vec<_>, _>>()?;
+    let mut of_joint = |stage: Stage| {
+        progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
+    };
+    let how = Joint { seed, ..Joint::default() };
+    let joint = identify_joint(std::slice::from_ref(&small_signal), &rising, &how, &mut of_joint)?;
+
     let mut frequencies = Vec::new();
     for (done, hz) in FREQUENCIES.into_iter().enumerate() {
         let (what, total) = (format!("{}: loops and tests by frequency", plant.name), FREQUENCIES.len());
         if progress(Stage { what: &what, done, total }).is_break() {
             return Err(Error::Cancelled { what, done, total });
         }
-        frequencies.push(bench.frequency(hz, &own, &table_2, &mut limits)?);
+        frequencies.push(bench.frequency(hz, &own, &table_2, &joint.model, &mut limits)?);
     }
     notes.extend(words::limits_in_words(&limits));
     let block = |fit: &Fit| Block { name: fit.estimator, arx: fit.arx.clone(), fit: Some(fit.clone()) };
@@ -224,6 +258,7 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
             block(&exact),
             block(&squares),
         ],
+        joint,
         frequencies,
         notes,
     })

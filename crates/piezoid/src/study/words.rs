@@ -1,11 +1,16 @@
 //! What the study found, in words.
 
-use super::{Frequency, PRINTED_MSE, Study};
+use super::{Frequency, PRINTED_MSE, RISING, Study};
 use crate::plant::Saturation;
 
 /// Four decimals as in the paper's Table 1, or one digit with its power of ten below them.
 pub(super) fn mse(x: f64) -> String {
     if x < 1e-4 { format!("{x:.0e}") } else { format!("{x:.4}") }
+}
+
+/// Two decimals, or one digit with its power of ten below them.
+pub(super) fn percent(x: f64) -> String {
+    if x != 0.0 && x < 5e-3 { format!("{x:.0e}") } else { format!("{x:.2}") }
 }
 
 /// What the errors of a study say, in words.
@@ -21,13 +26,13 @@ pub fn verdict(study: &Study) -> String {
             .map(|f| (of(f), f.hz))
             .fold((0.0, 0.0), |worst: (f64, f64), x| if x.0 > worst.0 { x } else { worst })
     };
-    let ((worst, worst_hz), (linear, _)) = (rms("held-direction"), rms("linear"));
+    let [(worst, worst_hz), (linear, _)] = ["held-direction", "linear"].map(rms);
     let of_table_2 = PRINTED_MSE.iter().map(|(hz, _)| (at("table2-arx", *hz), *hz));
     let (most, most_hz) = of_table_2.fold((0.0, 0.0), |most: (f64, f64), x| if x.0 > most.0 { x } else { most });
     let beaten: Vec<String> = study
         .frequencies
         .iter()
-        .filter(|f| f.rows.iter().any(|r| 1.01 * r.metrics.mse < at("held-direction", f.hz)))
+        .filter(|f| f.rows.iter().any(|r| r.method != "joint" && 1.01 * r.metrics.mse < at("held-direction", f.hz)))
         .map(|f| f.hz.to_string())
         .collect();
     let beaten = match beaten.as_slice() {
@@ -51,14 +56,62 @@ pub fn verdict(study: &Study) -> String {
          leaves {}, beside {:.4}: here its error does not grow with frequency, since fewer samples are held. With the linear block of the \
          paper's Table 2 the error grows from {:.3} mm² at 5 Hz to {most:.3} at {most_hz} Hz; the paper's grows too, and the growth comes \
          with that block. With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model \
-         without hysteresis leaves up to {linear:.1} %.{beaten}{grown}",
+         without hysteresis leaves up to {linear:.1} %.{beaten}{grown} {}",
         mse(at("printed-rule", 5.0)),
         PRINTED_MSE[0].1,
         mse(at("held-direction", 5.0)),
         mse(at("printed-rule", 80.0)),
         PRINTED_MSE[3].1,
         at("table2-arx", 5.0),
+        joint(study)
     )
+}
+
+/// An error [% of peak-to-peak] that no record with noise would leave.
+const EXACT: f64 = 1e-4;
+
+/// What the joint model gains, and where it does not.
+fn joint(study: &Study) -> String {
+    let error = |f: &Frequency, method: &str| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
+    let (better, worse): (Vec<&Frequency>, Vec<&Frequency>) =
+        study.frequencies.iter().partition(|f| error(f, "joint") < error(f, "held-direction"));
+    let listed = |some: &[&Frequency]| {
+        let hz: Vec<String> = some.iter().map(|f| f.hz.to_string()).collect();
+        let errors = some.iter().map(|f| error(f, "joint"));
+        let (least, most) = errors.fold((f64::INFINITY, 0.0f64), |(low, high), e| (low.min(e), high.max(e)));
+        let range = if some.len() > 1 { format!("{} to {}", percent(least), percent(most)) } else { percent(most) };
+        (hz.join(", "), range)
+    };
+    let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
+    let mut words = format!(
+        "The joint model, {} identified once on rising sines of {} Hz, serves all frequencies.",
+        study.joint.model.hysteresis().operator().name,
+        rising.join(", ")
+    );
+    if !better.is_empty() {
+        let (hz, range) = listed(&better);
+        let place = if worse.is_empty() { "At every frequency".into() } else { format!("At {hz} Hz") };
+        words += &format!(
+            " {place} it leaves less than the branches made for that one alone, {range} % rms of peak-to-peak: it remembers where the \
+             voltage has turned, and since it inverts nothing its linear block may have as many modes as the records show."
+        );
+    }
+    if better.iter().any(|f| error(f, "joint") < EXACT) {
+        words += " So little is left because this twin obeys that operator and has no noise; nothing measured does.";
+    }
+    if !worse.is_empty() {
+        let (hz, range) = listed(&worse);
+        let limited = study.notes.iter().any(|note| note.contains("current limit"));
+        let why = match limited {
+            true => {
+                " The driver's current limit shapes fast sines, and no model without that driver can know it; branches of one \
+                      frequency have it in them."
+            }
+            false => "",
+        };
+        words += &format!(" At {hz} Hz it leaves {range} %, more than the branches made for that frequency.{why}");
+    }
+    words
 }
 
 /// The records in which a limit of the plant was reached, one sentence a limit.

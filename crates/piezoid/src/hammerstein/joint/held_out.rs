@@ -10,11 +10,13 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Weights of smoothness tried, from rough to smooth.
-const LAMBDAS: [f64; 9] = [1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
-/// By how much a simpler one may be worse, in rms, however uncertain the difference; and what is as good as nothing.
+/// By how much a simpler one may be worse, in rms, however uncertain the difference.
 const WORSE: f64 = 1.05;
-const ROUNDING: f64 = 1e-9;
+
+/// Mean squared error over squared peak-to-peak that is rounding, as records without noise leave it.
+const ROUNDING: f64 = 1e-14;
 
 /// Errors of the parts that were held out in turn, each fitted on all others.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,12 +38,12 @@ impl HeldOut {
     /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows, and over
     /// all folds by no more than is worth a simpler model.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
-        let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(|(e, best)| 0.5 * (e / best).ln()).collect();
+        let ratio = |(e, best): (&f64, &f64)| 0.5 * ((e + ROUNDING) / (best + ROUNDING)).ln();
+        let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
-        // What the very best leaves of noise-free data is rounding.
-        let rounding = self.rms_pp() < ROUNDING;
-        rounding || (mean(&ratios) <= error && self.rms_pp() <= WORSE * best.rms_pp())
+        let apart = ((self.rms_pp().powi(2) + ROUNDING) / (best.rms_pp().powi(2) + ROUNDING)).sqrt();
+        mean(&ratios) <= error && apart <= WORSE
     }
 }
 

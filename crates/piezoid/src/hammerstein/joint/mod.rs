@@ -116,7 +116,7 @@ pub fn identify_joint(
     let mut watch = |_| watch_at(0, "linear block");
     watch(0)?;
     let (linear, reason) = match small.is_empty() {
-        false => structure::of_small(&small, how, &lags)?,
+        false => structure::of_small(&small, &rich, how, &lags)?,
         true => structure::of_rich(&rich, &mut runs, how, &design, &lags, &mut watch)?,
     };
     notes.push(format!("linear block: {reason}"));

@@ -12,9 +12,12 @@ use crate::error::Error;
 use crate::series::mean;
 use nalgebra::DVector;
 
+/// How short steps are held at first.
+const DAMPING: f64 = 1e-6;
+
 /// Steps at most, and tries to find one that lowers the cost.
 const STEPS: usize = 14;
-const TRIES: usize = 6;
+const TRIES: usize = 8;
 
 /// The step from which smoothness and the weights of the two kinds of records stand.
 const SETTLED: usize = 3;
@@ -88,19 +91,26 @@ impl Point {
 pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Watch) -> Result<Fitted, Error> {
     runs.iter_mut().for_each(|run| run.heavier = 1.0);
     let mut point = Point::at(start, runs, &[]);
-    let (mut damping, mut lambda) = (1e-6, 0.0);
+    let (mut damping, mut lambda) = (DAMPING, 0.0);
     for step in 0..STEPS {
         watch(step)?;
-        let freed = match (step, freed) {
+        let now = match (step, freed) {
             (0, _) => Freed::Weights,
             (1, Freed::All) => Freed::Creep,
             (_, freed) => freed,
         };
         if step <= SETTLED {
-            lambda = point.held_out(damping, freed, None).lambda;
+            lambda = point.held_out(damping, now, None).lambda;
         }
         let cost = if step == 0 { f64::INFINITY } else { point.cost(lambda) };
-        let Some(next) = lower(&point, runs, cost, lambda, &mut damping, freed) else { break };
+        let Some(next) = lower(&point, runs, cost, lambda, &mut damping, now) else {
+            if now == freed {
+                break;
+            }
+            // Nothing to gain yet; more is freed next.
+            damping = DAMPING;
+            continue;
+        };
         let fall = 1.0 - next.cost(lambda) / cost;
         point = next;
         if step + 1 < SETTLED && weigh(runs, &point.left(runs)) {
@@ -117,7 +127,7 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
 
 /// The next point, of lower cost; none where none is found.
 fn lower(point: &Point, runs: &[Run], cost: f64, lambda: f64, damping: &mut f64, freed: Freed) -> Option<Point> {
-    let mut positive = vec![true; point.prior.now().len()];
+    let (mut positive, mut harder) = (vec![true; point.prior.now().len()], 2.0);
     for _ in 0..TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, freed, &mut positive)?;
         if let Some(estimate) = point.estimate.moved(x.as_slice()) {
@@ -127,7 +137,9 @@ fn lower(point: &Point, runs: &[Run], cost: f64, lambda: f64, damping: &mut f64,
                 return Some(next);
             }
         }
-        *damping *= 10.0;
+        // Nielsen's rule: each failure makes the next step shorter than the last one did.
+        *damping *= harder;
+        harder *= 2.0;
     }
     None
 }

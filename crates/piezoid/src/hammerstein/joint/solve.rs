@@ -1,7 +1,7 @@
 //! One step: regularised, sign-constrained least squares in all parameters at once.
 //!
 //! ```text
-//! min |error|^2 + S lambda |D w|^2 + mu |steps of the others|^2,   w_k >= 0 where physics asks for it,  g_i >= 0
+//! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 where physics asks for it,  g_i >= 0
 //! ```
 //! D takes second differences of neighbouring weights; S is the mean size of the weights' columns, so lambda has no unit.
 //! A slow lag of creep tends to the gain of the quicker one before it.
@@ -13,7 +13,7 @@ use super::layout::Layout;
 use crate::optimize::non_negative;
 use nalgebra::{DMatrix, DVector};
 
-/// Ridge on the weights, against ties between them.
+/// How firmly weights stay where they are, against ties between them.
 const RIDGE: f64 = 1e-12;
 
 /// The time constant from which lags are creep [s], and at least so many samples; quicker ones are dynamics of another kind.
@@ -94,7 +94,7 @@ impl Prior {
     /// What roughness costs at `x`.
     pub(super) fn penalty(&self, normal: &Normal, lambda: f64, x: &DVector<f64>) -> f64 {
         let w = x.rows_range(self.layout.weights.clone());
-        self.size(normal) * (lambda * w.dot(&(&self.smooth * w)) + RIDGE * w.norm_squared())
+        self.size(normal) * lambda * w.dot(&(&self.smooth * w))
     }
 
     /// The parameters that solve `normal`, only the `freed` ones moving; `damping` holds the steps of the others than
@@ -116,6 +116,8 @@ impl Prior {
         for k in 0..layout.parameters() {
             let stiff = if k < weights { size * RIDGE + 1e-14 * h[(k, k)] } else { damping * h[(k, k)] };
             h[(k, k)] += stiff + f64::MIN_POSITIVE;
+            // Weights are solved for themselves, the others for their steps.
+            g[k] += if k < weights { stiff * self.now[k] } else { 0.0 };
         }
         // Gains enter by their steps, but are wanted themselves: they must not be negative.
         for k in layout.gains.clone() {

@@ -31,8 +31,15 @@ const DELAY: usize = 3;
 /// Rows of the grid that stands in for the hysteresis.
 const COARSE: usize = 12;
 
-/// The linear block of small-signal records, and why it is this one.
-pub(super) fn of_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
+/// The linear block of small-signal records, and why it is this one. Its gain has the sign of that of the rich records:
+/// hysteresis that jumps at reversals may turn small signals round.
+pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
+    let (linear, reason) = by_small(small, how, lags)?;
+    let turned = linear.dc_gain() * affine(rich)?.0 < 0.0;
+    Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
+}
+
+fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
     let slowest = lags.first().map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s));
     rich_enough(small, 1)?;
     let seen: Vec<Record> = small.iter().map(|record| behind(record, how)).collect::<Result<_, _>>()?;

@@ -68,7 +68,7 @@ pub(super) static OPERATOR: Operator = Operator {
     basis: |design| Ok(Box::new(Cells::new(design)?)),
     load: |params, ts| Ok(Arc::new(Preisach::new(ts, parse("preisach", params)?)?)),
     example: |ts| {
-        let design = Design { ts, range: (-30.0, 30.0), elements: Some(8), frequencies: Vec::new() };
+        let design = Design { ts, range: (-30.0, 30.0), elements: Some(10), frequencies: Vec::new() };
         let cells = Cells::new(&design)?;
         let n = cells.grid.rows();
         let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
