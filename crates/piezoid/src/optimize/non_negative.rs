@@ -98,7 +98,7 @@ fn solve(h: &[f64], g: &[f64], n: usize, free: &[bool]) -> Option<Vec<f64>> {
             here[j] = (h[row * n + column] - dot(&here[..j], &upper[..j])) / upper[j];
         }
         let pivot = h[row * n + row] - dot(&here[..i], &here[..i]);
-        if !(pivot > 1e-14 * h[row * n + row]) {
+        if pivot.is_nan() || pivot <= 1e-14 * h[row * n + row] {
             return None;
         }
         here[i] = pivot.sqrt();

@@ -30,7 +30,7 @@ pub struct Parameter {
 impl Parameter {
     /// Whether the records leave it open by more than half of its value.
     pub fn is_unknown(&self) -> bool {
-        !(self.error <= UNKNOWN * self.value.abs())
+        self.error.is_nan() || self.error > UNKNOWN * self.value.abs()
     }
 }
 
