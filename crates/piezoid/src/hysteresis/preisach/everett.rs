@@ -48,7 +48,7 @@ impl Everett {
         breaks.dedup();
         let turned = |u: f64| {
             let mut sum = 0.0;
-            grid.from_rest(u, |k, share| sum += weights[k] * share);
+            grid.since_rest(u, |k, share| sum += weights[k] * share);
             if u < 0.0 { -sum } else { sum }
         };
         let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(turned)).collect();
@@ -70,7 +70,7 @@ impl Everett {
     }
 
     /// V at `u`.
-    pub(super) fn from_rest(&self, u: f64) -> f64 {
+    pub(super) fn since_rest(&self, u: f64) -> f64 {
         let k = self.breaks.of(u);
         let s = self.breaks.share(k, u);
         let [start, middle, end] = self.virgin[k];
@@ -92,8 +92,8 @@ mod tests {
         let points: Vec<f64> = (0..50).map(|k| -4.0 + 0.17 * f64::from(k)).collect();
         for (k, &m) in points.iter().enumerate() {
             let mut sum = 0.0;
-            grid.from_rest(m, |k, share| sum += weights[k] * share * if m < 0.0 { -1.0 } else { 1.0 });
-            assert_close(&[everett.from_rest(m)], &[sum], 0.0, 1e-13);
+            grid.since_rest(m, |k, share| sum += weights[k] * share * if m < 0.0 { -1.0 } else { 1.0 });
+            assert_close(&[everett.since_rest(m)], &[sum], 0.0, 1e-13);
             for &high in &points[k..] {
                 let mut turned = vec![0.0; weights.len()];
                 grid.between(m, high, 1.0, &mut turned);

@@ -62,17 +62,17 @@ impl Grid {
     }
 
     /// For each cell the share of its relays that turn on the way from rest to `u`.
-    pub(super) fn from_rest(&self, u: f64, mut share: impl FnMut(usize, f64)) {
+    pub(super) fn since_rest(&self, u: f64, mut share: impl FnMut(usize, f64)) {
         for i in 0..self.rows() {
             for j in 0..=i {
-                share(cell(i, j), self.from_rest_in(i, j, u));
+                share(cell(i, j), self.since_rest_in(i, j, u));
             }
         }
     }
 
     /// The share of cell (i, j) that turns from rest to `u`. A negative `u` turns, seen in the mirror of alpha + beta = 0,
     /// what a positive one does: cell (i, j) is then the one whose alpha runs from -l_{j+1} to -l_j.
-    fn from_rest_in(&self, i: usize, j: usize, u: f64) -> f64 {
+    fn since_rest_in(&self, i: usize, j: usize, u: f64) -> f64 {
         let l = self.levels();
         let (alpha, beta) = match u >= 0.0 {
             true => ((l[i], l[i + 1]), (l[j], l[j + 1])),
@@ -82,6 +82,9 @@ impl Grid {
         let upto = |alpha_end: f64, beta_end: f64| ramp(alpha_end + beta_end) - ramp(alpha.0 + beta_end);
         let end = u.abs().clamp(alpha.0, alpha.1);
         let area = match i == j {
+            // Wholly on one side of the line, where squares of large levels would cancel.
+            false if alpha.0 + beta.0 >= 0.0 => (end - alpha.0) * (beta.1 - beta.0),
+            true if alpha.0 + beta.0 >= 0.0 => 0.5 * (end - alpha.0) * (end - alpha.0),
             false => upto(end, beta.1) - upto(end, beta.0),
             // Below the diagonal beta <= alpha: lengths run to 2 alpha instead of alpha + l_{j+1}.
             true => ramp(2.0 * end) / 2.0 - ramp(2.0 * alpha.0) / 2.0 - upto(end, beta.0),

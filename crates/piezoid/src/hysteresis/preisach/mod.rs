@@ -126,7 +126,7 @@ impl System for Preisach {
         if u != SUM.input(x) {
             let (branch, start, now) = SUM.travel(x, u);
             now[0] = match branch {
-                Branch::Rest => self.everett.from_rest(u),
+                Branch::Rest => self.everett.since_rest(u),
                 Branch::From(r) if u >= r => start[0] + self.everett.between(r, u),
                 Branch::From(r) => start[0] - self.everett.between(u, r),
             };
@@ -190,7 +190,7 @@ impl Basis for Cells {
         if u != self.memory.input(x) {
             let (branch, start, now) = self.memory.travel(x, u);
             match branch {
-                Branch::Rest => self.grid.from_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
+                Branch::Rest => self.grid.since_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
                 Branch::From(r) => {
                     now.copy_from_slice(start);
                     self.grid.between(r.min(u), r.max(u), if u >= r { 1.0 } else { -1.0 }, now);
@@ -318,6 +318,17 @@ mod tests {
             example.simulate(&u)[n]
         };
         assert_close(&[ring(4000)], &[ring(100)], 0.0, 0.05);
+    }
+
+    #[test]
+    fn a_narrow_range_far_from_rest_is_as_exact_as_any() {
+        let design = Design { ts: 1e-3, range: (-68.5, -68.4), elements: Some(7), frequencies: Vec::new() };
+        let cells = Cells::new(&design).unwrap();
+        let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k > 0))).collect();
+        let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; weights.len()]);
+        Basis::step(&cells, &mut x, -68.43, &mut phi);
+        let z = cells.operator(&weights).unwrap().simulate(&[-68.43]);
+        assert_close(&[phi[1..].iter().sum()], &z, 0.0, 1e-9);
     }
 
     #[test]
