@@ -280,8 +280,8 @@ mod tests {
     fn a_block_is_what_a_crowd_of_relays_does() {
         let example = (OPERATOR.example)(1e-3).unwrap();
         let p: Params = parse("preisach", Value::Object(example.params())).unwrap();
-        // 40 x 40 relays a cell, each by the book: up beyond alpha, down beyond beta, at rest up where alpha + beta < 0.
-        let (n, m) = (p.levels.len() - 1, 40);
+        // 60 x 60 relays a cell, each by the book: up beyond alpha, down beyond beta, at rest up where alpha + beta < 0.
+        let (n, m) = (p.levels.len() - 1, 60);
         let mut relays = Vec::new();
         for i in 0..n {
             for j in 0..=i {
