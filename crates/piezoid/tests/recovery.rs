@@ -86,6 +86,9 @@ fn the_matrix_in_the_documentation_is_what_comes_out() {
         let now = error(OPERATORS[i], OPERATORS[j]).expect("a model");
         let kept: f64 = rows[i].1[j].parse().expect("a number");
         // Two digits stand there.
-        assert!((now - kept).abs() <= 0.06 * kept, "{truth} as {model}: {now} %, the page says {kept}: run `cargo xtask docs`");
+        assert!(
+            (now - kept).abs() <= 0.06 * kept,
+            "{truth} as {model}: {now} %, the page says {kept}: run `cargo xtask docs`"
+        );
     }
 }
