@@ -27,7 +27,7 @@ pub(crate) enum Verb {
     /// Run a plant or a model on a drive signal.
     Simulate(simulate::Simulate),
     /// Find a model that predicts measured records.
-    Identify(identify::Identify),
+    Identify(Box<identify::Identify>),
     /// Compare a model with records it has not seen.
     Validate(validate::Validate),
     /// Write a self-contained page on a model and how it meets records.
