@@ -46,7 +46,7 @@ fn plant(truth: &Operator) -> Result<Model, Error> {
 
 /// The rms error [% of peak-to-peak] that `model`, identified jointly on records of `truth`, leaves of two it has not seen: a
 /// sine of a wandering amplitude, and a staircase.
-pub fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
+pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let plant = plant(truth)?;
     let record = |u: Vec<f64>| Record::new(TS, u.clone(), plant.simulate(&u));
     let n = (DURATION / TS) as usize;
@@ -90,7 +90,7 @@ fn table(errors: &[Vec<f64>]) -> String {
 /// Width of the names, height of the numbers above, and size of a cell [units of the drawing].
 const NAMES: usize = 250;
 const HEAD: usize = 60;
-const CELL: usize = 42;
+const CELL: usize = 48;
 
 /// The errors as a map, the darker the larger, by decades from 0.01 to 10 %.
 fn map(errors: &[Vec<f64>]) -> String {
