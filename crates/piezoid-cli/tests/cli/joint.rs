@@ -21,8 +21,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     let bench = stocked();
     let line = "identify --linear prbs.csv --rich rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
     let run = bench.run(line).ok();
-    let run =
-        run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
+    run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
     let found = bench.json("f.json");
     assert!(number(&found["trials"][0]["held_out_percent"]) < 0.01, "{}", found["trials"]);
     let parameter = |name: &str| {
