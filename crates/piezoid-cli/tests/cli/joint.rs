@@ -37,8 +37,8 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
 #[test]
 fn auto_takes_the_law_the_actuator_has() {
     let bench = stocked();
-    let run = bench.run("identify --linear prbs.csv --rich rise5.csv rise40.csv -o m.json --json f.json").ok();
-    let run = run.prints(&["preisach", "tellinen", "duhem"]);
+    let line = "identify --linear prbs.csv --rich rise5.csv rise40.csv -o m.json --json f.json";
+    let run = bench.run(line).ok().prints(&["preisach", "tellinen", "duhem"]);
     let found = bench.json("f.json");
     assert_eq!(found["operator"], "bouc-wen", "{}", run.out);
 }
@@ -46,8 +46,8 @@ fn auto_takes_the_law_the_actuator_has() {
 #[test]
 fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
     let bench = stocked();
-    let run = bench.run("identify --data sine5.csv sine20.csv --elements 6 -o m.json --json f.json").ok();
-    let _ = run.says(&["hold no minor loops", "amplitude rises"]);
+    let line = "identify --data sine5.csv sine20.csv --elements 6 -o m.json --json f.json";
+    bench.run(line).ok().says(&["hold no minor loops", "amplitude rises"]);
     let found = bench.json("f.json");
     let tried: Vec<&str> = found["trials"].as_array().unwrap().iter().filter_map(|t| t["operator"].as_str()).collect();
     assert!(tried.contains(&"preisach") && !tried.contains(&"bouc-wen"), "{tried:?}");
