@@ -99,7 +99,10 @@ impl Bench {
         };
         let loop_by = |arx: &Arx, offset: f64| loop_of(&hidden(arx, offset, sine.y())?.0);
         let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(table_2, 0.0)?);
-        let of_joint = loop_of(&joint.hysteresis().simulate(sine.u()))?;
+        // Its z in the scale of the others: a factor may stand in z or in the gain of the linear block.
+        let scale = joint.linear().dc_gain() / own.0.dc_gain();
+        let z: Vec<f64> = joint.hysteresis().simulate(sine.u()).iter().map(|z| scale * z).collect();
+        let of_joint = loop_of(&z)?;
         let test = whole.part(SETTLING, f64::INFINITY)?;
         let width = |found: &Loop| 100.0 * found.branches.width();
         let rows = METHODS.iter().map(|method| {

@@ -171,8 +171,7 @@ pub(super) fn width(study: &Study) -> Figure {
     let caption = format!(
         "The same records, seen through two linear blocks. By the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
          at {} Hz; by that of the paper's Table 2 it seems to go from {:.0} % to {:.0} %. The joint model sees no record through an \
-         inverse: its loop changes with the amplitude of the sine, which is lowered near the resonance, and from {:.0} % at {} Hz it \
-         goes to {:.0} % at {} Hz.",
+         inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz, and changes with the amplitude of the sine.",
         own[0],
         hz[0],
         own[own.len() - 1],

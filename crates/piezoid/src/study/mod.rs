@@ -155,7 +155,7 @@ pub struct Frequency {
     pub own: HiddenLoop,
     /// The loop by the block of the paper's Table 2.
     pub by_table_2: HiddenLoop,
-    /// The loop of the joint model's hysteresis block.
+    /// The loop of the joint model's hysteresis block, z in the scale of `own`.
     pub joint: HiddenLoop,
     /// The stepped sine and the answer to it [mm], settled.
     pub test: Record,
