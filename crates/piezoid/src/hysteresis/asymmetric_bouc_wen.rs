@@ -90,10 +90,6 @@ impl Law for AsymmetricBoucWen {
         phi(1, -x[0]);
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
         let (low, high) = bends(half);
         vec![

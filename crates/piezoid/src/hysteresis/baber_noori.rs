@@ -131,10 +131,6 @@ impl Law for BaberNoori {
         phi(1, -x[0]);
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
         let (low, high) = bends(half);
         let wear = (1e-6 / (half * half), 0.1 / (half * half));

@@ -77,7 +77,9 @@ pub trait Basis: Debug + Send + Sync {
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error>;
 
     /// How z would change with shape parameter `j`, sample by sample: dz/dp_j along `u` from rest.
-    fn slope(&self, j: usize, weights: &[f64], u: &[f64]) -> Vec<f64>;
+    fn slope(&self, _j: usize, _weights: &[f64], u: &[f64]) -> Vec<f64> {
+        vec![0.0; u.len()]
+    }
 
     /// The operator with these weights.
     ///

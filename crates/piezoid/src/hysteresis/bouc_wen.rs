@@ -105,10 +105,6 @@ impl Law for BoucWen {
         phi(1, -x[0]);
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
         let (low, high) = bends(half);
         vec![

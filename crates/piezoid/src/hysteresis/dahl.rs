@@ -88,10 +88,6 @@ impl Law for Dahl {
         phi(1, -x[0]);
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
         vec![
             Shape { name: "breakaway", value: self.breakaway, low: 0.03 * half, high: 30.0 * half },

@@ -116,10 +116,6 @@ impl Law for Krasnoselskii {
         x.iter().enumerate().for_each(|(k, kernel)| phi(k, *kernel));
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         let n = self.levels.len();
         let pairs = || (0..n).flat_map(|j| (0..=j).map(move |i| (i, j)));

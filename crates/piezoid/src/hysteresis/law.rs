@@ -76,7 +76,9 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     }
 
     /// Whether weight `k` must not be negative.
-    fn non_negative(&self, k: usize) -> bool;
+    fn non_negative(&self, _k: usize) -> bool {
+        true
+    }
 
     /// As [`Basis::roughness`].
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {

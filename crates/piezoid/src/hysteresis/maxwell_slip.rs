@@ -108,10 +108,6 @@ impl Law for MaxwellSlip {
         sliders.iter().enumerate().for_each(|(k, e)| phi(k + 1, -*e));
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }

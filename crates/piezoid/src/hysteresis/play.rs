@@ -76,10 +76,6 @@ impl Law for Play {
         sum_of_plays(weights, &self.thresholds, x, signal);
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }

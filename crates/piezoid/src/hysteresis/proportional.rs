@@ -102,10 +102,6 @@ impl Basis for Proportional {
         Ok(Box::new(self.clone()))
     }
 
-    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
-        vec![0.0; u.len()]
-    }
-
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, crate::Error> {
         counted(OPERATOR.name, "weights", weights.len(), 1)?;
         Ok(Arc::new(Proportional::new(self.ts, weights[0])?))

@@ -92,10 +92,6 @@ impl Law for RatePlay {
         }
     }
 
-    fn non_negative(&self, _: usize) -> bool {
-        true
-    }
-
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }

@@ -266,10 +266,6 @@ impl Basis for Values {
         Ok(Box::new(self.clone()))
     }
 
-    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
-        vec![0.0; u.len()]
-    }
-
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), self.len())?;
         let pair = |(pair, weights): (&Pair, &[f64])| {

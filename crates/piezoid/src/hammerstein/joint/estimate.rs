@@ -21,6 +21,11 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
+    /// An estimate whose weights are not known yet.
+    pub(super) fn new(driver: Option<Driver>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
+        Estimate { driver, weights: vec![0.0; basis.len()], basis, lags, linear }
+    }
+
     pub(super) fn ts(&self) -> f64 {
         self.linear.ts()
     }

@@ -47,8 +47,8 @@ impl HeldOut {
     }
 }
 
-/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `freed` parameters are fitted anew
-/// without a fold.
+/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `freed`
+/// parameters are fitted anew without a fold.
 pub(super) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,

@@ -160,14 +160,7 @@ fn fit(
     runs: &mut [Run],
     watch: refine::Watch,
 ) -> Result<Fitted, Error> {
-    let basis = (row.basis)(design)?;
-    let start = Estimate {
-        driver: how.driver,
-        weights: vec![0.0; basis.len()],
-        basis,
-        lags: lags.to_vec(),
-        linear: linear.clone(),
-    };
+    let start = Estimate::new(how.driver, (row.basis)(design)?, lags.to_vec(), linear.clone());
     watch(0)?;
     let elsewhere = search::search(&start, runs, how.seed)?;
     let here = refine(start, runs, Freed::All, watch)?;

@@ -32,8 +32,9 @@ pub(super) struct Run<'a> {
     /// Whether it exercises the hysteresis; else it is a small-signal record.
     pub(super) rich: bool,
     pub(super) past: Past,
-    /// What its errors are multiplied by: 1 / peak-to-peak of y, times how much heavier its kind is.
+    /// 1 / peak-to-peak of y: what its errors are multiplied by.
     pub(super) scale: f64,
+    /// And by how much more its kind counts.
     pub(super) heavier: f64,
     /// Samples that may be fitted.
     pub(super) usable: Vec<bool>,

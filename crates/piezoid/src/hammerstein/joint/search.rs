@@ -24,7 +24,7 @@ const MOST: usize = 6;
 const PARTICLES: usize = 12;
 const ITERATIONS: usize = 12;
 
-/// The estimate with the best shape a swarm finds; none where there is nothing to search.
+/// The estimate, its weights not known yet, with the best shape a swarm finds; none where there is nothing to search.
 pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Option<Estimate>, Error> {
     let shape = estimate.basis.shape();
     if shape.is_empty() || shape.len() > MOST {
@@ -44,13 +44,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
     let at = |x: &[f64]| -> Option<Estimate> {
         let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();
         let basis = estimate.basis.reshaped(&p).ok()?;
-        Some(Estimate {
-            driver: estimate.driver,
-            basis,
-            weights: estimate.weights.clone(),
-            lags: estimate.lags.clone(),
-            linear: estimate.linear.clone(),
-        })
+        Some(Estimate::new(estimate.driver, basis, estimate.lags.clone(), estimate.linear.clone()))
     };
     let cost = |x: &[f64]| -> f64 {
         let Some(estimate) = at(x) else { return f64::INFINITY };

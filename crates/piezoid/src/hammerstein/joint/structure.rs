@@ -14,8 +14,9 @@ use super::solve::Freed;
 use crate::creep::{Creep, Lag};
 use crate::driver::SUBSTEPS;
 use crate::error::Error;
+use crate::hammerstein::Model;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
-use crate::hysteresis::{Design, operator};
+use crate::hysteresis::{Design, Proportional, operator};
 use crate::linear::{Arx, Choice, Orders, Refinement, output_error, refine as refine_alone, select};
 use crate::number::short;
 use crate::progress::unwatched;
@@ -23,6 +24,7 @@ use crate::record::Record;
 use crate::series::scatter;
 use crate::system::System;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// The highest order tried, and the longest delay of small-signal records [samples].
 const ORDER: usize = 8;
@@ -81,19 +83,14 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
 
 /// The record with its input as it arrives behind the driver.
 fn behind(record: &Record, how: &Joint) -> Result<Record, Error> {
-    let Some(driver) = how.driver else { return Ok(record.clone()) };
-    let (h, mut v) = (record.ts() / SUBSTEPS as f64, record.u()[0]);
-    let mean = |&u: &f64| {
-        let mut twice = 0.0;
-        for _ in 0..SUBSTEPS {
-            let next = driver.advance(v, u, h);
-            twice += v + next;
-            v = next;
-        }
-        twice / (2 * SUBSTEPS) as f64
-    };
-    let u = record.u().iter().map(mean).collect();
-    Ok(Record::new(record.ts(), u, record.y().to_vec())?.with_units(record.units().clone()))
+    if how.driver.is_none() {
+        return Ok(record.clone());
+    }
+    let ts = record.ts();
+    let nothing = Arc::new(Proportional::new(ts / SUBSTEPS as f64, 1.0)?);
+    let alone = Model::driven(how.driver, nothing, Arx::gain(ts, 1.0)?, 0.0)?;
+    let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
+    Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
 }
 
 /// The linear block of rich records alone, and why it is this one.
@@ -108,8 +105,7 @@ pub(super) fn of_rich(
     let ts = rich[0].ts();
     let coarse = Design { elements: Some(COARSE), ..design.clone() };
     let start = |linear: Arx| -> Result<Estimate, Error> {
-        let basis = (operator("preisach")?.basis)(&coarse)?;
-        Ok(Estimate { driver: how.driver, weights: vec![0.0; basis.len()], basis, lags: lags.to_vec(), linear })
+        Ok(Estimate::new(how.driver, (operator("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
     };
     let gain = affine(rich)?.0;
     let late = |d: usize, next: f64| {

@@ -237,10 +237,6 @@ impl Basis for Cells {
         Ok(Box::new(self.clone()))
     }
 
-    fn slope(&self, _: usize, _: &[f64], u: &[f64]) -> Vec<f64> {
-        vec![0.0; u.len()]
-    }
-
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), Basis::len(self))?;
         let (slope, weights) = (weights[0], weights[1..].to_vec());
