@@ -3,7 +3,7 @@
 use super::Model;
 use crate::series::mean;
 use crate::system::System;
-use crate::waveform::in_motion;
+use crate::waveform::{again, in_motion, lead};
 
 /// What the actuator did before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -26,9 +26,8 @@ impl Beginning {
 }
 
 impl Model {
-    /// The state before the first of the inputs `u`, if the record began like this. Of a record that began in motion, what
-    /// the hysteresis remembers and where creep stands come from a run over the record; the linear block, which forgets
-    /// soon, settles at its first input.
+    /// The state before the first of the inputs `u`, if the record began like this. Of a record that began in motion it is
+    /// the state behind the inputs that may have come before, moved over by what the first input differs from them.
     pub fn before(&self, u: &[f64], beginning: Beginning) -> Vec<f64> {
         let Some(&first) = u.first() else { return self.initial() };
         match beginning {
@@ -37,14 +36,20 @@ impl Model {
             Beginning::Motion => {
                 let mut x = self.settled(first);
                 let [hysteresis, creep, linear, driver] = self.parts(&mut x);
-                let mut z = u.to_vec();
+                let mut z = lead(u);
                 self.hidden(hysteresis, driver, &mut z);
-                creep.copy_from_slice(&self.creep().settled(mean(&z)));
+                creep.copy_from_slice(&self.creep().settled(mean(&z[..u.len()])));
                 self.creep().respond(creep, &mut z);
-                let mut crept = [first];
-                self.hidden(&mut hysteresis.to_vec(), &mut driver.to_vec(), &mut crept);
-                self.creep().respond(&mut creep.to_vec(), &mut crept);
-                linear.copy_from_slice(&self.linear().settled(crept[0]));
+                let next = |u: f64| {
+                    let (mut next, mut creep) = ([u], creep.to_vec());
+                    self.hidden(&mut hysteresis.to_vec(), &mut driver.to_vec(), &mut next);
+                    self.creep().respond(&mut creep, &mut next);
+                    next[0]
+                };
+                let over = next(first) - next(u[again(u)]);
+                z.iter_mut().for_each(|z| *z += over);
+                linear.copy_from_slice(&self.linear().settled(z[0]));
+                self.linear().respond(linear, &mut z);
                 x
             }
         }

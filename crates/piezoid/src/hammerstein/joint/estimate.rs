@@ -1,7 +1,7 @@
 //! What the joint way has found so far: every parameter of a model, before it is one.
 
 use super::layout::Layout;
-use super::runs::{Past, Run};
+use super::runs::Run;
 use crate::creep::{Creep, Lag};
 use crate::driver::{Driver, SUBSTEPS};
 use crate::error::Error;
@@ -72,8 +72,8 @@ impl<'a> Responses<'a> {
     pub(super) fn before(estimate: &'a Estimate, run: &Run) -> Self {
         let u = run.record.u();
         let mut responses = Responses::settled(estimate, u[0]);
-        if run.past == Past::Itself {
-            u.iter().chain(&u[..1]).for_each(|&u| _ = responses.next(u));
+        if !run.past.is_empty() {
+            run.past.iter().chain(&u[..1]).for_each(|&u| _ = responses.next(u));
         }
         responses
     }

@@ -11,7 +11,7 @@
 
 use super::estimate::{Estimate, Responses};
 use super::layout::Layout;
-use super::runs::{Past, Run};
+use super::runs::Run;
 use super::signals::{AllPole, Filter, Ladder};
 use crate::driver::SUBSTEPS;
 use nalgebra::DMatrix;
@@ -180,10 +180,9 @@ impl<'a> Columns<'a> {
 fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
     let u = run.record.u();
     let steps = if estimate.driver.is_some() { SUBSTEPS } else { 1 };
-    let past: &[f64] = if run.past == Past::Itself { u } else { &[] };
     // The inputs the hysteresis block sees; the first stands for the way there from rest.
     let (mut v, mut seen) = (u[0], vec![u[0]]);
-    for &u in past.iter().chain(u) {
+    for &u in run.past.iter().chain(u) {
         for _ in 0..steps {
             v = estimate.driver.map_or(u, |d| d.advance(v, u, estimate.ts() / steps as f64));
             seen.push(v);
@@ -192,7 +191,7 @@ fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
     let of = |j: usize| {
         let slope = estimate.basis.slope(j, &estimate.weights, &seen);
         let at = |t: usize| {
-            let last = (past.len() + t + 1) * steps;
+            let last = (run.past.len() + t + 1) * steps;
             let mean = |k: usize| 0.5 * (slope[k - 1] + slope[k]) / steps as f64;
             if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
         };

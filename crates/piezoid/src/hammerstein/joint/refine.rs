@@ -66,8 +66,8 @@ impl Point {
     }
 
     /// What the equations foretell of what is held out in turn.
-    fn held_out(&self, damping: f64, freed: Freed, lambda: Option<f64>) -> HeldOut {
-        cross_validate(&self.estimate, &self.prior, &self.stretches, damping, freed, lambda)
+    fn held_out(&self, freed: Freed, lambda: Option<f64>) -> HeldOut {
+        cross_validate(&self.estimate, &self.prior, &self.stretches, DAMPING, freed, lambda)
     }
 
     /// The runs' own coefficients at `x`.
@@ -100,7 +100,7 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
             (_, freed) => freed,
         };
         if step <= SETTLED {
-            lambda = point.held_out(damping, now, None).lambda;
+            lambda = point.held_out(now, None).lambda;
         }
         let cost = if step == 0 { f64::INFINITY } else { point.cost(lambda) };
         let Some(next) = lower(&point, runs, cost, lambda, &mut damping, now) else {
@@ -121,7 +121,7 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
             break;
         }
     }
-    let (own, held_out) = (point.own(point.prior.now()), point.held_out(damping, freed, Some(lambda)));
+    let (own, held_out) = (point.own(point.prior.now()), point.held_out(freed, Some(lambda)));
     Ok(Fitted { estimate: point.estimate, own, held_out })
 }
 

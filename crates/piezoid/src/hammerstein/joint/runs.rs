@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::quality::{Need, inspect};
 use crate::record::Record;
 use crate::series::ends;
-use crate::waveform::in_motion;
+use crate::waveform::{in_motion, lead};
 
 /// Stretches a record is cut into when parts of it are held out.
 const STRETCHES: usize = 10;
@@ -16,22 +16,14 @@ pub(super) const FOLDS: usize = 5;
 /// it will do.
 const COVERED: f64 = 0.02;
 
-/// What the actuator did before the record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Past {
-    /// Nothing: it went from rest to the first input and settled.
-    Rest,
-    /// The same as in the record.
-    Itself,
-}
-
 /// A record.
 #[derive(Debug, Clone)]
 pub(super) struct Run<'a> {
     pub(super) record: &'a Record,
     /// Whether it exercises the hysteresis; else it is a small-signal record.
     pub(super) rich: bool,
-    pub(super) past: Past,
+    /// The inputs it is taken to have had before; none if it came from rest and settled.
+    pub(super) past: Vec<f64>,
     /// 1 / peak-to-peak of y: what its errors are multiplied by.
     pub(super) scale: f64,
     /// And by how much more its kind counts.
@@ -49,7 +41,7 @@ impl<'a> Run<'a> {
         (low < high).then(|| Run {
             record,
             rich,
-            past: if in_motion(record.u()) { Past::Itself } else { Past::Rest },
+            past: if in_motion(record.u()) { lead(record.u()) } else { Vec::new() },
             scale: 1.0 / (high - low),
             heavier: 1.0,
             usable,
