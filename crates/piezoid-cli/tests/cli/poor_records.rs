@@ -126,7 +126,7 @@ fn a_model_that_cannot_be_trusted_is_told_as_such() {
     let cases: &[(&str, &[&str], Change, &[&str])] = &[
         (ALL, &["small"], noise, &["small-signal record: the model leaves", "noise"]),
         (ALL, &["small"], |_, u, y| Some((u, -y)), &["small-signal record: the model leaves", "sign"]),
-        (ALL, R, |t, u, y| (t < 40).then_some((u, y)), &["few for", "turns back"]),
+        ("--data r5.csv", &["r5"], |t, u, y| (t < 40).then_some((u, y)), &["few for", "turns back"]),
         (
             "--data r5.csv r5.csv r17.csv",
             &[],
