@@ -12,6 +12,7 @@ mod joint;
 mod lists;
 mod measured;
 mod misfits;
+mod poor_records;
 mod process;
 mod proof;
 mod quality;

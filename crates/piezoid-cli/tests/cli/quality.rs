@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 
 /// Rewrites a record row by row, from input and output, without its time.
-fn rewritten(bench: &Bench, from: &str, to: &str, change: impl Fn(usize, f64, f64) -> Option<(f64, f64)>) {
+pub(crate) fn rewritten(bench: &Bench, from: &str, to: &str, change: impl Fn(usize, f64, f64) -> Option<(f64, f64)>) {
     let text = bench.text(from);
     let rows = text.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>());
     let kept = rows.enumerate().filter_map(|(t, row)| change(t, row[1], row[2]));

@@ -218,13 +218,17 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
 
 /// What is wrong with the records, each named by what it is and its number.
 pub(super) fn defects(which: &str, records: &[Record]) -> Vec<String> {
-    let several = records.len() > 1;
     let each = records.iter().enumerate().flat_map(|(k, record)| {
-        let name = if several { format!("{which} {}", k + 1) } else { which.to_string() };
+        let name = called(which, k, records.len());
         let findings = inspect(record, &Need::default()).findings.into_iter();
         findings.map(move |f| format!("{name}: {}", f.text))
     });
     each.collect()
+}
+
+/// What users call record `k` of so many of a kind.
+pub(super) fn called(which: &str, k: usize, of: usize) -> String {
+    if of > 1 { format!("{which} {}", k + 1) } else { which.to_string() }
 }
 
 /// A resonance of the linear block that none of the records it was found from excites.

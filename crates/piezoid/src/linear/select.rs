@@ -132,7 +132,12 @@ pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Resu
     let weights = checked(records, highest, &how.refinement)?;
     let (seen, unseen) = cut(records, how.held_out)?;
     checked(&seen, highest, &how.refinement)?;
-    checked(&unseen, highest, &how.refinement)?;
+    checked(&unseen, highest, &how.refinement).map_err(|error| match error {
+        Error::TooShort { what, have, need, remedy } => {
+            Error::TooShort { what: format!("the part of {what} that is held out"), have, need, remedy }
+        }
+        other => other,
+    })?;
     let beginnings = Beginnings::new(&seen, highest)?;
 
     let (mut fitted, mut refused): (Vec<OutputError>, Vec<_>) = (Vec::new(), Vec::new());

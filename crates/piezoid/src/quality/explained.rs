@@ -13,7 +13,7 @@ use std::ops::Range;
 /// The part of `x` that goes with `u` at these lags, as far as both are known; before and after, the input is taken to have
 /// stood. The trend and the constant are fitted beside it and not given back. `ridge` is over the mean square of the input.
 pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> Vec<f64> {
-    let (middle, n) = (mean(u), u.len());
+    let (middle, level, n) = (mean(u), mean(x), u.len());
     let last = n as isize - 1;
     let scale = (u.iter().map(|u| (u - middle).powi(2)).sum::<f64>() / n as f64).sqrt();
     let columns = 2 + lags.len();
@@ -29,7 +29,7 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
     for (t, x) in x.iter().enumerate() {
         fill(&mut row, t);
         for i in 0..columns {
-            right[i] += row[i] * x;
+            right[i] += row[i] * (x - level);
             for j in 0..=i {
                 normal[(i, j)] += row[i] * row[j];
             }

@@ -154,12 +154,19 @@ pub(super) fn missing(record: &Record) -> Option<Finding> {
     if jumps.is_empty() || jumps.len() > 3 || 10 * still > steps.len() || !large {
         return None;
     }
-    let ranges: Vec<Range<usize>> = jumps.iter().map(|&t| t..(t + 1).min(y.len())).collect();
+    // A turn may be among what is lost: the hysteresis is known again once the input has been as high and as low as before.
+    let again = |t: usize| {
+        let ((low, high), slack) = (ends(u[..t].iter().copied()), MOVED * (high - low));
+        let up = u[t..].iter().position(|u| *u >= high - slack);
+        let down = u[t..].iter().position(|u| *u <= low + slack);
+        up.zip(down).map_or(t + 1, |(up, down)| t + 1 + up.max(down))
+    };
+    let ranges: Vec<Range<usize>> = jumps.iter().map(|&t| t..again(t).min(y.len())).collect();
+    let places = places(&jumps.iter().map(|&t| t..t + 1).collect::<Vec<_>>(), record.ts());
     let text = format!(
-        "rows seem to be missing: the input, smooth elsewhere, jumps by {} {} at {}: split the record there",
+        "rows seem to be missing: the input, smooth elsewhere, jumps by {} {} at {places}: split the record there",
         short(jumps.iter().fold(0.0, |m: f64, &t| m.max(steps[t - 1]))),
-        record.units().u,
-        places(&ranges, record.ts())
+        record.units().u
     );
     Some(Finding { defect: Defect::MissingRows, samples: ranges, text })
 }

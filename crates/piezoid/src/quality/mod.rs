@@ -5,9 +5,10 @@
 //! | too short, constant input, constant output | counted | refused |
 //! | saturated output | y stays at its extreme while u moves | masked |
 //! | clipped input | y arches while u stays at its extreme | masked |
+//! | wild values | far beyond all others, while the input is not | masked |
 //! | outliers | one sample off its neighbours beyond all that is usual there (Hampel) | masked |
 //! | frozen output | y repeats to the bit while u moves | masked |
-//! | missing rows | a smooth u jumps | masked at the jump |
+//! | missing rows | a smooth u jumps | masked from there until u has been as high and as low as before |
 //! | drift | what u does not explain moves, and does not slow down as creep does | told |
 //! | poor excitation | u has no power in the band that is needed | told |
 //!
@@ -21,6 +22,7 @@ mod explained;
 mod flat;
 mod outliers;
 mod runs;
+mod wild;
 
 use crate::error::Error;
 use crate::fourier::power;
@@ -148,6 +150,9 @@ pub fn inspect(record: &Record, need: &Need) -> Inspection {
     let mut seen = Inspection { findings: Vec::new(), usable: vec![true; record.len()] };
     seen.findings.extend(unfit(record, need));
     if seen.findings.is_empty() {
+        let (wild, tame) = wild::wild(record);
+        seen.mask(wild);
+        let record = tame.as_ref().unwrap_or(record);
         for finding in [flat::saturated(record), flat::clipped(record), flat::frozen(record), flat::missing(record)] {
             seen.mask(finding);
         }

@@ -62,7 +62,8 @@ impl OfRun {
         let samples = parts.iter().map(|part| part.samples).sum();
         let mut own = gram.view((p, p), (m, m)).into_owned();
         // The square of one sample of the constant's column, and of what a unit of creep's state is in y.
-        let one = own[(m - 1, m - 1)] / f64::max(samples, 1.0);
+        let constant = layout.constant - p;
+        let one = own[(constant, constant)] / f64::max(samples, 1.0);
         let doubt = (ERROR / CREPT * estimate.linear.dc_gain()).powi(2) * one;
         for k in 0..m {
             own[(k, k)] += 1e-10 * own[(k, k)] + f64::MIN_POSITIVE;
@@ -103,4 +104,48 @@ pub(super) fn equations(
     };
     let each: Vec<OfRun> = runs.par_iter().filter_map(of).collect();
     (Normal::sum(layout.parameters(), each.iter().map(|run| &run.normal)), each)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{estimate, stretch};
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn elimination_gives_what_all_equations_together_give() {
+        let estimate = estimate("prandtl-ishlinskii", 3);
+        let layout = Layout::of(&estimate);
+        let (p, m) = (layout.parameters(), layout.own());
+        let stretches = [stretch(&layout, 0, None, 1), stretch(&layout, 0, None, 2), stretch(&layout, 1, None, 3)];
+        let (normal, each) = equations(&estimate, &stretches, |_| true);
+        let x = normal.h.clone().cholesky().unwrap().solve(&normal.g);
+
+        // All unknowns at once: the parameters, then what belongs to the first run, then to the second.
+        let (mut h, mut g) = (DMatrix::<f64>::zeros(p + 2 * m, p + 2 * m), DVector::<f64>::zeros(p + 2 * m));
+        for part in &stretches {
+            let place = |k: usize| if k < p { k } else { k + part.run * m };
+            for i in 0..p + m {
+                g[place(i)] += part.gram[(i, p + m)];
+                (0..p + m).for_each(|j| h[(place(i), place(j))] += part.gram[(i, j)]);
+            }
+        }
+        let all = h.lu().solve(&g).unwrap();
+        assert_close(x.as_slice(), &all.as_slice()[..p], 1e-6, 1e-7);
+        for (k, run) in each.iter().enumerate() {
+            assert_close(&run.own(&x), &all.as_slice()[p + k * m..][..m], 1e-6, 1e-7);
+        }
+        let yy: f64 = stretches.iter().map(|part| part.gram[(p + m, p + m)]).sum();
+        assert_close(&[normal.left(&x)], &[yy - g.dot(&all)], 1e-6, 0.0);
+    }
+
+    #[test]
+    fn only_the_stretches_taken_count() {
+        let estimate = estimate("prandtl-ishlinskii", 3);
+        let layout = Layout::of(&estimate);
+        let [one, other] = [stretch(&layout, 0, Some(0), 1), stretch(&layout, 0, Some(1), 2)];
+        let (taken, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0));
+        let (alone, _) = equations(&estimate, &[one], |_| true);
+        assert_eq!((taken.h, taken.g, taken.samples), (alone.h, alone.g, alone.samples));
+    }
 }

@@ -94,3 +94,66 @@ pub(super) fn cross_validate(
     let smoothest = tried.iter().rfind(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
     smoothest.cloned().unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::products::products;
+    use super::super::runs::of;
+    use super::super::testing::estimate;
+    use super::*;
+    use crate::record::Record;
+    use crate::system::System;
+    use crate::testing::assert_close;
+
+    /// A gain and an offset a record is all there is: what a line through the other records leaves.
+    #[test]
+    fn what_is_held_out_is_foretold_by_a_refit_to_all_others() {
+        let wave = |k: usize, t: usize| 30.0 * (0.03 * (k + 1) as f64 * t as f64).sin();
+        let records: Vec<Record> = (0..3)
+            .map(|k| {
+                let u: Vec<f64> = (0..800).map(|t| wave(k, t)).collect();
+                let y = |(t, u): (usize, &f64)| {
+                    (2.0 + 0.1 * k as f64) * u + 0.02 * u * u + (0.7 * t as f64).cos() + 50.0 * k as f64
+                };
+                let y = u.iter().enumerate().map(y).collect();
+                Record::new(5e-4, u, y).unwrap()
+            })
+            .collect();
+        let estimate = estimate("proportional", 1);
+        let runs = of(&[], &records).unwrap();
+        let stretches = products(&estimate, &runs, &[]);
+        let prior = Prior::of(&estimate);
+        let found = cross_validate(&estimate, &prior, &stretches, 1e-6, Freed::Weights, Some(0.0));
+        assert_eq!(found.folds.len(), 3);
+
+        let about_mean = |x: &[f64]| x.iter().map(|v| v - mean(x)).collect::<Vec<_>>();
+        let parts: Vec<(Vec<f64>, Vec<f64>, f64)> = records
+            .iter()
+            .zip(&runs)
+            .map(|(r, run)| {
+                let filtered = estimate.linear.simulate(&r.u().iter().map(|u| u - r.u()[0]).collect::<Vec<_>>());
+                (about_mean(&filtered), about_mean(r.y()), run.scale * run.scale)
+            })
+            .collect();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let explicit: Vec<f64> = (0..3)
+            .map(|k| {
+                let others = || parts.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, part)| part);
+                let gain = others().map(|(u, y, s)| s * dot(u, y)).sum::<f64>()
+                    / others().map(|(u, _, s)| s * dot(u, u)).sum::<f64>();
+                let (u, y, s) = &parts[k];
+                s * u.iter().zip(y).map(|(u, y)| (y - gain * u).powi(2)).sum::<f64>() / 800.0
+            })
+            .collect();
+        assert_close(&found.folds, &explicit, 1e-6, 0.0);
+    }
+
+    #[test]
+    fn the_simplest_as_good_is_within_its_error_and_five_percent() {
+        let of = |folds: &[f64]| HeldOut { lambda: 0.0, folds: folds.to_vec(), without: Vec::new() };
+        let best = of(&[1.0, 1.0, 1.0]);
+        assert!(of(&[1.08, 0.97, 1.02]).is_as_good_as(&best), "now better, now worse");
+        assert!(!of(&[1.03, 1.03, 1.03]).is_as_good_as(&best), "worse every time");
+        assert!(!of(&[2.0, 0.6, 1.0]).is_as_good_as(&best), "worse by more than is worth it");
+    }
+}

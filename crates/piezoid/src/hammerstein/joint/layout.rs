@@ -22,6 +22,8 @@ pub(super) struct Layout {
     pub(super) state: Range<usize>,
     /// The constant in its output.
     pub(super) constant: usize,
+    /// The trend of its output, where it drifts.
+    pub(super) trend: usize,
 }
 
 impl Layout {
@@ -42,6 +44,7 @@ impl Layout {
             crept: next(lags),
             state: next(na.max(nb - 1)),
             constant: next(1).start,
+            trend: next(1).start,
         }
     }
 
@@ -57,6 +60,6 @@ impl Layout {
 
     /// Number of columns; y stands behind the last.
     pub(super) fn columns(&self) -> usize {
-        self.constant + 1
+        self.trend + 1
     }
 }

@@ -16,6 +16,7 @@
 mod equations;
 mod estimate;
 mod held_out;
+mod judge;
 mod layout;
 mod products;
 mod refine;
@@ -24,6 +25,10 @@ mod search;
 mod signals;
 mod solve;
 mod structure;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;
 mod trials;
 mod uncertainty;
 
@@ -42,6 +47,7 @@ use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::ends;
 use estimate::{Estimate, Responses};
+use layout::Layout;
 use refine::{Fitted, refine};
 use runs::Run;
 use solve::Freed;
@@ -115,9 +121,11 @@ pub fn identify_joint(
     };
     let mut watch = |_| watch_at(0, "linear block");
     watch(0)?;
+    let bridged = |run: &Run| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
+    let bridged = runs.iter().map(bridged).collect::<Result<Vec<_>, Error>>()?;
     let (linear, reason) = match small.is_empty() {
-        false => structure::of_small(&small, &rich, how, &lags)?,
-        true => structure::of_rich(&rich, &mut runs, how, &design, &lags, &mut watch)?,
+        false => structure::of_small(&bridged[..small.len()], &bridged[beside.len()..], how, &lags)?,
+        true => structure::of_rich(&bridged, &mut runs, how, &design, &lags, &mut watch)?,
     };
     notes.push(format!("linear block: {reason}"));
 
@@ -134,6 +142,7 @@ pub fn identify_joint(
         trials.push(trial);
     }
     let (fitted, trials) = trials::choose(trials)?;
+    notes.extend(judge::judge(&fitted, &runs)?);
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
     let model = fitted.estimate.model(offset)?.with_units(units);
     let model = match Domain::of(small.iter().chain(&rich)) {
@@ -178,10 +187,12 @@ fn ladder(from: f64, to: f64) -> Vec<Lag> {
 /// The constant in the output of the model: the middle one of all records, whose sensors may have drifted.
 fn offset(fitted: &Fitted, runs: &[Run], notes: &mut Vec<String>, unit: &str) -> f64 {
     let estimate = &fitted.estimate;
+    let layout = Layout::of(estimate);
+    let constant = layout.constant - layout.parameters();
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&Run, &Vec<f64>)| {
         let first = products::dot(Responses::before(estimate, run).now(), &estimate.weights);
-        own.last().copied().unwrap_or(0.0) - estimate.linear.dc_gain() * creep * first
+        run.level + own[constant] - estimate.linear.dc_gain() * creep * first
     };
     let mut offsets: Vec<f64> = runs.iter().zip(&fitted.own).map(of).collect();
     offsets.sort_by(f64::total_cmp);

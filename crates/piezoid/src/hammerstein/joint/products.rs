@@ -65,7 +65,8 @@ fn of_run(estimate: &Estimate, index: usize, run: &Run, own: &[f64], thin: usize
             let row = column.as_mut_slice();
             columns.step(t, u[t], row);
             if counts && kept(t, thin) {
-                row[size - 1] = y[t];
+                // From a level of its own, which would else drown what moves.
+                row[size - 1] = y[t] - run.level;
                 row.iter_mut().for_each(|v| *v *= weight);
                 filled += 1;
             }
@@ -105,6 +106,8 @@ struct Columns<'a> {
     y_by_a: AllPole<'a>,
     zc_by_a: AllPole<'a>,
     impulse_by_a: AllPole<'a>,
+    /// By how much the trend rises a sample.
+    trend: f64,
 }
 
 impl<'a> Columns<'a> {
@@ -124,6 +127,7 @@ impl<'a> Columns<'a> {
             y_by_a: AllPole::new(a, layout.state.len()),
             zc_by_a: AllPole::new(a, b.len()),
             impulse_by_a: AllPole::new(a, layout.state.len()),
+            trend: if run.drifts { (run.record.len() as f64).recip() } else { 0.0 },
             lags: vec![0.0; rates.len()],
             fading: vec![1.0; rates.len()],
             estimate,
@@ -154,7 +158,9 @@ impl<'a> Columns<'a> {
         self.ladder.step(behind_creep);
         lagging[..n].copy_from_slice(&self.lags);
         lagging[n..].copy_from_slice(&self.fading);
-        let zc = dot(&self.entering[layout.weights.clone()], &self.estimate.weights);
+        // The state of creep is the first of a run's own coefficients.
+        let left = dot(&self.fading, self.own);
+        let zc = dot(&self.entering[layout.weights.clone()], &self.estimate.weights) + left;
         self.zc_by_a.step(zc);
         self.impulse_by_a.step(f64::from(u8::from(t == 0)));
 
@@ -170,6 +176,7 @@ impl<'a> Columns<'a> {
         row[layout.b.clone()].copy_from_slice(&self.zc_by_a.past()[delay..delay + layout.b.len()]);
         row[layout.state.clone()].copy_from_slice(&self.impulse_by_a.past()[..layout.state.len()]);
         row[layout.constant] = 1.0;
+        row[layout.trend] = self.trend * t as f64;
         // q^-1 y/A: what is entered now is read at the next sample.
         let from_past = dot(&row[layout.crept.start..layout.constant], self.own);
         self.y_by_a.step(dot(out_responses, &self.estimate.weights) + from_past);
@@ -195,7 +202,9 @@ fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
             let mean = |k: usize| 0.5 * (slope[k - 1] + slope[k]) / steps as f64;
             if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
         };
-        (0..u.len()).map(|t| at(t) - at(0)).collect()
+        // z counts from where it is before the first sample, not from a mean.
+        let first = slope[(run.past.len() + 1) * steps];
+        (0..u.len()).map(|t| if t == 0 { 0.0 } else { at(t) - first }).collect()
     };
     (0..estimate.basis.shape().len()).map(of).collect()
 }
@@ -203,4 +212,121 @@ fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
 /// a'b.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::creep::Lag;
+    use crate::driver::Driver;
+    use crate::hysteresis::{Design, OPERATORS, Operator};
+    use crate::linear::Arx;
+    use crate::record::Record;
+
+    const TS: f64 = 5e-4;
+
+    /// An estimate of everything: weights, shapes off their kinks, creep, dynamics with a delay.
+    fn estimate(row: &Operator, driver: Option<Driver>) -> Estimate {
+        let ts = if driver.is_some() { TS / SUBSTEPS as f64 } else { TS };
+        let design = Design { ts, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![5.0, 20.0] };
+        let basis = (row.basis)(&design).unwrap();
+        let off = |s: &crate::hysteresis::Shape| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
+        let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
+        let lags = vec![Lag { tau_s: 5e-3, gain: 0.08 }, Lag { tau_s: 5e-2, gain: 0.03 }];
+        let linear = Arx::new(TS, vec![1.1, -0.5], vec![0.0, 0.3, 0.2]).unwrap();
+        let weights = (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect();
+        Estimate { weights, ..Estimate::new(driver, basis, lags, linear) }
+    }
+
+    /// The free run, a sample at a time, as the law says it.
+    fn free_run(estimate: &Estimate, run: &Run, own: &[f64]) -> Vec<f64> {
+        let layout = Layout::of(estimate);
+        let own_of = |column: usize| own[column - layout.parameters()];
+        let (a, b) = (estimate.linear.a(), estimate.linear.b());
+        let mut responses = Responses::before(estimate, run);
+        let first = dot(responses.now(), &estimate.weights);
+        let mut lags: Vec<f64> = vec![0.0; estimate.lags.len()];
+        let mut began: Vec<f64> = layout.crept.clone().map(own_of).collect();
+        let (mut zc, mut y): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
+        for (t, &u) in run.record.u().iter().enumerate() {
+            let z = if t == 0 { 0.0 } else { dot(responses.next(u), &estimate.weights) - first };
+            let mut crept = z;
+            for ((lag, began), of) in lags.iter_mut().zip(&mut began).zip(&estimate.lags) {
+                let stays = (-TS / of.tau_s).exp();
+                *lag = stays * *lag + (1.0 - stays) * z;
+                *began *= stays;
+                crept += of.gain * *lag + *began;
+            }
+            zc.push(crept);
+            let past = |x: &[f64], back: usize| if back <= t { x[t - back] } else { 0.0 };
+            let fed_back: f64 = a.iter().enumerate().map(|(i, a)| a * if t > i { y[t - 1 - i] } else { 0.0 }).sum();
+            let fed_forward: f64 = b.iter().enumerate().map(|(j, b)| b * past(&zc, j)).sum();
+            let state = layout.state.clone().nth(t).map_or(0.0, own_of);
+            y.push(fed_back + fed_forward + state);
+        }
+        let slope = if run.drifts { own_of(layout.trend) / y.len() as f64 } else { 0.0 };
+        y.iter().enumerate().map(|(t, y)| y + own_of(layout.constant) + slope * t as f64).collect()
+    }
+
+    #[test]
+    fn every_column_is_the_derivative_of_the_free_run() {
+        let wander = |t: usize| 17.0 * (0.05 * t as f64).sin() + 11.0 * (0.173 * t as f64).sin();
+        // From rest, and a record that begins in motion.
+        let records = [0, 20].map(|from| {
+            let u: Vec<f64> = (from..from + 250).map(wander).collect();
+            Record::new(TS, u.clone(), u).unwrap()
+        });
+        let driver = Driver::new(3e-4, Some(4e3)).unwrap();
+        for (row, driver) in OPERATORS.iter().flat_map(|row| [(row, None), (row, Some(driver))]) {
+            let estimate = estimate(row, driver);
+            let layout = Layout::of(&estimate);
+            let x = super::super::solve::Prior::of(&estimate).now().as_slice().to_vec();
+            let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
+            for (record, moving) in records.iter().zip([false, true]) {
+                let run = Run::new(record, "record", true, vec![true; record.len()]).unwrap();
+                assert_eq!(!run.past.is_empty(), moving);
+                let run = Run { drifts: true, ..run };
+                let mut columns = Columns::new(&estimate, &run, &layout, &own);
+                let mut rows = DMatrix::zeros(layout.columns() + 1, record.len());
+                for (t, &u) in record.u().iter().enumerate() {
+                    columns.step(t, u, rows.column_mut(t).as_mut_slice());
+                }
+                for k in 0..layout.columns() {
+                    let own_index = k.checked_sub(layout.parameters());
+                    let value = own_index.map_or_else(|| x[k], |k| own[k]);
+                    let h = 1e-5 * (value.abs() + 0.01);
+                    let moved = |by: f64| {
+                        let (mut x, mut own) = (x.clone(), own.clone());
+                        *own_index.map_or_else(|| &mut x[k], |k| &mut own[k]) += by;
+                        free_run(&estimate.moved(&x).unwrap(), &run, &own)
+                    };
+                    let slope: Vec<f64> = moved(h).iter().zip(moved(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
+                    let column: Vec<f64> = rows.row(k).iter().copied().collect();
+                    let peak = slope.iter().fold(0.0f64, |m, s| m.max(s.abs()));
+                    let off = column.iter().zip(&slope).fold(0.0f64, |m, (c, s)| m.max((c - s).abs()));
+                    assert!(
+                        off <= 2e-5 * peak + 1e-7,
+                        "{} {driver:?} moving {moving}: column {k} of {layout:?} is off by {off:e} of {peak}",
+                        row.name
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn products_count_from_the_level_and_leave_out_what_must_not_be_fitted() {
+        let estimate = estimate(OPERATORS[0], None);
+        let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin()).collect();
+        let sums = |offset: f64, spike: f64| {
+            let y = u.iter().enumerate().map(|(t, u)| u + offset + if t == 300 { spike } else { 0.0 }).collect();
+            let record = Record::new(TS, u.clone(), y).unwrap();
+            let usable = (0..600).map(|t| t != 300).collect();
+            let run = Run::new(&record, "record", true, usable).unwrap();
+            products(&estimate, &[run], &[])[0].gram.clone()
+        };
+        let plain = sums(0.0, 0.0);
+        assert_eq!(plain, sums(0.0, 1e9));
+        assert!((&plain - sums(1e6, 0.0)).amax() < 1e-9 * plain.amax());
+    }
 }

@@ -38,6 +38,8 @@ pub(super) struct Fitted {
     /// State of creep, state of G and constant of each run.
     pub(super) own: Vec<Vec<f64>>,
     pub(super) held_out: HeldOut,
+    /// Of each run, the mean squared error over the squared peak-to-peak.
+    pub(super) left: Vec<f64>,
 }
 
 /// An estimate and the equations there.
@@ -122,7 +124,8 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
         }
     }
     let (own, held_out) = (point.own(point.prior.now()), point.held_out(freed, Some(lambda)));
-    Ok(Fitted { estimate: point.estimate, own, held_out })
+    let left = point.left(runs);
+    Ok(Fitted { estimate: point.estimate, own, held_out, left })
 }
 
 /// The next point, of lower cost; none where none is found.

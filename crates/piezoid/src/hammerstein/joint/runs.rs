@@ -1,9 +1,10 @@
 //! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
 
 use crate::error::Error;
-use crate::quality::{Need, inspect};
+use crate::hammerstein::paper::called;
+use crate::quality::{Defect, Need, inspect};
 use crate::record::Record;
-use crate::series::ends;
+use crate::series::{ends, scatter};
 use crate::waveform::{in_motion, lead};
 
 /// Stretches a record is cut into when parts of it are held out.
@@ -20,12 +21,18 @@ const COVERED: f64 = 0.02;
 #[derive(Debug, Clone)]
 pub(super) struct Run<'a> {
     pub(super) record: &'a Record,
+    /// What users call it.
+    pub(super) name: String,
     /// Whether it exercises the hysteresis; else it is a small-signal record.
     pub(super) rich: bool,
     /// The inputs it is taken to have had before; none if it came from rest and settled.
     pub(super) past: Vec<f64>,
     /// 1 / peak-to-peak of y: what its errors are multiplied by.
     pub(super) scale: f64,
+    /// The middle of y, from which it is counted.
+    pub(super) level: f64,
+    /// Whether its output drifts, and so may have a trend.
+    pub(super) drifts: bool,
     /// And by how much more its kind counts.
     pub(super) heavier: f64,
     /// Samples that may be fitted.
@@ -35,19 +42,50 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// None where the output never moves.
-    pub(super) fn new(record: &'a Record, rich: bool, usable: Vec<bool>) -> Option<Self> {
-        let (low, high) = ends(record.y().iter().copied());
+    /// None where what is usable of the output never moves.
+    pub(super) fn new(record: &'a Record, name: &str, rich: bool, usable: Vec<bool>) -> Option<Self> {
+        let (low, high) = ends(sound(record.y(), &usable));
         (low < high).then(|| Run {
             record,
+            name: name.into(),
             rich,
             past: if in_motion(record.u()) { lead(record.u()) } else { Vec::new() },
             scale: 1.0 / (high - low),
+            level: 0.5 * (low + high),
+            drifts: false,
             heavier: 1.0,
             usable,
             stretches: vec![(record.len(), None)],
         })
     }
+
+    /// Mean square of the output about its mean, over the squared peak-to-peak.
+    pub(super) fn power(&self) -> f64 {
+        let y: Vec<f64> = sound(self.record.y(), &self.usable).collect();
+        self.scale.powi(2) * scatter(&y) / y.len() as f64
+    }
+
+    /// The output with straight lines over what must not be fitted, for what can leave no samples out.
+    pub(super) fn bridged(&self) -> Vec<f64> {
+        let mut y = self.record.y().to_vec();
+        let mut before = None;
+        for t in (0..y.len()).filter(|t| self.usable[*t]) {
+            let from = before.map_or(0, |b| b + 1);
+            let (start, rise) = before.map_or((y[t], 0.0), |b| (y[b], (y[t] - y[b]) / (t - b) as f64));
+            (from..t).for_each(|k| y[k] = start + rise * (k + 1 - from) as f64);
+            before = Some(t);
+        }
+        if let Some(last) = before {
+            let end = y[last];
+            y[last + 1..].fill(end);
+        }
+        y
+    }
+}
+
+/// What is usable of a series.
+fn sound<'s>(x: &'s [f64], usable: &'s [bool]) -> impl Iterator<Item = f64> + 's {
+    x.iter().zip(usable).filter(|(_, usable)| **usable).map(|(x, _)| *x)
 }
 
 /// All records, with what is held out in turn.
@@ -56,10 +94,22 @@ impl<'a> Run<'a> {
 /// Refuses a record nothing can be identified from.
 pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record]) -> Result<Vec<Run<'a>>, Error> {
     let mut runs = Vec::new();
-    for (record, rich) in small.iter().map(|r| (r, false)).chain(rich.iter().map(|r| (r, true))) {
-        let seen = inspect(record, &Need::default());
-        seen.sound()?;
-        runs.extend(Run::new(record, rich, seen.usable));
+    for (kind, records, is_rich) in [("small-signal record", small, false), ("rich record", rich, true)] {
+        for (k, record) in records.iter().enumerate() {
+            let (seen, name) = (inspect(record, &Need::default()), called(kind, k, records.len()));
+            let refused = |because: String| Error::Unidentifiable {
+                what: "a model".into(),
+                because: format!("{name}: {because}"),
+            };
+            match seen.sound() {
+                Err(Error::Unidentifiable { because, .. }) => return Err(refused(because)),
+                sound => sound?,
+            }
+            let drifts = seen.findings.iter().any(|finding| finding.defect == Defect::Drift);
+            let run = Run::new(record, &name, is_rich, seen.usable);
+            let still = || refused("what is sound of the output never moves: measure again".into());
+            runs.push(Run { drifts, ..run.ok_or_else(still)? });
+        }
     }
     fold(&mut runs);
     Ok(runs)

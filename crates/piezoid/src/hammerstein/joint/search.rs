@@ -33,13 +33,17 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
     let rich: Vec<&Run> = runs.iter().filter(|run| run.rich).collect();
     let each = SAMPLES / rich.len().max(1);
     // The ends: amplitudes that rise are largest there.
+    let from = |run: &Run| run.record.len().saturating_sub(each);
     let end = |run: &&Run| {
-        let (record, n) = (run.record, run.record.len());
-        let from = n.saturating_sub(each);
+        let (record, from) = (run.record, from(run));
         Record::new(record.ts(), record.u()[from..].to_vec(), record.y()[from..].to_vec())
     };
     let parts: Vec<Record> = rich.iter().map(end).collect::<Result<_, _>>()?;
-    let parts: Vec<Run> = parts.iter().filter_map(|part| Run::new(part, true, vec![true; part.len()])).collect();
+    let part = |(part, run): (_, &&Run)| {
+        let end = Run::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
+        Some(Run { drifts: run.drifts, ..end })
+    };
+    let parts: Vec<Run> = parts.iter().zip(&rich).filter_map(part).collect();
 
     let at = |x: &[f64]| -> Option<Estimate> {
         let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();

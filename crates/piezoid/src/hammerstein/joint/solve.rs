@@ -180,3 +180,53 @@ impl Prior {
         self.layout.weights.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / self.layout.weights.len() as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::equations::equations;
+    use super::super::testing::{estimate, stretch};
+    use super::*;
+
+    #[test]
+    fn no_weight_that_is_freed_or_held_at_zero_would_lower_the_cost() {
+        let estimate = estimate("prandtl-ishlinskii", 12);
+        let layout = Layout::of(&estimate);
+        let mut held = 0;
+        for (seed, lambda) in [(1, 0.0), (2, 1e-6), (3, 1e-3), (4, 0.1)] {
+            let (normal, _) = equations(&estimate, &[stretch(&layout, 0, None, seed)], |_| true);
+            let prior = Prior::of(&estimate);
+            let mut positive = vec![true; layout.parameters()];
+            let x = prior.solve(&normal, lambda, 1e-6, Freed::Weights, &mut positive).unwrap();
+            // Of nothing but the weights: all else stays where it stands.
+            assert_eq!(x.rows_range(layout.weights.end..), prior.now().rows_range(layout.weights.end..));
+            let w = x.rows_range(layout.weights.clone()).into_owned();
+            let n = w.len();
+            let smooth = &prior.smooth * (lambda * prior.size(&normal));
+            let gradient = (normal.h.view((0, 0), (n, n)) + smooth) * &w - normal.g.rows(0, n);
+            for (k, (w, slope)) in w.iter().zip(&gradient).enumerate() {
+                let slope = slope / normal.g.amax();
+                held += usize::from(*w == 0.0);
+                match (prior.signed[k], *w) {
+                    (true, 0.0) => assert!(slope > -1e-7, "weight {k} at zero falls: {slope}"),
+                    (signed, w) => {
+                        assert!(slope.abs() < 1e-7 && (w > 0.0 || !signed), "weight {k} = {w}: slope {slope}");
+                    }
+                }
+            }
+        }
+        assert!(held > 0, "no weight was held at zero");
+    }
+
+    #[test]
+    fn the_static_gain_of_the_linear_block_stays() {
+        let estimate = estimate("prandtl-ishlinskii", 4);
+        let layout = Layout::of(&estimate);
+        let (normal, _) = equations(&estimate, &[stretch(&layout, 0, None, 5)], |_| true);
+        let prior = Prior::of(&estimate);
+        let mut positive = vec![true; layout.parameters()];
+        let x = prior.solve(&normal, 0.0, 1e-3, Freed::All, &mut positive).unwrap();
+        let steps = &x - prior.now();
+        let moved = steps.rows_range(layout.a.start..layout.b.end).amax();
+        assert!(moved > 1e-9 && prior.gain.dot(&steps).abs() < 1e-9 * moved.max(1.0), "{steps}");
+    }
+}

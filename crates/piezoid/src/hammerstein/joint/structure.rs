@@ -15,6 +15,7 @@ use crate::creep::{Creep, Lag};
 use crate::driver::SUBSTEPS;
 use crate::error::Error;
 use crate::hammerstein::Model;
+use crate::hammerstein::paper::proportional;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
 use crate::hysteresis::{Design, Proportional, operator};
 use crate::linear::{Arx, Choice, Orders, Refinement, output_error, refine as refine_alone, select};
@@ -23,6 +24,7 @@ use crate::progress::unwatched;
 use crate::record::Record;
 use crate::series::scatter;
 use crate::system::System;
+use crate::waveform::dominant_frequency;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -37,7 +39,7 @@ const COARSE: usize = 12;
 /// hysteresis that jumps at reversals may turn small signals round.
 pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
     let (linear, reason) = by_small(small, how, lags)?;
-    let turned = linear.dc_gain() * affine(rich)?.0 < 0.0;
+    let turned = proportional(&linear, 0.0, rich)?.0 < 0.0;
     Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
 }
 
@@ -107,7 +109,10 @@ pub(super) fn of_rich(
     let start = |linear: Arx| -> Result<Estimate, Error> {
         Ok(Estimate::new(how.driver, (operator("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
     };
-    let gain = affine(rich)?.0;
+    // Its sign is that of the slowest: near a resonance the output opposes the input.
+    let hz = |record: &&Record| dominant_frequency(record.u(), ts).unwrap_or(0.0);
+    let slowest = rich.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&rich[0]);
+    let gain = affine(rich)?.0.copysign(affine(std::slice::from_ref(slowest))?.0);
     let late = |d: usize, next: f64| {
         Arx::new(
             ts,
@@ -116,7 +121,7 @@ pub(super) fn of_rich(
         )
     };
     let plain = refine(start(late(0, 0.0)?)?, runs, Freed::Creep, watch)?;
-    let waits = delay(&hidden(&plain.estimate, runs)?);
+    let waits = delay(&hidden(&plain, runs)?);
     let mut tried: Vec<(String, Fitted)> = vec![("a gain".into(), plain)];
     if how.order.unwrap_or(0) == 0 {
         if waits > 0 {
@@ -134,7 +139,7 @@ pub(super) fn of_rich(
         None => 1..=lines(rich).len().saturating_sub(1).min(ORDER),
     };
     let least = tried.iter().min_by(|p, q| p.1.held_out.rms_pp().total_cmp(&q.1.held_out.rms_pp()));
-    let hidden = hidden(&least.unwrap_or(&tried[0]).1.estimate, runs)?;
+    let hidden = hidden(&least.unwrap_or(&tried[0]).1, runs)?;
     let delay = delay(&hidden).saturating_sub(1);
     let fastest = lines(rich).into_iter().fold(0.0, f64::max);
     for n in orders.filter(|n| *n > 0) {
@@ -163,17 +168,20 @@ pub(super) fn of_rich(
     Ok((fitted.estimate.linear, reason))
 }
 
-/// The runs with z behind creep, from zero at the first sample, in the place of u.
-fn hidden(estimate: &Estimate, runs: &[Run]) -> Result<Vec<Record>, Error> {
+/// The runs with z behind creep, from zero at the first sample, in the place of u, and without their drift.
+fn hidden(fitted: &Fitted, runs: &[Run]) -> Result<Vec<Record>, Error> {
+    let estimate = &fitted.estimate;
     let creep = Creep::new(estimate.ts(), estimate.lags.clone())?;
-    let of = |run: &Run| {
+    let of = |(run, own): (&Run, &Vec<f64>)| {
         let mut responses = Responses::before(estimate, run);
         let first = dot(responses.now(), &estimate.weights);
         let later = run.record.u()[1..].iter().map(|&u| dot(responses.next(u), &estimate.weights) - first);
         let z: Vec<f64> = std::iter::once(0.0).chain(later).collect();
-        Record::new(estimate.ts(), creep.simulate(&z), run.record.y().to_vec())
+        let rise = own.last().filter(|_| run.drifts).map_or(0.0, |trend| trend / z.len() as f64);
+        let y = run.bridged().iter().enumerate().map(|(t, y)| y - rise * t as f64).collect();
+        Record::new(estimate.ts(), creep.simulate(&z), y)
     };
-    runs.iter().map(of).collect()
+    runs.iter().zip(&fitted.own).map(of).collect()
 }
 
 /// The delay [samples] with which a gain leaves least, up to a tenth of the shortest record.

@@ -70,7 +70,11 @@ pub(super) fn choose(trials: Vec<(Trial, Option<Fitted>)>) -> Result<(Fitted, Ve
     match good.min_by_key(|(trial, _)| trial.parameters) {
         Some((_, Some(fitted))) => Ok((fitted, told)),
         _ => {
-            let each = told.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
+            let each = told.iter().map(|trial| {
+                let why = trial.refused.as_deref();
+                let why = why.unwrap_or("its equations have no solution: are units and columns the right ones?");
+                format!("{}: {why}", trial.operator)
+            });
             let because = each.collect::<Vec<_>>().join("; ");
             Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because })
         }

@@ -1,0 +1,26 @@
+//! Equations the tests of this module solve.
+
+use super::estimate::Estimate;
+use super::layout::Layout;
+use super::products::Stretch;
+use crate::hysteresis::{Design, operator};
+use crate::linear::Arx;
+use nalgebra::DMatrix;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// An estimate of an operator of so many elements, behind a block of first order; of a proportional one, behind a gain.
+pub(super) fn estimate(name: &str, elements: usize) -> Estimate {
+    let design = Design { ts: 5e-4, range: (-30.0, 30.0), elements: Some(elements), frequencies: Vec::new() };
+    let a = if name == "proportional" { Vec::new() } else { vec![0.6] };
+    let linear = Arx::new(5e-4, a, vec![1.3]).unwrap();
+    Estimate::new(None, (operator(name).unwrap().basis)(&design).unwrap(), Vec::new(), linear)
+}
+
+/// Products of columns of noise.
+pub(super) fn stretch(layout: &Layout, run: usize, fold: Option<usize>, seed: u64) -> Stretch {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let rows = DMatrix::<f64>::from_fn(200, layout.columns() + 1, |_, _| StandardNormal.sample(&mut random));
+    Stretch { run, fold, gram: rows.tr_mul(&rows), samples: 200.0 }
+}

@@ -1,0 +1,190 @@
+//! The joint way on plants that are known to the last coefficient.
+
+use super::*;
+use crate::excitation::{Prbs, RisingSine};
+use crate::hammerstein::Model;
+use crate::hysteresis::operator;
+use crate::linear::Arx;
+use crate::progress::unwatched;
+use crate::system::System;
+use crate::testing::assert_close;
+use std::f64::consts::TAU;
+use std::ops::ControlFlow;
+
+/// Prandtl and Ishlinskii's operator behind a resonance at 60 Hz, sampled every `ts` [s], `delay` samples late.
+fn plant(ts: f64, delay: usize) -> Model {
+    let (radius, turn) = ((-0.1 * TAU * 60.0 * ts).exp(), TAU * 60.0 * ts * 0.99f64.sqrt());
+    let a = vec![2.0 * radius * turn.cos(), -radius * radius];
+    let half = 0.5 * (1.0 - a[0] - a[1]);
+    let b = [vec![0.0; delay], vec![1.1 * half, 0.9 * half]].concat();
+    let block = (operator("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
+    Model::new(block, Arx::new(ts, a, b).unwrap(), 0.3).unwrap()
+}
+
+/// What the plant answers, this far off its own offset.
+fn record(plant: &Model, u: Vec<f64>, offset: f64) -> Record {
+    let y = plant.simulate(&u).iter().map(|y| y + offset).collect();
+    Record::new(plant.ts(), u, y).unwrap()
+}
+
+fn prbs(plant: &Model) -> Record {
+    let u = Prbs { order: 10, amplitude: 1.0, ..Prbs::default() }.samples(plant.ts(), 1023).unwrap();
+    record(plant, u, 0.0)
+}
+
+/// Rising sines of these frequencies [Hz], over `seconds`, each with an offset of its own.
+fn rich(plant: &Model, seconds: f64, hz_and_offset: &[(f64, f64)]) -> Vec<Record> {
+    let of = |&(frequency, offset): &(f64, f64)| {
+        let sine = RisingSine { amplitude: 30.0, frequency, ..RisingSine::default() };
+        record(plant, sine.samples(plant.ts(), (seconds / plant.ts()) as usize).unwrap(), offset)
+    };
+    hz_and_offset.iter().map(of).collect()
+}
+
+fn named(operator: &str) -> Joint {
+    Joint { operator: operator.into(), ..Joint::default() }
+}
+
+fn identified(small: &[Record], rich: &[Record], how: &Joint) -> Identified {
+    identify_joint(small, rich, how, &mut unwatched).unwrap()
+}
+
+/// The largest error on an input nobody has seen, over the peak-to-peak, about its mean.
+fn off(model: &Model, plant: &Model) -> f64 {
+    let n = (0.4 / plant.ts()) as usize;
+    let u: Vec<f64> =
+        (0..n).map(|t| t as f64 * plant.ts()).map(|s| 27.0 * (TAU * 7.0 * s).sin() * (TAU * 1.7 * s).cos()).collect();
+    let (y, found) = (plant.simulate(&u), model.simulate(&u));
+    let errors: Vec<f64> = y.iter().zip(&found).map(|(y, found)| y - found).collect();
+    let ((low, high), (least, most)) = (ends(y), ends(errors));
+    (most - least) / (high - low)
+}
+
+#[test]
+fn order_and_delay_are_those_of_the_plant() {
+    for delay in [0, 2] {
+        let plant = plant(5e-4, delay);
+        let rich = rich(&plant, 0.5, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+        let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+        let (linear, reason) = (found.model.linear(), &found.linear.reason);
+        assert_eq!((linear.a().len(), linear.delay()), (2, delay), "{reason}");
+        assert_close(linear.a(), plant.linear().a(), 1e-4, 0.0);
+        assert!(off(&found.model, &plant) < 1e-4, "{}", off(&found.model, &plant));
+    }
+}
+
+#[test]
+fn each_record_has_an_offset_of_its_own_however_large_and_the_model_the_middle_one() {
+    let plant = plant(5e-4, 1);
+    let rich = rich(&plant, 0.4, &[(11.0, -1e6), (29.0, 5.0), (61.0, 1e9)]);
+    let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+    assert!(off(&found.model, &plant) < 1e-4, "{}", off(&found.model, &plant));
+    // Of 0, -1e6, 5 and 1e9 beside the plant's own.
+    assert!((found.model.offset() - 5.3).abs() < 1e-2, "{}", found.model.offset());
+    assert!(found.notes.iter().any(|note| note.contains("stand off one another")), "{:?}", found.notes);
+}
+
+#[test]
+fn a_record_that_begins_in_motion_and_one_that_drifts_tell_as_much() {
+    let plant = plant(5e-4, 1);
+    let moving = |hz: f64| {
+        let u: Vec<f64> = (0..2000).map(|t| 30.0 * (TAU * hz * 5e-4 * f64::from(t)).sin()).collect();
+        let y = plant.simulate(&u);
+        Record::new(5e-4, u[1030..].to_vec(), y[1030..].to_vec()).unwrap()
+    };
+    let drifting = |r: &Record| {
+        let y = r.y().iter().enumerate().map(|(t, y)| y + 0.005 * t as f64).collect();
+        Record::new(5e-4, r.u().to_vec(), y).unwrap()
+    };
+    let still = rich(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let moved = [&still[..], &[moving(10.0), moving(40.0)]].concat();
+    for (rich, says) in [(moved, None), (still.iter().map(drifting).collect(), Some("drifts by"))] {
+        let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+        assert!(off(&found.model, &plant) < 1e-3, "{says:?}: {}", off(&found.model, &plant));
+        assert!(says.is_none_or(|says| found.notes.iter().any(|note| note.contains(says))), "{:?}", found.notes);
+    }
+}
+
+#[test]
+fn another_sampling_period_changes_nothing_of_what_is_found() {
+    for (ts, seconds) in [(2e-3, 1.2), (5e-4, 0.4), (1e-4, 0.2)] {
+        let plant = plant(ts, 1);
+        let rich = rich(&plant, seconds, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+        let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+        let resonance = found.model.linear().resonance().unwrap();
+        assert_close(&[resonance.hz, resonance.damping], &[60.0, 0.1], 1e-3, 0.0);
+        assert!(off(&found.model, &plant) < 1e-4, "{ts} s: {}", off(&found.model, &plant));
+    }
+}
+
+#[test]
+fn work_that_is_cancelled_ends_there_whatever_it_was_doing() {
+    let plant = plant(5e-4, 1);
+    let (small, rich) = ([prbs(&plant)], rich(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
+    for small in [&small[..], &[]] {
+        let calls = |last: usize| {
+            let mut calls = 0;
+            let mut count = |_: crate::progress::Stage| {
+                calls += 1;
+                if calls > last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let found = identify_joint(small, &rich, &named("dahl"), &mut count);
+            (found.map(|_| ()), calls)
+        };
+        let (whole, all) = calls(usize::MAX);
+        assert!(whole.is_ok() && all > 5, "{all}");
+        for last in [0, 1, all / 2, all - 1] {
+            let (stopped, seen) = calls(last);
+            assert!(
+                matches!(stopped, Err(Error::Cancelled { .. })) && seen == last + 1,
+                "{last} of {all}: {stopped:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn one_thread_and_two_find_the_same_to_the_bit() {
+    let plant = plant(5e-4, 1);
+    let rich = rich(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| identified(&[prbs(&plant)], &rich, &named("bouc-wen")).model.to_json())
+    };
+    assert_eq!(on(1), on(2));
+}
+
+#[test]
+fn records_that_tell_nothing_are_refused_or_told_of() {
+    let plant = plant(5e-4, 1);
+    let sound = rich(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let with = |r: &Record, of: &dyn Fn(usize, f64) -> f64| {
+        let y = r.y().iter().enumerate().map(|(t, y)| of(t, *y)).collect();
+        Record::new(r.ts(), r.u().to_vec(), y).unwrap()
+    };
+    let small = [prbs(&plant)];
+    let how = named("prandtl-ishlinskii");
+    // Numbers that have nothing to do with the input.
+    let unrelated: Vec<Record> = sound.iter().map(|r| with(r, &|t, _| ((t * t) as f64 * 0.618_034).fract())).collect();
+    let message = identify_joint(&small, &unrelated, &how, &mut unwatched).unwrap_err().to_string();
+    assert!(message.contains("no better than by a constant") && message.contains("rich record 2"), "{message}");
+
+    let noisy = with(&small[0], &|t, _| ((t * t) as f64 * 0.618_034).fract());
+    let twins = [&sound[..], &sound[..1]].concat();
+    for (small, rich, says) in [
+        (vec![noisy], sound.clone(), "small-signal record: the model leaves"),
+        (small.to_vec(), twins, "rich record 1 and rich record 4 are the same"),
+        (small.to_vec(), cut(&sound[..1], 30), "few for"),
+        (small.to_vec(), cut(&sound[..1], 30), "turns back"),
+    ] {
+        let notes = identified(&small, &rich, &how).notes;
+        assert!(notes.iter().any(|note| note.contains(says)), "{says}: {notes:?}");
+    }
+    let notes = identified(&small, &sound, &how).notes;
+    assert_eq!(notes.len(), 1, "{notes:?}");
+}
+
+/// The first samples of each record.
+fn cut(records: &[Record], n: usize) -> Vec<Record> {
+    records.iter().map(|r| Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()).unwrap()).collect()
+}

@@ -1,0 +1,63 @@
+//! Wild values: what broken telegrams, error codes and overflows leave in the output.
+//!
+//! The core of a series is all but its lowest and its highest hundredth, and whatever joins that without a gap wider than the
+//! core is by then. What lies beyond such a gap is wild, unless the input has the like of it. Where the core does not move nothing
+//! is wild.
+
+use super::runs::{quantile, runs};
+use super::{Defect, Finding, places};
+use crate::number::short;
+use crate::record::Record;
+
+/// Share of the samples on either side that need not belong to the core.
+const BEYOND: f64 = 0.01;
+
+/// The wild values of the output, and the record with straight lines in their place, to look at further.
+pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
+    let y = record.y();
+    let (Some((low, high)), true) = (core(y), calm(record.u())) else { return (None, None) };
+    let inside = |t: usize| (low..=high).contains(&y[t]);
+    let samples = runs(y.len(), 0, |t| !inside(t));
+    let mut tame = y.to_vec();
+    for run in &samples {
+        let before = run.start.checked_sub(1).map_or(y.get(run.end), |t| Some(&y[t]));
+        let (Some(&from), Some(&to)) = (before, y.get(run.end).or(before)) else { continue };
+        let length = (run.len() + 1) as f64;
+        run.clone().for_each(|t| tame[t] = from + (to - from) * (t + 1 - run.start) as f64 / length);
+    }
+    let Some(tame) = Record::new(record.ts(), record.u().to_vec(), tame).ok().filter(|_| !samples.is_empty()) else {
+        return (None, None);
+    };
+    let beyond = samples.iter().flat_map(|run| &y[run.clone()]);
+    let wildest = beyond.fold(low, |m, &y| if (y - low).abs() > (m - low).abs() { y } else { m });
+    let unit = &record.units().y;
+    let text = format!(
+        "the output has outliers: {} as wild as {} {unit}, where all others lie between {} and {} {unit}",
+        places(&samples, record.ts()),
+        short(wildest),
+        short(low),
+        short(high)
+    );
+    let finding = Finding { defect: Defect::Outliers, samples, text };
+    (Some(finding), Some(tame.with_units(record.units().clone())))
+}
+
+/// Whether nothing of a series is wild.
+fn calm(x: &[f64]) -> bool {
+    core(x).is_some_and(|(low, high)| x.iter().all(|x| (low..=high).contains(x)))
+}
+
+/// The ends of the core; none where it does not move.
+fn core(x: &[f64]) -> Option<(f64, f64)> {
+    let (mut low, mut high) = (quantile(x.to_vec(), BEYOND), quantile(x.to_vec(), 1.0 - BEYOND));
+    let mut beyond: Vec<f64> = x.iter().copied().filter(|x| !(low..=high).contains(x)).collect();
+    // The nearest first.
+    beyond.sort_by(|a, b| (a - a.clamp(low, high)).abs().total_cmp(&(b - b.clamp(low, high)).abs()));
+    for x in beyond {
+        if x - high > high - low || low - x > high - low {
+            break;
+        }
+        (low, high) = (low.min(x), high.max(x));
+    }
+    (low < high).then_some((low, high))
+}
