@@ -30,6 +30,20 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     };
     assert!((parameter("mode 1 frequency [Hz]") / 146.7 - 1.0).abs() < 1e-3);
     assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
+    run.prints(&["mode 1 ", "share %", "at once", "ms beyond the hold", "Creep: "]);
+    let reading = &found["linear"]["reading"];
+    let mode = &reading["poles"][0];
+    let stiffness_over_mass = number(&mode["mass_per_stiffness"]).recip();
+    assert!((stiffness_over_mass.sqrt() / std::f64::consts::TAU / number(&mode["hz"]) - 1.0).abs() < 1e-12);
+    assert_eq!(mode["kind"], "mode");
+    let shares = reading["poles"].as_array().unwrap().iter().map(|p| number(&p["share_percent"])).sum::<f64>();
+    assert!((shares + number(&reading["residual_percent"]) - 100.0).abs() < 1e-9, "{reading}");
+    assert!(number(&reading["gain"]).is_finite() && number(&reading["delay_s"]).abs() < 2e-3, "{reading}");
+    bench.run("report --model m.json --data stairs.csv -o m.html").ok();
+    let page = bench.text("m.html");
+    for said in ["Operators tried", "mode 1 frequency [Hz]", "Loops of the hysteresis block", "Frequency response"] {
+        assert!(page.contains(said), "{said}");
+    }
     let left = bench.run("validate --model m.json --data stairs.csv --json -").ok().out_json();
     assert!(number(&left["total"]["rms_pp_percent"]) < 0.02, "{}", left["total"]["rms_pp_percent"]);
 }
