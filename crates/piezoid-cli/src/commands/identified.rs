@@ -18,15 +18,19 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
         console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
     };
     let each = |values: &[f64]| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>();
+    let is_gain = arx.a().is_empty() && arx.b().len() == 1;
     let form = match arx.a() {
-        [] => "a gain without dynamics",
+        [] if is_gain => "a gain without dynamics",
+        [] => "y = b0 u + b1 u1 + ...",
         _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
     };
     let mut text = console.paragraph(&format!("Linear block: {form}, every {} s", arx.ts()), "  ");
-    if !arx.a().is_empty() {
-        text += &listed("a", each(arx.a()));
-        text += &listed("b", each(arx.b()));
-        text += &listed("zeros", arx.zeros().iter().map(Root::to_string).collect());
+    for (name, values) in
+        [("a", each(arx.a())), ("b", each(arx.b())), ("zeros", arx.zeros().iter().map(Root::to_string).collect())]
+    {
+        if !is_gain && !values.is_empty() {
+            text += &listed(name, values);
+        }
     }
     if let Some(fit) = &found.linear.fit {
         let Residuals { rms, max_abs, .. } = fit.residuals;
@@ -119,7 +123,7 @@ fn trials(found: &Identified, console: &Console) -> String {
     let chosen = found.model.hysteresis().operator().name;
     let row = |trial: &&Trial| {
         let verdict = match &trial.refused {
-            Some(why) => why.clone(),
+            Some(_) => "refused".into(),
             None if trial.operator == chosen => "taken".into(),
             None if trial.as_good => "as good".into(),
             None => String::new(),
@@ -127,7 +131,9 @@ fn trials(found: &Identified, console: &Console) -> String {
         vec![trial.operator.to_string(), trial.parameters.to_string(), number(trial.held_out_percent), verdict]
     };
     let header = ["operator", "parameters", "held out, rms/pp %", ""];
-    format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()))
+    let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
+    let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
+    refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))
 }
 
 /// The linear block read as mechanics, for scripts; null of one without poles.

@@ -26,10 +26,16 @@ fn figure(creep: &Creep, from: f64, to: f64) -> Figure {
     let n = (f64::from(FINE) * (to / from).log10()).ceil() as i32;
     let t: Vec<f64> = (0..=n).map(|k| from * (to / from).powf(f64::from(k) / f64::from(n))).collect();
     let crept: Vec<f64> = t.iter().map(|&t| 100.0 * creep.after(t)).collect();
-    let [early, late] = [0.1, 10.0].map(|t| short(100.0 * (creep.after(t) - creep.after(0.1 * t))));
-    let caption = format!(
-        "What follows a step of the hidden variable, in percent of it: {early} % from 0.01 to 0.1 s, {late} % from 1 to 10 s."
-    );
+    let [early, late] = [10.0 * from, 0.1 * to];
+    let grown = match late > early {
+        true => {
+            let decade = 100.0 * (creep.after(late) - creep.after(early)) / (late / early).log10();
+            let [early, late, decade] = [round(early), round(late), short(decade)];
+            format!(" Between {early} and {late} s it grows by {decade} % a decade.")
+        }
+        false => String::new(),
+    };
+    let caption = format!("What follows a step of the hidden variable, in percent of it.{grown}");
     Figure::new("Creep after a step", caption).panel(
         Axes::new(Axis::log("t [s]").tight(), Axis::new("creep [%]").from(0.0))
             .height(0.7)

@@ -10,12 +10,12 @@ use crate::series::ends;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// Minor loops on the way up and on the way down, from where to where: shares of the range.
+/// Minor loops, two on the way up and two on the way down, from where to where: shares of the range.
 const MINOR: [(f64, f64); 4] = [(0.45, 0.2), (0.85, 0.6), (0.55, 0.8), (0.15, 0.4)];
 
-/// Samples from one end to the other: where time does not matter, and the fewest and the most where it does.
-const TIMELESS: usize = 400;
-const FEWEST: f64 = 20.0;
+/// Samples from one end of the range to the other: usual, fewest and most.
+const USUAL: f64 = 400.0;
+const FEWEST: f64 = 8.0;
 const MOST: f64 = 20_000.0;
 
 /// Adds the block.
@@ -44,95 +44,103 @@ fn range(model: &Model, trials: &[Trial]) -> Option<(f64, f64)> {
     (range.0 < range.1).then_some(range)
 }
 
-/// The loops of the operator; none where it makes no loop.
-fn figure(model: &Model, (low, high): (f64, f64)) -> Option<Figure> {
-    let hysteresis = model.hysteresis();
-    let (slow, fast) = speeds(model);
-    let at = |share: f64| low + share * (high - low);
-    // From turning point to turning point as a sine goes; the first way there and back makes the operator forget.
-    let leg = |from: f64, to: f64, n: usize| {
-        let n = ((to - from).abs() * n as f64).ceil().max(FEWEST);
-        (1..=n as usize).map(move |k| at(from + (to - from) * 0.5 * (1.0 - (PI * k as f64 / n).cos()))).collect()
-    };
-    let mut x = hysteresis.settled(low);
-    let mut run = |u: Vec<f64>| (hysteresis.resume(&mut x, &u), u);
-    let mut major = |n| {
-        run(leg(0.0, 1.0, n));
-        run(leg(1.0, 0.0, n));
-        [run(leg(0.0, 1.0, n)), run(leg(1.0, 0.0, n))]
-    };
-    let quick = fast.map(&mut major);
-    let [(up, u_up), (down, u_down)] = major(slow);
+/// An operator on its way between turning points, each a share of its range.
+struct Led<'a> {
+    hysteresis: &'a dyn Hysteresis,
+    range: (f64, f64),
+    state: Vec<f64>,
+    at: f64,
+}
 
-    let (mut minor, mut u_minor, mut place) = (Vec::new(), Vec::new(), 0.0);
-    for (k, (from, to)) in MINOR.into_iter().enumerate() {
-        if k == MINOR.len() / 2 {
-            run(leg(place, 1.0, slow));
-            place = 1.0;
-        }
-        run(leg(place, from, slow));
-        for (z, u) in [run(leg(from, to, slow)), run(leg(to, from, slow))] {
-            minor.extend(z);
-            u_minor.extend(u);
-        }
-        // A gap before the next one.
-        minor.push(f64::NAN);
-        u_minor.push(f64::NAN);
-        place = from;
+/// Inputs and outputs along a way.
+type Way = [Vec<f64>; 2];
+
+impl Led<'_> {
+    /// From where it stands to a turning point, as a sine goes, `n` samples being the whole range.
+    fn to(&mut self, end: f64, n: f64) -> Way {
+        let (from, (low, high)) = (self.at, self.range);
+        let n = ((end - from).abs() * n).ceil().max(FEWEST);
+        let share = |k: i32| from + (end - from) * 0.5 * (1.0 - (PI * f64::from(k) / n).cos());
+        let u: Vec<f64> = (1..=n as i32).map(|k| low + share(k) * (high - low)).collect();
+        self.at = end;
+        let z = self.hysteresis.resume(&mut self.state, &u);
+        [u, z]
     }
 
-    let (bottom, top) = ends(up.iter().chain(&down).copied());
-    let width = 100.0 * (down[down.len() / 2 - 1] - up[up.len() / 2 - 1]).abs() / (top - bottom);
+    /// The major loop, up and down, once one before has wiped out the past.
+    fn major(&mut self, n: f64) -> [Way; 2] {
+        self.to(1.0, n);
+        self.to(0.0, n);
+        [1.0, 0.0].map(|end| self.to(end, n))
+    }
+
+    /// The minor loops, with gaps between them.
+    fn minor(&mut self, n: f64) -> Way {
+        let mut all: Way = Default::default();
+        for (k, (from, to)) in MINOR.into_iter().enumerate() {
+            if k == MINOR.len() / 2 {
+                self.to(1.0, n);
+            }
+            self.to(from, n);
+            for way in [self.to(to, n), self.to(from, n), [vec![f64::NAN], vec![f64::NAN]]] {
+                all.iter_mut().zip(way).for_each(|(all, way)| all.extend(way));
+            }
+        }
+        all
+    }
+}
+
+/// The loops of the operator; none where it makes no loop.
+fn figure(model: &Model, range: (f64, f64)) -> Option<Figure> {
+    let hysteresis = model.hysteresis();
+    let samples = |hz: f64| 0.5 / (hz * hysteresis.ts());
+    let mut led = Led { hysteresis, range, state: hysteresis.settled(range.0), at: 0.0 };
+    let (slow, fast) = speeds(model);
+    let quick = fast.map(|hz| {
+        let [[up_u, up_z], [down_u, down_z]] = led.major(samples(hz));
+        ([up_u, down_u].concat(), [up_z, down_z].concat(), hz)
+    });
+    let [up, down] = led.major(samples(slow));
+    let minor = led.minor(samples(slow));
+
+    let (bottom, top) = ends(up[1].iter().chain(&down[1]).copied());
+    let middle = up[1].len() / 2 - 1;
+    let width = 100.0 * (down[1][middle] - up[1][middle]).abs() / (top - bottom);
     if !(width > 1e-6 && width.is_finite()) {
         return None;
     }
-    let caption = caption(model, width, slow, fast);
+    let inside = if hysteresis.operator().minor_loops { "minor loops" } else { "inside" };
     let panel = Axes::new(Axis::new(format!("u [{}]", model.units().u)), "z")
-        .with(Series::line(&u_up, &up).role(Role::Ascending).named("ascending"))
-        .with(Series::line(&u_down, &down).role(Role::Descending).named("descending"))
-        .with(Series::line(&u_minor, &minor).role(Role::Model).named("minor loops"));
-    let panel = match quick {
-        Some([(up, u_up), (down, u_down)]) => {
-            let (u, z) = ([u_up, u_down].concat(), [up, down].concat());
-            panel.with(Series::dashed(&u, &z).named("fast"))
-        }
+        .with(Series::line(&up[0], &up[1]).role(Role::Ascending).named("ascending"))
+        .with(Series::line(&down[0], &down[1]).role(Role::Descending).named("descending"))
+        .with(Series::line(&minor[0], &minor[1]).role(Role::Model).named(inside));
+    let panel = match &quick {
+        Some((u, z, hz)) => panel.with(Series::dashed(u, z).named(format!("{} Hz", round(*hz)))),
         None => panel,
     };
-    Some(Figure::new("Loops of the hysteresis block", caption).panel(panel))
+    Some(Figure::new("Loops of the hysteresis block", caption(hysteresis, width, slow, fast)).panel(panel))
 }
 
-/// Samples from one end to the other, for an operator that minds the time: at the lowest and at the highest frequency it was
-/// identified at, where they differ.
-fn speeds(model: &Model) -> (usize, Option<usize>) {
+/// The frequencies of the loops [Hz]. Where time matters to the operator: the lowest and the highest it was identified at, the
+/// latter only where it is another.
+fn speeds(model: &Model) -> (f64, Option<f64>) {
     let hysteresis = model.hysteresis();
-    if hysteresis.operator().rate_independent {
-        return (TIMELESS, None);
-    }
-    let known =
-        hysteresis.frequencies().or(model.identified().and_then(|domain| domain.hz).map(|[low, high]| (low, high)));
-    let samples = |hz: f64| (0.5 / (hz * hysteresis.ts())).clamp(FEWEST, MOST).round() as usize;
-    match known.map(|(low, high)| (samples(low), samples(high))) {
-        Some((slow, fast)) if slow > 2 * fast => (slow, Some(fast)),
-        Some((slow, _)) => (slow, None),
-        None => (TIMELESS, None),
-    }
+    let of = |samples: f64| 0.5 / (samples * hysteresis.ts());
+    let domain = || model.identified().and_then(|domain| domain.hz).map(|[low, high]| (low, high));
+    let known = hysteresis.frequencies().or_else(domain).filter(|_| !hysteresis.operator().rate_independent);
+    let Some((low, high)) = known else { return (of(USUAL), None) };
+    let [low, high] = [low, high].map(|hz| hz.clamp(of(MOST), of(FEWEST)));
+    (low, (high > 2.0 * low).then_some(high))
 }
 
-fn caption(model: &Model, width: f64, slow: usize, fast: Option<usize>) -> String {
-    let hysteresis = model.hysteresis();
-    let hz = |samples: usize| round((500.0 / (samples as f64 * hysteresis.ts())).round() / 1e3);
-    let time = match (hysteresis.operator().rate_independent, fast) {
-        (true, _) => String::new(),
-        (false, None) => format!(" This operator minds the time: it is run through at {} Hz.", hz(slow)),
-        (false, Some(fast)) => {
-            format!(
-                " This operator minds the time: it is run through at {} Hz, and, dashed, at {} Hz.",
-                hz(slow),
-                hz(fast)
-            )
-        }
+fn caption(hysteresis: &dyn Hysteresis, width: f64, slow: f64, fast: Option<f64>) -> String {
+    let operator = hysteresis.operator();
+    let faster = fast.map_or(String::new(), |hz| format!(", and, dashed, at {} Hz", round(hz)));
+    let time = match operator.rate_independent {
+        true => String::new(),
+        false => format!(" This operator minds the time: it is run through at {} Hz{faster}.", round(slow)),
     };
-    let inside = match hysteresis.operator().minor_loops {
+    let inside = match operator.minor_loops {
         true => "with minor loops inside",
         false => "and what it does inside, where it has no minor loops but jumps from branch to branch",
     };

@@ -1,10 +1,11 @@
 //! The linear block in the report: read as mechanics, and its frequency response.
 
 use crate::hammerstein::Model;
-use crate::linear::{Arx, Reading};
+use crate::linear::{Arx, Reading, SEEN};
 use crate::number::short;
 use crate::page::{Fact, Section, Table};
 use crate::plot::{Axes, Axis, Figure, Series};
+use crate::series::ends;
 use crate::system::System;
 use std::f64::consts::{PI, TAU};
 
@@ -20,10 +21,19 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
     let section = section.heading("Linear block");
     let gain = format!("{}/{}", units.y, units.u);
     let section = match arx.a() {
-        [] => section.text(format!("A gain of {} {gain}, without dynamics.", short(arx.dc_gain()))),
+        [] => {
+            let spread = match arx.b().len() {
+                1 => String::new(),
+                n => format!(", spread over the last {n} samples"),
+            };
+            section.text(format!("A gain of {} {gain}, without dynamics{spread}.", short(arx.dc_gain())))
+        }
         _ => {
             let reading = arx.reading();
-            section.facts(facts(&reading, &gain)).figure(response(arx, &reading, &gain)).table(modes(&reading))
+            section
+                .facts(facts(&reading, &gain, arx.ts()))
+                .figure(response(arx, &reading, &gain))
+                .table(modes(&reading))
         }
     };
     let (a, b) = (listed("a", arx.a()), listed("b", arx.b()));
@@ -32,9 +42,13 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
         .listing(format!("{a}{b}offset  {}", model.offset()))
 }
 
-fn facts(reading: &Reading, gain: &str) -> Vec<Fact> {
+fn facts(reading: &Reading, gain: &str, ts: f64) -> Vec<Fact> {
     let first = reading.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
-    let delay = Fact::new(short(1e3 * reading.delay), "ms", "delay beyond the hold, by the phase at low frequency");
+    let what = match reading.delay < -0.25 * ts {
+        true => "delay: the output was logged after its input acted",
+        false => "delay beyond the hold of the input",
+    };
+    let delay = Fact::new(short(1e3 * reading.delay), "ms", what);
     [Some(Fact::new(short(reading.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
 }
 
@@ -53,7 +67,7 @@ fn modes(reading: &Reading) -> Table {
 
 /// Gain and phase, with the modes marked.
 fn response(arx: &Arx, reading: &Reading, unit: &str) -> Figure {
-    let hz = frequencies(arx, reading);
+    let (hz, half) = (frequencies(arx, reading), 0.5 / arx.ts());
     let all: Vec<_> = hz.iter().map(|&hz| arx.response(hz)).collect();
     let gain: Vec<f64> = all.iter().map(|r| r.gain).collect();
     // The phase goes on where it passes half a turn.
@@ -64,8 +78,12 @@ fn response(arx: &Arx, reading: &Reading, unit: &str) -> Figure {
     });
     let phase: Vec<f64> = phase.collect();
     let modes = reading.modes();
-    let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.6);
-    let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]")).height(0.5);
+    let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
+    let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
+    let (top, low) = match reading.images() {
+        Some(_) => [top, low].map(|panel| panel.over_x(SEEN * half, half, "")).into(),
+        None => (top, low),
+    };
     let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {
         let name = if modes.len() == 1 { format!("{} Hz", short(mode.pole.hz)) } else { format!("{}", k + 1) };
         (top.at_x(mode.pole.hz, name), low.at_x(mode.pole.hz, ""))
@@ -86,7 +104,16 @@ fn told(gain: &[f64], hz: &[f64], reading: &Reading) -> String {
         1 => " The dotted line is its mode.",
         _ => " The dotted lines are its modes, numbered as in the table.",
     };
-    format!("Gain and phase up to half the sampling rate, {half} Hz.{peak}{marked}")
+    let shaded = reading.images().map_or("", |_| " Shaded: where poles are images.");
+    format!("Gain and phase up to half the sampling rate, {half} Hz.{peak}{marked}{shaded}")
+}
+
+/// Quarters of a turn [°] about the phase, or halves where there are many.
+fn quarters(phase: &[f64]) -> Vec<f64> {
+    let (low, high) = ends(phase.iter().copied());
+    let step = if high - low > 540.0 { 180.0 } else { 90.0 };
+    let (first, last) = ((low / step).floor() as i32, (high / step).ceil() as i32);
+    (first..=last).map(|k| step * f64::from(k)).collect()
 }
 
 /// Three decades up to half the sampling rate, more where a mode lies lower, and fine about each mode.

@@ -28,6 +28,8 @@ fn known(domain: &Domain, unit: &str) -> String {
     let Domain { u, hz, slew, mean } = *domain;
     let power =
         hz.map_or(String::new(), |[low, high]| format!(", with power from {} to {} Hz", short(low), short(high)));
+    // Means that are zero but for rounding.
+    let mean = mean.map(|mean| if mean.abs() < 1e-9 * (u[1] - u[0]) { 0.0 } else { mean });
     format!(
         "Identified on inputs from {} to {} {unit}, of means from {} to {} {unit}, changing by up to {} {unit}/s{power}: beyond that \
          it extrapolates.",
@@ -49,7 +51,7 @@ fn limits(driver: &Driver, model: &Model) -> String {
     let sine = model.identified().map(|domain| 0.5 * (domain.u[1] - domain.u[0])).filter(|half| *half > 0.0);
     let sine = sine.map_or(String::new(), |half| {
         let hz = short(slew / (TAU * half));
-        format!(" A sine of {} {unit}, the largest it was identified on, is cut from {hz} Hz on.", short(half))
+        format!(" A sine of {} {unit}, the largest it was identified on, is cut from {hz} Hz on.", round(half))
     });
     format!("{lag}; the voltage changes by at most {} {unit}/s.{sine}", short(slew))
 }

@@ -2,7 +2,7 @@
 
 use crate::hammerstein::Model;
 use crate::number::short;
-use crate::page::{Cell, Section, Table};
+use crate::page::{Cell, Section, Table, Text};
 use serde_json::Value;
 
 /// The operators that were tried, the parameters with their errors, and the command; none where the file says none of it.
@@ -14,7 +14,7 @@ pub(super) fn section(model: &Model) -> Option<Section> {
     let section = if tried.is_empty() { section } else { section.table(trials(tried, model)) };
     let section = if known.is_empty() { section } else { section.table(parameters(known)) };
     match made["command"].as_str() {
-        Some(command) => Some(section.text("The command:").listing(command)),
+        Some(command) => Some(section.text(Text::from("Made by ").code(command).plain("."))),
         None => (tried.len() + known.len() > 0).then_some(section),
     }
 }
@@ -31,17 +31,21 @@ fn trials(tried: &[Value], model: &Model) -> Table {
         let verdict = match trial["as_good"].as_bool() {
             _ if taken => "taken".into(),
             Some(true) => "as good".into(),
-            _ => word(trial, "refused"),
+            _ if trial["refused"].is_string() => "refused".into(),
+            _ => String::new(),
         };
         let number = |key: &str| trial[key].as_u64().map_or("-".into(), |n| n.to_string());
         let cells = [word(trial, "operator"), number("parameters"), short(left(trial)), verdict].map(Cell::from);
         if taken { cells.map(Cell::best) } else { cells }
     };
     let table = Table::new("Operators tried").text("operator").number("parameters");
-    let table = table.number("held out, rms / peak-to-peak [%]").text("verdict");
-    tried.into_iter().fold(table, |table, trial| table.row(row(trial))).note(
-        "The error of what was held out, each part foretold by a fit to all others. Of those as good as the best the simplest is taken.",
-    )
+    let table = table.number("held out [%]").text("verdict");
+    let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
+        "Rms error over peak-to-peak of what was held out, each part foretold by a fit to all others. Of the operators as good as the \
+         best the simplest is taken.",
+    );
+    let refused = tried.iter().filter_map(|trial| Some((word(trial, "operator"), trial["refused"].as_str()?)));
+    refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))
 }
 
 fn parameters(known: &[Value]) -> Table {
