@@ -287,7 +287,7 @@ mod tests {
         let beyond = held(&[(166.3, 0.03, 27.0), (1042.0, 0.03, 2.0)], 1.0, 0.0).reading();
         assert_eq!(beyond.poles.iter().map(PoleShare::kind).collect::<Vec<_>>(), [PoleKind::Mode, PoleKind::Image]);
         assert!(beyond.rows()[1][0] == "too fast to see" && beyond.rows()[1][1] == "-");
-        assert!(beyond.images().unwrap().starts_with("The pole at 958"), "{:?}", beyond.images());
+        assert!(beyond.images().unwrap().starts_with("The pole at 959 Hz"), "{:?}", beyond.images());
         assert!(beyond.modes().len() == 1 && beyond.poles[1].oscillator(1.0).is_none());
         let alternating = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap().reading();
         assert_eq!(alternating.poles[0].kind(), PoleKind::Image);
