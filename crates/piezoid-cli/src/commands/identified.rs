@@ -45,8 +45,8 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
     let reading = Some(arx.reading()).filter(|reading| !reading.poles.is_empty());
     text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
     if let Some(reading) = &reading {
-        text +=
-            &format!("  delay     {} ms beyond the hold, by the phase at low frequency\n", number(1e3 * reading.delay));
+        let delay = format!("{} ms beyond the hold, by the phase at low frequency", number(1e3 * reading.delay));
+        text += &listed("delay", vec![delay]);
     }
     text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
     if let Some(gain) = arx.noise_gain() {

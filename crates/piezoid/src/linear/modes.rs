@@ -97,7 +97,7 @@ impl Reading {
     ///
     /// ```
     /// let table2 = piezoid::linear::Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
-    /// assert_eq!(table2.reading().rows()[0][..4], ["mode 1", "146.7", "0.06102", "151.6"]);
+    /// assert_eq!(table2.reading().rows()[0][..4], ["mode 1", "146.7", "0.06103", "156.6"]);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub fn rows(&self) -> Vec<[String; 6]> {
