@@ -79,6 +79,11 @@ impl Creep {
     pub fn lags(&self) -> &[Lag] {
         &self.lags
     }
+
+    /// What has crept `t` [s] after a step of z, as a share of it [-].
+    pub fn after(&self, t: f64) -> f64 {
+        self.lags.iter().map(|lag| -lag.gain * (-t / lag.tau_s).exp_m1()).sum()
+    }
 }
 
 impl System for Creep {
@@ -146,6 +151,8 @@ mod tests {
         let y = creep.simulate(&[3.0; 300]);
         let known: Vec<f64> = (1..=300).map(|t| 3.0 + 0.6 * (1.0 - (-f64::from(t) * 0.02).exp())).collect();
         assert_close(&y, &known, 1e-12, 0.0);
+        let after: Vec<f64> = (1..=300).map(|t| 3.0 + 3.0 * creep.after(0.01 * f64::from(t))).collect();
+        assert_close(&after, &known, 1e-12, 0.0);
     }
 
     #[test]

@@ -4,11 +4,11 @@ use super::{Proven, figures};
 use crate::console::Console;
 use crate::layout::table;
 use crate::tables;
-use piezoid::System;
 use piezoid::hammerstein::{Identified, Parameter, Trial};
-use piezoid::linear::{Residuals, Root};
+use piezoid::linear::{Arx, PoleShare, Reading, Residuals, Root};
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
+use piezoid::{Model, System};
 use serde_json::{Value, json};
 
 /// What was found, for the terminal.
@@ -18,19 +18,19 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
         console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
     };
     let each = |values: &[f64]| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>();
+    let is_gain = arx.a().is_empty() && arx.b().len() == 1;
     let form = match arx.a() {
-        [] => "a gain without dynamics",
+        [] if is_gain => "a gain without dynamics",
+        [] => "y = b0 u + b1 u1 + ...",
         _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
     };
     let mut text = console.paragraph(&format!("Linear block: {form}, every {} s", arx.ts()), "  ");
-    if !arx.a().is_empty() {
-        text += &listed("a", each(arx.a()));
-        text += &listed("b", each(arx.b()));
-        text += &listed(
-            "poles",
-            arx.poles().iter().map(|p| format!("{} Hz (damping {})", number(p.hz), round(p.damping))).collect(),
-        );
-        text += &listed("zeros", arx.zeros().iter().map(Root::to_string).collect());
+    for (name, values) in
+        [("a", each(arx.a())), ("b", each(arx.b())), ("zeros", arx.zeros().iter().map(Root::to_string).collect())]
+    {
+        if !is_gain && !values.is_empty() {
+            text += &listed(name, values);
+        }
     }
     if let Some(fit) = &found.linear.fit {
         let Residuals { rms, max_abs, .. } = fit.residuals;
@@ -42,12 +42,21 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
             number(max_abs)
         );
     }
+    let reading = Some(arx.reading()).filter(|reading| !reading.poles.is_empty());
     text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
+    if let Some(reading) = &reading {
+        let delay = format!("{} ms beyond the hold, by the phase at low frequency", number(1e3 * reading.delay));
+        text += &listed("delay", vec![delay]);
+    }
     text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
     if let Some(gain) = arx.noise_gain() {
         text += &format!("  inverse   makes {} {} of 1 {} of noise\n", number(gain), units.u, units.y);
     }
+    if let Some(reading) = &reading {
+        text += &format!("\n{}", mechanics(reading, console));
+    }
     text += &format!("\nHysteresis block: {}\n", found.model.hysteresis().operator().name);
+    text += &beside(&found.model, console);
     if !found.loops.is_empty() {
         let row = |l: &piezoid::hammerstein::HiddenLoop| {
             let (low, high) = l.found.branches.range();
@@ -70,13 +79,39 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
         text += &trials(found, console);
     }
     if !found.parameters.is_empty() {
-        let row = |p: &Parameter| vec![p.name.clone(), number(p.value), number(p.error)];
+        let error = |p: &Parameter| Option::<f64>::from(p.error).map_or("-".into(), number);
+        let row = |p: &Parameter| vec![p.name.clone(), number(p.value), error(p)];
         let rows: Vec<_> = found.parameters.iter().map(row).collect();
         text += &format!("\n{}", table(&["parameter", "value", "std error"], &rows, console.room()));
     }
     if !trained.is_empty() {
         let each: Vec<Metrics> = trained.iter().map(|p| p.validation.metrics).collect();
         text += &format!("\nIts own records\n{}", tables::all(trained, &Metrics::total(&each), false, console));
+    }
+    text
+}
+
+/// The linear block read as mechanics.
+fn mechanics(reading: &Reading, console: &Console) -> String {
+    let header = ["mechanics", "f [Hz]", "damping", "share %", "mass [g]", "damper [N s/m]"];
+    let rows: Vec<Vec<String>> = reading.rows().into_iter().map(Vec::from).collect();
+    let note = "Shares of the static displacement; mass and damper of a spring of 1 N/mm, in proportion to it.";
+    let said = [Some(note.to_string()), reading.images()].into_iter().flatten();
+    said.fold(table(&header, &rows, console.room()), |text, said| text + &console.paragraph(&said, ""))
+}
+
+/// Creep and driver, where the model has them.
+fn beside(model: &Model, console: &Console) -> String {
+    let lags: Vec<_> = model.creep().lags().iter().filter(|lag| lag.gain != 0.0).collect();
+    let mut text = String::new();
+    if !lags.is_empty() {
+        let each = lags.iter().map(|lag| format!("{} % ({} s)", number(100.0 * lag.gain), round(lag.tau_s)));
+        text += &console.paragraph(&format!("Creep: {}", each.collect::<Vec<_>>().join("  ")), "  ");
+    }
+    if let Some(driver) = model.driver() {
+        let lag = format!("a lag of {} ms", round(1e3 * driver.lag_s));
+        let slew = driver.slew.map(|slew| format!(", at most {} {}/s", number(slew), model.units().u));
+        text += &console.paragraph(&format!("Driver: {lag}{}", slew.unwrap_or_default()), "  ");
     }
     text
 }
@@ -88,7 +123,7 @@ fn trials(found: &Identified, console: &Console) -> String {
     let chosen = found.model.hysteresis().operator().name;
     let row = |trial: &&Trial| {
         let verdict = match &trial.refused {
-            Some(why) => why.clone(),
+            Some(_) => "refused".into(),
             None if trial.operator == chosen => "taken".into(),
             None if trial.as_good => "as good".into(),
             None => String::new(),
@@ -96,7 +131,34 @@ fn trials(found: &Identified, console: &Console) -> String {
         vec![trial.operator.to_string(), trial.parameters.to_string(), number(trial.held_out_percent), verdict]
     };
     let header = ["operator", "parameters", "held out, rms/pp %", ""];
-    format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()))
+    let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
+    let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
+    refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))
+}
+
+/// The linear block read as mechanics, for scripts; null of one without poles.
+fn reading(arx: &Arx) -> Value {
+    let reading = arx.reading();
+    let pole = |p: &PoleShare| {
+        let unit = p.oscillator(1.0);
+        json!({
+            "kind": p.kind(),
+            "hz": p.pole.hz,
+            "damping": p.pole.damping,
+            "share_percent": 100.0 * p.share,
+            "mass_per_stiffness": unit.map(|o| o.mass),
+            "damper_per_stiffness": unit.map(|o| o.damper),
+        })
+    };
+    match reading.poles.is_empty() {
+        true => Value::Null,
+        false => json!({
+            "gain": reading.gain,
+            "delay_s": reading.delay,
+            "poles": reading.poles.iter().map(pole).collect::<Vec<_>>(),
+            "residual_percent": 100.0 * reading.residual,
+        }),
+    }
 }
 
 /// What was found, for scripts.
@@ -116,6 +178,7 @@ pub(super) fn result(found: &Identified, trained: &[Proven]) -> Value {
             "b": arx.b(),
             "poles": arx.poles(),
             "zeros": arx.zeros(),
+            "reading": reading(arx),
             "noise_gain": arx.noise_gain(),
             "reason": found.linear.reason,
             "residuals": found.linear.fit.as_ref().map(|f| f.residuals),

@@ -170,6 +170,12 @@ impl Identify {
 
         let mut made = files::provenance(origins);
         made["seed"] = json!(self.seed);
+        // For the report: the model alone does not tell them.
+        for (name, known) in [("trials", json!(found.trials)), ("parameters", json!(found.parameters))] {
+            if known != json!([]) {
+                made[name] = known;
+            }
+        }
         // The joint way gives each record an offset of its own.
         let settings = Settings { free_offset: self.method == Method::Joint, ..Settings::default() };
         let trained = trained(&found, &rich_files, &rich, settings)?;

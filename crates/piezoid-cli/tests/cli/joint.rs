@@ -21,7 +21,8 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     let bench = stocked();
     let line = "identify --linear prbs.csv --rich rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
     let run = bench.run(line).ok();
-    run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
+    let run =
+        run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
     let found = bench.json("f.json");
     assert!(number(&found["trials"][0]["held_out_percent"]) < 0.01, "{}", found["trials"]);
     let parameter = |name: &str| {
@@ -30,6 +31,21 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     };
     assert!((parameter("mode 1 frequency [Hz]") / 146.7 - 1.0).abs() < 1e-3);
     assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
+    let run = run.prints(&["mode 1 ", "share %", "at once", "ms beyond the hold"]);
+    assert!(run.out.lines().all(|line| line.chars().count() <= 80), "{}", run.out);
+    let reading = &found["linear"]["reading"];
+    let mode = &reading["poles"][0];
+    let stiffness_over_mass = number(&mode["mass_per_stiffness"]).recip();
+    assert!((stiffness_over_mass.sqrt() / std::f64::consts::TAU / number(&mode["hz"]) - 1.0).abs() < 1e-12);
+    assert_eq!(mode["kind"], "mode");
+    let shares = reading["poles"].as_array().unwrap().iter().map(|p| number(&p["share_percent"])).sum::<f64>();
+    assert!((shares + number(&reading["residual_percent"]) - 100.0).abs() < 1e-9, "{reading}");
+    assert!(number(&reading["gain"]).is_finite() && number(&reading["delay_s"]).abs() < 2e-3, "{reading}");
+    bench.run("report --model m.json --data stairs.csv -o m.html").ok();
+    let page = bench.text("m.html");
+    for said in ["Operators tried", "mode 1 frequency [Hz]", "Loops of the hysteresis block", "Frequency response"] {
+        assert!(page.contains(said), "{said}");
+    }
     let left = bench.run("validate --model m.json --data stairs.csv --json -").ok().out_json();
     assert!(number(&left["total"]["rms_pp_percent"]) < 0.02, "{}", left["total"]["rms_pp_percent"]);
 }
@@ -64,8 +80,9 @@ fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
     ] {
         bench.misused(line).says(&[says]);
     }
-    let line = "identify --data rise5.csv --operator stop --driver pl140 --driver-lag 1e-4 -o m.json";
-    bench.run(line).ok();
+    bench.run("simulate --plant pl140 --input rise5.csv -o crept.csv").ok();
+    let line = "identify --data crept.csv --operator stop --driver pl140 --driver-lag 1e-4 -o m.json";
+    bench.run(line).ok().prints(&["Driver: a lag of 0.1 ms, at most 60976 V/s", "Creep: ", " % (0.05 s)"]);
     let model = bench.json("m.json");
     assert!(
         (number(&model["driver"]["slew"]) * 8.2e-6 - 0.5).abs() < 1e-9 && number(&model["driver"]["lag_s"]) == 1e-4

@@ -13,23 +13,63 @@
 //! ```text
 //! tau = -d arg G / dw (w = 0) - Ts / 2 - sum_i share_i 2 zeta_i / w_i
 //! ```
-//! For blocks whose poles differ from each other. Poles that only mop up what the order leaves are read as mechanics too, and
-//! spoil residual and delay: [`fit_modes`](super::fit_modes) fits the same numbers to records, with their uncertainty.
+//! For blocks whose poles differ from each other. Poles at half the sampling rate and beyond are told as images, not as modes.
+//! Others that only mop up what the order leaves are read as mechanics too, and spoil residual and delay:
+//! [`fit_modes`](super::fit_modes) fits the same numbers to records, with their uncertainty.
 //!
 //! Åström & Wittenmark 1997, Computer-Controlled Systems, 2.3; Meirovitch 2001, Fundamentals of Vibrations.
 
 use super::{Arx, Pole, Root};
 use crate::error::{Error, positive};
+use crate::number::{round, short};
 use nalgebra::Complex;
-use std::f64::consts::TAU;
+use serde::Serialize;
+use std::f64::consts::{PI, TAU};
+
+/// Of half the sampling rate, the share up to which a pole is what it seems.
+pub(crate) const SEEN: f64 = 0.9;
+
+/// What a pole, or a conjugate pair, is in mechanics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PoleKind {
+    /// It oscillates: a mass on a spring.
+    Mode,
+    /// It does not: an amplifier's lag, a filter's.
+    Lag,
+    /// It lies at half the sampling rate or beyond: what delay and faster modes leave between samples, at a frequency that is
+    /// none of theirs.
+    Image,
+}
 
 /// What a pole, or a conjugate pair, is to the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoleShare {
-    /// The pole: one that oscillates is a mode.
+    /// The pole.
     pub pole: Pole,
     /// What it carries of the static displacement, 1 being all.
     pub share: f64,
+}
+
+impl PoleShare {
+    /// What it is in mechanics.
+    pub fn kind(&self) -> PoleKind {
+        let z = self.pole.z;
+        // |s| Ts, which is pi at half the sampling rate.
+        let turn = Complex::new(z.re, z.im).ln().norm();
+        match () {
+            () if turn >= SEEN * PI => PoleKind::Image,
+            () if z.im > 0.0 => PoleKind::Mode,
+            () => PoleKind::Lag,
+        }
+    }
+
+    /// A mode as an oscillator of this stiffness [N/m] at the point where the displacement is measured; `None` of what is no
+    /// mode, or not damped.
+    pub fn oscillator(&self, stiffness: f64) -> Option<Oscillator> {
+        let mode = (self.kind() == PoleKind::Mode).then_some(self.pole)?;
+        Oscillator::new(mode.hz, mode.damping, stiffness).ok()
+    }
 }
 
 /// A block read as mechanics.
@@ -43,6 +83,65 @@ pub struct Reading {
     pub residual: f64,
     /// Input delay [s], by the phase at low frequency; negative where an output was logged after its input acted.
     pub delay: f64,
+}
+
+impl Reading {
+    /// The poles that are modes, by rising frequency.
+    pub fn modes(&self) -> Vec<PoleShare> {
+        self.poles.iter().filter(|p| p.kind() == PoleKind::Mode).copied().collect()
+    }
+
+    /// The reading as a table: a row a mode and a lag, one for all images, the last for what follows at once. Its columns:
+    /// what it is, natural frequency [Hz], damping ratio, share of the static displacement [%], and of a mode on a spring of
+    /// 1 N/mm the mass [g] and the damper [N s/m], which grow in proportion to the stiffness.
+    ///
+    /// ```
+    /// let table2 = piezoid::linear::Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
+    /// assert_eq!(table2.reading().rows()[0][..4], ["mode 1", "146.7", "0.06103", "156.6"]);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub fn rows(&self) -> Vec<[String; 6]> {
+        let none = || "-".to_string();
+        // Adding zero turns the -0 that rounding leaves into 0.
+        let percent = |share: f64| match (1e3 * share).round() / 10.0 + 0.0 {
+            share if share.is_finite() => format!("{share:.1}"),
+            _ => none(),
+        };
+        let mut modes = 0;
+        let seen = self.poles.iter().filter(|p| p.kind() != PoleKind::Image).map(|p| {
+            let Pole { hz, damping, .. } = p.pole;
+            if p.kind() == PoleKind::Lag {
+                let lag = format!("lag of {} s", round(1.0 / (TAU * hz)));
+                return [lag, none(), none(), percent(p.share), none(), none()];
+            }
+            modes += 1;
+            let spring = p.oscillator(1e3);
+            let of = |number: fn(Oscillator) -> f64| spring.map_or_else(none, |spring| short(number(spring)));
+            let [mass, damper] = [of(|o| 1e3 * o.mass), of(|o| o.damper)];
+            [format!("mode {modes}"), short(hz), short(damping), percent(p.share), mass, damper]
+        });
+        let mut rows: Vec<[String; 6]> = seen.collect();
+        let rest = |what: &str, share| [what.to_string(), none(), none(), percent(share), none(), none()];
+        let images: Vec<f64> = self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| p.share).collect();
+        if !images.is_empty() {
+            rows.push(rest("too fast to see", images.iter().sum()));
+        }
+        rows.push(rest("at once", self.residual));
+        rows
+    }
+
+    /// What its images are, in a sentence; `None` where there are none.
+    pub fn images(&self) -> Option<String> {
+        let images: Vec<String> =
+            self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| round(p.pole.hz)).collect();
+        let (last, others) = images.split_last()?;
+        let (poles, are) = if others.is_empty() { ("pole", "is an image") } else { ("poles", "are images") };
+        let listed = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
+        Some(format!(
+            "The {poles} at {listed} Hz, about half the sampling rate or beyond, {are} of delay or of faster modes: no mode of \
+             that frequency need be there."
+        ))
+    }
 }
 
 /// A mode as a mass on a spring with a damper.
@@ -172,6 +271,28 @@ mod tests {
         let reading = Arx::new(5e-4, vec![z], vec![0.0, 5.0 * (1.0 - z)]).unwrap().reading();
         assert_close(&[reading.gain, reading.poles[0].share], &[5.0, 1.0], 1e-12, 0.0);
         assert_close(&[reading.delay], &[0.0], 0.0, 2e-6);
+    }
+
+    #[test]
+    fn the_shares_of_a_table_are_the_whole_displacement_and_its_numbers_those_of_the_oscillator() {
+        let rows = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 0.0).reading().rows();
+        let share = |row: &[String; 6]| row[3].parse::<f64>().unwrap();
+        assert_close(&[rows.iter().map(share).sum()], &[100.0], 0.0, 0.1 + 1e-9);
+        assert_eq!(rows[0], ["mode 1", "166.3", "0.03000", "90.0", "0.9159", "0.05742"]);
+        assert_eq!((rows[1][0].as_str(), rows.len(), rows[2][0].as_str()), ("mode 2", 3, "at once"));
+    }
+
+    #[test]
+    fn a_mode_beyond_the_sampling_and_a_pole_of_a_delay_are_no_modes() {
+        let beyond = held(&[(166.3, 0.03, 27.0), (1042.0, 0.03, 2.0)], 1.0, 0.0).reading();
+        assert_eq!(beyond.poles.iter().map(PoleShare::kind).collect::<Vec<_>>(), [PoleKind::Mode, PoleKind::Image]);
+        assert!(beyond.rows()[1][0] == "too fast to see" && beyond.rows()[1][1] == "-");
+        assert!(beyond.images().unwrap().starts_with("The pole at 959 Hz"), "{:?}", beyond.images());
+        assert!(beyond.modes().len() == 1 && beyond.poles[1].oscillator(1.0).is_none());
+        let alternating = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap().reading();
+        assert_eq!(alternating.poles[0].kind(), PoleKind::Image);
+        let lag = Arx::new(5e-4, vec![(-5e-4f64 / 0.02).exp()], vec![0.0, 1.0]).unwrap().reading();
+        assert_eq!((lag.rows()[0][0].as_str(), lag.images()), ("lag of 0.02 s", None));
     }
 
     #[test]

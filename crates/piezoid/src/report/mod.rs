@@ -1,12 +1,17 @@
-//! The report on a model: what it is, and how it meets records it has not seen.
+//! The report on a model: how it meets records it has not seen, and what it is, block by block.
 
+mod creep;
 mod errors;
+mod hysteresis;
+mod linear;
+mod model;
+mod origin;
 mod record;
 mod residuals;
 
 use crate::hammerstein::Model;
 use crate::number::short;
-use crate::page::{Fact, Page, Section, Table, Text};
+use crate::page::{Fact, Page, Section, Table};
 use crate::record::Record;
 use crate::system::System;
 use crate::validation::{Metrics, Validation};
@@ -36,7 +41,11 @@ pub fn report(model: &Model, trials: &[Trial]) -> Page {
     ));
     let page = if trials.is_empty() { page } else { page.section(proof(trials)) };
     let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
-    page.section(blocks(model))
+    let page = page.section(model::section(model, trials));
+    match origin::section(model) {
+        Some(section) => page.section(section),
+        None => page,
+    }
 }
 
 fn proof(trials: &[Trial]) -> Section {
@@ -74,60 +83,13 @@ fn unproven(trials: &[Trial]) -> Vec<String> {
     first.iter().filter(|text| trials.iter().all(|t| of(t, text))).cloned().collect()
 }
 
-fn blocks(model: &Model) -> Section {
-    let (arx, units) = (model.linear(), model.units());
-    let operator = model.hysteresis().operator();
-    let range = model.hysteresis().range();
-    let hysteresis = Text::from("Hysteresis: ").code(operator.name).plain(format!(
-        ", {}{}. Source: {}.",
-        operator.summary,
-        range.map_or(String::new(), |(low, high)| format!("; identified from {low:.3} to {high:.3} {}", units.u)),
-        operator.reference
-    ));
-    let section = Section::new("The model").text(hysteresis);
-    let section = match model.identified() {
-        Some(d) => section.text(format!(
-            "Identified on inputs from {} to {} {u}, of means from {} to {} {u}, changing by up to {} {u}/s{}: beyond that it \
-             extrapolates.",
-            short(d.u[0]),
-            short(d.u[1]),
-            short(d.mean[0]),
-            short(d.mean[1]),
-            short(d.slew),
-            d.hz.map_or(String::new(), |[low, high]| format!(", with power from {} to {} Hz", short(low), short(high))),
-            u = units.u
-        )),
-        None => section,
-    };
-    let section = match arx.a() {
-        [] => section.text(format!(
-            "Linear block: a gain of {:.5} {}/{}, without dynamics.",
-            arx.dc_gain(),
-            units.y,
-            units.u
-        )),
-        _ => {
-            let table =
-                Table::new("Poles of the linear block").number("natural frequency [Hz]").number("damping ratio");
-            let row = |p: crate::linear::Pole| [format!("{:.2}", p.hz), format!("{:.4}", p.damping)];
-            let gain = format!("Static gain {:.5} {}/{}.", arx.dc_gain(), units.y, units.u);
-            section.table(arx.poles().into_iter().fold(table, |table, p| table.row(row(p))).note(gain))
-        }
-    };
-    let coefficients = format!("a = {:?}\nb = {:?}\noffset = {}", arx.a(), arx.b(), model.offset());
-    let section = section.listing(coefficients);
-    match model.provenance()["command"].as_str() {
-        Some(command) => section.text(Text::from("Made by ").code(command).plain(".")),
-        None => section,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::hysteresis::OPERATORS;
     use crate::linear::Arx;
     use crate::validation::{Settings, validate};
+    use serde_json::json;
 
     #[test]
     fn every_operator_has_a_report_that_is_the_same_twice_and_tells_the_remarks() {
@@ -141,6 +103,9 @@ mod tests {
             assert_eq!(html, report(&model, &trials).html());
             assert!(html.contains("a&lt;b.csv"));
             assert_eq!(html.contains("has no minor loops"), !o.minor_loops, "{}", o.name);
+            assert_eq!(html.contains("Loops of the hysteresis block"), o.name != "proportional", "{}", o.name);
+            assert_eq!(html.contains("minds the time"), !o.rate_independent, "{}", o.name);
+            assert!(html.contains("Parameters of the hysteresis block"), "{}", o.name);
         }
     }
 
@@ -172,5 +137,56 @@ mod tests {
             assert!(html.contains(said), "{said}");
         }
         assert!(!html.contains("Error by amplitude"), "one amplitude says no more than the figures");
+    }
+
+    fn beam() -> Model {
+        let hysteresis = (crate::hysteresis::operator("dahl").unwrap().example)(5e-4).unwrap();
+        Model::new(hysteresis, Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap(), 0.0).unwrap()
+    }
+
+    #[test]
+    fn what_identify_knew_is_told_where_the_model_has_it_and_nowhere_else() {
+        let bare = report(&beam(), &[]).html();
+        assert!(!bare.contains("Operators tried") && !bare.contains("How it was identified"));
+        let made = json!({
+            "command": "piezoid identify <here>",
+            "trials": [
+                {"operator": "stop", "parameters": 30, "held_out_percent": null, "as_good": false, "refused": "no & why"},
+                {"operator": "duhem", "parameters": 9, "held_out_percent": 0.5, "as_good": true, "refused": null},
+                {"operator": "dahl", "parameters": 2, "held_out_percent": 0.25, "as_good": true, "refused": null},
+            ],
+            "parameters": [{"name": "mode 1 damping", "value": 0.03, "error": null}],
+        });
+        let told = report(&beam().with_provenance(made), &[]).html();
+        let at = |said: &str| told.find(said).unwrap_or_else(|| panic!("{said}"));
+        assert!(at("0.2500") < at("as good") && at("as good") < at("no &amp; why"), "the best first");
+        assert!(at("taken") < at("as good"));
+        at("mode 1 damping</td><td class=\"num\">0.03000</td><td class=\"num\">-</td>");
+        at("piezoid identify &lt;here&gt;");
+        // What someone else wrote there does no harm.
+        let odd = json!({"trials": [7, {"operator": []}], "parameters": "none"});
+        assert!(report(&beam().with_provenance(odd), &[]).html().contains("Operators tried"));
+    }
+
+    #[test]
+    fn each_block_is_told_where_the_model_has_it() {
+        let plain = report(&beam(), &[]).html();
+        for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
+            assert!(plain.contains(said), "{said}");
+        }
+        for absent in ["Creep", "Driver", "image"] {
+            assert!(!plain.contains(absent), "{absent}");
+        }
+        let driver = crate::driver::Driver::new(1e-4, Some(6e4)).unwrap();
+        let stop = (crate::hysteresis::operator("stop").unwrap().example)(1.25e-4).unwrap();
+        let image = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap();
+        let creep = crate::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
+        let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();
+        let full = report(&full, &[]).html();
+        for said in
+            ["4.500 % together", "Creep after a step", "at most 6", "of delay or of faster modes", "too fast to see"]
+        {
+            assert!(full.contains(said), "{said}");
+        }
     }
 }
