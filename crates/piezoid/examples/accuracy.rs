@@ -19,7 +19,6 @@ use piezoid::progress::unwatched;
 use piezoid::validation::Metrics;
 use piezoid::{Error, Record, System};
 use std::f64::consts::{SQRT_2, TAU};
-use std::fmt::Write;
 
 /// Sampling period [s].
 const TS: f64 = 5e-4;
@@ -184,7 +183,7 @@ struct Outcome {
     twin: &'static str,
     way: &'static Way,
     operator: &'static str,
-    /// By kind, then by frequency [% rms of peak-to-peak]; not a number where the run diverged.
+    /// By kind, then by frequency [% rms of peak-to-peak]; infinite where the run diverged.
     errors: Vec<Vec<f64>>,
 }
 
@@ -201,7 +200,7 @@ fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     let unseen = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
     let outcome = |way: &'static Way| {
         let model = (way.identify)(&twin)?.model;
-        let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::NAN);
+        let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
         let errors: Vec<Vec<f64>> = unseen.iter().map(|records| records.iter().map(left).collect()).collect();
         eprintln!("{name}, {}: {errors:.3?}", way.name);
         Ok(Outcome { twin: name, way, operator: model.hysteresis().operator().name, errors })
@@ -219,75 +218,67 @@ fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'
 
 /// Median and worst by way, and how far below the paper's the joint errors are; then the records where that is not far.
 fn summary(twins: &[Vec<Outcome>]) -> String {
-    let mut text = "| twin | identified | operator | median | worst | below `paper` | below `paper, helped` |\n|---|---|---|--:|--:|--:|--:|\n".to_string();
-    let mut close = String::new();
-    for outcomes in twins {
-        for (k, o) in outcomes.iter().enumerate() {
-            let (median, worst) = median_and_worst(&o.errors.concat());
-            let _ = write!(
-                text,
-                "| `{}` | {} | `{}` | {} | {} |",
-                o.twin,
-                o.way.name,
-                o.operator,
-                cell(median),
-                cell(worst)
-            );
-            for paper in &outcomes[PAPER] {
-                let least = times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
-                let _ = if PAPER.contains(&k) { write!(text, " |") } else { write!(text, " {least:.1} times |") };
-            }
-            text += "\n";
-        }
-        let [.., helped, _, given] = outcomes.as_slice() else { continue };
-        let near = times(helped, given).filter(|(.., times)| *times < TIMES);
-        let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
-        if !near.is_empty() {
-            let _ = write!(
-                close,
-                "\nWith the driver given, less than {TIMES} times below `paper, helped` on `{}`: {}.\n",
-                given.twin,
-                near.join(", ")
-            );
-        }
+    let titles = ["twin", "identified", "operator", "median", "worst", "below `paper`", "below `paper, helped`"];
+    let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|\n";
+    for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
+    {
+        let (median, worst) = median_and_worst(&o.errors.concat());
+        let least = |paper| times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
+        let below = |paper| {
+            if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
+        };
+        let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
+        let [paper, helped] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
+        text +=
+            &row(&[name, o.way.name.into(), operator, format!("{median:.3}"), format!("{worst:.2}"), paper, helped]);
     }
-    text + &close
+    text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
+}
+
+/// The records of a twin on which the best joint model is not far below the best of the paper's.
+fn near(outcomes: &[Outcome]) -> String {
+    let [_, helped, .., given] = outcomes else { return String::new() };
+    let near = times(helped, given).filter(|(.., times)| *times < TIMES);
+    let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
+    let (way, than) = (given.way.name, helped.way.name);
+    format!("\n`{}`, {way}: less than {TIMES} times below `{than}` are {}.\n", given.twin, near.join(", "))
 }
 
 /// Every error.
 fn table(twins: &[Vec<Outcome>]) -> String {
-    let hz: Vec<String> = UNSEEN.iter().map(f64::to_string).collect();
-    let mut text =
-        format!("| twin | record | identified | {} |\n|---|---|---|{}\n", hz.join(" | "), "--:|".repeat(hz.len()));
+    let titles = ["twin", "record", "identified"].map(String::from).into_iter();
+    let titles: Vec<String> = titles.chain(UNSEEN.map(|hz| hz.to_string())).collect();
+    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(UNSEEN.len()) + "\n";
     for outcomes in twins {
         for (k, kind) in KINDS.iter().enumerate() {
             for o in outcomes {
-                let cells: Vec<String> = o.errors[k].iter().map(|e| cell(*e)).collect();
-                let _ = writeln!(text, "| `{}` | {} | {} | {} |", o.twin, kind.name, o.way.name, cells.join(" | "));
+                let names = [format!("`{}`", o.twin), kind.name.into(), o.way.name.into()].into_iter();
+                text += &row(&names.chain(o.errors[k].iter().map(|e| cell(*e))).collect::<Vec<_>>());
             }
         }
     }
     text
 }
 
-/// The errors against frequency, a panel a twin and kind.
+/// A row of a table.
+fn row(cells: &[String]) -> String {
+    format!("| {} |\n", cells.join(" | "))
+}
+
+/// The largest error of the kinds of record against frequency, a panel a twin.
 fn figure(twins: &[Vec<Outcome>]) -> Figure {
-    let caption = "Error of the free run on records not seen, by frequency: of the paper's method, of the same helped, and of the \
-                   joint model without and with the driver given. One model of each serves all frequencies.";
-    let mut figure = Figure::new("Accuracy on data not seen", caption).small().columns(KINDS.len());
-    for outcomes in twins {
-        for (k, kind) in KINDS.iter().enumerate() {
-            let hz = Axis::log("f [Hz]").ticks(&[1.0, 5.0, 20.0, 80.0, 400.0]);
-            let mut axes = Axes::new(hz, Axis::log("rms error [%]").range(5e-3, 500.0))
-                .titled(format!("{}: {}", outcomes[0].twin, kind.name));
-            for o in outcomes {
-                let series = Series::marked(&UNSEEN, &o.errors[k]).role(o.way.role);
-                axes = axes.with(series.named(o.way.name));
-            }
-            figure = figure.panel(axes);
-        }
-    }
-    figure
+    let caption = "Error of the free run on records not seen, the largest of three kinds at each frequency: of the paper's method, \
+                   of the same helped, and of the joint model without and with the driver given. Each has one model of all \
+                   frequencies.";
+    let panel = |outcomes: &Vec<Outcome>| {
+        let axes = Axes::new(Axis::log("f [Hz]").ticks(&UNSEEN), Axis::log("rms error [% of peak-to-peak]"));
+        outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {
+            let largest = |k: usize| o.errors.iter().map(|of_kind| of_kind[k]).fold(0.0, f64::max);
+            let errors: Vec<f64> = (0..UNSEEN.len()).map(largest).collect();
+            axes.with(Series::marked(&UNSEEN, &errors).role(o.way.role).named(o.way.name))
+        })
+    };
+    twins.iter().map(panel).fold(Figure::new("Accuracy on data not seen", caption), Figure::panel)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -6,7 +6,7 @@ use std::path::Path;
 /// Two digits; 0 below a millionth of peak-to-peak, `-` where nothing came out.
 pub(crate) fn cell(percent: f64) -> String {
     match percent {
-        p if p.is_nan() => "-".into(),
+        p if !p.is_finite() => "-".into(),
         p if p < 1e-4 => "0".into(),
         p => format!("{p:.*}", (1.0 - p.log10().floor()).clamp(0.0, 5.0) as usize),
     }
