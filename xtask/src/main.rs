@@ -14,7 +14,7 @@ const VERBS: [(&str, &str, Work); 4] = [
     ("test", "format, clippy with warnings denied, all tests, documentation", test),
     ("bench", "criterion benches, then the swarm beside pyswarms (Python, makes its own environment)", bench),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
-    ("docs", "build the documentation, and draw the pictures and the matrix in docs/ anew (minutes)", docs),
+    ("docs", "build the documentation, and draw the pictures and the tables in docs/ anew (minutes)", docs),
 ];
 
 fn main() -> ExitCode {
@@ -71,7 +71,9 @@ fn docs() -> Result<(), String> {
     step(&mut cargo(&["run", "--release", "--", "study", "--plant", "paper", "--out", "target/study"]))?;
     let (drawn, kept) = (root().join("target/study/paper-error.svg"), root().join("docs/error.svg"));
     std::fs::copy(&drawn, &kept).map_err(|e| format!("cannot copy {} to docs: {e}", drawn.display()))?;
-    step(&mut cargo(&["run", "--release", "--package", "piezoid", "--example", "matrix", "--", "docs"]))?;
+    for example in ["matrix", "accuracy"] {
+        step(&mut cargo(&["run", "--release", "--package", "piezoid", "--example", example, "--", "docs"]))?;
+    }
     step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;
     eprintln!("open {}", root().join("target/doc/piezoid/index.html").display());
     Ok(())

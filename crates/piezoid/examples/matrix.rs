@@ -5,6 +5,9 @@
 //! ```
 //! writes the errors on unseen records into docs/operators.md, between two comments, and draws docs/operators.svg.
 
+mod page;
+
+use page::cell;
 use piezoid::excitation::{Prbs, RisingSine, Staircase};
 use piezoid::hammerstein::{Joint, Model, identify_joint};
 use piezoid::hysteresis::{OPERATORS, Operator};
@@ -28,10 +31,6 @@ const DURATION: f64 = 0.8;
 
 /// Amplitude of the records nobody has seen [V].
 const UNSEEN: f64 = 29.0;
-
-/// Lines of docs/operators.md between which the table stands.
-const FROM: &str = "<!-- matrix: written by `cargo xtask docs` -->";
-const TO: &str = "<!-- end of matrix -->";
 
 /// The example of an operator before a resonance, without noise.
 fn plant(truth: &Operator) -> Result<Model, Error> {
@@ -65,15 +64,6 @@ pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let left = [(0..4000).map(wandering).collect(), staircase]
         .map(|u| Metrics::of(&plant.simulate(&u), &found.simulate(&u)).rms_pp_percent);
     Ok((0.5 * (left[0] * left[0] + left[1] * left[1])).sqrt())
-}
-
-/// Two digits; 0 where an operator is recovered, `-` where nothing came out.
-fn cell(percent: f64) -> String {
-    match percent {
-        p if p.is_nan() => "-".into(),
-        p if p < 1e-4 => "0".into(),
-        p => format!("{p:.*}", (1.0 - p.log10().floor()).clamp(0.0, 5.0) as usize),
-    }
 }
 
 /// The errors as the table of docs/operators.md.
@@ -129,16 +119,12 @@ fn map(errors: &[Vec<f64>]) -> String {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: matrix FOLDER")?);
-    let page = folder.join("operators.md");
-    let text = std::fs::read_to_string(&page)?;
-    let (before, rest) = text.split_once(FROM).ok_or("docs/operators.md has no place for the matrix")?;
-    let (_, after) = rest.split_once(TO).ok_or("the matrix of docs/operators.md has no end")?;
     let mut errors = Vec::new();
     for truth in OPERATORS {
         errors.push(OPERATORS.iter().map(|model| error(truth, model).unwrap_or(f64::NAN)).collect());
         eprintln!("{}: {:.4?}", truth.name, errors.last());
     }
-    std::fs::write(&page, format!("{before}{FROM}\n{}{TO}{after}", table(&errors)))?;
+    page::write(&folder.join("operators.md"), "matrix", &table(&errors))?;
     std::fs::write(folder.join("operators.svg"), map(&errors))?;
     Ok(())
 }

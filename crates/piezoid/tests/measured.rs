@@ -1,4 +1,4 @@
-//! What the paper's way does with measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
+//! What the two ways of identification do with measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
 
 #![allow(clippy::expect_used)] // a test may stop at what must not happen
 
@@ -6,7 +6,7 @@ mod common;
 
 use piezoid::Record;
 use piezoid::formats::{Selection, Table};
-use piezoid::hammerstein::{Identified, Paper, identify_paper};
+use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
 use piezoid::progress::unwatched;
 use piezoid::validation::{Settings, validate};
 
@@ -69,4 +69,19 @@ fn a_growing_amplitude_is_beyond_two_branches_and_the_remarks_say_why() {
     let second = whole.part(HALF, f64::INFINITY).expect("a second half");
     let same = validate(&found.model, &second, Settings::default()).expect("figures");
     assert_eq!(same.remarks, Vec::<String>::new());
+}
+
+#[test]
+fn a_joint_model_foretells_the_other_half_of_a_wandering_amplitude_within_1_7_percent() {
+    let Some(whole) = record("picma-p885/model_1Hz.csv") else { return };
+    let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
+    let half = 0.5 * growing.duration();
+    let [steady, first] =
+        [whole.part(START, f64::INFINITY), growing.part(START, half)].map(|part| part.expect("a part"));
+    let found = identify_joint(&[], &[steady, first], &Joint::default(), &mut unwatched).expect("a model");
+    let second = growing.part(half, f64::INFINITY).expect("a second half");
+    // Cut in motion: what the ceramic went through before, the second half does not say.
+    let free = Settings { skip: START, free_offset: true };
+    let left = validate(&found.model, &second, free).expect("figures").metrics.nrmse_percent;
+    assert!(left <= 1.7, "{left} % as {}", found.model.hysteresis().operator().name);
 }

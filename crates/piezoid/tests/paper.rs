@@ -82,10 +82,11 @@ fn one_joint_model_foretells_frequencies_it_has_not_seen_better_than_branches_ma
         let (_, percent) = errors(&PAPER, "joint", hz);
         assert!(percent <= 1e-4, "{percent} % of peak-to-peak at {hz} Hz");
     }
-    // Where the driver's current limit does not shape the sines.
-    for hz in FREQUENCIES.into_iter().filter(|hz| *hz <= 160.0) {
+    // At 250 Hz the driver slews throughout: it is given, but a sample has one mean voltage.
+    assert!(PL140.joint.model.driver().is_some() && PAPER.joint.model.driver().is_none());
+    for (hz, most, share) in FREQUENCIES.map(|hz| if hz < 250.0 { (hz, 0.1, 0.1) } else { (hz, 1.0, 0.5) }) {
         let ((_, joint), (_, held)) = (errors(&PL140, "joint", hz), errors(&PL140, "held-direction", hz));
-        assert!(joint <= 0.2 && joint <= 0.1 * held, "{joint} % of peak-to-peak at {hz} Hz, beside {held}");
+        assert!(joint <= most && joint <= share * held, "{joint} % of peak-to-peak at {hz} Hz, beside {held}");
     }
 }
 

@@ -3,7 +3,8 @@
 //! The paper's methods make a model of each frequency, from the PRBS and a sine of that frequency and amplitude. The joint
 //! one makes a single model of all, from the same PRBS and four rising sines; most frequencies of the test it has never
 //! seen. What differs is told by each row of [`METHODS`]; what is the paper's and what is ours is in its summary. The plant
-//! is asked only for what an experimenter could measure, and no model sees a test record.
+//! is asked only for what an experimenter could measure, and no model sees a test record. The joint model is given lag and
+//! current limit of the plant's driver, which its experimenter knows.
 
 mod bench;
 mod document;
@@ -16,6 +17,7 @@ pub use figures::figures;
 pub use page::page;
 pub use words::{four_decimals, verdict};
 
+use crate::driver::Driver;
 use crate::error::Error;
 use crate::excitation::Prbs;
 use crate::hammerstein::{HiddenLoop, Identified, Joint, identify_joint};
@@ -108,7 +110,7 @@ pub static METHODS: &[Method] = &[
     },
     Method {
         name: "joint",
-        summary: "one model of all frequencies, its parts identified together: a hysteresis operator with memory, and no inverse",
+        summary: "one model of all frequencies, its parts identified together: the known driver, a hysteresis operator with memory, and no inverse",
         way: Way::Joint,
     },
 ];
@@ -233,7 +235,7 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
     let mut of_joint = |stage: Stage| {
         progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
     };
-    let how = Joint { seed, ..Joint::default() };
+    let how = Joint { driver: Driver::of_twin(&(plant.spec)().driver)?, seed, ..Joint::default() };
     let joint = identify_joint(std::slice::from_ref(&small_signal), &rising, &how, &mut of_joint)?;
 
     let mut frequencies = Vec::new();

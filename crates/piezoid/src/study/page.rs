@@ -139,11 +139,15 @@ fn joint(study: &Study) -> Section {
     };
     let table = study.joint.trials.iter().fold(table, |table, t| table.row(row(t)));
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
+    let driver = match model.driver() {
+        Some(_) => " Lag and current limit of the driver, which the experimenter knows, were given to it.",
+        None => "",
+    };
     let words = format!(
         "The same PRBS and rising sines of {} Hz, a second each, identify hysteresis, creep and dynamics together: operators that \
          remember where the voltage has turned are driven by it, filtered through the linear block, and weighted so that their sum \
          is the measured displacement. Nothing is inverted, so the zeros of the block do not matter; one model serves every \
-         frequency and amplitude.",
+         frequency and amplitude.{driver}",
         rising.join(", ")
     );
     let section =

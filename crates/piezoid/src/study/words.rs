@@ -101,15 +101,10 @@ fn joint(study: &Study) -> String {
     }
     if !worse.is_empty() {
         let (hz, range) = listed(&worse);
-        let limited = study.notes.iter().any(|note| note.contains("current limit"));
-        let why = match limited {
-            true => {
-                " The driver's current limit shapes fast sines, and no model without that driver can know it; branches of one \
-                      frequency have it in them."
-            }
-            false => "",
-        };
-        words += &format!(" At {hz} Hz it leaves {range} %, more than the branches made for that frequency.{why}");
+        words += &format!(" At {hz} Hz it leaves {range} %, more than the branches made for that frequency.");
+    }
+    if study.joint.model.driver().is_some() {
+        words += " Lag and current limit of the driver were given to it; branches of one frequency have them in their shape.";
     }
     words
 }

@@ -1,0 +1,23 @@
+//! What examples that write a table into a page of docs/ share.
+
+use std::error::Error;
+use std::path::Path;
+
+/// Two digits; 0 below a millionth of peak-to-peak, `-` where nothing came out.
+pub(crate) fn cell(percent: f64) -> String {
+    match percent {
+        p if !p.is_finite() => "-".into(),
+        p if p < 1e-4 => "0".into(),
+        p => format!("{p:.*}", (1.0 - p.log10().floor()).clamp(0.0, 5.0) as usize),
+    }
+}
+
+/// Replaces what stands in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
+pub(crate) fn write(page: &Path, name: &str, table: &str) -> Result<(), Box<dyn Error>> {
+    let (from, to) = (format!("<!-- {name}: written by `cargo xtask docs` -->"), format!("<!-- end of {name} -->"));
+    let absent = |line: &str| format!("{} has no line {line}", page.display());
+    let text = std::fs::read_to_string(page)?;
+    let (before, rest) = text.split_once(&from).ok_or_else(|| absent(&from))?;
+    let (_, after) = rest.split_once(&to).ok_or_else(|| absent(&to))?;
+    Ok(std::fs::write(page, format!("{before}{from}\n{table}{to}{after}"))?)
+}
