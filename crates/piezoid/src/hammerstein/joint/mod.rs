@@ -56,6 +56,9 @@ use solve::Freed;
 const QUICKEST: f64 = 10.0;
 const SLOWEST: f64 = 1.0;
 
+/// The most that a lag of creep adds in ceramics, as a share.
+const CREEPS: f64 = 0.1;
+
 /// How to identify jointly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
@@ -101,7 +104,7 @@ pub fn identify_joint(
     let (ts, mut notes) = (first.ts(), Vec::new());
     // Without any other, small-signal records are all there is to find hysteresis from.
     let (beside, rich) = if rich.is_empty() { (&[][..], small.clone()) } else { (&small[..], rich) };
-    let candidates = trials::candidates(&how.operator, &rich, &mut notes)?;
+    let candidates = trials::candidates(&how.operator, &rich, small.is_empty(), &mut notes)?;
     notes.extend(defects("small-signal record", beside));
     notes.extend(defects("rich record", &rich));
     let mut runs = runs::of(beside, &rich)?;
@@ -153,6 +156,13 @@ pub fn identify_joint(
     notes.extend(parameters.iter().filter(|p| p.is_unknown()).map(|p| {
         let (value, error) = (short(p.value), short(p.error));
         format!("{} is {value} with a standard error of {error}: these records do not tell it", p.name)
+    }));
+    notes.extend(model.creep().lags().iter().filter(|lag| lag.gain > CREEPS).map(|lag| {
+        let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));
+        format!(
+            "creep of {tau} s adds {percent} %, more than ceramics creep: it stands for a lag of driver, mechanics or sensor that the \
+             linear block does not have"
+        )
     }));
     notes.extend(unexcited(model.linear(), small.iter().chain(&rich)));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };

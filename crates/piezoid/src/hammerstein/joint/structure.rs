@@ -18,7 +18,7 @@ use crate::hammerstein::Model;
 use crate::hammerstein::paper::proportional;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
 use crate::hysteresis::{Design, Proportional, operator};
-use crate::linear::{Arx, Choice, Orders, Refinement, output_error, refine as refine_alone, select};
+use crate::linear::{Arx, Choice, Orders, Pole, Refinement, output_error, refine as refine_alone, select};
 use crate::number::short;
 use crate::progress::unwatched;
 use crate::record::Record;
@@ -32,6 +32,9 @@ use std::sync::Arc;
 const ORDER: usize = 8;
 const DELAY: usize = 3;
 
+/// What a longer delay may cost, in sums of squares, and still count as costing nothing.
+const NOTHING: f64 = 1.01;
+
 /// Rows of the grid that stands in for the hysteresis.
 const COARSE: usize = 12;
 
@@ -44,7 +47,7 @@ pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint, lags: &[L
 }
 
 fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
-    let slowest = lags.first().map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s));
+    let slowest = slowest_pole(how, lags);
     rich_enough(small, 1)?;
     let seen: Vec<Record> = small.iter().map(|record| behind(record, how)).collect::<Result<_, _>>()?;
     let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
@@ -54,8 +57,8 @@ fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String)
     }
     let found =
         select(&seen, &Choice { order: most, delay: DELAY, parallel: true, ..Choice::default() }, &mut unwatched)?;
-    let creeps = |arx: &Arx| arx.poles().iter().any(|p| p.z.im == 0.0 && p.z.re > 0.0 && p.hz < slowest);
-    if !how.creep || !creeps(&found.fit.arx) {
+    let creeps = |arx: &Arx| creeping(arx, slowest).is_some();
+    if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
     }
     // A slow lag of the linear block is creep, which has a block of its own.
@@ -77,7 +80,7 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
     // The longest delay that costs nothing.
-    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= 1.01 * least);
+    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= NOTHING * least);
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
     let reason = format!("order {n} as asked, with the delay of {} that leaves least", chosen.orders.delay);
     Ok((chosen.arx, reason))
@@ -130,7 +133,10 @@ pub(super) fn of_rich(
         }
         let from = waits.saturating_sub(1);
         let fit = refine(start(late(from, 0.5)?)?, runs, Freed::All, watch)?;
-        tried.push((format!("a gain with a delay between {from} and {} samples", from + 1), fit));
+        // What a share beyond 0 or 1 does is no delay.
+        if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
+            tried.push((format!("a gain with a delay between {from} and {} samples", from + 1), fit));
+        }
     }
 
     // Dynamics, found from the z of what is best so far, as far as the records can tell them.
@@ -140,32 +146,116 @@ pub(super) fn of_rich(
     };
     let least = tried.iter().min_by(|p, q| p.1.held_out.rms_pp().total_cmp(&q.1.held_out.rms_pp()));
     let hidden = hidden(&least.unwrap_or(&tried[0]).1, runs)?;
-    let delay = delay(&hidden).saturating_sub(1);
-    let fastest = lines(rich).into_iter().fold(0.0, f64::max);
+    let latest = delay(&hidden).saturating_sub(1);
+    let slowest = slowest_pole(how, lags);
+    let mut found: Vec<Dynamics> = Vec::new();
     for n in orders.filter(|n| *n > 0) {
-        let orders = Orders { delay, ..Orders::of(n) };
-        if let Ok(found) = output_error(&hidden, orders, &Refinement::default(), &mut unwatched)
-            && found.arx.dc_gain() * gain > 0.0
-        {
-            let fit = refine(start(rescaled(&found.arx, gain)?)?, runs, Freed::All, watch)?;
-            // A lag slower than the drive is creep, and repairs what the hysteresis block cannot do.
-            if fit.estimate.linear.poles().iter().any(|pole| pole.z.im == 0.0 && pole.hz < fastest) {
-                continue;
-            }
-            tried.push((format!("order {n} with a delay of {delay} samples"), fit));
+        match dynamics(&hidden, n, latest, gain) {
+            Ok(one) if how.order.is_some() => found.push(one),
+            Ok(one) => found.extend(one.without_creep(slowest)?),
+            Err(why) if how.order.is_some() => return Err(why),
+            Err(_) => {}
+        }
+    }
+    // Of those left with the same order, the one that left least with its creep.
+    found.sort_by(|p, q| p.arx.a().len().cmp(&q.arx.a().len()).then(p.cost.total_cmp(&q.cost)));
+    found.dedup_by_key(|one| one.arx.a().len());
+    let mut left_out = Vec::new();
+    for one in found {
+        let (n, delay) = (one.arx.a().len(), one.arx.delay());
+        let fit = refine(start(rescaled(&one.arx, gain)?)?, runs, Freed::All, watch)?;
+        match creeping(&fit.estimate.linear, slowest) {
+            Some(pole) if how.order.is_none() => left_out.push((n, pole.hz)),
+            _ => tried.push((format!("order {n} with a delay of {delay} samples"), fit)),
         }
     }
     let best = tried.iter().map(|t| &t.1.held_out).min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
-    let chosen = match how.order {
-        Some(n) if n > 0 => tried.len() - 1,
-        _ => tried.iter().position(|t| best.as_ref().is_none_or(|best| t.1.held_out.is_as_good_as(best))).unwrap_or(0),
+    let as_good = |t: &(String, Fitted)| best.as_ref().is_none_or(|best| t.1.held_out.is_as_good_as(best));
+    let (chosen, why) = match how.order {
+        Some(n) if n > 0 => (tried.len() - 1, "the order asked for is taken"),
+        _ => (tried.iter().position(as_good).unwrap_or(0), "the simplest as good as the best is taken"),
     };
-    let listed: Vec<String> =
-        tried.iter().map(|(name, fit)| format!("{name} leaves {} %", short(100.0 * fit.held_out.rms_pp()))).collect();
+    let left = |(name, fit): &(String, Fitted)| format!("{name} leaves {} %", short(100.0 * fit.held_out.rms_pp()));
+    let listed: Vec<String> = tried.iter().map(left).collect();
+    let creeps = |(n, hz): &(usize, f64)| format!("; order {n} is left out, its lag at {} Hz is creep", short(*hz));
+    let left_out: String = left_out.iter().map(creeps).collect();
     let (name, fitted) = tried.swap_remove(chosen);
-    let reason =
-        format!("{name}: of peak-to-peak held out, {}; the simplest as good as the best is taken", listed.join(", "));
+    let reason = format!("{name}: of peak-to-peak held out, {}{left_out}; {why}", listed.join(", "));
     Ok((fitted.estimate.linear, reason))
+}
+
+/// The frequency below which a real pole is creep, which has a block of its own [Hz].
+fn slowest_pole(how: &Joint, lags: &[Lag]) -> f64 {
+    lags.first().filter(|_| how.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
+}
+
+/// A pole of the block that is creep.
+fn creeping(arx: &Arx, slowest: f64) -> Option<Pole> {
+    arx.poles().into_iter().find(|pole| pole.z.im == 0.0 && pole.z.re > 0.0 && pole.hz < slowest)
+}
+
+/// A linear block from z to y, and the squared error it left.
+struct Dynamics {
+    arx: Arx,
+    cost: f64,
+}
+
+impl Dynamics {
+    /// What remains without its poles that are creep: G less r q^-d / (1 - p q^-1) for each. None where that is a gain.
+    fn without_creep(mut self, slowest: f64) -> Result<Option<Self>, Error> {
+        while let Some(pole) = creeping(&self.arx, slowest) {
+            if self.arx.a().len() == 1 {
+                return Ok(None);
+            }
+            let (p, delay) = (pole.z.re, self.arx.delay());
+            let fed_back: Vec<f64> = std::iter::once(1.0).chain(self.arx.a().iter().map(|a| -a)).collect();
+            let rest = without_factor(&fed_back, p);
+            let at = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum / p + c);
+            let mut b = self.arx.b()[delay..].to_vec();
+            let r = at(&b) / at(&rest);
+            b.resize(b.len().max(rest.len()), 0.0);
+            b.iter_mut().zip(&rest).for_each(|(b, a)| *b -= r * a);
+            let b = [vec![0.0; delay], without_factor(&b, p)].concat();
+            self.arx = Arx::new(self.arx.ts(), rest[1..].iter().map(|a| -a).collect(), b)?;
+        }
+        Ok(Some(self).filter(|left| left.arx.dc_gain() != 0.0))
+    }
+}
+
+/// The polynomial c in q^-1 over 1 - p q^-1, which it has as a factor.
+fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
+    let mut last = 0.0;
+    c[..c.len() - 1]
+        .iter()
+        .map(|c| {
+            last = c + p * last;
+            last
+        })
+        .collect()
+}
+
+/// The block of order `n` from z to y, of this static gain, with the longest delay up to `latest` that costs nothing.
+///
+/// # Errors
+/// Where no delay gives one of the sign of the gain.
+fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) -> Result<Dynamics, Error> {
+    let mut delays = vec![latest, latest / 2, 0];
+    delays.dedup();
+    let of = |delay: usize| {
+        let found = output_error(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched)?;
+        if found.arx.dc_gain() * gain > 0.0 {
+            return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
+        }
+        let because = "the block found has a static gain of another sign than the records".into();
+        Err(Error::Unidentifiable { what: format!("a linear block of order {n}"), because })
+    };
+    let (found, refused): (Vec<_>, Vec<_>) = delays.into_iter().map(of).partition(Result::is_ok);
+    let found: Vec<_> = found.into_iter().flatten().collect();
+    let least = found.iter().map(|one| one.cost).fold(f64::INFINITY, f64::min);
+    match found.into_iter().find(|one| one.cost <= NOTHING * least) {
+        Some(one) => Ok(one),
+        None => Err(refused.into_iter().find_map(Result::err).unwrap_or(Error::Content("no delay was tried".into()))),
+    }
 }
 
 /// The runs with z behind creep, from zero at the first sample, in the place of u, and without their drift.

@@ -32,15 +32,18 @@ pub struct Trial {
 }
 
 /// The operators to try. Where the records hold no minor loops, nothing in them tells operators apart that differ there; then
-/// of all only those are tried that do what measured ceramics do: follow minor loops, and wipe them out.
+/// of all only those are tried that do what measured ceramics do: follow minor loops, and wipe them out. And where rich
+/// records stand `alone`, rate belongs to the linear block they tell, for nothing tells the two apart.
 pub(super) fn candidates(
     name: &str,
     rich: &[Record],
+    alone: bool,
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'static Operator>, Error> {
     if name != "auto" {
         return Ok(vec![operator(name)?]);
     }
+    let all = || OPERATORS.iter().copied().filter(|o| o.rate_independent || !alone);
     let (low, high) = ends(rich.iter().flat_map(|record| record.u()).copied());
     let margin = INSIDE * (high - low);
     let inner = |record: &Record| {
@@ -48,14 +51,14 @@ pub(super) fn candidates(
         turns(record.u(), 0.5 * INSIDE).iter().filter(inside).count()
     };
     if rich.iter().map(inner).sum::<usize>() >= ENOUGH {
-        return Ok(OPERATORS.to_vec());
+        return Ok(all().collect());
     }
     notes.push(
         "the records hold no minor loops, so what the model makes of smaller amplitudes is a guess; tried were only operators \
          that wipe out minor loops, as measured ceramics do: add a sine whose amplitude rises"
             .into(),
     );
-    Ok(OPERATORS.iter().copied().filter(|o| o.minor_loops && o.wipes_out).collect())
+    Ok(all().filter(|o| o.minor_loops && o.wipes_out).collect())
 }
 
 /// Of those that are as good as the best the one with the fewest parameters, and all of them as they are told.
