@@ -120,15 +120,8 @@ fn beside(model: &Model, console: &Console) -> String {
 fn trials(found: &Identified, console: &Console) -> String {
     let mut trials: Vec<&Trial> = found.trials.iter().collect();
     trials.sort_by(|p, q| p.held_out_percent.total_cmp(&q.held_out_percent));
-    let chosen = found.model.hysteresis().operator().name;
-    let row = |trial: &&Trial| {
-        let verdict = match &trial.refused {
-            Some(_) => "refused".into(),
-            None if trial.operator == chosen => "taken".into(),
-            None if trial.as_good => "as good".into(),
-            None => String::new(),
-        };
-        vec![trial.operator.to_string(), trial.parameters.to_string(), number(trial.held_out_percent), verdict]
+    let row = |t: &&Trial| {
+        vec![t.operator.to_string(), t.parameters.to_string(), number(t.held_out_percent), t.verdict.to_string()]
     };
     let header = ["operator", "parameters", "held out, rms/pp %", ""];
     let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));

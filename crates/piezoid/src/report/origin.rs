@@ -11,7 +11,7 @@ pub(super) fn section(model: &Model) -> Option<Section> {
     let list = |name: &str| made[name].as_array().map(Vec::as_slice).unwrap_or_default();
     let (tried, known) = (list("trials"), list("parameters"));
     let section = Section::new("How it was identified");
-    let section = if tried.is_empty() { section } else { section.table(trials(tried, model)) };
+    let section = if tried.is_empty() { section } else { section.table(trials(tried)) };
     let section = if known.is_empty() { section } else { section.table(parameters(known)) };
     match made["command"].as_str() {
         Some(command) => Some(section.text(Text::from("Made by ").code(command).plain("."))),
@@ -20,20 +20,14 @@ pub(super) fn section(model: &Model) -> Option<Section> {
 }
 
 /// The operators, the best first.
-fn trials(tried: &[Value], model: &Model) -> Table {
+fn trials(tried: &[Value]) -> Table {
     let left = |trial: &Value| trial["held_out_percent"].as_f64().unwrap_or(f64::INFINITY);
     let word = |trial: &Value, key: &str| trial[key].as_str().unwrap_or_default().to_string();
     let mut tried: Vec<&Value> = tried.iter().collect();
     tried.sort_by(|p, q| left(p).total_cmp(&left(q)));
-    let chosen = model.hysteresis().operator().name;
     let row = |trial: &Value| {
-        let taken = word(trial, "operator") == chosen;
-        let verdict = match trial["as_good"].as_bool() {
-            _ if taken => "taken".into(),
-            Some(true) => "as good".into(),
-            _ if trial["refused"].is_string() => "refused".into(),
-            _ => String::new(),
-        };
+        let verdict = word(trial, "verdict");
+        let taken = verdict == "taken";
         let number = |key: &str| trial[key].as_u64().map_or("-".into(), |n| n.to_string());
         let cells = [word(trial, "operator"), number("parameters"), short(left(trial)), verdict].map(Cell::from);
         if taken { cells.map(Cell::best) } else { cells }

@@ -146,6 +146,7 @@ pub fn identify_joint(
     }
     let (fitted, trials) = trials::choose(trials)?;
     notes.extend(judge::judge(&fitted, &runs)?);
+    notes.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
     let model = fitted.estimate.model(offset)?.with_units(units);
     let model = match Domain::of(small.iter().chain(&rich)) {

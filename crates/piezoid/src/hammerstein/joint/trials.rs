@@ -3,6 +3,7 @@
 use super::refine::Fitted;
 use crate::error::Error;
 use crate::hysteresis::{OPERATORS, Operator, operator};
+use crate::number::short;
 use crate::record::Record;
 use crate::series::ends;
 use crate::waveform::turns;
@@ -25,6 +26,8 @@ pub struct Trial {
     pub held_out_percent: f64,
     /// Whether that is as good as the best, within its uncertainty.
     pub as_good: bool,
+    /// `taken`, `as good`, `refused`, or nothing.
+    pub verdict: &'static str,
     /// The shape parameters by name.
     pub shape: Vec<(&'static str, f64)>,
     /// Why nothing came out, if so.
@@ -63,25 +66,49 @@ pub(super) fn candidates(
 
 /// Of those that are as good as the best the one with the fewest parameters, and all of them as they are told.
 pub(super) fn choose(trials: Vec<(Trial, Option<Fitted>)>) -> Result<(Fitted, Vec<Trial>), Error> {
-    let (mut told, fitted): (Vec<Trial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
+    let (mut told, mut fitted): (Vec<Trial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
     let found = fitted.iter().flatten().map(|fitted| &fitted.held_out);
     let best = found.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
     for (trial, fitted) in told.iter_mut().zip(&fitted) {
         trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
-    }
-    let good = told.iter().zip(fitted).filter(|(trial, _)| trial.as_good);
-    match good.min_by_key(|(trial, _)| trial.parameters) {
-        Some((_, Some(fitted))) => Ok((fitted, told)),
-        _ => {
-            let each = told.iter().map(|trial| {
-                let why = trial.refused.as_deref();
-                let why = why.unwrap_or("its equations have no solution: are units and columns the right ones?");
-                format!("{}: {why}", trial.operator)
-            });
-            let because = each.collect::<Vec<_>>().join("; ");
-            Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because })
+        if trial.as_good {
+            trial.verdict = "as good";
         }
     }
+    let good = (0..told.len()).filter(|&k| told[k].as_good);
+    let chosen = good.min_by_key(|&k| told[k].parameters).and_then(|k| Some((k, fitted[k].take()?)));
+    let Some((k, fitted)) = chosen else {
+        let each = told.iter().map(|trial| {
+            let why = trial.refused.as_deref();
+            let why = why.unwrap_or("its equations have no solution: are units and columns the right ones?");
+            format!("{}: {why}", trial.operator)
+        });
+        let because = each.collect::<Vec<_>>().join("; ");
+        return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
+    };
+    told[k].verdict = "taken";
+    Ok((fitted, told))
+}
+
+/// Why the operator that was taken was; none where no other was tried.
+pub(super) fn why(trials: &[Trial]) -> Option<String> {
+    let by_error = |p: &&Trial, q: &&Trial| p.held_out_percent.total_cmp(&q.held_out_percent);
+    let (best, taken) = (trials.iter().min_by(by_error)?, trials.iter().find(|t| t.verdict == "taken")?);
+    let next = trials.iter().filter(|t| !t.as_good && t.refused.is_none()).min_by(by_error);
+    let (name, left) = (taken.operator, short(taken.held_out_percent));
+    let simplest = match (best.operator == name, trials.iter().filter(|t| t.as_good).count()) {
+        (true, 1) => format!("{name} leaves least of what was held out, {left} % of peak-to-peak"),
+        (true, _) => {
+            format!("{name} leaves least of what was held out, {left} % of peak-to-peak, and is the simplest as good")
+        }
+        (false, _) => format!(
+            "{name} leaves {left} % of what was held out, as good as the {} % of {} within their uncertainty, and is simpler",
+            short(best.held_out_percent),
+            best.operator
+        ),
+    };
+    let then = next.map(|next| format!("; next comes {} with {} %", next.operator, short(next.held_out_percent)));
+    (trials.len() > 1).then(|| simplest + &then.unwrap_or_default())
 }
 
 impl Trial {
@@ -92,6 +119,7 @@ impl Trial {
             parameters: fitted.estimate.weights.len() + shape.len(),
             held_out_percent: 100.0 * fitted.held_out.rms_pp(),
             as_good: false,
+            verdict: "",
             shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
             refused: None,
         }
@@ -103,6 +131,7 @@ impl Trial {
             parameters: 0,
             held_out_percent: f64::INFINITY,
             as_good: false,
+            verdict: "refused",
             shape: Vec::new(),
             refused: Some(why),
         }
