@@ -188,7 +188,7 @@ impl Identify {
         }
         let linearity: Vec<Option<Linearity>> = linear.iter().map(|record| small_signal(record).ok()).collect();
         for (path, seen) in self.linear.iter().zip(&linearity) {
-            if let Some(seen) = seen.as_ref().filter(|seen| !seen.is_linear) {
+            if let Some(seen) = seen.as_ref().filter(|seen| seen.is_linear != Some(true)) {
                 console.remark(&format!("{}: {}", path.display(), seen.verdict));
             }
         }

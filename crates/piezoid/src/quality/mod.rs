@@ -17,12 +17,15 @@
 //!
 //! Reference: Pearson 2002, Outliers in process modeling and identification, doi:10.1109/87.974338 (Hampel's rule).
 
+mod bridge;
 mod drift;
 mod explained;
 mod flat;
 mod outliers;
 mod runs;
 mod wild;
+
+pub(crate) use bridge::bridged;
 
 use crate::error::Error;
 use crate::fourier::power;

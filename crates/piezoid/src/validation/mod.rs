@@ -9,7 +9,9 @@
 //!
 //! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
 
+mod apart;
 mod beginning;
+mod best_block;
 mod bins;
 mod floor;
 mod loops;

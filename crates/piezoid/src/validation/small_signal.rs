@@ -1,31 +1,33 @@
 //! Whether a record is linear, as one must be that a linear block is identified from.
 //!
-//! - What linear blocks leave: the least that any of orders up to 12 leaves in free run, with the noise of the sensor taken
-//!   off where the input repeats and shows it; then the mean period is looked at.
+//! - What linear blocks leave: the least that any of orders up to 12 leaves in free run, by least squares and, where that
+//!   leaves much, by output error. Noise is taken off: that between periods where the input repeats, then the mean
+//!   period is looked at; else all that is left, where that goes with nothing that the input does (`apart.rs`).
+//! - What noise hides: with sigma its rms in n independent samples, sigma (8 / n)^(1/4) of distortion adds to sigma^2 two
+//!   standard deviations of the mean square, sqrt(8 / n) sigma^2; less is not told from none.
 //! - Gain over level: y = c0 + c1 s + c2 s^2 + c3 s^3 over s, the best block's output from -1 to 1. The gain at the upper
 //!   end differs from that at the lower by 4 c2 / c1 (even), and at the ends from the middle by 3 c3 / c1 (odd).
 //! - Gain over amplitude: the slopes of loops of different height.
 //! - Lines that the input does not excite: what comes back at even and odd harmonics between the excited ones is
 //!   distortion, if it exceeds the noise. A sine shows its harmonics, an odd multisine most; a PRBS excites all.
 //!
-//! Slow creep is linear, and yet no block of such order follows it: up to 1 % passes.
+//! Samples that are not sound ([`crate::quality`]) are bridged. Slow creep is linear, and yet no block of such order follows it: up to 1 % passes.
 //!
 //! Reference: Pintelon & Schoukens 2012, System Identification: A Frequency Domain Approach, chapter 4,
 //! doi:10.1002/9781118287422.
 
+use super::apart::independent;
+use super::best_block::Judged;
 use super::bins::band;
 use super::floor::Repeated;
 use super::loops::loops;
 use super::{Loops, Run};
 use crate::error::Error;
 use crate::fourier::plain_power;
-use crate::linear::{self, Arx, Orders};
 use crate::number::short;
-use crate::optimize::swarm;
-use crate::progress::unwatched;
+use crate::quality::{Need, bridged, inspect};
 use crate::record::Record;
 use crate::series::{mean, scatter};
-use crate::system::System;
 use crate::waveform::cycles;
 use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
@@ -36,9 +38,6 @@ const LINEAR: f64 = 1.0;
 /// Distortion from which it is of no use as a linear one [% of the output's rms].
 const BENT: f64 = 3.0;
 
-/// Orders tried.
-const ORDERS: [usize; 5] = [2, 4, 6, 8, 12];
-
 /// Power of a line of the input, against the strongest, up to which it is not excited.
 const DARK: f64 = 1e-6;
 
@@ -47,8 +46,11 @@ const DARK: f64 = 1e-6;
 pub struct Linearity {
     /// What the best linear block leaves in free run, of the mean period where the input repeats; none where the record holds too few frequencies for any.
     pub left_percent: Option<f64>,
-    /// Noise of a sample, from repeated periods; none where the input does not repeat.
+    /// Noise of a sample: from repeated periods; else what the best block leaves, where that goes with nothing that the
+    /// input does; none where it does.
     pub noise_percent: Option<f64>,
+    /// Distortion up to which that noise hides it; none where it is not known.
+    pub hidden_percent: Option<f64>,
     /// What is neither linear nor, where that is known, noise: the largest of what the tests below and above say.
     pub distortion_percent: f64,
     /// Gain at the upper end of the range against that at the lower [%].
@@ -61,8 +63,8 @@ pub struct Linearity {
     pub even_percent: Option<f64>,
     /// Output at odd harmonics that the input leaves dark.
     pub odd_percent: Option<f64>,
-    /// Whether it may serve as a linear record.
-    pub is_linear: bool,
+    /// Whether it may serve as a linear record; none where noise hides it.
+    pub is_linear: Option<bool>,
     /// All this in words.
     pub verdict: String,
 }
@@ -74,29 +76,44 @@ pub struct Linearity {
 /// let u = Prbs { order: 8, ..Prbs::default() }.samples(5e-4, 765)?;
 /// let y = Arx::new(5e-4, vec![1.7, -0.9], vec![1.0, 0.5])?.simulate(&u);
 /// let bent = y.iter().map(|y| y + 0.02 * y * y).collect();
-/// assert!(small_signal(&Record::new(5e-4, u.clone(), y)?)?.is_linear);
-/// assert!(!small_signal(&Record::new(5e-4, u, bent)?)?.is_linear);
+/// assert_eq!(small_signal(&Record::new(5e-4, u.clone(), y)?)?.is_linear, Some(true));
+/// assert_eq!(small_signal(&Record::new(5e-4, u, bent)?)?.is_linear, Some(false));
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Unidentifiable`] when nothing can be said: no linear block fits, and the input does not repeat.
+/// [`Error::Unidentifiable`] when nothing can be said: of a record that nothing can be identified from ([`inspect`]), and
+/// where no linear block fits and the input does not repeat.
 pub fn small_signal(record: &Record) -> Result<Linearity, Error> {
+    let seen = inspect(record, &Need::default());
+    seen.sound()?;
+    let sound = bridged(record.y(), &seen.usable);
+    let record = &Record::new(record.ts(), record.u().to_vec(), sound)?.with_units(record.units().clone());
     let std = (scatter(record.y()) / record.len() as f64).sqrt();
     let percent = |x: f64| 100.0 * x / std;
     let repeated = Repeated::of(record);
-    let noise_percent = repeated.as_ref().map(|r| percent(r.noise));
     let dark = repeated.as_ref().map(dark_lines);
-    // Where the input repeats, the mean period stands for the record, twice over: once to get under way.
-    let averaged = match &repeated {
-        Some(r) => Record::new(record.ts(), [&*r.u, &r.u].concat(), [&*r.y, &r.y].concat())?,
-        None => record.clone(),
+    let judged = match &repeated {
+        // The mean period stands for the record, twice over: once to get under way.
+        Some(r) => {
+            let record = Record::new(record.ts(), [&*r.u, &r.u].concat(), [&*r.y, &r.y].concat())?;
+            Judged { usable: vec![true; record.len()], start: r.period, drifts: false, record }
+        }
+        None => Judged { usable: seen.usable, start: record.len() / 10, drifts: true, record: record.clone() },
     };
-    let start = if repeated.is_some() { averaged.len() / 2 } else { averaged.len() / 10 };
-    let best = best_block(&averaged, start);
-    let left_percent = best.as_ref().map(|(_, left)| percent(*left));
-    let noise = repeated.as_ref().map_or(0.0, |r| percent(r.noise) / (r.periods as f64).sqrt());
-    let bent = left_percent.map(|left| (left.powi(2) - noise.powi(2)).max(0.0).sqrt());
+    let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
+    let closest = judged.closest(averaged.unwrap_or(0.0).hypot(0.01 * LINEAR * std));
+    let left = closest.as_ref().map(|c| c.left);
+    // Noise of what is judged, and the number of its samples that are independent.
+    let noise = match (averaged, &closest) {
+        (Some(noise), _) => Some((noise, (judged.record.len() - judged.start) as f64)),
+        (None, Some(c)) => {
+            independent(&judged.record.u()[judged.start..], &c.simulated, &c.errors).map(|n| (c.left, n))
+        }
+        (None, None) => None,
+    };
+    let hidden_percent = noise.map(|(noise, n)| percent(noise) * (8.0 / n).powf(0.25));
+    let bent = left.map(|left| percent((left.powi(2) - noise.map_or(0.0, |n| n.0).powi(2)).max(0.0).sqrt()));
     let (even_percent, odd_percent) = (dark.and_then(|d| d.even).map(percent), dark.and_then(|d| d.odd).map(percent));
     let lines = even_percent.zip(odd_percent).map(|(even, odd)| even.hypot(odd)).or(even_percent).or(odd_percent);
     let Some(distortion_percent) = bent.into_iter().chain(lines).reduce(f64::max) else {
@@ -108,30 +125,44 @@ pub fn small_signal(record: &Record) -> Result<Linearity, Error> {
                     .into(),
         });
     };
-    let gains = best.map(|(simulated, _)| gain_over_level(&simulated, &averaged.y()[start..]));
+    let gains = closest.map(|c| gain_over_level(&c.simulated, &judged.record.y()[judged.start..]));
     let run = Run { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
+    let hidden = hidden_percent.unwrap_or(0.0);
     let mut linearity = Linearity {
-        left_percent,
-        noise_percent,
+        left_percent: left.map(percent),
+        noise_percent: repeated.as_ref().map(|r| r.noise).or(noise.map(|n| n.0)).map(percent),
+        hidden_percent,
         distortion_percent,
         gain_across_percent: gains.map(|(across, _)| across),
         gain_outward_percent: gains.map(|(_, outward)| outward),
         gain_by_amplitude: gain_by_amplitude(&loops(&run)),
         even_percent,
         odd_percent,
-        is_linear: distortion_percent <= LINEAR,
+        is_linear: (distortion_percent > hidden || hidden <= BENT).then_some(distortion_percent <= hidden.max(LINEAR)),
         verdict: String::new(),
     };
-    linearity.verdict = linearity.words(&record.units().u);
+    linearity.verdict = linearity.words(&record.units().u, repeated.is_some());
     Ok(linearity)
 }
 
 impl Linearity {
-    fn words(&self, unit: &str) -> String {
-        let distortion = short(self.distortion_percent);
-        let mut text = match self.distortion_percent {
-            d if d <= LINEAR => format!("the record is linear: {distortion} % of the output's rms is distortion"),
-            d if d <= BENT => format!(
+    fn words(&self, unit: &str, repeats: bool) -> String {
+        let (distortion, hidden) = (short(self.distortion_percent), self.hidden_percent.unwrap_or(0.0));
+        let mut text = match (self.is_linear, self.distortion_percent) {
+            (None, _) => {
+                let noise = self.noise_percent.map_or_else(String::new, short);
+                return format!(
+                    "noise hides whether the record is linear: it is {noise} % of the output's rms, and distortion up to {} % would \
+                     not show; drive it with more amplitude, or record longer",
+                    short(hidden)
+                );
+            }
+            (Some(true), d) if d <= hidden => format!(
+                "the record is linear: noise would hide less than {} % of the output's rms in distortion, and no more shows",
+                short(hidden)
+            ),
+            (Some(true), _) => format!("the record is linear: {distortion} % of the output's rms is distortion"),
+            (_, d) if d <= BENT => format!(
                 "the record is nearly linear: {distortion} % of the output's rms is distortion, better below {LINEAR} %"
             ),
             _ => format!(
@@ -139,14 +170,22 @@ impl Linearity {
             ),
         };
         match (self.left_percent, self.noise_percent) {
-            (Some(left), Some(noise)) => {
+            (Some(left), Some(noise)) if repeats => {
                 text += &format!(
                     " (the best linear block leaves {} % of the mean period; a sample has {} % of noise)",
                     short(left),
                     short(noise)
                 );
             }
-            (Some(_), None) => text += ", noise included, as the input does not repeat",
+            (Some(left), Some(_)) => {
+                text += &format!(
+                    " (the best linear block leaves {} %, noise that does not go with the input)",
+                    short(left)
+                );
+            }
+            (Some(_), None) => {
+                text += ", noise included, as the input does not repeat (three periods would tell it from distortion)";
+            }
             _ => {}
         }
         if let Some((across, outward)) = self.gain_across_percent.zip(self.gain_outward_percent)
@@ -174,25 +213,6 @@ impl Linearity {
         }
         text
     }
-}
-
-/// The free run from `start` on of the linear block that leaves least, with its offset, and the rms that it leaves.
-fn best_block(record: &Record, start: usize) -> Option<(Vec<f64>, f64)> {
-    let least_squares = linear::estimator("least-squares").ok()?;
-    let plain = Orders { na: 0, nb: 2, delay: 0 };
-    let fits = ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|orders| {
-        let settings = swarm::Settings::default();
-        let fit = linear::fit(std::slice::from_ref(record), orders, least_squares, &settings, &mut unwatched).ok()?;
-        let arx: Arx = fit.arx.is_stable().then_some(fit.arx)?;
-        let mut simulated = arx.resume(&mut arx.settled(record.u()[0]), record.u());
-        simulated.drain(..start);
-        let errors: Vec<f64> = record.y()[start..].iter().zip(&simulated).map(|(y, s)| y - s).collect();
-        let offset = mean(&errors);
-        simulated.iter_mut().for_each(|s| *s += offset);
-        let left = (scatter(&errors) / errors.len() as f64).sqrt();
-        left.is_finite().then_some((simulated, left))
-    });
-    fits.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Slopes by amplitude at the frequency that has loops of most amplitudes: between frequencies the gain differs anyway.
@@ -240,8 +260,13 @@ fn dark_lines(repeated: &Repeated) -> Dark {
 mod tests {
     use super::*;
     use crate::excitation::{Multisine, Prbs, RisingSine, Sine};
+    use crate::linear::Arx;
     use crate::plant::{Plant, find};
+    use crate::system::System;
     use crate::testing::assert_close;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     const TS: f64 = 5e-4;
 
@@ -255,10 +280,10 @@ mod tests {
         for plant in crate::plant::PLANTS {
             let prbs = Prbs { order: 10, ..Prbs::default() }.samples(TS, 4 * 1023).unwrap();
             let small = small_signal(&measured(plant.name, prbs)).unwrap();
-            assert!(small.is_linear && small.verdict.contains("is linear"), "{}: {small:?}", plant.name);
+            assert!(small.is_linear == Some(true) && small.verdict.contains("is linear"), "{}: {small:?}", plant.name);
             let sine = Sine { amplitude: 28.0, frequency: 5.0, ..Sine::default() }.samples(TS, 4000).unwrap();
             let large = small_signal(&measured(plant.name, sine)).unwrap();
-            assert!(!large.is_linear && large.odd_percent.unwrap() > 1.0, "{}: {large:?}", plant.name);
+            assert!(large.is_linear == Some(false) && large.odd_percent.unwrap() > 1.0, "{}: {large:?}", plant.name);
         }
     }
 
@@ -278,9 +303,15 @@ mod tests {
         };
         let (plain, square, cube) =
             (of(|u| 33.0 * u), of(|u| 33.0 * u + 5.0 * u * u), of(|u| 33.0 * u + 9.0 * u * u * u));
-        assert!(plain.is_linear && plain.distortion_percent < 1e-6, "{plain:?}");
-        assert!(square.even_percent > Some(3.0) && square.odd_percent < Some(1e-6) && !square.is_linear, "{square:?}");
-        assert!(cube.odd_percent > Some(1.0) && cube.even_percent < Some(1e-6) && !cube.is_linear, "{cube:?}");
+        assert!(plain.is_linear == Some(true) && plain.distortion_percent < 1e-6, "{plain:?}");
+        assert!(
+            square.even_percent > Some(3.0) && square.odd_percent < Some(1e-6) && square.is_linear == Some(false),
+            "{square:?}"
+        );
+        assert!(
+            cube.odd_percent > Some(1.0) && cube.even_percent < Some(1e-6) && cube.is_linear == Some(false),
+            "{cube:?}"
+        );
         assert_close(&[square.gain_across_percent.unwrap()], &[400.0 * 5.0 / 33.0], 0.1, 0.0);
         assert!(cube.gain_outward_percent.unwrap() > 30.0 && cube.gain_across_percent.unwrap().abs() < 5.0, "{cube:?}");
     }
@@ -291,7 +322,7 @@ mod tests {
         let seen = small_signal(&measured("pl140", rising)).unwrap();
         let slopes: Vec<f64> = seen.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
         assert!(slopes.len() > 3 && slopes.is_sorted(), "{slopes:?}");
-        assert!(!seen.is_linear && seen.verdict.contains("the gain at"), "{}", seen.verdict);
+        assert!(seen.is_linear == Some(false) && seen.verdict.contains("the gain at"), "{}", seen.verdict);
     }
 
     #[test]
@@ -300,6 +331,83 @@ mod tests {
         let sound = measured("pl140", prbs);
         let noisy = sound.y().iter().enumerate().map(|(t, y)| y + 3.0 * ((t * t * 7) as f64).sin()).collect();
         let seen = small_signal(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
-        assert!(seen.noise_percent > Some(5.0 * LINEAR) && seen.is_linear, "{seen:?}");
+        assert!(seen.noise_percent > Some(5.0 * LINEAR) && seen.is_linear == Some(true), "{seen:?}");
+    }
+
+    fn with_noise(record: &Record, size: f64) -> Record {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let y = record
+            .y()
+            .iter()
+            .map(|y| {
+                let e: f64 = StandardNormal.sample(&mut random);
+                y + size * e
+            })
+            .collect();
+        Record::new(record.ts(), record.u().to_vec(), y).unwrap()
+    }
+
+    #[test]
+    fn noise_and_a_delay_in_a_record_that_is_sampled_often_are_no_distortion() {
+        let u = Prbs { order: 13, amplitude: 3.0, offset: 20.0, ..Prbs::default() }.samples(2e-5, 8000).unwrap();
+        let block = Arx::new(2e-5, vec![1.975, -0.9915], [vec![0.0; 7], vec![0.01]].concat()).unwrap();
+        let y = block.resume(&mut block.settled(20.0), &u);
+        let plain = Record::new(2e-5, u, y).unwrap();
+        let std = (scatter(plain.y()) / 8000.0).sqrt();
+        let seen = small_signal(&with_noise(&plain, 0.04 * std)).unwrap();
+        assert!(seen.is_linear == Some(true) && seen.verdict.contains("the record is linear"), "{seen:?}");
+        assert_close(&[seen.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
+        assert!(seen.hidden_percent < Some(LINEAR), "{seen:?}");
+        let bent = plain.y().iter().map(|y| y + 0.2 * (y - 12.0).powi(2) / std).collect();
+        let bent =
+            small_signal(&with_noise(&Record::new(2e-5, plain.u().to_vec(), bent).unwrap(), 0.04 * std)).unwrap();
+        assert!(bent.is_linear == Some(false) && bent.distortion_percent > BENT, "{bent:?}");
+    }
+
+    #[test]
+    fn a_spike_is_no_distortion() {
+        let sound = measured("pl140", Prbs { order: 12, ..Prbs::default() }.samples(TS, 4000).unwrap());
+        for spikes in [vec![1900], (100..4000).step_by(430).collect()] {
+            let mut y = sound.y().to_vec();
+            spikes.iter().for_each(|t| y[*t] += 2000.0);
+            let seen = small_signal(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
+            assert!(seen.is_linear == Some(true) && seen.left_percent < Some(LINEAR), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn a_prbs_beneath_the_noise_is_neither_linear_nor_not() {
+        let once = Prbs { order: 12, ..Prbs::default() }.samples(TS, 4000).unwrap();
+        let again = Prbs { order: 9, ..Prbs::default() }.samples(TS, 6 * 511).unwrap();
+        for u in [once, again] {
+            let sound = measured("pl140", u);
+            let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
+            let seen = small_signal(&with_noise(&sound, 2.0 * std)).unwrap();
+            assert_eq!(seen.is_linear, None, "{seen:?}");
+            assert!(
+                seen.verdict.contains("noise hides") && seen.verdict.contains("more amplitude"),
+                "{}",
+                seen.verdict
+            );
+            assert!(seen.noise_percent > Some(80.0) && seen.hidden_percent > Some(BENT), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn hysteresis_shows_through_noise_where_the_input_does_not_repeat() {
+        let multisine = Multisine {
+            amplitude: 28.0,
+            frequency_low: 1.0,
+            frequency_high: 60.0,
+            period: 2.0,
+            ..Multisine::default()
+        };
+        let rising = RisingSine { amplitude: 28.0, frequency: 20.0, ..RisingSine::default() };
+        for u in [multisine.samples(TS, 4000).unwrap(), rising.samples(TS, 4000).unwrap()] {
+            let sound = measured("pl140", u);
+            let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
+            let seen = small_signal(&with_noise(&sound, 0.01 * std)).unwrap();
+            assert!(seen.is_linear == Some(false) && seen.verdict.contains("not linear"), "{seen:?}");
+        }
     }
 }

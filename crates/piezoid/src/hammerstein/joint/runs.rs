@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::hammerstein::paper::called;
-use crate::quality::{Defect, Need, inspect};
+use crate::quality::{Defect, Need, bridged, inspect};
 use crate::record::Record;
 use crate::series::{ends, scatter};
 use crate::waveform::{in_motion, lead};
@@ -67,19 +67,7 @@ impl<'a> Run<'a> {
 
     /// The output with straight lines over what must not be fitted, for what can leave no samples out.
     pub(super) fn bridged(&self) -> Vec<f64> {
-        let mut y = self.record.y().to_vec();
-        let mut before = None;
-        for t in (0..y.len()).filter(|t| self.usable[*t]) {
-            let from = before.map_or(0, |b| b + 1);
-            let (start, rise) = before.map_or((y[t], 0.0), |b| (y[b], (y[t] - y[b]) / (t - b) as f64));
-            (from..t).for_each(|k| y[k] = start + rise * (k + 1 - from) as f64);
-            before = Some(t);
-        }
-        if let Some(last) = before {
-            let end = y[last];
-            y[last + 1..].fill(end);
-        }
-        y
+        bridged(self.record.y(), &self.usable)
     }
 }
 
