@@ -62,12 +62,13 @@ pub(super) fn cross_validate(
         None if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
         None => LAMBDAS.to_vec(),
     };
-    let folds: Vec<usize> = (0..FOLDS).filter(|fold| stretches.iter().any(|s| s.fold == Some(*fold))).collect();
+    let folds: Vec<usize> =
+        (0..FOLDS).filter(|fold| stretches.iter().any(|s| s.fold == Some(*fold) && s.judged)).collect();
     let of = |&fold: &usize| -> Vec<(f64, DVector<f64>)> {
         let (train, _) = equations(estimate, stretches, |s| s.fold != Some(fold));
         let tests: Vec<Normal> = stretches
             .iter()
-            .filter(|s| s.fold == Some(fold) && s.samples > 0.0)
+            .filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0)
             .map(|s| equations(estimate, std::slice::from_ref(s), |_| true).0)
             .collect();
         // From smooth to rough, each starting from the signs found before.

@@ -30,6 +30,8 @@ pub(super) struct Stretch {
     pub(super) run: usize,
     /// The fold it is held out in; none is always trained on.
     pub(super) fold: Option<usize>,
+    /// Whether what it leaves then counts: that of rich records does.
+    pub(super) judged: bool,
     /// All columns, then y.
     pub(super) gram: DMatrix<f64>,
     /// Samples that count, whether or not they were kept.
@@ -76,7 +78,7 @@ fn of_run(estimate: &Estimate, index: usize, run: &Run, own: &[f64], thin: usize
                 filled = 0;
             }
         }
-        Stretch { run: index, fold, gram, samples }
+        Stretch { run: index, fold, judged: run.rich, gram, samples }
     };
     run.stretches.iter().map(stretch).collect()
 }

@@ -104,7 +104,8 @@ pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record]) -> Result<Vec<Run<
 }
 
 /// Says what is held out in turn: whole rich records where at least three can be foretold by the others, else stretches
-/// of each.
+/// of each. With it goes a stretch of each small-signal record, which nobody is judged by, so that what is known from these alone
+/// has an error too.
 fn fold(runs: &mut [Run]) {
     let range = |run: &Run| ends(run.record.u().iter().copied());
     let rich: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].rich).collect();
@@ -128,5 +129,11 @@ fn fold(runs: &mut [Run]) {
             let stretch = |s: usize| ((s + 1) * n / STRETCHES, Some(s % FOLDS));
             runs[k].stretches = (0..STRETCHES).map(stretch).collect();
         }
+    }
+    let folds =
+        runs.iter().flat_map(|run| &run.stretches).filter_map(|(_, fold)| *fold).max().map_or(1, |last| last + 1);
+    for run in runs.iter_mut().filter(|run| !run.rich) {
+        let n = run.record.len();
+        run.stretches = (0..folds).map(|fold| ((fold + 1) * n / folds, Some(fold))).collect();
     }
 }

@@ -22,5 +22,5 @@ pub(super) fn estimate(name: &str, elements: usize) -> Estimate {
 pub(super) fn stretch(layout: &Layout, run: usize, fold: Option<usize>, seed: u64) -> Stretch {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = DMatrix::<f64>::from_fn(200, layout.columns() + 1, |_, _| StandardNormal.sample(&mut random));
-    Stretch { run, fold, gram: rows.tr_mul(&rows), samples: 200.0 }
+    Stretch { run, fold, judged: true, gram: rows.tr_mul(&rows), samples: 200.0 }
 }
