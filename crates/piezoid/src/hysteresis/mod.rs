@@ -8,6 +8,7 @@ mod branches;
 mod dahl;
 mod duhem;
 mod generalised_play;
+mod inverse;
 mod krasnoselskii;
 mod law;
 mod maxwell_slip;
@@ -25,6 +26,7 @@ mod two_branch;
 
 pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
+pub use inverse::{Inverted, falls};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
 pub use tellinen::Tellinen;
@@ -46,6 +48,12 @@ pub trait Hysteresis: System {
     /// The inputs it was identified on, from the lowest to the highest [input unit]; beyond them it extrapolates.
     fn range(&self) -> Option<(f64, f64)> {
         None
+    }
+
+    /// The input between `ends` that the next step, from the state `x`, answers with `z`; of what lies beyond, the nearer end.
+    /// By trials unless the operator has a formula.
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        inverse::by_trials(self, x, z, ends)
     }
 
     /// The frequencies it was identified at, from the lowest to the highest [Hz], if its output depends on them.
