@@ -242,7 +242,7 @@ mod tests {
 
     #[test]
     fn slopes_are_those_of_the_operator_with_creep_on_the_largest() {
-        let plays = crate::hysteresis::operator("play").unwrap();
+        let plays = crate::hysteresis::operator("prandtl-ishlinskii").unwrap();
         let operator = (plays.example)(TS).unwrap();
         let (low, high) =
             slopes(&Model::new(operator.clone(), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap(), (-30.0, 30.0));

@@ -42,7 +42,8 @@ pub static REFERENCES: &[Reference] = &[
     },
 ];
 
-/// Sines up to `hz` in equal strength and with random phases, from rest within two periods of it. It repeats after 20 s.
+/// Sines up to `hz` in equal strength and with random phases, from rest within two periods of it. It repeats after
+/// 20 s, or 20 periods of `hz`.
 fn random(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
     positive("hz", hz, "Hz")?;
     let period = 20.0f64.max(20.0 / hz);
