@@ -23,7 +23,7 @@ use nalgebra::Complex;
 
 /// Points of the grid in all, and around each mode to either side.
 const POINTS: usize = 500;
-const AROUND: i32 = 30;
+const AROUND: i32 = 60;
 
 /// Samples of each way on which the slope is taken.
 const LEG: usize = 200;
@@ -130,7 +130,7 @@ pub(super) fn grid(blocks: &[&Arx]) -> Vec<f64> {
         (0..=POINTS).map(|i| nyquist * 10f64.powf(6.0 * (i as f64 / POINTS as f64 - 1.0))).collect();
     for pole in blocks.iter().flat_map(|b| b.poles()).filter(|p| p.z.im > 0.0) {
         let width = pole.damping.abs().max(1e-4);
-        grid.extend((-AROUND..=AROUND).map(|i| pole.hz * (1.0 + width * (0.15 * f64::from(i)).sinh() / 4.0)));
+        grid.extend((-AROUND..=AROUND).map(|i| pole.hz * (1.0 + width * (0.075 * f64::from(i)).sinh() / 4.0)));
     }
     grid.retain(|hz| *hz > 0.0 && *hz <= nyquist);
     grid.sort_by(f64::total_cmp);

@@ -39,8 +39,8 @@ pub struct Target {
 
 impl Default for Target {
     /// 6 dB, 45 degrees, 22 %. A bender's values are +-20 % by its sheet: displacement a volt is 1.6 dB and damping 1.9 dB of
-    /// gain, which together leave 2.5 of the 6; stiffness over mass is 22 % of frequency. 45 degrees keep |S| near the
-    /// crossover below 1.4 or so.
+    /// gain, which together leave 2.5 of the 6; stiffness over mass is 22 % of frequency. At the crossover 45 degrees
+    /// are |S| = 1.3.
     fn default() -> Self {
         Target { gain_db: 6.0, phase_deg: 45.0, detuning: 0.22 }
     }
@@ -108,7 +108,9 @@ impl Bench {
             self.plants.iter().flat_map(|p| growths(&l(p, 1.0)).collect::<Vec<_>>()).fold(f64::INFINITY, f64::min);
         let most = first * 10f64.powf(-target.gain_db / 20.0);
         let nominal = l(self.plants.first()?, most);
-        let keeps = |k: f64| phase(&nominal.iter().map(|l| l * k).collect::<Vec<_>>()) >= target.phase_deg;
+        // An infinite margin is that of a loop too weak for its crossover to lie on the grid.
+        let angle = |k: f64| phase(&nominal.iter().map(|l| l * k).collect::<Vec<_>>());
+        let keeps = |k: f64| (target.phase_deg..f64::INFINITY).contains(&angle(k));
         let factors = (0..STEPS).map(|i| STEP.powi(i));
         factors.into_iter().find(|&k| most.is_finite() && keeps(k)).map(|k| k * most)
     }
