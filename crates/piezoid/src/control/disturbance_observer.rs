@@ -1,0 +1,124 @@
+//! Disturbance observer: what the nominal plant does not explain is taken for a voltage, low-passed and taken off.
+//!
+//! ```text
+//! w_t = Q(q) (g F(q) e_t + w_{t-d}),    u_t = feed_t + w_t within the limits
+//! F(q) = A(q) / (k B(1)),    q^-d k B(1) / A(q) for the loop's k B(q) q^-1 / A(q)
+//! ```
+//! F e is the voltage that the error stands for by the nominal plant, w_{t-d} what was given then; where Q is 1 their
+//! difference is the disturbance, and w undoes it. A(q) is a notch at every pole of the model. d is the delay at rest of the
+//! numerator and the sample of the loop. Q is a lag of second order, critically damped. It needs no guard against windup: w is
+//! what the limits let through.
+//!
+//! Reference: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatron. 1, 56 (1996), DOI 10.1109/3516.491410. It does not
+//! do: the inverse of the numerator, whose zeros may lie anywhere.
+
+use super::filters::{denominator, lag, plus, ratio, times};
+use super::tune::{spread, strongest};
+use super::{Controller, Law, Loop, check};
+use crate::error::{Error, positive};
+use crate::linear::Arx;
+use crate::system::System;
+use std::sync::Arc;
+
+/// The controller. State: that of g F, then of Q, then the last w, newest first [V].
+///
+/// ```
+/// use piezoid::{control::{Controller, DisturbanceObserver, Loop}, linear::Arx};
+/// let path = Loop { linear: Arx::new(5e-4, vec![0.5], vec![0.0, 1.0])?, slope: (1.0, 2.0), limits: (-30.0, 30.0) };
+/// let c = DisturbanceObserver::new(&path, 20.0, 1.0)?;
+/// assert!(c.order() > 0);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisturbanceObserver {
+    inverse: Arx,
+    q: Arx,
+    delay: usize,
+    limits: (f64, f64),
+}
+
+impl DisturbanceObserver {
+    /// For this loop, with the corner of Q [Hz] and the share g of the whole correction [-].
+    ///
+    /// # Errors
+    /// Refuses a corner that is not positive, a share that is not finite, and a loop without gain at rest.
+    pub fn new(path: &Loop, corner_hz: f64, share: f64) -> Result<Self, Error> {
+        positive("corner_hz", corner_hz, "Hz")?;
+        check(&[("share", share)], path.limits)?;
+        let (ts, b) = (path.linear.ts(), path.linear.b());
+        let rest: f64 = b.iter().sum();
+        let gain = positive("gain at rest", path.slope.1 * rest, "output units a volt")?;
+        let mean = b.iter().enumerate().map(|(k, b)| k as f64 * b).sum::<f64>() / rest;
+        let delay = 1 + mean.round().clamp(0.0, 100.0) as usize;
+        let f: Vec<f64> = denominator(&path.linear).iter().map(|a| share * a / gain).collect();
+        let q = lag(ts, corner_hz, 1.0)?;
+        Ok(DisturbanceObserver { inverse: Arx::new(ts, Vec::new(), f)?, q, delay, limits: path.limits })
+    }
+}
+
+impl Controller for DisturbanceObserver {
+    fn ts(&self) -> f64 {
+        self.q.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.inverse.order() + self.q.order() + self.delay
+    }
+
+    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+        let (low, high) = self.limits;
+        let (inverse, rest) = x.split_at_mut(self.inverse.order());
+        let (q, past) = rest.split_at_mut(self.q.order());
+        let feed = feed.clamp(low, high);
+        let unexplained = self.inverse.step(inverse, r - y) + past[self.delay - 1];
+        let u = (feed + self.q.step(q, unexplained)).clamp(low, high);
+        past.rotate_right(1);
+        past[0] = u - feed;
+        u
+    }
+
+    fn law(&self) -> Option<Arx> {
+        let (poles, late) = (denominator(&self.q), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
+        ratio(self.ts(), &times(self.q.b(), self.inverse.b()), &plus(&poles, -1.0, &late)).ok()
+    }
+}
+
+pub(super) const ROW: Law = Law {
+    name: "disturbance-observer",
+    summary: "takes off, low-passed, the voltage that the nominal plant does not explain",
+    reference: "Ohnishi, Shibata & Murakami 1996, DOI 10.1109/3516.491410",
+    tune: |path, target| {
+        let ts = path.linear.ts();
+        let build = |corner: f64, k: f64| DisturbanceObserver::new(path, corner, k);
+        strongest(path, target, spread(1e-3 / ts, 0.25 / ts, 60), build).map(|c| Arc::new(c) as Arc<dyn Controller>)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::run;
+    use crate::testing::assert_close;
+
+    fn path() -> Loop {
+        Loop { linear: lag(5e-4, 160.0, 0.03).unwrap(), slope: (1.0, 1.0), limits: (-1e6, 1e6) }
+    }
+
+    #[test]
+    fn its_steps_are_those_of_its_law() {
+        let c = DisturbanceObserver::new(&path(), 20.0, 0.8).unwrap();
+        let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
+        let mut x = c.initial();
+        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e, 0.0, 0.0)).collect();
+        assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-9);
+    }
+
+    #[test]
+    fn a_constant_disturbance_is_taken_off_whole() {
+        let path = path();
+        let c = DisturbanceObserver::new(&path, 10.0, 1.0).unwrap();
+        // A feed-forward that is off by 0.3 V.
+        let y = run(&path.linear, &c, &[1.0; 4000], &[0.7; 4000], path.limits).unwrap().y;
+        assert_close(&y[3999..], &[1.0], 0.0, 1e-6);
+    }
+}

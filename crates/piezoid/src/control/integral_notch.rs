@@ -1,0 +1,136 @@
+//! Integral with notches: an integrator whose output avoids the modes.
+//!
+//! ```text
+//! I_t = I_{t-1} + k_i Ts e_t,    w_t = N_1(q) N_2(q) ... I_t,    u_t = feed_t + w_t within the limits
+//! N(s) = (s^2 + 2 d w s + w^2) / (s^2 + 2 D w s + w^2),    D > d, by matched poles
+//! ```
+//! A notch takes the peak of its mode out of the loop, so that the integral may be as much stronger; D says how far the mode may
+//! lie from where it was identified. The integral stands still while u is at a limit and e leads further beyond it.
+//!
+//! Reference: D. Y. Abramovitch, S. Hoen, R. Workman, Proc. American Control Conference 2008, 2684,
+//! DOI 10.1109/ACC.2008.4586898 (integral, PI and notches on positioners). It does not do: damping of the mode, which rings on as
+//! it did when something else excites it.
+
+use super::filters::{denominator, notch, ratio, times};
+use super::tune::{modes, spread, strongest};
+use super::{Controller, Law, check};
+use crate::error::{Error, positive};
+use crate::linear::Arx;
+use crate::system::System;
+use std::sync::Arc;
+
+/// The controller. State: the integral [V], then that of each notch.
+///
+/// ```
+/// use piezoid::control::{Controller, IntegralNotch};
+/// let c = IntegralNotch::new(5e-4, 10.0, &[(160.0, 0.03, 0.5)], (-30.0, 30.0))?;
+/// let law = c.law().ok_or("not linear")?;
+/// assert!(law.response(160.0).gain < 0.1 * law.response(80.0).gain);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntegralNotch {
+    ts: f64,
+    ki: f64,
+    notches: Vec<Arx>,
+    limits: (f64, f64),
+}
+
+impl IntegralNotch {
+    /// `ki` [V / (output unit s)], and of each notch its frequency [Hz] and the damping ratios d and D up to 1, between the
+    /// lowest and the highest voltage [V].
+    ///
+    /// # Errors
+    /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
+    pub fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        check(&[("ki", ki)], limits)?;
+        let made = |&(hz, depth, width): &(f64, f64, f64)| {
+            positive("notch frequency", hz, "Hz")?;
+            for d in [depth, width] {
+                if !(0.0..=1.0).contains(&d) {
+                    return Err(Error::parameter("notch damping", d, "must be from 0 to 1"));
+                }
+            }
+            notch(ts, hz, depth, width)
+        };
+        Ok(IntegralNotch { ts, ki, notches: notches.iter().map(made).collect::<Result<_, _>>()?, limits })
+    }
+}
+
+impl Controller for IntegralNotch {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        1 + self.notches.iter().map(|n| n.order()).sum::<usize>()
+    }
+
+    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+        let (low, high) = self.limits;
+        let gain = self.ki * self.ts * (r - y);
+        let (integral, mut rest) = x.split_at_mut(1);
+        let mut w = integral[0] + gain;
+        for notch in &self.notches {
+            let (own, others) = rest.split_at_mut(notch.order());
+            w = notch.step(own, w);
+            rest = others;
+        }
+        let v = feed.clamp(low, high) + w;
+        let u = v.clamp(low, high);
+        if u == v || (v - u) * gain < 0.0 {
+            integral[0] += gain;
+        }
+        u
+    }
+
+    fn law(&self) -> Option<Arx> {
+        let start = (vec![self.ki * self.ts], vec![1.0, -1.0]);
+        let (b, a) = self.notches.iter().fold(start, |(b, a), n| (times(&b, n.b()), times(&a, &denominator(n))));
+        ratio(self.ts, &b, &a).ok()
+    }
+}
+
+pub(super) const ROW: Law = Law {
+    name: "integral-notch",
+    summary: "integral with a notch at each mode that needs one",
+    reference: "Abramovitch, Hoen & Workman 2008, DOI 10.1109/ACC.2008.4586898",
+    tune: |path, target| {
+        let ts = path.linear.ts();
+        let modes = modes(&path.linear);
+        // How many modes, how wide, how deep, and how far from the mode: a detuned mode counts below and above it.
+        let shapes = (0..=modes.len().min(3)).flat_map(|n| spread(0.1, 1.0, 8).map(move |wide| (n, wide)));
+        let shapes = shapes.flat_map(|(n, wide)| [0.1, 0.3, 0.6].map(|deep| (n, wide, deep)));
+        let shapes = shapes.flat_map(|(n, wide, deep)| [0.85, 0.92, 1.0, 1.08].map(|off| (n, wide, deep, off)));
+        let build = |(n, wide, deep, off): (usize, f64, f64, f64), k: f64| {
+            let notches: Vec<_> = modes[..n].iter().map(|&(hz, d)| (off * hz, (deep * wide).max(d), wide)).collect();
+            IntegralNotch::new(ts, k, &notches, path.limits)
+        };
+        strongest(path, target, shapes, build).map(|c| Arc::new(c) as Arc<dyn Controller>)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn its_steps_are_those_of_its_law_until_a_limit_is_met() {
+        let notches = [(160.0, 0.03, 0.5), (900.0, 0.02, 0.3)];
+        let c = IntegralNotch::new(5e-4, 10.0, &notches, (-1e6, 1e6)).unwrap();
+        let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.7).sin()).collect();
+        let mut x = c.initial();
+        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e, 0.0, 0.0)).collect();
+        assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
+    }
+
+    #[test]
+    fn the_integral_does_not_grow_at_a_limit() {
+        let c = IntegralNotch::new(5e-4, 10.0, &[(160.0, 0.03, 0.5)], (-1.0, 1.0)).unwrap();
+        let mut x = c.initial();
+        (0..10_000).for_each(|_| assert!(c.step(&mut x, 1.0, 0.0, 0.0) <= 1.0));
+        assert!(x[0] < 1.1, "{}", x[0]);
+    }
+}

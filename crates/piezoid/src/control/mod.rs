@@ -1,0 +1,180 @@
+//! Feedback: controllers that hold a displacement against creep, drift and what a feed-forward leaves.
+//!
+//! ```text
+//! e = r - y,    u = feed + w,    w = C(q) e    within the voltages allowed
+//! ```
+//! Every controller adds to a feed-forward voltage, which may be zero, and does nothing while that alone keeps y at r. It is
+//! given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Each is tuned to stated
+//! margins from a model ([`Target`]), at the largest slope of the hysteresis and with its modes detuned; [`Margins`] are computed
+//! apart from that, [`run`] closes the loop on any plant, and [`trials`] on plants of other tolerance.
+//!
+//! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E. Eleftheriou,
+//! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). Not here:
+//! controllers that look ahead, several axes, adaptation.
+
+mod disturbance_observer;
+mod filters;
+mod integral_notch;
+mod loops;
+mod margins;
+mod pi;
+mod pid;
+mod positive_position;
+mod references;
+mod tolerance;
+mod tune;
+
+pub use disturbance_observer::DisturbanceObserver;
+pub use integral_notch::IntegralNotch;
+pub use loops::{Run, Scaled, Tracking, run};
+pub use margins::{Loop, Margins};
+pub use pi::Pi;
+pub use pid::{Gains, Pid};
+pub use positive_position::PositivePosition;
+pub use references::{REFERENCES, Reference, reference};
+pub use tolerance::{Course, Spread, Tolerance, Trial, trials};
+pub use tune::Target;
+
+use crate::error::Error;
+use crate::linear::Arx;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A discrete-time controller: immutable data, with the state kept by the caller, as in [`System`](crate::System).
+pub trait Controller: Debug + Send + Sync {
+    /// Sampling period [s].
+    fn ts(&self) -> f64;
+
+    /// Length of the state.
+    fn order(&self) -> usize;
+
+    /// The state before the first sample.
+    fn initial(&self) -> Vec<f64> {
+        vec![0.0; self.order()]
+    }
+
+    /// One sample: takes the last measurement `y` and what was wanted at its instant, `r` [output unit], and the feed-forward
+    /// voltage of this sample, `feed` [V]; advances the state `x` and returns the voltage u [V]. It allocates nothing.
+    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64;
+
+    /// C(q), the law from e to w while no limit is met [V / output unit]; `None` if it is not linear.
+    fn law(&self) -> Option<Arx>;
+}
+
+/// How a controller is tuned to a loop so that the target is met.
+pub type Tune = fn(&Loop, &Target) -> Result<Arc<dyn Controller>, Error>;
+
+/// One kind of controller: a row of [`CONTROLLERS`].
+#[derive(Clone, Copy)]
+pub struct Law {
+    /// As users write it.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    /// The strongest that meets the target: of the largest integral gain. Refused where the loop leaves none.
+    pub tune: Tune,
+}
+
+impl Debug for Law {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Law").field(&self.name).finish()
+    }
+}
+
+/// The controllers there are.
+pub static CONTROLLERS: &[Law] =
+    &[pi::ROW, pid::ROW, integral_notch::ROW, positive_position::ROW, disturbance_observer::ROW];
+
+/// The controller called `name`.
+///
+/// ```
+/// use piezoid::control::{Loop, Target, controller};
+/// use piezoid::{hammerstein::Model, hysteresis::Proportional, linear::Arx};
+/// use std::sync::Arc;
+/// let block = Arx::new(5e-4, vec![0.9], vec![0.0, 3.3])?; // 33 um / V, one lag
+/// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), block, 0.0)?;
+/// let path = Loop::of(&model, (-30.0, 30.0))?;
+/// let pi = (controller("pi")?.tune)(&path, &Target::default())?;
+/// let margins = path.margins(&*pi, path.slope.1).ok_or("not linear")?;
+/// assert!(margins.stable && margins.gain_db > 5.9 && margins.phase_deg > 44.9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub fn controller(name: &str) -> Result<&'static Law, Error> {
+    let known = || CONTROLLERS.iter().map(|c| c.name);
+    CONTROLLERS.iter().find(|c| c.name == name).ok_or_else(|| Error::unknown("controller", name, known()))
+}
+
+/// Refuses gains that are no numbers and voltages without room between them.
+fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
+    for (name, value) in gains {
+        if !value.is_finite() {
+            return Err(Error::parameter(*name, value, "must be a finite number"));
+        }
+    }
+    if limits.0 < limits.1 && limits.0.is_finite() && limits.1.is_finite() {
+        return Ok(());
+    }
+    Err(Error::parameter("limits", format!("{limits:?}"), "must be two voltages, the lower one first"))
+}
+
+#[cfg(test)]
+mod tests {
+    //! The contract every controller keeps.
+    use super::*;
+    use crate::System;
+    use crate::testing::assert_close;
+
+    fn path() -> Loop {
+        let linear = filters::lag(5e-4, 160.0, 0.05).unwrap();
+        Loop { linear, slope: (30.0, 40.0), limits: (-30.0, 30.0) }
+    }
+
+    fn tuned() -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
+        CONTROLLERS.iter().map(|c| (c, (c.tune)(&path(), &Target::default()).unwrap()))
+    }
+
+    #[test]
+    fn every_controller_says_what_it_is_and_where_it_comes_from() {
+        for c in CONTROLLERS {
+            assert!(!c.summary.is_empty() && !c.reference.is_empty(), "{}", c.name);
+            assert_eq!(controller(c.name).unwrap().name, c.name);
+        }
+        assert!(controller("pj").unwrap_err().to_string().contains("did you mean `pi`?"));
+    }
+
+    #[test]
+    fn every_controller_follows_its_law_while_no_limit_is_met() {
+        for (kind, c) in tuned() {
+            let e: Vec<f64> = (0..300).map(|t| 5.0 * (f64::from(t) * 0.2).sin()).collect();
+            let mut x = c.initial();
+            let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e + 1.0, 1.0, 0.0)).collect();
+            assert!(u.iter().all(|u| u.abs() < 30.0), "{}", kind.name);
+            assert_close(&u, &c.law().unwrap().simulate(&e), 1e-7, 1e-9);
+        }
+    }
+
+    #[test]
+    fn every_controller_stays_within_its_limits_and_comes_back_from_them() {
+        for (kind, c) in tuned() {
+            let plant = Scaled { system: path().linear, factor: 40.0 };
+            let r = [[2500.0; 4000], [100.0; 4000]].concat();
+            let done = run(&plant, &*c, &r, &[0.0; 8000], (-1e3, 1e3)).unwrap();
+            assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}", kind.name);
+            // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
+            assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
+        }
+    }
+
+    #[test]
+    fn every_controller_leaves_a_feed_forward_alone_that_is_exact() {
+        for (_, c) in tuned() {
+            let mut x = c.initial();
+            assert!((0..50).all(|t| c.step(&mut x, 7.0, 7.0, f64::from(t) * 0.1) == f64::from(t) * 0.1));
+        }
+    }
+}

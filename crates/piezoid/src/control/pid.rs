@@ -1,0 +1,143 @@
+//! PID: proportional, integral and a filtered derivative, with anti-windup by conditional integration.
+//!
+//! ```text
+//! v_t = feed_t + k_p e_t + I_t + D_t,    I_t = I_{t-1} + k_i Ts e_t,    u_t = v_t within the limits
+//! D_t = (T_f D_{t-1} + k_d (e_t - e_{t-1})) / (T_f + Ts)
+//! ```
+//! The integral stands still while v is beyond a limit and e leads further beyond it.
+//!
+//! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6, sections 3.3 and 3.5. It does
+//! not do: weights on r, whose place the feed-forward has; bumpless changes of gains.
+
+use super::filters::{plus, ratio, times};
+use super::tune::{spread, strongest};
+use super::{Controller, Law, check};
+use crate::error::{Error, positive};
+use crate::linear::Arx;
+use crate::system::System;
+use std::sync::Arc;
+
+/// The gains of a [`Pid`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gains {
+    /// Proportional [V / output unit].
+    pub kp: f64,
+    /// Integral [V / (output unit s)].
+    pub ki: f64,
+    /// Derivative [V s / output unit].
+    pub kd: f64,
+    /// Time constant of the derivative's filter [s].
+    pub filter_s: f64,
+}
+
+/// The controller. State: the integral [V], the derivative [V], the last error [output unit].
+///
+/// ```
+/// use piezoid::control::{Controller, Gains, Pid};
+/// let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0))?;
+/// let mut x = pid.initial();
+/// assert_eq!(pid.step(&mut x, 1.0, 0.0, 0.0), 0.5 + 0.1 + 0.5);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pid {
+    ts: f64,
+    gains: Gains,
+    limits: (f64, f64),
+}
+
+impl Pid {
+    /// These gains, between the lowest and the highest voltage [V].
+    ///
+    /// # Errors
+    /// Refuses a `ts` that is not positive, gains that are not finite, a negative filter, and limits the wrong way round.
+    pub fn new(ts: f64, gains: Gains, limits: (f64, f64)) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        let Gains { kp, ki, kd, filter_s } = gains;
+        check(&[("kp", kp), ("ki", ki), ("kd", kd), ("filter_s", filter_s)], limits)?;
+        if filter_s < 0.0 {
+            return Err(Error::parameter("filter_s", filter_s, "must be 0 or a positive number of seconds"));
+        }
+        Ok(Pid { ts, gains, limits })
+    }
+
+    /// What a derivative keeps a sample, and what it takes of a change of e [V / output unit].
+    fn derivative(&self) -> (f64, f64) {
+        let whole = self.gains.filter_s + self.ts;
+        (self.gains.filter_s / whole, self.gains.kd / whole)
+    }
+}
+
+impl Controller for Pid {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        3
+    }
+
+    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+        let (low, high) = self.limits;
+        let (keeps, takes) = self.derivative();
+        let e = r - y;
+        x[1] = keeps * x[1] + takes * (e - x[2]);
+        x[2] = e;
+        let integral = x[0] + self.gains.ki * self.ts * e;
+        let v = feed.clamp(low, high) + self.gains.kp * e + integral + x[1];
+        let u = v.clamp(low, high);
+        if u == v || (v - u) * (integral - x[0]) < 0.0 {
+            x[0] = integral;
+        }
+        u
+    }
+
+    fn law(&self) -> Option<Arx> {
+        let (keeps, takes) = self.derivative();
+        let (sum, lag) = ([1.0, -1.0], [1.0, -keeps]);
+        let pi = [self.gains.kp + self.gains.ki * self.ts, -self.gains.kp];
+        ratio(self.ts, &plus(&times(&pi, &lag), takes, &times(&sum, &sum)), &times(&sum, &lag)).ok()
+    }
+}
+
+pub(super) const ROW: Law = Law {
+    name: "pid",
+    summary: "proportional, integral and filtered derivative, with anti-windup by conditional integration",
+    reference: "Astrom & Hagglund 2006, ISBN 978-1-55617-942-6",
+    tune: |path, target| {
+        let ts = path.linear.ts();
+        let times = || std::iter::once(0.0).chain(spread(0.1 * ts, 30.0 * ts, 12));
+        // k_p / k_i and k_d / k_p; with a filter of a few samples the derivative may also be a lag against a resonance.
+        let shapes = times().flat_map(|ti| spread(0.1 * ts, 10.0 * ts, 8).map(move |td| (ti, td)));
+        let shapes = shapes.flat_map(|(ti, td)| [1.0, 4.0].map(|tf| (ti, td, tf * ts)));
+        let build = |(ti, td, filter_s): (f64, f64, f64), k: f64| {
+            Pid::new(ts, Gains { kp: k * ti, ki: k, kd: k * ti * td, filter_s }, path.limits)
+        };
+        strongest(path, target, shapes, build).map(|c| Arc::new(c) as Arc<dyn Controller>)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::run;
+
+    #[test]
+    fn after_a_limit_it_comes_back_at_once() {
+        let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
+        let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
+        let pid = Pid::new(1e-3, Gains { kp: 0.3, ki: 20.0, kd: 1e-4, filter_s: 1e-3 }, (-1.0, 1.0)).unwrap();
+        let y = run(&plant, &pid, &r, &[0.0; 4000], (-1.0, 1.0)).unwrap().y;
+        let late = y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap();
+        assert!(late < 250 && (y[3999] - 0.5).abs() < 1e-6, "{late}");
+    }
+
+    #[test]
+    fn without_a_derivative_it_is_a_pi() {
+        let gains = Gains { kp: 0.3, ki: 20.0, kd: 0.0, filter_s: 1e-3 };
+        let law = Pid::new(1e-3, gains, (-1.0, 1.0)).unwrap().law().unwrap();
+        let pi = super::super::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
+        let e: Vec<f64> = (0..50).map(|t| f64::from(t * t % 7)).collect();
+        crate::testing::assert_close(&law.simulate(&e), &pi.simulate(&e), 1e-9, 1e-12);
+    }
+}

@@ -1,0 +1,128 @@
+//! Positive position feedback around an integrator: a resonator beside the integral takes energy out of the first mode.
+//!
+//! ```text
+//! I_t = I_{t-1} + k_i Ts e_t,    p_t = H(q) e_t,    H(s) = W^2 / (s^2 + 2 D W s + W^2) by matched poles
+//! u_t = feed_t + I_t - g p_t within the limits
+//! ```
+//! The minus on e is the plus on y that gives the law its name: fed back positively through a resonator, y at resonance
+//! returns a quarter of a period late, as a force against the velocity. H falls off above W, so that modes beyond are left
+//! alone. It acts on y - r and thus not on what the feed-forward wants. The integral stands still while u is at a limit and e
+//! leads further beyond it.
+//!
+//! Reference: J. L. Fanson, T. K. Caughey, AIAA Journal 28, 717 (1990), DOI 10.2514/3.10451. It does not do: several modes.
+
+use super::filters::{denominator, lag, plus, ratio, times};
+use super::tune::{modes, spread, strongest};
+use super::{Controller, Law, check};
+use crate::error::{Error, positive};
+use crate::linear::Arx;
+use crate::system::System;
+use std::sync::Arc;
+
+/// The controller. State: the integral [V], then that of the resonator.
+///
+/// ```
+/// use piezoid::control::{Controller, PositivePosition};
+/// let c = PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-30.0, 30.0))?;
+/// assert_eq!(c.order(), 3);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct PositivePosition {
+    ts: f64,
+    ki: f64,
+    gain: f64,
+    resonator: Arx,
+    limits: (f64, f64),
+}
+
+impl PositivePosition {
+    /// `ki` [V / (output unit s)], `gain` g [V / output unit], W / 2 pi [Hz] and D up to 1 of the resonator, between the lowest
+    /// and the highest voltage [V].
+    ///
+    /// # Errors
+    /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
+    pub fn new(ts: f64, ki: f64, gain: f64, (hz, damping): (f64, f64), limits: (f64, f64)) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        positive("resonator frequency", hz, "Hz")?;
+        check(&[("ki", ki), ("gain", gain)], limits)?;
+        if !(damping > 0.0 && damping <= 1.0) {
+            return Err(Error::parameter("resonator damping", damping, "must be above 0 and up to 1"));
+        }
+        Ok(PositivePosition { ts, ki, gain, resonator: lag(ts, hz, damping)?, limits })
+    }
+}
+
+impl Controller for PositivePosition {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        1 + self.resonator.order()
+    }
+
+    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+        let (low, high) = self.limits;
+        let e = r - y;
+        let gain = self.ki * self.ts * e;
+        let p = self.resonator.step(&mut x[1..], e);
+        let v = feed.clamp(low, high) + x[0] + gain - self.gain * p;
+        let u = v.clamp(low, high);
+        if u == v || (v - u) * gain < 0.0 {
+            x[0] += gain;
+        }
+        u
+    }
+
+    fn law(&self) -> Option<Arx> {
+        let (poles, sum) = (denominator(&self.resonator), [1.0, -1.0]);
+        let numerator = plus(&times(&[self.ki * self.ts], &poles), -self.gain, &times(self.resonator.b(), &sum));
+        ratio(self.ts, &numerator, &times(&sum, &poles)).ok()
+    }
+}
+
+pub(super) const ROW: Law = Law {
+    name: "positive-position",
+    summary: "integral beside positive position feedback that damps the first mode",
+    reference: "Fanson & Caughey 1990, DOI 10.2514/3.10451",
+    tune: |path, target| {
+        let ts = path.linear.ts();
+        let low = modes(&path.linear).into_iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
+        let hz = if low.is_finite() { low } else { 0.05 / ts };
+        // W over the mode, D, and g W / k_i: how much is damping and how much is integral.
+        let shapes = spread(0.4, 2.0, 12).flat_map(|over| spread(0.1, 1.0, 6).map(move |d| (over, d)));
+        let shapes = shapes.flat_map(|(over, d)| spread(0.05, 20.0, 14).map(move |share| (over, d, share)));
+        let build = |(over, d, share): (f64, f64, f64), k: f64| {
+            let w = over * hz;
+            PositivePosition::new(ts, k, k * share / (std::f64::consts::TAU * w), (w.min(0.45 / ts), d), path.limits)
+        };
+        strongest(path, target, shapes, build).map(|c| Arc::new(c) as Arc<dyn Controller>)
+    },
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn its_steps_are_those_of_its_law() {
+        let c = PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-1e6, 1e6)).unwrap();
+        let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
+        let mut x = c.initial();
+        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e, 0.0, 0.0)).collect();
+        assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
+    }
+
+    #[test]
+    fn it_damps_the_mode_that_it_is_tuned_to() {
+        // Without an integral: the closed loop's mode is far better damped than the plant's.
+        let plant = lag(5e-4, 100.0, 0.02).unwrap();
+        let path = super::super::Loop { linear: plant, slope: (1.0, 1.0), limits: (-1.0, 1.0) };
+        let c = PositivePosition::new(5e-4, 0.0, 0.15, (120.0, 0.3), (-1.0, 1.0)).unwrap();
+        let poles = path.closed(&c.law().unwrap(), 1.0).unwrap().poles();
+        let least = poles.iter().filter(|p| p.z.im > 0.0).map(|p| p.damping).fold(1.0, f64::min);
+        assert!(least > 0.05, "{least}");
+    }
+}

@@ -1,0 +1,94 @@
+//! References: the displacements that tracking is judged by, each with its peak and its frequency.
+//!
+//! They are the excitations of [`excitation`](crate::excitation) in output units, and a random path.
+
+use crate::error::{Error, positive};
+use crate::excitation::{Multisine, Sine, Staircase, Triangle};
+
+/// One kind of reference: a row of [`REFERENCES`].
+#[derive(Debug, Clone, Copy)]
+pub struct Reference {
+    /// As users write it.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// `n` samples every `ts` [s], of this peak [output unit] and frequency [Hz]. Refused where they make no sense.
+    pub samples: fn(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error>,
+}
+
+/// The references there are.
+pub static REFERENCES: &[Reference] = &[
+    Reference {
+        name: "sine",
+        summary: "one frequency",
+        samples: |ts, n, peak, hz| Sine { amplitude: peak, frequency: hz, ..Sine::default() }.samples(ts, n),
+    },
+    Reference {
+        name: "triangle",
+        summary: "the raster of a scan, at constant speed",
+        samples: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Triangle::default() }.samples(ts, n),
+    },
+    Reference {
+        name: "staircase",
+        summary: "nine levels, each held: settling and creep",
+        samples: |ts, n, peak, hz| {
+            Staircase { amplitude: peak, frequency: hz, levels: 9, ..Staircase::default() }.samples(ts, n)
+        },
+    },
+    Reference {
+        name: "random",
+        summary: "a smooth random path of all frequencies up to the given one",
+        samples: random,
+    },
+];
+
+/// Sines up to `hz` in equal strength and with random phases, from rest within two periods of it. It repeats after
+/// 20 s, or 20 periods of `hz`.
+fn random(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
+    positive("hz", hz, "Hz")?;
+    let period = 20.0f64.max(20.0 / hz);
+    let sines = Multisine {
+        amplitude: peak,
+        frequency_low: hz / 20.0,
+        frequency_high: hz,
+        period,
+        seed: 1,
+        ..Multisine::default()
+    };
+    let rise = 2.0 / (hz * ts);
+    let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
+    let path = sines.samples(ts, n)?;
+    Ok(path.iter().enumerate().map(|(t, r)| r * smooth((t as f64 / rise).min(1.0))).collect())
+}
+
+/// The reference called `name`.
+///
+/// ```
+/// let sine = piezoid::control::reference("sine")?;
+/// let r = (sine.samples)(5e-4, 400, 800.0, 5.0)?;
+/// assert_eq!((r[0], r[100]), (0.0, 800.0));
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub fn reference(name: &str) -> Result<&'static Reference, Error> {
+    let known = || REFERENCES.iter().map(|r| r.name);
+    REFERENCES.iter().find(|r| r.name == name).ok_or_else(|| Error::unknown("reference", name, known()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reference_starts_at_rest_and_stays_within_its_peak() {
+        for kind in REFERENCES {
+            let r = (kind.samples)(5e-4, 40_000, 800.0, 5.0).unwrap();
+            let most = r.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+            assert!(r.len() == 40_000 && r[0].abs() < 1.0 && most <= 800.0 && most > 600.0, "{}: {most}", kind.name);
+            assert!((kind.samples)(5e-4, 100, 800.0, 5000.0).is_err(), "{}", kind.name);
+            assert_eq!(reference(kind.name).unwrap().summary, kind.summary);
+        }
+    }
+}

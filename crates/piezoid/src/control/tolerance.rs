@@ -1,0 +1,198 @@
+//! Tolerance: a controller on plants that differ from the one it was tuned for as catalogue values do.
+//!
+//! Every value of a draw is its value times a number drawn evenly from 1 - share to 1 + share: stiffness, density (which together
+//! are the frequency), the damping of each mode, displacement, width of the loop, creep, capacitance and lag of the driver.
+//! After the reference its last value is held for half a second; a loop that then still swings, by more than a hundredth
+//! of the reference's height, is unstable, whatever limits bound it.
+//!
+//! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: values that depend on each other, or on temperature.
+
+use super::{Controller, Scaled, Tracking, run};
+use crate::error::Error;
+use crate::plant::{BeamSpec, HysteresisSpec, Plant, Spec};
+use crate::series::ends;
+use crate::system::System;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// How long the last value is held, and how long of it is watched [s].
+const HELD: f64 = 0.5;
+const WATCHED: f64 = 0.1;
+
+/// Swing that remains, as a share of the reference's height, above which a loop is unstable.
+const SWINGS: f64 = 0.01;
+
+/// How much, how often, and from which seed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Largest deviation of a value, as a share of it [-].
+    pub share: f64,
+    /// Plants drawn.
+    pub draws: usize,
+    /// Seed of the draws and of their noise.
+    pub seed: u64,
+}
+
+impl Default for Tolerance {
+    /// 20 %, 200 draws, seed 0.
+    fn default() -> Self {
+        Tolerance { share: 0.2, draws: 200, seed: 0 }
+    }
+}
+
+/// One draw.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The plant.
+    pub spec: Spec,
+    /// How well it tracked.
+    pub tracking: Tracking,
+    /// Whether it came to rest.
+    pub stable: bool,
+}
+
+/// All draws in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spread {
+    /// The draws.
+    pub trials: Vec<Trial>,
+}
+
+impl Spread {
+    /// How many did not come to rest.
+    pub fn unstable(&self) -> usize {
+        self.trials.iter().filter(|t| !t.stable).count()
+    }
+
+    /// The rms error that a share of the draws (0.5 for the median, 1 for the worst) does not exceed, in percent of stroke.
+    pub fn percent_of_stroke(&self, share: f64) -> f64 {
+        let mut sorted: Vec<f64> = self.trials.iter().map(|t| t.tracking.percent_of_stroke).collect();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().saturating_sub(1);
+        sorted.get((share.clamp(0.0, 1.0) * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// What every draw is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<'a> {
+    /// What is wanted [output unit].
+    pub r: &'a [f64],
+    /// Feed-forward, as long [V].
+    pub feed: &'a [f64],
+    /// Lowest and highest voltage [V].
+    pub limits: (f64, f64),
+    /// Output unit of the controller over metres.
+    pub factor: f64,
+    /// Samples left out of the figures at the start.
+    pub from: usize,
+    /// Stroke from end to end [output unit].
+    pub stroke: f64,
+}
+
+/// Runs a controller on plants drawn about `spec`, in parallel; the order of the draws does not depend on the threads.
+///
+/// # Errors
+/// Refuses a share outside 0 to below 1, and what [`run`] and [`Plant::new`] refuse.
+pub fn trials(
+    spec: &Spec,
+    controller: &dyn Controller,
+    course: &Course,
+    tolerance: &Tolerance,
+) -> Result<Spread, Error> {
+    if !(0.0..1.0).contains(&tolerance.share) {
+        return Err(Error::parameter("share", tolerance.share, "must be from 0 to below 1"));
+    }
+    let draw = |i: usize| trial(drawn(spec, tolerance, i as u64), tolerance.seed ^ i as u64, controller, course);
+    Ok(Spread { trials: (0..tolerance.draws).into_par_iter().map(draw).collect::<Result<_, _>>()? })
+}
+
+fn trial(spec: Spec, seed: u64, controller: &dyn Controller, course: &Course) -> Result<Trial, Error> {
+    let plant = Scaled { system: Plant::new(&spec, controller.ts())?.with_seed(seed), factor: course.factor };
+    let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
+    let mut done = run(&plant, controller, &held(course.r), &held(course.feed), course.limits)?;
+    let (low, high) = ends(done.y[done.y.len() - (WATCHED / plant.ts()) as usize..].iter().copied());
+    let (bottom, top) = ends(course.r.iter().copied());
+    let stable = high - low <= SWINGS * (top - bottom);
+    for series in [&mut done.r, &mut done.y, &mut done.u] {
+        series.truncate(course.r.len());
+    }
+    Ok(Trial { spec, tracking: done.tracking(course.from, course.stroke), stable })
+}
+
+/// Draw `i` about `spec`.
+fn drawn(spec: &Spec, tolerance: &Tolerance, i: u64) -> Spec {
+    let mut random = ChaCha8Rng::seed_from_u64(tolerance.seed);
+    random.set_stream(i);
+    let mut about = |value: &mut f64| *value *= 1.0 + tolerance.share * (2.0 * random.random::<f64>() - 1.0);
+    let mut spec = spec.clone();
+    match &mut spec.beam {
+        BeamSpec::Cantilever(beam) => {
+            about(&mut beam.youngs_modulus_pa);
+            about(&mut beam.density_kg_per_m3);
+            beam.damping.iter_mut().for_each(&mut about);
+        }
+        BeamSpec::Modes(modes) => {
+            let (mut stiffness, mut mass) = (1.0, 1.0);
+            about(&mut stiffness);
+            about(&mut mass);
+            for mode in modes {
+                mode.frequency_hz *= f64::sqrt(stiffness / mass);
+                about(&mut mode.damping);
+            }
+        }
+    }
+    match &mut spec.hysteresis {
+        HysteresisSpec::BoucWen { displacement_m, width, .. }
+        | HysteresisSpec::Preisach { displacement_m, width, .. } => {
+            about(displacement_m);
+            about(width);
+        }
+    }
+    about(&mut spec.creep_per_decade);
+    about(&mut spec.driver.capacitance_f);
+    about(&mut spec.driver.lag_s);
+    spec
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::Pi;
+    use crate::excitation::Sine;
+    use crate::plant::find;
+
+    fn spread(ki: f64, threads: usize) -> Spread {
+        let controller = Pi::new(5e-4, 0.0, ki, (-30.0, 30.0)).unwrap();
+        let r = Sine { amplitude: 500.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400).unwrap();
+        let feed = vec![0.0; 400];
+        let course = Course { r: &r, feed: &feed, limits: (-30.0, 30.0), factor: 1e6, from: 100, stroke: 2000.0 };
+        let tolerance = Tolerance { draws: 4, ..Tolerance::default() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| trials(&(find("pl140").unwrap().spec)(), &controller, &course, &tolerance)).unwrap()
+    }
+
+    #[test]
+    fn the_draws_are_the_same_on_one_thread_and_on_two() {
+        let one = spread(0.1, 1);
+        assert_eq!(one, spread(0.1, 2));
+        assert_ne!(one.trials[0].spec, one.trials[1].spec);
+        assert!(one.percent_of_stroke(0.0) < one.percent_of_stroke(1.0));
+    }
+
+    #[test]
+    fn a_loop_that_swings_within_its_limits_is_unstable_all_the_same() {
+        assert_eq!(spread(0.1, 2).unstable(), 0);
+        assert_eq!(spread(30.0, 2).unstable(), 4);
+    }
+
+    #[test]
+    fn a_draw_stays_within_the_tolerance() {
+        let spec = (find("pl140").unwrap().spec)();
+        let lag = |i| drawn(&spec, &Tolerance::default(), i).driver.lag_s / spec.driver.lag_s;
+        let lags: Vec<f64> = (0..200).map(lag).collect();
+        let (low, high) = ends(lags);
+        assert!(low >= 0.8 && high <= 1.2 && low < 0.82 && high > 1.18, "{low} {high}");
+    }
+}
