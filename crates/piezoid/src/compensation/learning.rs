@@ -1,11 +1,11 @@
 //! Iterative learning: a periodic reference tried on the actuator itself, each trial corrected by the one before.
 //!
 //! ```text
-//! z_{j+1} = Q (z_j + k F (r - y_j)),    u_j = H^-1 z_j
+//! z_{j+1} = z_0 + Q (z_j - z_0 + k F (r - y_j)),    u_j = H^-1 z_j,    z_0 = F r
 //! ```
 //! What is corrected is z, not u: through the inverse hysteresis an error is answered with the slope it meets. F is the
 //! inverse of the linear block that looks ahead, and around the end of the period to its beginning; Q is a low-pass without
-//! phase, 1 / (1 + (f / f_q)^8), above which the model is not trusted. Where k |1 - G_true / G| < 1 below f_q errors shrink
+//! phase, 1 / (1 + (f / f_q)^8), above which the model is not trusted: there the feed-forward z_0 stays as it is. Where k |1 - G_true / G| < 1 below f_q errors shrink
 //! from trial to trial, whatever their cause, creep and a wrong operator included. A trial worse than the best is taken back,
 //! and k halved.
 //!
@@ -53,7 +53,8 @@ pub struct Learned {
 }
 
 /// Learns the voltage for one period of a reference `r` [output unit], beginning with the feed-forward `inverse`. `plant` is
-/// given one period of the voltage and answers with one period of the displacement, both repeated until they repeat.
+/// given one period of the voltage and answers with one period of the displacement, both repeated until they repeat. Trials
+/// after the first are clipped to the limits.
 ///
 /// ```
 /// use piezoid::compensation::{FeedForward, How, Learning, learn};
@@ -85,17 +86,19 @@ pub fn learn(
     }
     // Creep repeats with the rest: what it adds is learnt.
     let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
-    let inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
+    let mut inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
     let low_pass = LowPass::new(r.len(), model.ts(), how.cutoff_hz.unwrap_or_else(|| trusted(&inverse)))?;
-    let fir = inverse.preview().fir();
+    let fir = inverse.preview().fir().clone();
     let offset = model.offset();
 
     let mut gain = how.gain;
-    let mut z = fir.periodic(&r.iter().map(|r| r - offset).collect::<Vec<_>>());
+    let feed_forward = fir.periodic(&r.iter().map(|r| r - offset).collect::<Vec<_>>());
+    let mut z = feed_forward.clone();
     let mut best: Option<(Vec<f64>, Vec<f64>, Vec<f64>)> = None;
     let mut rms: Vec<f64> = Vec::new();
     for _ in 0..how.trials {
         let u = inverse.period(&z, r)?;
+        inverse.how.clip = true;
         let y = plant(&u);
         if y.len() != r.len() {
             let (left, right) = ("the answer of the plant".into(), "the reference".into());
@@ -113,7 +116,8 @@ pub fn learn(
         let Some((from, _, y)) = &best else { break };
         let error: Vec<f64> = r.iter().zip(y).map(|(r, y)| r - y).collect();
         let more = fir.periodic(&error);
-        z = low_pass.filtered(from.iter().zip(&more).map(|(z, more)| z + gain * more));
+        let learnt = from.iter().zip(&feed_forward).zip(&more).map(|((z, z_0), more)| z - z_0 + gain * more);
+        z = low_pass.filtered(learnt).iter().zip(&feed_forward).map(|(learnt, z_0)| z_0 + learnt).collect();
     }
     let (_, u, y) = best.unwrap_or_default();
     Ok(Learned { u, y, rms })

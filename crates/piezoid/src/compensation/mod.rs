@@ -4,8 +4,8 @@
 //! r -> - offset -> inverse of the linear block -> of creep -> of the hysteresis -> u
 //! ```
 //! The linear block is inverted by a filter that looks ahead ([`preview`](Preview)), creep in closed form, the hysteresis
-//! sample by sample between the inputs that are allowed ([`crate::hysteresis::Hysteresis::invert`]). What the model's free
-//! run then leaves of the reference goes back through the same inverse, a few times, as long as that helps: this makes up for
+//! sample by sample between the inputs that are allowed ([`crate::hysteresis::Hysteresis::invert`]). When asked, what the
+//! model's free run then leaves of the reference goes back through the same inverse, as often as that helps: this makes up for
 //! what the filter gives up.
 //!
 //! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S. Devasia,
@@ -44,16 +44,17 @@ pub struct How {
     pub limits: Limits,
     /// Whether to come as close as the limits allow instead of refusing.
     pub clip: bool,
-    /// How often, at most, what the model's free run leaves of the reference is corrected.
+    /// How often, at most, what the model's free run leaves of the reference is corrected. This brings the free run closer; the
+    /// actuator only where the model is right at high frequencies too, since that is where corrections go.
     pub sweeps: usize,
     /// How the linear block is inverted.
     pub preview: Design,
 }
 
 impl Default for How {
-    /// No limits but the model's own, nothing clipped, ten sweeps.
+    /// No limits but the model's own, nothing clipped, no sweeps.
     fn default() -> Self {
-        How { limits: Limits::default(), clip: false, sweeps: 10, preview: Design::WHOLE }
+        How { limits: Limits::default(), clip: false, sweeps: 0, preview: Design::WHOLE }
     }
 }
 
@@ -312,3 +313,6 @@ fn allowed(model: &Model, limits: &Limits) -> Result<(f64, f64), Error> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
