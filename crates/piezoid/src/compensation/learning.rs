@@ -5,9 +5,9 @@
 //! ```
 //! What is corrected is z, not u: through the inverse hysteresis an error is answered with the slope it meets. F is the
 //! inverse of the linear block that looks ahead, and around the end of the period to its beginning; Q is a low-pass without
-//! phase, 1 / (1 + (f / f_q)^8), above which the model is not trusted: there the feed-forward z_0 stays as it is. Where k |1 - G_true / G| < 1 below f_q errors shrink
-//! from trial to trial, whatever their cause, creep and a wrong operator included. A trial worse than the best is taken back,
-//! and k halved.
+//! phase, 1 / (1 + (f / f_q)^8), above which the model is not trusted: there the feed-forward z_0 stays as it is. Where
+//! k |1 - G_true / G| < 1 below f_q errors shrink from trial to trial, whatever their cause, creep and a wrong operator
+//! included. A trial worse than the best is taken back, and k halved.
 //!
 //! Reference: D. A. Bristow, M. Tharayil & A. G. Alleyne, IEEE Control Syst. Mag. 26, 96 (2006), DOI
 //! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI 10.1016/j.mechatronics.2005.11.006
