@@ -63,7 +63,7 @@ impl Default for How {
 pub struct Compensated {
     /// The voltage [input unit].
     pub u: Vec<f64>,
-    /// The model's free run, settled at the first voltage before it [output unit].
+    /// The model's free run, settled before it at the voltage that holds the first value of the reference [output unit].
     pub reached: Vec<f64>,
     /// What it uses of the limits.
     pub usage: Usage,
@@ -84,7 +84,7 @@ pub struct Compensated {
 /// let made = FeedForward::new(&model, How::default())?.whole(&r)?;
 /// let y = model.resume(&mut model.settled(made.u[0]), &made.u);
 /// let worst = y.iter().zip(&r).skip(100).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
-/// assert!(y == made.reached && worst < 1.0, "{worst}");
+/// assert!(worst < 1.0, "{worst}");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone)]
