@@ -68,13 +68,22 @@ impl Columns {
 
     /// The input in a file that may hold nothing else.
     pub(crate) fn input(&self, path: &Path) -> Result<Signal> {
+        self.signal(path, Table::input)
+    }
+
+    /// The reference in a file that may hold nothing else.
+    pub(crate) fn reference(&self, path: &Path) -> Result<Signal> {
+        self.signal(path, Table::reference)
+    }
+
+    fn signal(&self, path: &Path, of: fn(&Table, &Selection) -> Result<Signal, piezoid::Error>) -> Result<Signal> {
         let (from, to) = self.part();
-        let input = || {
-            let Signal { ts, samples, unit } = parse(path)?.0.input(&self.selection())?;
+        let signal = || {
+            let Signal { ts, samples, unit } = of(&parse(path)?.0, &self.selection())?;
             let range = piezoid::record::span(from, to, ts, samples.len())?;
             Ok(Signal { ts, samples: samples[range].to_vec(), unit })
         };
-        input().map_err(|e: Error| if e.is::<piezoid::Error>() { e.context(named(path)) } else { e })
+        signal().map_err(|e: Error| if e.is::<piezoid::Error>() { e.context(named(path)) } else { e })
     }
 }
 

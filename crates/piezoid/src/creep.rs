@@ -84,6 +84,26 @@ impl Creep {
     pub fn after(&self, t: f64) -> f64 {
         self.lags.iter().map(|lag| -lag.gain * (-t / lag.tau_s).exp_m1()).sum()
     }
+
+    /// The z that the next step, from the state `x`, answers with `y`: creep adds to each sample what its lags hold and a
+    /// share of z itself.
+    ///
+    /// ```
+    /// use piezoid::{System, creep::Creep};
+    /// let creep = Creep::logarithmic(1e-3, 0.015, 0.01, 10.0)?;
+    /// let mut x = creep.settled(3.0);
+    /// let z = creep.invert(&x, 4.0);
+    /// assert!((creep.step(&mut x, z) - 4.0).abs() < 1e-12);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub fn invert(&self, x: &[f64], y: f64) -> f64 {
+        let (mut held, mut share) = (0.0, 1.0);
+        for ((x, rate), lag) in x.iter().zip(&self.rates).zip(&self.lags) {
+            held += lag.gain * (1.0 - rate) * x;
+            share += lag.gain * rate;
+        }
+        (y - held) / share
+    }
 }
 
 impl System for Creep {

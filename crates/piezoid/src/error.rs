@@ -114,6 +114,9 @@ pub enum Error {
         /// The zeros that forbid it, and what to use instead.
         because: String,
     },
+    /// A wanted displacement that no allowed input gives.
+    #[error("the reference cannot be reached: {0}")]
+    Unreachable(String),
     /// A drive that the driver cannot deliver.
     #[error("the drive exceeds its limits: {0}")]
     Limits(String),

@@ -1,5 +1,6 @@
 //! One file a verb: arguments -> library call -> rendering.
 
+mod compensate;
 mod excite;
 mod identified;
 mod identify;
@@ -30,6 +31,8 @@ pub(crate) enum Verb {
     Identify(Box<identify::Identify>),
     /// Compare a model with records it has not seen.
     Validate(validate::Validate),
+    /// Turn a wanted displacement into the voltage that gives it.
+    Compensate(compensate::Compensate),
     /// Write a self-contained page on a model and how it meets records.
     Report(report::Report),
     /// List the hysteresis operators.
@@ -56,6 +59,7 @@ impl Verb {
             Verb::Simulate(verb) => verb.run(console),
             Verb::Identify(verb) => verb.run(console),
             Verb::Validate(verb) => verb.run(console),
+            Verb::Compensate(verb) => verb.run(console),
             Verb::Report(verb) => verb.run(console),
             Verb::Operators(verb) => verb.run(&lists::operators(), console),
             Verb::Plants(verb) => verb.run(console),

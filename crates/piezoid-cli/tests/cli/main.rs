@@ -6,6 +6,7 @@
 mod bad_files;
 mod bench;
 mod bytes;
+mod compensate;
 mod drive;
 mod files;
 mod joint;

@@ -151,8 +151,7 @@ impl Limits {
         self.sensible()?;
         positive("ts", ts, "seconds")?;
         finite("u", u)?;
-        let charging = self.current.zip(self.capacitance).map_or(f64::INFINITY, |(i, c)| i / c);
-        let step = ts * self.slew.unwrap_or(f64::INFINITY).min(charging);
+        let step = ts * self.fastest();
         let (low, high) = (self.low.unwrap_or(f64::NEG_INFINITY), self.high.unwrap_or(f64::INFINITY));
         let mut before: Option<f64> = None;
         let follow = |wanted: &f64| {
@@ -162,6 +161,12 @@ impl Limits {
             reached
         };
         Ok(u.iter().map(follow).collect())
+    }
+
+    /// The fastest change of the voltage that slew and current allow [V/s]; infinite where nothing limits it.
+    pub fn fastest(&self) -> f64 {
+        let charging = self.current.zip(self.capacitance).map_or(f64::INFINITY, |(i, c)| i / c);
+        self.slew.unwrap_or(f64::INFINITY).min(charging)
     }
 
     /// Refuses limits that leave nothing or cannot be checked.

@@ -70,7 +70,9 @@ pub(super) static INPUT: Role = Role {
 };
 
 /// The output y.
-pub(super) static OUTPUT: Role = Role {
+pub(super) static OUTPUT: Role = OUT;
+
+const OUT: Role = Role {
     what: "output",
     exact: None,
     prefix: Some("y_"),
@@ -79,6 +81,9 @@ pub(super) static OUTPUT: Role = Role {
     asked: |selection| selection.output.as_ref(),
     hints: &["y", "yum", "disp", "displacement", "pos", "position", "output", "out", "sensor", "x", "z"],
 };
+
+/// The reference r, a wanted output.
+pub(super) static REFERENCE: Role = Role { what: "reference", prefix: Some("r_"), hints: &[], ..OUT };
 
 impl Role {
     /// The one column of the table that plays this role.
@@ -198,6 +203,15 @@ mod tests {
         );
         let chosen = Selection { output: Some("y_mm".into()), ..Selection::default() };
         assert_eq!(found(&OUTPUT, "t_s,u_V,y_um,y_mm", &chosen).unwrap(), "y_mm");
+    }
+
+    #[test]
+    fn a_reference_is_the_only_r_or_else_the_only_y() {
+        let reference = |file: &str| table(file).reference(&Selection { ts: Some(1.0), ..Selection::default() });
+        assert_eq!(reference("r_mm,y_um").unwrap().unit, "mm");
+        assert_eq!(reference("t_s,y_um").unwrap().unit, "um");
+        assert!(reference("t_s,r_um,r_mm").unwrap_err().to_string().contains("could each be the reference"));
+        assert!(reference("t_s,u_V").unwrap_err().to_string().contains("there is no output column"));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! and becomes the error then. A table does not interpolate, resample or repair.
 
 use super::quote::{listed, quoted, shortened};
-use super::selection::{INPUT, OUTPUT, Role, Selection, TIME, in_seconds, unit};
+use super::selection::{INPUT, OUTPUT, REFERENCE, Role, Selection, TIME, in_seconds, unit};
 use super::time;
 use crate::error::{Error, positive};
 use crate::record::{Record, Units};
@@ -74,6 +74,17 @@ impl Table {
     pub fn input(&self, selection: &Selection) -> Result<Signal, Error> {
         let (ts, [u]) = self.sampled([&INPUT], selection)?;
         Ok(Signal { ts, samples: u.samples.clone(), unit: unit(&u.name, "u_") })
+    }
+
+    /// A reference, of a file that need not have an input: the only `r_*`, or where there is none what is the output.
+    ///
+    /// # Errors
+    /// As [`record`](Table::record).
+    pub fn reference(&self, selection: &Selection) -> Result<Signal, Error> {
+        let said = selection.output.is_none() && self.names().any(|name| name.starts_with("r_"));
+        let (role, prefix) = if said { (&REFERENCE, "r_") } else { (&OUTPUT, "y_") };
+        let (ts, [r]) = self.sampled([role], selection)?;
+        Ok(Signal { ts, samples: r.samples.clone(), unit: unit(&r.name, prefix) })
     }
 
     /// The sampling period [s], and the columns that play these roles, read without a flaw.

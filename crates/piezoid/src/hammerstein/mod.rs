@@ -5,6 +5,7 @@
 //! ```
 //! The driver stands there where it is known; where it is not, the linear block holds what it does to small steps.
 
+mod back;
 mod domain;
 mod joint;
 mod loops;

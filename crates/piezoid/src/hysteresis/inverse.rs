@@ -9,7 +9,7 @@
 //! what it reaches.
 //!
 //! Reference: T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997), DOI 10.1016/S0965-9978(96)00051-8. It does not do: an
-//! operator that falls somewhere, of which it finds one input of several ([`rises`] tells).
+//! operator that falls somewhere, of which it finds one input of several ([`falls`] tells).
 
 use super::Hysteresis;
 use crate::series::ends;
@@ -29,13 +29,33 @@ pub struct Inverted {
     pub z: f64,
 }
 
+/// Numbers of a state whose copy needs no allocation.
+const SMALL: usize = 256;
+
 /// The input between `ends` that the next step answers with `z`, by trials.
 pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
-    let mut copy = x.to_vec();
-    let mut reached = |u: f64| {
-        copy.copy_from_slice(x);
-        operator.step(&mut copy, u)
-    };
+    on_copy(x, |copy| {
+        between(ends, z, |u| {
+            copy.copy_from_slice(x);
+            operator.step(copy, u)
+        })
+    })
+}
+
+/// What `run` makes of a copy of the state.
+pub(crate) fn on_copy<T>(x: &[f64], run: impl FnOnce(&mut [f64]) -> T) -> T {
+    let mut small = [0.0; SMALL];
+    match small.get_mut(..x.len()) {
+        Some(copy) => {
+            copy.copy_from_slice(x);
+            run(copy)
+        }
+        None => run(&mut x.to_vec()),
+    }
+}
+
+/// The input between `ends` for which what is `reached` is `z`, by trials.
+pub(crate) fn between(ends: (f64, f64), z: f64, mut reached: impl FnMut(f64) -> f64) -> Inverted {
     let (mut a, mut b) = (ends.0, ends.1);
     let (mut fa, mut fb) = (reached(a) - z, reached(b) - z);
     let (low, high) = if fa <= fb { ((a, fa), (b, fb)) } else { ((b, fb), (a, fa)) };

@@ -1,0 +1,159 @@
+//! `piezoid compensate`: the voltage for a wanted displacement, by feed-forward.
+
+use super::driver_limits;
+use crate::console::Console;
+use crate::files::{self, Columns};
+use crate::layout::table;
+use crate::values::{Misused, apart, argument, farads, period};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::Args;
+use piezoid::compensation::{Compensated, FeedForward, How, shaping};
+use piezoid::formats::Signal;
+use piezoid::number::{round, short as number};
+use piezoid::validation::Metrics;
+use piezoid::{Model, System};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  The voltage for a displacement, within the limits of a driver:
+    piezoid compensate --model model.json --reference r.csv --driver pl140 -o u.csv
+  Steps as smooth moves of 20 ms that do not make the actuator ring:
+    piezoid compensate --model model.json --reference steps.csv --smooth 0.02 --zvd \\
+        -o u.csv
+  What the plant makes of it:
+    piezoid simulate --plant pl140 --input u.csv -o y.csv
+
+The reference is the column r_*, or else y_*, in a unit of length that the model's output has too. It is taken to have \
+stood at its first value for long. Errors are those of the model's free run: what the model does not know comes on top.";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid compensate --model <FILE> --reference <FILE>\n           [OPTIONS] -o <FILE>")]
+pub(crate) struct Compensate {
+    /// The model file.
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// The wanted displacement.
+    #[arg(long, value_name = "FILE")]
+    reference: PathBuf,
+    /// The driver whose limits the voltage must keep (see `piezoid drivers`).
+    #[arg(long, value_name = "NAME")]
+    driver: Option<String>,
+    /// Capacitance of the load, for the driver's current limit.
+    #[arg(long, value_name = "FARAD", requires = "driver", value_parser = farads)]
+    capacitance: Option<f64>,
+    /// Come as close as the limits allow instead of refusing.
+    #[arg(long)]
+    clip: bool,
+    /// Make minimum-jerk moves of this length from steps and corners.
+    #[arg(long, value_name = "SECONDS", value_parser = period, allow_negative_numbers = true)]
+    smooth: Option<f64>,
+    /// Take the model's resonance out of the reference with a notch.
+    #[arg(long)]
+    notch: bool,
+    /// Shape the reference so that the model's resonance does not ring.
+    #[arg(long)]
+    zvd: bool,
+    /// Correct, this many times at most, what the model's free run leaves.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    sweeps: usize,
+    /// The file to write; - is stdout.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Write the figures as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+/// Width of the notch as a share of its frequency.
+const NOTCH: f64 = 0.2;
+
+impl Compensate {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &self.reference])?;
+        files::ready(&[Some(&self.output), self.json.as_deref()])?;
+        let driver = self.driver.as_deref().map(|name| driver_limits(name, self.capacitance)).transpose()?;
+        let model = files::model(&self.model)?;
+        let how = How { limits: driver.unwrap_or_default(), clip: self.clip, sweeps: self.sweeps, ..How::default() };
+        let inverse = FeedForward::new(&model, how).with_context(|| self.model.display().to_string())?;
+        let name = || self.reference.display().to_string();
+        let r = self.shaped(&model, self.wanted(&model)?)?;
+        let made = inverse.whole(&r).map_err(|e| match e {
+            piezoid::Error::Limits(_) | piezoid::Error::Unreachable(_) => anyhow!("{}: {e} (--clip)", name()),
+            other => anyhow!("{}: {other}", name()),
+        })?;
+        let metrics = Metrics::of(&r, &made.reached);
+        let stdout = Some(Path::new("-"));
+        if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
+            console.print(&tables(&model, &metrics, &made, console))?;
+        }
+        for note in &made.notes {
+            console.remark(note);
+        }
+        let result = json!({
+            "unit": model.units().y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
+            "rms_pp_percent": metrics.rms_pp_percent, "clipped": made.clipped, "reach": inverse.reach(),
+            "usage": made.usage, "notes": made.notes,
+        });
+        let (u_name, r_name) = (format!("u_{}", model.units().u), format!("r_{}", model.units().y));
+        let text = piezoid::formats::csv::write(model.ts(), &[(&u_name, &made.u), (&r_name, &r)])?;
+        files::write(&self.output, &text, console)?;
+        files::write_json(self.json.as_deref(), &result, console)
+    }
+
+    /// The reference in the unit of the model's output.
+    fn wanted(&self, model: &Model) -> Result<Vec<f64>> {
+        let name = || self.reference.display().to_string();
+        let Signal { ts, samples, unit } = self.columns.reference(&self.reference)?;
+        piezoid::record::same_sampling("the model", model.ts(), "the reference", ts).with_context(name)?;
+        let Some(factor) = piezoid::record::factor(&unit, &model.units().y) else {
+            let wanted = &model.units().y;
+            bail!("{}: the reference is in {unit} but the model gives {wanted}: convert it beforehand", name());
+        };
+        Ok(samples.iter().map(|r| r * factor).collect())
+    }
+
+    /// The reference as the options shape it.
+    fn shaped(&self, model: &Model, mut r: Vec<f64>) -> Result<Vec<f64>> {
+        let ts = model.ts();
+        if let Some(seconds) = self.smooth {
+            r = argument(shaping::smooth(ts, seconds))?.whole(&r);
+        }
+        if !self.zvd && !self.notch {
+            return Ok(r);
+        }
+        let Some(mode) = model.linear().resonance() else {
+            let option = if self.zvd { "--zvd" } else { "--notch" };
+            bail!(Misused(format!("{option} is for a model that rings, and this one has no resonance: leave it out")));
+        };
+        if self.zvd {
+            let shaper = shaping::zvd(ts, mode.hz, mode.damping)?;
+            r = shaper.resume(&mut shaper.settled(r[0]), &r);
+        }
+        if self.notch {
+            let notch = shaping::notch(ts, mode.hz, NOTCH * mode.hz)?;
+            r = notch.resume(&mut notch.settled(r[0]), &r);
+        }
+        Ok(r)
+    }
+}
+
+/// How near the model says the displacement comes, and what that takes.
+fn tables(model: &Model, metrics: &Metrics, made: &Compensated, console: &Console) -> String {
+    let unit = &model.units().y;
+    let (rms, max) = (format!("rms error [{unit}]"), format!("max [{unit}]"));
+    let figures = [metrics.rmse, metrics.max_abs, metrics.rms_pp_percent].map(number).to_vec();
+    let foretold = [vec!["foretold".to_string()], figures].concat();
+    let row = |peak: &piezoid::excitation::Peak| {
+        let limit = peak.limit.map_or("-".into(), round);
+        let share = peak.share.map_or("-".into(), |share| format!("{:.0}", 100.0 * share));
+        vec![format!("{} [{}]", peak.quantity, peak.unit), number(peak.value), limit, share]
+    };
+    let rows: Vec<Vec<String>> = made.usage.peaks().map(row).collect();
+    let error = table(&["free run", &rms, &max, "% of stroke"], &[foretold], console.room());
+    error + "\n" + &table(&["use", "value", "limit", "% of limit"], &rows, console.room())
+}

@@ -1,0 +1,150 @@
+//! A filter of finite impulse response that may look ahead.
+//!
+//! ```text
+//! y_t = f_0 x_{t+p} + f_1 x_{t+p-1} + ... + f_n x_{t+p-n}
+//! ```
+//! Over a whole record it looks p samples ahead; as a system, sample by sample, it answers p samples late.
+
+use crate::error::{Error, finite, positive};
+use crate::linear::Response;
+use crate::system::System;
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+/// The taps and how far they look ahead.
+///
+/// State: the last inputs, newest first.
+///
+/// ```
+/// use piezoid::{System, compensation::Fir};
+/// let mean = Fir::new(1e-3, vec![1.0 / 3.0; 3], 1)?;
+/// assert_eq!(mean.whole(&[0.0, 3.0, 6.0]), [1.0, 3.0, 5.0]); // beyond its ends a record stands still
+/// assert_eq!(mean.simulate(&[0.0, 3.0, 6.0]), [0.0, 1.0, 3.0]); // the same a sample late, from rest
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fir {
+    ts: f64,
+    taps: Vec<f64>,
+    ahead: usize,
+}
+
+impl Fir {
+    /// The filter of these `taps`, sampled every `ts` [s], that looks `ahead` samples ahead.
+    ///
+    /// # Errors
+    /// Refuses a `ts` that is not positive, no taps, and taps that are not finite.
+    pub fn new(ts: f64, taps: Vec<f64>, ahead: usize) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        finite("taps", &taps)?;
+        if taps.is_empty() {
+            return Err(Error::parameter("taps", "none", "must be at least one number"));
+        }
+        Ok(Fir { ts, taps, ahead })
+    }
+
+    /// f_0, f_1, ...
+    pub fn taps(&self) -> &[f64] {
+        &self.taps
+    }
+
+    /// Samples that it looks ahead over a whole record, and is late as a system.
+    pub fn ahead(&self) -> usize {
+        self.ahead
+    }
+
+    /// The answer to a whole record, which stands still before its first sample and after its last.
+    pub fn whole(&self, x: &[f64]) -> Vec<f64> {
+        let last = x.len() as isize - 1;
+        self.filtered(x, |t| t.clamp(0, last))
+    }
+
+    /// The answer to one period of a record without beginning or end.
+    pub fn periodic(&self, x: &[f64]) -> Vec<f64> {
+        let n = x.len() as isize;
+        self.filtered(x, |t| t.rem_euclid(n))
+    }
+
+    fn filtered(&self, x: &[f64], place: impl Fn(isize) -> isize) -> Vec<f64> {
+        let at = |t: usize, k: usize| x[place((t + self.ahead) as isize - k as isize) as usize];
+        (0..x.len()).map(|t| self.taps.iter().enumerate().map(|(k, f)| f * at(t, k)).sum()).collect()
+    }
+
+    /// The taps one after the other: first this filter, then `next`.
+    ///
+    /// # Errors
+    /// Refuses another sampling period.
+    pub fn then(&self, next: &Fir) -> Result<Fir, Error> {
+        crate::record::same_sampling("the first filter", self.ts, "the next", next.ts)?;
+        let mut taps = vec![0.0; self.taps.len() + next.taps.len() - 1];
+        for (i, f) in self.taps.iter().enumerate() {
+            next.taps.iter().zip(&mut taps[i..]).for_each(|(g, tap)| *tap += f * g);
+        }
+        Fir::new(self.ts, taps, self.ahead + next.ahead)
+    }
+
+    /// Frequency response at `hz` [Hz] over a whole record.
+    pub fn response(&self, hz: f64) -> Response {
+        let turn = TAU * hz * self.ts;
+        let sum: Complex<f64> = self.taps.iter().enumerate().map(|(k, f)| f * Complex::cis(-turn * k as f64)).sum();
+        let sum = sum * Complex::cis(turn * self.ahead as f64);
+        Response { hz, gain: sum.norm(), phase: sum.arg() }
+    }
+
+    /// Rms of the output for white noise of 1 rms.
+    pub fn noise_gain(&self) -> f64 {
+        self.taps.iter().map(|f| f * f).sum::<f64>().sqrt()
+    }
+}
+
+impl System for Fir {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        self.taps.len() - 1
+    }
+
+    fn settled(&self, u: f64) -> Vec<f64> {
+        vec![u; self.order()]
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        let y = self.taps[0] * u + self.taps[1..].iter().zip(&*x).map(|(f, x)| f * x).sum::<f64>();
+        if let Some(oldest) = x.len().checked_sub(1) {
+            x.copy_within(..oldest, 1);
+            x[0] = u;
+        }
+        y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn sample_by_sample_is_the_whole_record_late() {
+        let fir = Fir::new(1e-3, vec![0.5, -1.0, 2.0, 0.25], 2).unwrap();
+        let x: Vec<f64> = (0..60).map(|t| f64::from(t * t % 17)).collect();
+        let late = fir.resume(&mut fir.settled(x[0]), &x);
+        assert_close(&late[2..], &fir.whole(&x)[..58], 0.0, 1e-12);
+        let around = [&x[..], &x[..], &x[..]].concat();
+        assert_close(&fir.periodic(&x), &fir.whole(&around)[60..120], 0.0, 1e-12);
+    }
+
+    #[test]
+    fn the_response_is_that_of_a_sine_and_filters_in_series_multiply() {
+        let (a, b) = (Fir::new(1e-3, vec![0.2, 0.7, 0.4], 1).unwrap(), Fir::new(1e-3, vec![1.0, -0.5], 0).unwrap());
+        let both = a.then(&b).unwrap();
+        let [ra, rb, r] = [&a, &b, &both].map(|f| f.response(40.0));
+        assert_close(&[r.gain, r.phase], &[ra.gain * rb.gain, ra.phase + rb.phase], 1e-12, 0.0);
+        let sine = |gain: f64, phase: f64| -> Vec<f64> {
+            (0..200).map(|t| gain * (TAU * 0.04 * f64::from(t) + phase).sin()).collect()
+        };
+        assert_close(&both.periodic(&sine(1.0, 0.0)), &sine(r.gain, r.phase), 0.0, 1e-12);
+        assert!(Fir::new(1e-3, vec![], 0).is_err() && a.then(&Fir::new(2e-3, vec![1.0], 0).unwrap()).is_err());
+    }
+}

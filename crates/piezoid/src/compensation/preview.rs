@@ -1,0 +1,182 @@
+//! The inverse of the linear block as a filter that looks ahead.
+//!
+//! ```text
+//! minimise  mean over f of  W(f) |G(f) F(f) / g - 1|^2 + m |F(f)|^2      g = G(0),  F(0) = 1 / g
+//! W = 1 / (1 + (f / f_c)^2)^2
+//! ```
+//! Zeros outside the unit circle make a stable inverse look ahead; zeros near it, among them those that sampling puts close
+//! to -1, make it ring for long and raise noise. Least squares over the frequencies with a price m on effort gives both up
+//! where it costs least: references are slow, so errors count by W, and beyond what the price allows F fades. At 0 Hz F is
+//! exact. [`Preview::error`] says how far it is off elsewhere.
+//!
+//! Reference: S. Devasia, D. Chen & B. Paden, IEEE Trans. Autom. Control 41, 930 (1996), DOI 10.1109/9.508898 (looking
+//! ahead); M. Tomizuka, J. Dyn. Syst. Meas. Control 109, 65 (1987), DOI 10.1115/1.3143822 (zeros that cannot be cancelled).
+//! It does not do: zeros near 1, slower than its taps are long; [`super::FeedForward`] makes up for them over whole records.
+
+use super::fir::Fir;
+use crate::error::Error;
+use crate::linear::Arx;
+use crate::system::System;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::PI;
+
+/// Frequencies at which the error is weighed.
+const GRID: usize = 2048;
+
+/// The most taps: solving takes their cube.
+const MOST: usize = 1024;
+
+/// How the inverse is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Design {
+    /// Samples that it looks ahead.
+    pub ahead: usize,
+    /// Taps in all.
+    pub taps: usize,
+    /// Corner f_c of the weight, as a share of half the sampling rate [-].
+    pub corner: f64,
+    /// Price m of effort [-].
+    pub effort: f64,
+}
+
+impl Design {
+    /// For whole records.
+    pub const WHOLE: Design = Design { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
+
+    /// Sample by sample, with a delay of `ahead` samples.
+    pub fn late(ahead: usize) -> Self {
+        Design { ahead, taps: 48 + 2 * ahead, ..Design::WHOLE }
+    }
+}
+
+/// The inverse of a linear block, and the block.
+///
+/// ```
+/// use piezoid::{compensation::{Design, Preview}, linear::Arx};
+/// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.1, 0.09])?; // the input acts a sample late
+/// let inverse = Preview::new(&block, Design::WHOLE)?;
+/// assert!(inverse.error(0.0) < 1e-12 && inverse.error(100.0) < 1e-4);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preview {
+    fir: Fir,
+    block: Arx,
+}
+
+impl Preview {
+    /// The inverse of `block`.
+    ///
+    /// # Errors
+    /// [`Error::NoInverse`] of a block that is unstable or without a gain at 0 Hz; and settings that make no sense.
+    pub fn new(block: &Arx, design: Design) -> Result<Self, Error> {
+        let Design { ahead, taps, corner, effort } = design;
+        if !(1..=MOST).contains(&taps) || taps <= ahead {
+            return Err(Error::parameter("taps", taps, format!("must be from {} to {MOST}", ahead.saturating_add(1))));
+        }
+        crate::error::positive("corner", corner, "shares of half the sampling rate")?;
+        crate::error::positive("effort", effort, "mean squares")?;
+        let g = block.dc_gain();
+        if !(g.is_finite() && g != 0.0 && block.is_stable()) {
+            let because =
+                format!("it is unstable or its gain at 0 Hz is {g}: a displacement that is held has no one input");
+            return Err(Error::NoInverse { kind: "bounded", because });
+        }
+        // Correlations of the weighted response make the normal equations; the last row keeps the gain at 0 Hz.
+        let mut own = vec![0.0; taps];
+        let mut wanted = DVector::zeros(taps + 1);
+        for k in 0..GRID {
+            let turn = PI * (k as f64 + 0.5) / GRID as f64;
+            let r = block.response(0.5 * turn / (PI * block.ts()));
+            let h = Complex::from_polar(r.gain, r.phase) / g;
+            let weight = (1.0 + (turn / (PI * corner)).powi(2)).powi(-2) / GRID as f64;
+            let rotation = Complex::cis(turn);
+            let (mut rotated, mut lag) = (Complex::cis(-turn * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
+            for j in 0..taps {
+                own[j] += weight * lag.re;
+                wanted[j] += weight * rotated.re;
+                lag *= rotation;
+                rotated *= rotation;
+            }
+        }
+        own[0] += effort;
+        let normal = DMatrix::from_fn(taps + 1, taps + 1, |i, j| match (i == taps, j == taps) {
+            (false, false) => own[i.abs_diff(j)],
+            (true, true) => 0.0,
+            _ => 1.0,
+        });
+        wanted[taps] = 1.0;
+        let solved = normal.lu().solve(&wanted).filter(|f| f.iter().all(|f| f.is_finite()));
+        let unsolved = || Error::NoInverse { kind: "bounded", because: "its least squares has no solution".into() };
+        let mut f: Vec<f64> = solved.ok_or_else(unsolved)?.iter().take(taps).copied().collect();
+        let sum: f64 = f.iter().sum();
+        f.iter_mut().for_each(|f| *f /= sum * g);
+        Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() })
+    }
+
+    /// The filter: displacement without offset in, what the block is to see out.
+    pub fn fir(&self) -> &Fir {
+        &self.fir
+    }
+
+    /// |G F - 1| at `hz` [Hz]: the share of a sine of that frequency which is missed.
+    pub fn error(&self, hz: f64) -> f64 {
+        let (g, f) = (self.block.response(hz), self.fir.response(hz));
+        (Complex::from_polar(g.gain * f.gain, g.phase + f.phase) - 1.0).norm()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    /// Poles of a beam, a late input, a sampling zero near -1 and one outside the circle.
+    fn beam() -> Arx {
+        Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.05, 0.149, 0.0976]).unwrap()
+    }
+
+    #[test]
+    fn block_after_inverse_is_what_was_wanted_at_low_frequencies_and_exactly_at_rest() {
+        let block = beam();
+        assert!(block.zeros().iter().any(|z| z.modulus() > 1.5) && block.zeros().iter().any(|z| z.re < -0.9));
+        let inverse = Preview::new(&block, Design::WHOLE).unwrap();
+        let r: Vec<f64> = (0..800).map(|t| 5.0 + (0.06 * f64::from(t)).sin().powi(3)).collect();
+        let x = inverse.fir().whole(&r);
+        let y = block.resume(&mut block.settled(x[0]), &x);
+        assert_close(&y[300..700], &r[300..700], 0.0, 1e-3);
+        assert!(inverse.error(0.0) < 1e-12 && inverse.error(5.0) < 1e-5, "{}", inverse.error(5.0));
+        assert_close(&inverse.fir().whole(&[7.0; 9]), &[7.0 / block.dc_gain(); 9], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn noise_and_ringing_stay_bounded_where_the_exact_inverse_rings() {
+        // A zero on the unit circle at half the sampling rate: no exact inverse.
+        let block = Arx::new(5e-4, vec![0.8], vec![0.1, 0.1]).unwrap();
+        assert!(block.invert_whole(&[1.0, 2.0]).is_err());
+        let inverse = Preview::new(&block, Design::WHOLE).unwrap();
+        assert!(inverse.error(100.0) < 1e-3 && inverse.fir().noise_gain() * block.dc_gain() < 20.0);
+        let taps = inverse.fir().taps();
+        let largest = taps.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        assert!(taps[0].abs().max(taps[taps.len() - 1].abs()) < 0.01 * largest);
+    }
+
+    #[test]
+    fn the_more_it_may_look_ahead_the_better_it_is() {
+        let error = |ahead| Preview::new(&beam(), Design::late(ahead)).unwrap().error(40.0);
+        let errors = [1, 2, 4, 8, 16].map(error);
+        assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
+    }
+
+    #[test]
+    fn a_block_that_holds_no_displacement_has_no_inverse() {
+        let refused = |a: Vec<f64>, b: Vec<f64>| {
+            Preview::new(&Arx::new(1.0, a, b).unwrap(), Design::WHOLE).unwrap_err().to_string()
+        };
+        assert!(refused(vec![1.0], vec![1.0]).contains("no bounded inverse"));
+        assert!(refused(vec![], vec![1.0, -1.0]).contains("gain at 0 Hz is 0"));
+        assert!(refused(vec![1.1], vec![1.0]).contains("unstable"));
+        let none = Design { taps: 3, ahead: 3, ..Design::WHOLE };
+        assert!(Preview::new(&beam(), none).unwrap_err().to_string().starts_with("taps = 3: must be from 4"));
+    }
+}

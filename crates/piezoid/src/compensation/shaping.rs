@@ -1,0 +1,176 @@
+//! References made easy to follow: smoothed, or shaped so that a mode does not ring.
+//!
+//! ```text
+//! smooth   minimum jerk over S seconds:  30 s^2 (1 - s)^2, s from 0 to 1, as the weights of a mean
+//! ZV       A_0 + A_1 q^-n + A_2 q^-(n+1),  zero at the mode's poles exactly, sum 1
+//! ZVD      ZV after ZV: zero twice there, so that a mode a little off rings little too
+//! notch    (1 - 2 cos(w) q^-1 + q^-2) over the same with poles pulled inside, gain 1 at 0 Hz
+//! ```
+//! ZV is two impulses half a damped period apart [Singer & Seering]; half a period is no whole number of samples, so the
+//! second is split between two. All leave 0 Hz alone. They answer late: the FIR ones by half their length, which
+//! [`Fir::whole`] takes off again.
+//!
+//! Reference: N. C. Singer & W. P. Seering, J. Dyn. Syst. Meas. Control 112, 76 (1990), DOI 10.1115/1.2894142; T. Flash & N.
+//! Hogan, J. Neurosci. 5, 1688 (1985), DOI 10.1523/JNEUROSCI.05-07-01688.1985 (minimum jerk). They do not do: several
+//! modes at once ([`Fir::then`] puts shapers in series).
+
+use super::Fir;
+use crate::error::{Error, positive};
+use crate::linear::Arx;
+use std::f64::consts::{PI, TAU};
+
+/// The longest shaper [samples].
+const LONGEST: f64 = 1e5;
+
+/// A mean over `seconds` under a minimum-jerk bell, centred: a step becomes a minimum-jerk move.
+///
+/// ```
+/// use piezoid::compensation::shaping;
+/// let smooth = shaping::smooth(1e-3, 0.01)?;
+/// let moved = smooth.whole(&[vec![0.0; 20], vec![1.0; 20]].concat());
+/// assert!((moved[19] + moved[20] - 1.0).abs() < 1e-12 && moved[0] == 0.0 && moved[39] > 1.0 - 1e-12);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// Refuses a `ts` [s] or length that is not positive, and more than 100000 samples.
+pub fn smooth(ts: f64, seconds: f64) -> Result<Fir, Error> {
+    positive("ts", ts, "seconds")?;
+    positive("smooth", seconds, "seconds")?;
+    // An odd number has a middle.
+    let half = (0.5 * seconds / ts).round();
+    if half > LONGEST {
+        return Err(Error::parameter("smooth", seconds, format!("must be at most {LONGEST} samples of {ts} s")));
+    }
+    let half = half as usize;
+    let bell = |k: usize| {
+        let s = (k + 1) as f64 / (2 * half + 2) as f64;
+        (s * (1.0 - s)).powi(2)
+    };
+    let weights: Vec<f64> = (0..=2 * half).map(bell).collect();
+    let sum: f64 = weights.iter().sum();
+    Fir::new(ts, weights.iter().map(|w| w / sum).collect(), half)
+}
+
+/// The zero-vibration shaper of a mode of natural frequency `hz` [Hz] and `damping` ratio.
+///
+/// # Errors
+/// Refuses a frequency that is not below half the sampling rate and a damping that is not from 0 to below 1.
+pub fn zv(ts: f64, hz: f64, damping: f64) -> Result<Fir, Error> {
+    let (decay, turn) = mode(ts, hz, damping)?;
+    let n = (PI / turn).floor();
+    if n > LONGEST {
+        return Err(Error::parameter("hz", hz, format!("must have a half period of at most {LONGEST} samples")));
+    }
+    // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i turn): its imaginary part gives A_1 / A_2.
+    let (a, b) = ((n * turn).sin() * (n * decay).exp(), ((n + 1.0) * turn).sin() * ((n + 1.0) * decay).exp());
+    let (one, two) = (-b, a);
+    let real = one * (n * turn).cos() * (n * decay).exp() + two * ((n + 1.0) * turn).cos() * ((n + 1.0) * decay).exp();
+    let sum = one + two - real;
+    let mut taps = vec![0.0; n as usize + 2];
+    taps[0] += -real / sum;
+    taps[n as usize] += one / sum;
+    taps[n as usize + 1] += two / sum;
+    Fir::new(ts, taps, (n as usize).div_ceil(2))
+}
+
+/// The zero-vibration-and-derivative shaper of a mode: longer, and forgiving where the mode is a little off.
+///
+/// # Errors
+/// As [`zv`].
+pub fn zvd(ts: f64, hz: f64, damping: f64) -> Result<Fir, Error> {
+    let zv = zv(ts, hz, damping)?;
+    zv.then(&zv)
+}
+
+/// A notch at `hz` [Hz] that is `width` [Hz] wide between its points of -3 dB.
+///
+/// # Errors
+/// Refuses frequencies that are not positive or not below half the sampling rate.
+pub fn notch(ts: f64, hz: f64, width: f64) -> Result<Arx, Error> {
+    let (_, turn) = mode(ts, hz, 0.0)?;
+    positive("width", width, "hertz")?;
+    // The bilinear notch: tan of half the width gives the poles.
+    let t = (PI * width * ts).min(0.49 * PI).tan();
+    let (c, k) = (turn.cos(), 1.0 / (1.0 + t));
+    Arx::new(ts, vec![2.0 * c * k, -(1.0 - t) * k], vec![k, -2.0 * c * k, k])
+}
+
+/// Decay and turn [rad] of a mode in a sample.
+fn mode(ts: f64, hz: f64, damping: f64) -> Result<(f64, f64), Error> {
+    positive("ts", ts, "seconds")?;
+    positive("hz", hz, "hertz")?;
+    if hz >= 0.5 / ts {
+        let rule = format!("must be below {} Hz, half the sampling rate", 0.5 / ts);
+        return Err(Error::parameter("hz", hz, rule));
+    }
+    if !(0.0..1.0).contains(&damping) {
+        return Err(Error::parameter("damping", damping, "must be from 0 to below 1"));
+    }
+    let w = TAU * hz * ts;
+    Ok((w * damping, w * (1.0 - damping * damping).sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::system::System;
+    use crate::testing::assert_close;
+
+    const TS: f64 = 5e-4;
+
+    /// A mode of gain 1.
+    fn oscillator(hz: f64, damping: f64) -> Arx {
+        let (decay, turn) = mode(TS, hz, damping).unwrap();
+        let a = vec![2.0 * (-decay).exp() * turn.cos(), -(-2.0 * decay).exp()];
+        let b = 1.0 - a.iter().sum::<f64>();
+        Arx::new(TS, a, vec![b]).unwrap()
+    }
+
+    /// The largest distance from 1 after a shaped step has passed.
+    fn rings(shaper: &Fir, mode: &Arx) -> f64 {
+        let y = mode.simulate(&shaper.simulate(&[1.0; 400]));
+        y[shaper.order()..].iter().fold(0.0, |m, y| m.max((y - 1.0).abs()))
+    }
+
+    #[test]
+    fn a_shaped_step_does_not_ring_at_all_and_zvd_hardly_where_the_mode_is_off() {
+        for (hz, damping) in [(156.7, 0.006), (146.7, 0.061), (40.0, 0.0), (20.0, 0.3), (700.0, 0.02)] {
+            let (zv, zvd) = (zv(TS, hz, damping).unwrap(), zvd(TS, hz, damping).unwrap());
+            let exact = oscillator(hz, damping);
+            assert!(rings(&zv, &exact) < 1e-9 && rings(&zvd, &exact) < 1e-9, "{hz}");
+            assert!(zv.taps().iter().all(|f| *f >= 0.0));
+            assert_close(&[zv.taps().iter().sum()], &[1.0], 1e-12, 0.0);
+            let off = oscillator(1.05 * hz, damping);
+            assert!(rings(&zvd, &off) < 0.3 * rings(&zv, &off), "{hz}");
+        }
+    }
+
+    #[test]
+    fn a_notch_stops_its_frequency_and_passes_others() {
+        let notch = notch(TS, 160.0, 20.0).unwrap();
+        assert!(notch.response(160.0).gain < 1e-9);
+        let at = |hz| notch.response(hz).gain;
+        assert_close(&[at(0.0), at(1.0), at(999.0)], &[1.0; 3], 0.0, 1e-3);
+        assert_close(&[at(150.3), at(170.3)], &[0.5f64.sqrt(); 2], 0.02, 0.0);
+    }
+
+    #[test]
+    fn a_smoothed_step_has_no_corner_and_stays_where_it_was() {
+        let bell = smooth(TS, 0.02).unwrap();
+        assert_eq!((bell.taps().len(), bell.ahead()), (41, 20));
+        let step: Vec<f64> = (0..200).map(|t| f64::from(u8::from(t >= 100))).collect();
+        let moved = bell.whole(&step);
+        let jump = moved.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max);
+        assert!(moved.windows(2).all(|w| w[1] >= w[0]) && jump < 0.02, "{jump}");
+        // s^3 (10 - 15 s + 6 s^2) at s = 11 / 42.
+        assert_close(&[0.5 * (moved[89] + moved[90])], &[0.1166], 0.0, 2e-3);
+    }
+
+    #[test]
+    fn modes_that_cannot_be_are_refused() {
+        assert!(zv(TS, 1000.0, 0.1).unwrap_err().to_string().starts_with("hz = 1000"));
+        assert!(zvd(TS, 100.0, 1.0).unwrap_err().to_string().starts_with("damping = 1"));
+        assert!(smooth(TS, 0.0).is_err() && notch(TS, 100.0, 0.0).is_err() && smooth(TS, 1e9).is_err());
+    }
+}

@@ -1,0 +1,201 @@
+use super::*;
+use crate::creep::Creep;
+use crate::driver::{Driver, SUBSTEPS};
+use crate::excitation::{Prbs, RisingSine};
+use crate::hammerstein::{Joint, identify_joint};
+use crate::hysteresis::OPERATORS;
+use crate::linear::Arx;
+use crate::plant::{Plant, find};
+use crate::progress::unwatched;
+use crate::record::{Record, Units};
+use crate::testing::assert_close;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const TS: f64 = 5e-4;
+
+/// A beam behind an operator with creep, and behind a driver or none; +-30 V hold about +-1 mm.
+fn model(operator: &str, driver: Option<Driver>) -> Model {
+    let ts = TS / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+    let hysteresis = (crate::hysteresis::operator(operator).unwrap().example)(ts).unwrap();
+    let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.5, 3.2]).unwrap();
+    let creep = Creep::logarithmic(TS, 0.01, 0.05, 5.0).unwrap();
+    Model::driven(driver, hysteresis, block, 5.0).unwrap().with_creep(creep).unwrap()
+}
+
+/// A sine about `bias` that stands still before it moves and begins without a corner.
+fn sine(bias: f64, height: f64, hz: f64, n: usize) -> Vec<f64> {
+    let begins = |t: f64| (t / 0.05).min(1.0).powi(2);
+    let at = |t: f64| bias + if t > 0.0 { height * begins(t) * (TAU * hz * t).sin() } else { 0.0 };
+    (0..n).map(|t| at((t as f64 - 80.0) * TS)).collect()
+}
+
+fn rms(r: &[f64], y: &[f64]) -> f64 {
+    off(r, y)
+}
+
+#[test]
+fn the_free_run_of_a_model_meets_the_reference_for_every_operator_without_jumps_and_behind_a_driver() {
+    for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
+        for driver in [None, Some(Driver::new(1e-4, Some(6e4)).unwrap())] {
+            let model = model(o.name, driver);
+            let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+            let inverse = FeedForward::new(&model, How { limits, ..How::default() }).unwrap();
+            let (low, high) = inverse.reach();
+            let r = sine(0.5 * (low + high), 0.3 * (high - low), 20.0, 600);
+            let made = inverse.whole(&r).unwrap();
+            assert_close(&model.resume(&mut model.settled(made.u[0]), &made.u), &made.reached, 0.0, 1e-6);
+            let left = rms(&r, &made.reached) / (high - low);
+            assert!(left < 3e-4 && made.clipped == 0, "{}: {left:e}", o.name);
+        }
+    }
+}
+
+#[test]
+fn a_displacement_that_stands_is_held_exactly() {
+    let model = model("prandtl-ishlinskii", None);
+    let made = FeedForward::new(&model, How::default()).unwrap().whole(&[321.0; 500]).unwrap();
+    assert_close(&made.reached, &[321.0; 500], 1e-9, 0.0);
+    assert_close(&made.u, &[made.u[0]; 500], 1e-9, 0.0);
+}
+
+#[test]
+fn sweeps_bring_the_free_run_closer_and_say_so() {
+    let model = model("preisach", None);
+    let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
+    let smooth = shaping::smooth(TS, 0.004).unwrap().whole(&r);
+    let left = |sweeps| {
+        let how = How { sweeps, clip: true, ..How::default() };
+        let made = FeedForward::new(&model, how).unwrap().whole(&smooth).unwrap();
+        (rms(&smooth, &made.reached), made.notes.iter().any(|note| note.contains("sweeps of correction")))
+    };
+    let (none, some) = (left(0), left(10));
+    assert!(some.0 < 0.7 * none.0 && some.1 && !none.1, "{none:?} {some:?}");
+}
+
+#[test]
+fn what_cannot_be_reached_is_named_or_clipped_and_counted() {
+    let model = model("prandtl-ishlinskii", None);
+    let r = sine(0.0, 3000.0, 5.0, 1000);
+    let message = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap_err().to_string();
+    assert!(message.contains("the reference cannot be reached") && message.contains("lower it"), "{message}");
+    let made = FeedForward::new(&model, How { clip: true, ..How::default() }).unwrap().whole(&r).unwrap();
+    assert!(made.clipped > 300 && made.notes[0].contains("of 1000 samples are clipped"), "{:?}", made.notes);
+    assert!(made.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
+
+    let step = [vec![0.0; 80], vec![600.0; 400]].concat();
+    let message = FeedForward::new(&model, How::default()).unwrap().whole(&step).unwrap_err().to_string();
+    assert!(message.contains("move slower or smooth it"), "{message}");
+}
+
+#[test]
+fn limits_of_slew_and_current_are_refused_or_kept() {
+    let model = model("prandtl-ishlinskii", None);
+    let limits = Limits { current: Some(0.02), capacitance: Some(8.2e-6), ..Limits::default() };
+    let r = sine(0.0, 700.0, 20.0, 1000);
+    let message =
+        FeedForward::new(&model, How { limits, ..How::default() }).unwrap().whole(&r).unwrap_err().to_string();
+    assert!(message.contains("current") && message.contains("limit 0.02 A"), "{message}");
+    let made = FeedForward::new(&model, How { limits, clip: true, ..How::default() }).unwrap().whole(&r).unwrap();
+    assert!(limits.refuse(&made.u, TS).is_ok() && made.clipped > 100);
+    assert!(made.usage.current.is_some_and(|peak| peak.share.is_some_and(|share| share > 0.99)));
+}
+
+#[test]
+fn references_and_models_that_make_no_sense_are_refused() {
+    let inverse = FeedForward::new(&model("prandtl-ishlinskii", None), How::default()).unwrap();
+    assert!(inverse.whole(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
+    assert!(inverse.whole(&[]).unwrap_err().to_string().contains("the reference has 0 samples"));
+    let refused = |model: Model, how: How| FeedForward::new(&model, how).unwrap_err().to_string();
+    let proportional = |k: f64| Arc::new(crate::hysteresis::Proportional::new(TS, k).unwrap());
+    let plain = |k: f64| Model::new(proportional(k), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    assert!(refused(plain(1.0), How::default()).contains("limits.low and limits.high"));
+    let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+    let within = How { limits: volts, ..How::default() };
+    assert!(refused(plain(0.0), within).contains("an inverse of the hysteresis block cannot be identified"));
+    let units = Units { u: "counts".into(), y: "um".into() };
+    assert!(refused(plain(1.0).with_units(units), within).contains("counts"));
+    let high = Limits { low: Some(50.0), high: Some(60.0), ..Limits::default() };
+    assert!(refused(model("preisach", None), How { limits: high, ..How::default() }).contains("must leave some"));
+    let differences = Arx::new(TS, vec![], vec![1.0, -1.0]).unwrap();
+    let no_gain = Model::new(proportional(1.0), differences, 0.0).unwrap();
+    assert!(refused(no_gain, within).contains("no bounded inverse"));
+}
+
+#[test]
+fn sample_by_sample_it_follows_late_by_what_it_says() {
+    let model = model("generalised-prandtl-ishlinskii", Some(Driver::new(1e-4, None).unwrap()));
+    let (low, high) = FeedForward::new(&model, How::default()).unwrap().reach();
+    let r = sine(0.5 * (low + high), 0.25 * (high - low), 10.0, 1200);
+    for late in [1, 4, 16] {
+        let causal = Causal::new(&model, How::default(), late).unwrap();
+        let u = causal.resume(&mut causal.settled(r[0]), &r);
+        let y = model.resume(&mut model.settled(u[0]), &u);
+        let left = rms(&r[..r.len() - late], &y[late..]) / (high - low);
+        assert!(causal.late() == late && left < 2e-3, "{late}: {left:e}");
+    }
+    let causal = Causal::new(&model, How::default(), 2).unwrap();
+    assert!(causal.simulate(&[causal_rest(&model); 50]).iter().all(|u| u.abs() < 1e-9));
+}
+
+/// What the model puts out at rest.
+fn causal_rest(model: &Model) -> f64 {
+    model.simulate(&[0.0; 4000])[3999]
+}
+
+/// The twin of a bender and a model identified on records of it.
+fn identified() -> (Plant, Model) {
+    let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap();
+    let record = |u: Vec<f64>| {
+        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        Record::new(TS, u, y).unwrap()
+    };
+    let small = record(Prbs::default().samples(TS, 4094).unwrap());
+    let rising = |frequency: f64, n| {
+        record(RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(TS, n).unwrap())
+    };
+    let rich = [rising(2.0, 6000), rising(40.0, 3000)];
+    let how = Joint { operator: "generalised-prandtl-ishlinskii".into(), order: Some(5), ..Joint::default() };
+    let model = identify_joint(&[small], &rich, &how, &mut unwatched).unwrap().model;
+    (plant, model)
+}
+
+#[test]
+fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
+    let (plant, model) = identified();
+    let inverse = FeedForward::new(&model, How::default()).unwrap();
+    let answer = |u: &[f64]| plant.run(u).y.iter().map(|y| 1e6 * y).collect::<Vec<_>>();
+    let (low, high) = inverse.reach();
+    let gain = (high - low) / (inverse.ends.1 - inverse.ends.0);
+    for hz in [5.0, 40.0] {
+        let r = sine(0.0, 800.0, hz, 1500);
+        let none = rms(&r, &answer(&r.iter().map(|r| r / gain).collect::<Vec<_>>()));
+        let made = rms(&r, &answer(&inverse.whole(&r).unwrap().u));
+        assert!(10.0 * made < none, "{hz} Hz: {made} um instead of {none} um");
+    }
+    let period: Vec<f64> = (0..50).map(|t| 800.0 * (TAU * f64::from(t) / 50.0).sin()).collect();
+    let mut x = plant.initial();
+    let mut trial = |u: &[f64]| {
+        let last = (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
+        last.iter().map(|y| 1e6 * y).collect()
+    };
+    let learned = learn(&mut trial, &inverse, &period, Learning::default()).unwrap();
+    let best = rms(&period, &learned.y);
+    assert!(best < 1.6 && best < 0.5 * learned.rms[0], "{:?}", learned.rms);
+}
+
+#[test]
+fn learning_refuses_what_is_no_answer_and_takes_back_what_made_it_worse() {
+    let model = model("prandtl-ishlinskii", None);
+    let inverse = FeedForward::new(&model, How::default()).unwrap();
+    let r: Vec<f64> = (0..100).map(|t| 500.0 * (TAU * f64::from(t) / 100.0).sin()).collect();
+    let learnt = |plant: &mut dyn FnMut(&[f64]) -> Vec<f64>| learn(plant, &inverse, &r, Learning::default());
+    assert!(learnt(&mut |_| vec![0.0; 3]).unwrap_err().to_string().contains("has 3 samples"));
+    assert!(learnt(&mut |_| vec![f64::NAN; 100]).unwrap_err().to_string().contains("NaN"));
+    // An actuator that goes the other way: every correction makes it worse.
+    let first = learnt(&mut |u| u.iter().map(|u| -20.0 * u).collect()).unwrap();
+    let best = first.rms.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_close(&[rms(&r, &first.y)], &[best], 1e-12, 0.0);
+    let none = Learning { gain: 0.0, ..Learning::default() };
+    assert!(learn(&mut |u| u.to_vec(), &inverse, &r, none).unwrap_err().to_string().starts_with("gain = 0"));
+}

@@ -1,0 +1,68 @@
+//! Back through what the model does before its linear block: driver, hysteresis and creep, one sample at a time.
+
+use super::Model;
+use crate::hysteresis::{Inverted, between, on_copy};
+use crate::system::System;
+
+impl Model {
+    /// What creep puts out in the sample of `u`, from the state `x`, of which all but the linear block moves on.
+    pub(crate) fn step_crept(&self, x: &mut [f64], u: f64) -> f64 {
+        let [hysteresis, creep, _, driver] = self.parts(x);
+        let mut z = [u];
+        self.hidden(hysteresis, driver, &mut z);
+        self.creep.step(creep, z[0])
+    }
+
+    /// The input between `ends` for which creep puts out `wanted` in the next sample, and what it does put out. The state
+    /// `x` moves on by this input, all but the linear block.
+    pub(crate) fn invert_crept(&self, x: &mut [f64], wanted: f64, ends: (f64, f64)) -> Inverted {
+        let [hysteresis, creep, _, driver] = self.parts(x);
+        let z = self.creep.invert(creep, wanted);
+        let u = match (&self.driver, &*driver) {
+            (Some(_), &[v, before]) => on_copy(hysteresis, |copy| {
+                between(ends, z, |u| {
+                    copy.copy_from_slice(hysteresis);
+                    let mut mean = [u];
+                    self.hidden(copy, &mut [v, before], &mut mean);
+                    mean[0]
+                })
+            }),
+            _ => self.hysteresis.invert(hysteresis, z, ends),
+        };
+        Inverted { u: u.u, z: self.step_crept(x, u.u) }
+    }
+
+    /// What creep puts out where `u` has stood for long.
+    pub(crate) fn settled_crept(&self, u: f64) -> f64 {
+        self.step_crept(&mut self.settled(u), u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::creep::Creep;
+    use crate::driver::{Driver, SUBSTEPS};
+    use crate::hysteresis::OPERATORS;
+    use crate::linear::Arx;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn what_creep_put_out_leads_back_to_the_input_behind_a_driver_and_without() {
+        let wander = |t: i32| 18.0 * (f64::from(t) * 0.05).sin() + 9.0 * (f64::from(t) * 0.173).sin();
+        for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
+            for driver in [None, Some(Driver::new(1e-4, Some(6e4)).unwrap())] {
+                let ts = 5e-4 / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+                let linear = Arx::gain(5e-4, 1.0).unwrap();
+                let model = Model::driven(driver, (o.example)(ts).unwrap(), linear, 0.0).unwrap();
+                let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
+                let (mut there, mut back) = (model.settled(0.0), model.settled(0.0));
+                for t in 0..200 {
+                    let crept = model.step_crept(&mut there, wander(t));
+                    let found = model.invert_crept(&mut back, crept, (-30.0, 30.0));
+                    assert_close(&[found.z, found.u], &[crept, wander(t)], 1e-6, 1e-6);
+                }
+            }
+        }
+    }
+}
