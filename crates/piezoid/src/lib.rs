@@ -3,6 +3,7 @@
 //! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
 //! parameters, and the same input gives the same bytes.
 
+pub mod control;
 pub mod creep;
 pub mod driver;
 pub mod error;

@@ -1,0 +1,3 @@
+//! Feedback control of the Hammerstein model.
+
+pub mod predictive;
