@@ -58,11 +58,11 @@ mod tests {
         let mut q = &model.b * model.b.transpose() * 1e-2;
         q[(n - 1, n - 1)] += 1e-3;
         // Sample by sample, with a covariance in Joseph's form.
-        let mut p = DMatrix::identity(n, n);
-        let mut k = DVector::zeros(n);
+        let mut p = DMatrix::<f64>::identity(n, n);
+        let mut k = DVector::<f64>::zeros(n);
         for _ in 0..40_000 {
-            let seen = &p * model.c.transpose();
-            k = &seen / ((&model.c * &seen)[0] + r);
+            let seen: DVector<f64> = &p * model.c.transpose();
+            k = &seen / (model.c.transpose().dot(&seen) + r);
             let left = DMatrix::identity(n, n) - &k * &model.c;
             let after = &left * &p * left.transpose() + r * &k * k.transpose();
             p = &model.a * after * model.a.transpose() + &q;

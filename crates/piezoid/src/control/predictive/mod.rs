@@ -63,7 +63,8 @@ pub struct Settings {
     pub drift: f64,
     /// What of z the model does not explain from sample to sample, rms over the range of z [-].
     pub unexplained: f64,
-    /// Noise of a reading, rms over the range of y [-].
+    /// Noise of a reading, rms over the range of y [-]. Far above what the sensor has where the plant may differ from the
+    /// model: the observer then leaves alone what its resonance answers.
     pub noise: f64,
     /// What solves the quadratic program.
     pub solver: Solver,
@@ -82,7 +83,7 @@ impl Default for Settings {
             move_cost: 1e-2,
             drift: 1e-3,
             unexplained: 1e-3,
-            noise: 1e-3,
+            noise: 1e-2,
             solver: Solver::ActiveSet,
             multiplications_per_second: 1e9,
         }
@@ -441,7 +442,6 @@ mod tests {
     use super::*;
     use crate::hysteresis::operator;
     use crate::testing::assert_close;
-    use std::sync::Arc;
 
     const TS: f64 = 5e-4;
 
@@ -500,12 +500,13 @@ mod tests {
     }
 
     #[test]
-    fn a_model_of_itself_is_followed_and_a_wrong_one_nearly_so() {
+    fn a_model_of_itself_is_followed_and_a_wrong_one_nearer_than_without_readings() {
         let r: Vec<f64> = sine(15.0, 800);
         let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
         let missed = |off: f64| rms(&follow(&mpc, &model(off), &r, 0.0).0[200..], &r[200..]);
         assert!(missed(1.0) < 0.05, "{}", missed(1.0));
-        assert!(missed(1.1) < 0.2, "{}", missed(1.1));
+        // Without readings a tenth more gain would miss by a tenth of the rms of r.
+        assert!(missed(1.1) < 0.075 * rms(&r[200..], &[0.0; 600]), "{}", missed(1.1));
     }
 
     #[test]
