@@ -3,7 +3,7 @@
 #![allow(missing_docs)] // criterion's macros make public items of their own
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use piezoid::control::predictive::{Predictive, Settings, Solver};
+use piezoid::control::predictive::{self, Predictive, Solver};
 use piezoid::creep::Creep;
 use piezoid::driver::{Driver, SUBSTEPS};
 use piezoid::excitation::{Prbs, Sine};
@@ -108,12 +108,18 @@ fn predictive(c: &mut Criterion) {
     let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
     let Ok(model) = model else { return };
     let mut group = c.benchmark_group("predictive");
-    let near = Settings { voltage: (-30.0, 30.0), slew: Some(6e4), ..Settings::default() };
-    let far = Settings { voltage: (-12.0, 12.0), slew: Some(3e3), displacement: Some((-300.0, 300.0)), ..near.clone() };
+    let near = predictive::Settings { voltage: (-30.0, 30.0), slew: Some(6e4), ..predictive::Settings::default() };
+    let far = predictive::Settings {
+        voltage: (-12.0, 12.0),
+        slew: Some(3e3),
+        displacement: Some((-300.0, 300.0)),
+        ..near.clone()
+    };
     for (name, settings) in [("free", near), ("limited", far)] {
         for (by, solver) in [("active set", Solver::ActiveSet), ("interior point", Solver::InteriorPoint)] {
             for horizon in [10, 20, 40] {
-                let settings = Settings { horizon, solver, multiplications_per_second: 1e12, ..settings.clone() };
+                let settings =
+                    predictive::Settings { horizon, solver, multiplications_per_second: 1e12, ..settings.clone() };
                 let Ok(mpc) = Predictive::new(&model, settings) else { continue };
                 let r: Vec<f64> = (0..200 + horizon).map(|t| 400.0 * triangle(t as f64 / 100.0)).collect();
                 let (mut x, mut plant) = (mpc.settled(0.0), model.settled(0.0));
