@@ -3,6 +3,7 @@
 #![allow(missing_docs)] // criterion's macros make public items of their own
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use piezoid::control::predictive::{self, Predictive, Solver};
 use piezoid::creep::Creep;
 use piezoid::driver::{Driver, SUBSTEPS};
 use piezoid::excitation::{Prbs, Sine};
@@ -102,6 +103,49 @@ fn bases(c: &mut Criterion) {
     group.finish();
 }
 
+/// One sample of predictive control on the way along a triangle that voltages of +-12 V cannot follow, by either solver.
+fn predictive(c: &mut Criterion) {
+    let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
+    let Ok(model) = model else { return };
+    let mut group = c.benchmark_group("predictive");
+    let near = predictive::Settings { voltage: (-30.0, 30.0), slew: Some(6e4), ..predictive::Settings::default() };
+    let far = predictive::Settings {
+        voltage: (-12.0, 12.0),
+        slew: Some(3e3),
+        displacement: Some((-300.0, 300.0)),
+        ..near.clone()
+    };
+    for (name, settings) in [("free", near), ("limited", far)] {
+        for (by, solver) in [("active set", Solver::ActiveSet), ("interior point", Solver::InteriorPoint)] {
+            for horizon in [10, 20, 40] {
+                let settings =
+                    predictive::Settings { horizon, solver, multiplications_per_second: 1e12, ..settings.clone() };
+                let Ok(mpc) = Predictive::new(&model, settings) else { continue };
+                let r: Vec<f64> = (0..200 + horizon).map(|t| 400.0 * triangle(t as f64 / 100.0)).collect();
+                let (mut x, mut plant) = (mpc.settled(0.0), model.settled(0.0));
+                let (mut t, mut y) = (0, 0.0);
+                group.bench_function(format!("{name}, {by}, {horizon} samples"), |b| {
+                    b.iter(|| {
+                        y = model.step(&mut plant, mpc.step(&mut x, black_box(&r[t..]), y));
+                        t = (t + 1) % 200;
+                    });
+                });
+            }
+        }
+    }
+    group.finish();
+}
+
+/// From -1 to 1 and back, once in 1.
+fn triangle(turns: f64) -> f64 {
+    4.0 * ((turns + 0.25).fract() - 0.5).abs() - 1.0
+}
+
+/// A resonance whose input acts one sample late.
+fn resonant() -> Result<Arx, Error> {
+    Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1])
+}
+
 /// The basis of the operator called `name`, of its own number of elements.
 fn basis(name: &str) -> Result<Box<dyn Basis>, Error> {
     let design = Design { ts: TS, range: (-30.0, 30.0), elements: None, frequencies: vec![5.0, 20.0, 40.0, 80.0] };
@@ -183,5 +227,5 @@ fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation, bases);
+criterion_group!(benches, cost, estimators, simulation, bases, predictive);
 criterion_main!(benches);

@@ -9,8 +9,8 @@
 //! apart from that, [`run`] closes the loop on any plant, and [`trials`] on plants of other tolerance.
 //!
 //! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E. Eleftheriou,
-//! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). Not here:
-//! controllers that look ahead, several axes, adaptation.
+//! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). Controllers that look
+//! ahead: [`predictive`]. Not here: several axes, adaptation.
 
 mod disturbance_observer;
 mod filters;
@@ -20,6 +20,7 @@ mod margins;
 mod pi;
 mod pid;
 mod positive_position;
+pub mod predictive;
 mod references;
 mod tolerance;
 mod tune;
