@@ -80,9 +80,9 @@ impl Law for RatePlay {
         self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
-        let u = R::from(input.u);
-        let relative = R::from(input.rate()) / shape[1];
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
+        let u = input.u;
+        let relative = input.rate() / shape[1];
         let more = shape[0] * relative * relative.log_growth();
         phi(0, u);
         for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {

@@ -64,11 +64,11 @@ impl Law for Stop {
         self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
-        phi(0, u.into());
+    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
+        phi(0, u);
         for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {
-            *p = p.clamp((u - r).into(), (u + r).into());
-            phi(k + 1, *p - u.into());
+            *p = p.clamp(u - r.into(), u + r.into());
+            phi(k + 1, *p - u);
         }
     }
 
