@@ -10,6 +10,7 @@
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
 //! 10.1007/978-1-4612-4048-8; for piezo actuators P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI
 //! 10.1049/ip-cta:20010375. It does not do: asymmetric loops, saturation, rate.
+//! Inverted exactly: from a state z(u) is made of lines that rise, and Newton's method ends on the right one.
 
 use super::Operator;
 use super::basis::curvature;

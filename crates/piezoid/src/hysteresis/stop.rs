@@ -9,7 +9,8 @@
 //! at a reversal. Reversals that are passed are wiped out.
 //!
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
-//! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate.
+//! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate. Inverted as
+//! `prandtl-ishlinskii` while w_0 >= w_1 + ... + w_n, beyond which z falls somewhere.
 
 use super::Operator;
 use super::basis::curvature;
