@@ -14,6 +14,7 @@ use piezoid::optimize::swarm::{Cost, Settings};
 use piezoid::plant::{Plant, find};
 use piezoid::progress::unwatched;
 use piezoid::{Error, Record, System};
+use serde_json::{Map, Value};
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -136,6 +137,29 @@ fn predictive(c: &mut Criterion) {
     group.finish();
 }
 
+/// Back from z to u, a sample at a time along a sine: by each operator's own way, and by trials.
+fn inverses(c: &mut Criterion) {
+    let Ok(u) = (Sine { amplitude: 24.0, frequency: 20.0, ..Sine::default() }).samples(TS, 1000) else { return };
+    let mut group = c.benchmark_group("inverses");
+    group.throughput(Throughput::Elements(u.len() as u64));
+    for row in OPERATORS {
+        let Ok(own) = fitted(row.name) else { continue };
+        let mut x = own.initial();
+        let mut met = Vec::new();
+        for &u in &u {
+            let before = x.clone();
+            met.push((before, own.step(&mut x, u)));
+        }
+        let ways: [(&str, Arc<dyn Hysteresis>); 2] = [("own", own.clone()), ("trials", Arc::new(Tried(own)))];
+        for (way, operator) in ways {
+            group.bench_function(BenchmarkId::new(row.name, way), |b| {
+                b.iter(|| met.iter().map(|(x, z)| operator.invert(black_box(x), *z, (-30.0, 30.0)).u).sum::<f64>());
+            });
+        }
+    }
+    group.finish();
+}
+
 /// From -1 to 1 and back, once in 1.
 fn triangle(turns: f64) -> f64 {
     4.0 * ((turns + 0.25).fract() - 0.5).abs() - 1.0
@@ -144,6 +168,34 @@ fn triangle(turns: f64) -> f64 {
 /// A resonance whose input acts one sample late.
 fn resonant() -> Result<Arx, Error> {
     Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1])
+}
+
+/// An operator without an inverse of its own.
+#[derive(Debug)]
+struct Tried(Arc<dyn Hysteresis>);
+
+impl System for Tried {
+    fn ts(&self) -> f64 {
+        self.0.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.0.order()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        self.0.step(x, u)
+    }
+}
+
+impl Hysteresis for Tried {
+    fn operator(&self) -> &'static Operator {
+        self.0.operator()
+    }
+
+    fn params(&self) -> Map<String, Value> {
+        self.0.params()
+    }
 }
 
 /// The basis of the operator called `name`, of its own number of elements.
@@ -227,5 +279,5 @@ fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation, bases, predictive);
+criterion_group!(benches, cost, estimators, simulation, bases, inverses, predictive);
 criterion_main!(benches);

@@ -55,12 +55,6 @@ impl Intervals {
         before + self.inner()[before..before + within].partition_point(|edge| *edge <= u)
     }
 
-    /// The share of interval `i` that lies below `u`, 0 to 1.
-    pub(crate) fn share(&self, i: usize, u: f64) -> f64 {
-        let (low, high) = (self.edges[i], self.edges[i + 1]);
-        ((u - low) / (high - low)).clamp(0.0, 1.0)
-    }
-
     pub(crate) fn edges(&self) -> &[f64] {
         &self.edges
     }

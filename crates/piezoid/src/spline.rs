@@ -85,6 +85,13 @@ impl Spline {
         c0 + t * (c1 + t * (c2 + t * c3))
     }
 
+    /// The slope of the curve at a place of this spline.
+    #[inline]
+    pub(crate) fn slope_on(&self, (piece, t): (usize, f64)) -> f64 {
+        let [_, c1, c2, c3] = self.pieces[piece];
+        c1 + t * (2.0 * c2 + t * (3.0 * c3))
+    }
+
     /// The knots, rising.
     pub fn knots(&self) -> &[f64] {
         self.knots.edges()

@@ -76,17 +76,17 @@ impl Law for AsymmetricBoucWen {
         1
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [beta, ratio, loading, unloading] = [shape[0], shape[1], shape[2], shape[3]];
         let one = R::from(1.0);
-        let path = input.u - input.before;
-        if path != 0.0 {
-            let way = R::from(path.signum());
+        let way = input.way();
+        if way != 0.0 {
+            let way = R::from(way);
             let grow = beta * (one + ratio) * (one + way * loading);
             let relax = beta * (one - ratio) * (one + way * unloading);
-            x[0] = way * climb(way * x[0], path.abs().into(), grow, relax);
+            x[0] = way * climb(way * x[0], input.length(), grow, relax);
         }
-        phi(0, input.u.into());
+        phi(0, input.u);
         phi(1, -x[0]);
     }
 

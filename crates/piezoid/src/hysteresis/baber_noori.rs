@@ -112,12 +112,12 @@ impl Law for BaberNoori {
         2
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
-        let path = input.u - input.before;
-        if path != 0.0 {
-            let way = R::from(path.signum());
-            let steps = (path.abs() * STEPS / (2.0 * input.half())).ceil().clamp(1.0, MOST);
-            let (s, half) = (R::from(path.abs() / steps), R::from(0.5));
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
+        let way = input.way();
+        if way != 0.0 {
+            let way = R::from(way);
+            let steps = (input.length().value() * STEPS / (2.0 * input.half())).ceil().clamp(1.0, MOST);
+            let (s, half) = (input.length() / steps.into(), R::from(0.5));
             let mut h = way * x[0];
             for _ in 0..steps as usize {
                 let middle = advance(shape, h, (h, x[1]), half * s);
@@ -127,7 +127,7 @@ impl Law for BaberNoori {
             }
             x[0] = way * h;
         }
-        phi(0, input.u.into());
+        phi(0, input.u);
         phi(1, -x[0]);
     }
 

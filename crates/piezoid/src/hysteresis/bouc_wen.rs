@@ -94,14 +94,14 @@ impl Law for BoucWen {
         1
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [beta, gamma] = [shape[0], shape[0] * shape[1]];
-        let path = input.u - input.before;
-        if path != 0.0 {
-            let way = R::from(path.signum());
-            x[0] = way * climb(way * x[0], path.abs().into(), beta + gamma, beta - gamma);
+        let way = input.way();
+        if way != 0.0 {
+            let way = R::from(way);
+            x[0] = way * climb(way * x[0], input.length(), beta + gamma, beta - gamma);
         }
-        phi(0, input.u.into());
+        phi(0, input.u);
         phi(1, -x[0]);
     }
 

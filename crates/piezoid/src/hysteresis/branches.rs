@@ -6,6 +6,7 @@
 //!
 //! Both branches end in the two turning points, so the loop closes. Beyond them a branch goes on along the line.
 
+use super::real::Dual;
 use crate::error::Error;
 use crate::series::ends;
 use crate::spline::Spline;
@@ -67,6 +68,14 @@ impl Branch {
     #[inline]
     pub(super) fn at(&self, u: f64) -> f64 {
         self.on(self.place(u))
+    }
+
+    /// z at `u`, and the slope there.
+    #[inline]
+    fn rising(&self, u: f64) -> Dual {
+        let place = self.place(u);
+        let slope = if place.1 == 0.0 { self.spline.slope_on(place.0) } else { self.beyond };
+        Dual { value: self.on(place), slope }
     }
 
     /// Where `u` lies on the spline, and how far beyond its ends.
@@ -151,6 +160,12 @@ impl Branches {
     /// z on the descending branch.
     pub fn descending(&self, u: f64) -> f64 {
         self.descending.at(u)
+    }
+
+    /// z at `u` on the ascending and on the descending branch, and the slopes there.
+    #[inline]
+    pub(super) fn slopes(&self, u: f64) -> (Dual, Dual) {
+        (self.ascending.rising(u), self.descending.rising(u))
     }
 
     /// The inputs between the turning points.

@@ -76,15 +76,15 @@ impl Law for Dahl {
         1
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [breakaway, exponent] = [shape[0], shape[1]];
-        let path = input.u - input.before;
-        if path != 0.0 {
-            let (way, one) = (R::from(path.signum()), R::from(1.0));
+        let way = input.way();
+        if way != 0.0 {
+            let (way, one) = (R::from(way), R::from(1.0));
             let y = one - way * x[0] / breakaway;
-            x[0] = way * breakaway * (one - near(y, R::from(path.abs()) / breakaway, exponent));
+            x[0] = way * breakaway * (one - near(y, input.length() / breakaway, exponent));
         }
-        phi(0, input.u.into());
+        phi(0, input.u);
         phi(1, -x[0]);
     }
 

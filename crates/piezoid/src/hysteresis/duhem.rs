@@ -78,27 +78,27 @@ impl Law for Duhem {
         self.degree
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let scale = input.range.0.abs().max(input.range.1.abs());
-        let path = input.u - input.before;
-        if path != 0.0 {
-            let length = shape[0] * path.abs().into();
+        let v = input.u / scale.into();
+        if input.way() != 0.0 {
+            let length = shape[0] * input.length();
             let left = (-length).exp();
-            let (end, back) = (R::from(input.u / scale), R::from(-path / scale));
+            let (end, back) = (v, -input.path() / scale.into());
             // integral[i]: of e^(-x r) v^j r^i, v the scaled input, for j = 0, 1, 2, ... in turn.
             let n = x.len();
             let mut integral = moments(length, left, n);
             for (j, psi) in x.iter_mut().enumerate() {
-                *psi = left * *psi + R::from(path) * integral[0];
+                *psi = left * *psi + input.path() * integral[0];
                 for i in 0..n - 1 - j {
                     integral[i] = end * integral[i] + back * integral[i + 1];
                 }
             }
         }
-        let mut power = scale;
+        let mut power = R::from(scale);
         for i in 0..self.degree {
-            power *= input.u / scale;
-            phi(i, power.into());
+            power = power * v;
+            phi(i, power);
         }
         for (j, psi) in x.iter().enumerate() {
             phi(self.degree + j, -*psi);

@@ -12,7 +12,8 @@
 //!
 //! References: M. Al Janaideh, S. Rakheja & C.-Y. Su, IEEE/ASME Trans. Mechatronics 16 (2011), DOI
 //! 10.1109/TMECH.2010.2052366 (envelopes); K. Kuhnen, Eur. J. Control 9 (2003), DOI 10.3166/ejc.9.407-418 (dead zones,
-//! there behind the plays, here beside them, which keeps z linear in all weights). It does not do: rate.
+//! there behind the plays, here beside them, which keeps z linear in all weights). It does not do: rate. Inverted by Newton's method
+//! on the cubic piece that has the wanted z.
 
 use super::Operator;
 use super::basis::{Design, Shape, curvature};
@@ -121,19 +122,20 @@ impl Law for GeneralisedPlay {
         self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let u = input.u;
         let (square, cube) = bulges(&input);
-        let envelope = |k: usize| R::from(u) + R::from(square) * shape[k] + R::from(cube) * shape[k + 1];
+        let envelope = |k: usize| u + square * shape[k] + cube * shape[k + 1];
         let (ascending, descending) = (envelope(0), envelope(2));
-        phi(0, u.into());
+        phi(0, u);
         for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {
             *p = p.clamp(ascending - r.into(), descending + r.into());
             phi(k + 1, *p);
         }
         for (j, &d) in self.dead_zones.iter().enumerate() {
-            let beyond = if d > 0.0 { (u - d).max(0.0) } else { (u - d).min(0.0) };
-            phi(1 + self.thresholds.len() + j, beyond.into());
+            let (beyond, none) = (u - d.into(), R::from(0.0));
+            let beyond = if (beyond > none) == (d > 0.0) { beyond } else { none };
+            phi(1 + self.thresholds.len() + j, beyond);
         }
     }
 
@@ -157,13 +159,14 @@ impl Law for GeneralisedPlay {
 }
 
 /// What `quadratic` and `cubic` add to an envelope at `u`, each 0 at 0 and constant beyond the range [input unit].
-fn bulges(input: &Input) -> (f64, f64) {
-    let (half, middle) = (input.half(), 0.5 * (input.range.0 + input.range.1));
-    let at = |u: f64| {
-        let v = ((u - middle) / half).clamp(-1.0, 1.0);
-        (half * (1.0 - v * v), half * (v - v * v * v))
+fn bulges<R: Real>(input: &Input<R>) -> (R, R) {
+    let (half, middle) = (R::from(input.half()), R::from(0.5 * (input.range.0 + input.range.1)));
+    let at = |u: R| {
+        let one = R::from(1.0);
+        let v = ((u - middle) / half).clamp(-one, one);
+        (half * (one - v * v), half * (v - v * v * v))
     };
-    let (here, rest) = (at(input.u), at(0.0));
+    let (here, rest) = (at(input.u), at(0.0.into()));
     (here.0 - rest.0, here.1 - rest.1)
 }
 

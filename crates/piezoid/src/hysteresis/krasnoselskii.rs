@@ -97,12 +97,12 @@ impl Law for Krasnoselskii {
         self.responses()
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
-        let ridge = |v: f64| (R::from(0.5) + R::from(v) / shape[0]).clamp(0.0.into(), 1.0.into());
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
+        let ridge = |v: R| (R::from(0.5) + v / shape[0]).clamp(0.0.into(), 1.0.into());
         // The ramp of each level, now and at rest: what pairs rise by and fall by.
         let (mut now, mut at_rest) = ([R::from(0.0); MOST], [R::from(0.0); MOST]);
         for ((now, at_rest), &s) in now.iter_mut().zip(&mut at_rest).zip(&self.levels) {
-            (*now, *at_rest) = (ridge(u - s), ridge(-s));
+            (*now, *at_rest) = (ridge(u - s.into()), ridge((-s).into()));
         }
         let mut kernels = &mut x[..];
         for j in 0..self.levels.len() {

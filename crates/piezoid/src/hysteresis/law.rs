@@ -2,6 +2,7 @@
 //! that runs, the basis that is fitted, and the document that is saved.
 
 use super::basis::{Basis, Shape, counted};
+use super::inverse::{Inverted, by_slopes, by_trials};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
 use crate::error::{Error, finite, positive};
@@ -14,9 +15,9 @@ use std::sync::Arc;
 
 /// One sample of input, and what all samples have in common.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Input {
+pub(super) struct Input<R = f64> {
     /// The input [input unit].
-    pub(super) u: f64,
+    pub(super) u: R,
     /// The input one sample before; 0 before the first [input unit].
     pub(super) before: f64,
     /// Sampling period [s]; infinite for an input that came slowly to where it stands.
@@ -27,13 +28,31 @@ pub(super) struct Input {
 
 impl Input {
     /// The sample after this one.
-    fn then(self, u: f64) -> Self {
-        Input { u, before: self.u, ..self }
+    fn then<R: Real>(self, u: R) -> Input<R> {
+        Input { u, before: self.u, ts: self.ts, range: self.range }
+    }
+}
+
+impl<R: Real> Input<R> {
+    /// How far the input moves [input unit].
+    pub(super) fn path(&self) -> R {
+        self.u - self.before.into()
+    }
+
+    /// Which way the input moves: 1, -1, or 0 where it stands.
+    pub(super) fn way(&self) -> f64 {
+        let path = self.path().value();
+        if path == 0.0 { 0.0 } else { path.signum() }
+    }
+
+    /// How far the input moves, whichever way [input unit].
+    pub(super) fn length(&self) -> R {
+        self.path() * self.way().into()
     }
 
     /// How fast the input moves [input unit/s].
-    pub(super) fn rate(&self) -> f64 {
-        (self.u - self.before).abs() / self.ts
+    pub(super) fn rate(&self) -> R {
+        self.length() / self.ts.into()
     }
 
     /// Half the range [input unit].
@@ -62,7 +81,7 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     fn order(&self) -> usize;
 
     /// One sample: advances `x` and hands every phi_k, in order, to `phi`.
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, phi: impl FnMut(usize, R));
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, phi: impl FnMut(usize, R));
 
     /// Replaces the inputs in `signal`, which come after `last`, by z. Overridden where that is measurably faster, with the
     /// same bits however `signal` is cut.
@@ -73,6 +92,17 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
             *v = 0.0;
             self.step(shape, x, input, |k, phi| *v += weights[k] * phi);
         }
+    }
+
+    /// z, and its slope, as the next `input` would answer from the state `x`. `trial` is room for a copy of it. Overridden
+    /// where that is measurably faster.
+    fn ahead(&self, weights: &[f64], shape: &[f64], x: &[f64], trial: &mut Vec<Dual>, input: Input<Dual>) -> Dual {
+        trial.clear();
+        trial.extend(shape.iter().chain(x).copied().map(Dual::from));
+        let (shape, x) = trial.split_at_mut(shape.len());
+        let mut z = Dual::from(0.0);
+        self.step(shape, x, input, |k, phi| z = z + Dual::from(weights[k]) * phi);
+        z
     }
 
     /// Whether weight `k` must not be negative.
@@ -159,7 +189,7 @@ impl<L: Law> Weighted<L> {
     }
 
     fn advance<R: Real>(&self, shape: &[R], x: &mut [R], u: f64, phi: impl FnMut(usize, R)) {
-        let input = self.last(x).then(u);
+        let input = self.last(x).then(R::from(u));
         self.params.law.step(shape, &mut x[1..], input, phi);
         x[0] = u.into();
     }
@@ -209,6 +239,13 @@ impl<L: Law> Hysteresis for Weighted<L> {
 
     fn range(&self) -> Option<(f64, f64)> {
         Some(self.params.range)
+    }
+
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        let (last, Params { law, weights, .. }) = (self.last(x), &self.params);
+        let mut trial = Vec::new();
+        let ahead = |u| law.ahead(weights, &self.shape, &x[1..], &mut trial, last.then(Dual { value: u, slope: 1.0 }));
+        by_slopes(last.u, z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 }
 

@@ -82,11 +82,10 @@ impl Law for MaxwellSlip {
         2 * self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [rise, rate, attraction] = [shape[0], shape[1], shape[2]];
-        let path = input.u - input.before;
-        let way = if path == 0.0 { 0.0 } else { path.signum() };
-        let gain = R::from(1.0) + rise * (R::from(1.0) - (-R::from(input.rate()) / rate).exp());
+        let way = input.way();
+        let gain = R::from(1.0) + rise * (R::from(1.0) - (-input.rate() / rate).exp());
         let left = (-R::from(input.ts) / attraction).exp();
         let (sliders, sliding) = x.split_at_mut(self.thresholds.len());
         if way == 0.0 {
@@ -95,7 +94,7 @@ impl Law for MaxwellSlip {
             for ((slider, sliding), &r) in sliders.iter_mut().zip(sliding).zip(&self.thresholds) {
                 // Seen in the direction of the movement, everything rises.
                 let (e, breakaway) = (*slider * way.into(), gain * r.into());
-                let (pulled, beyond) = (e + path.abs().into(), e - breakaway);
+                let (pulled, beyond) = (e + input.length(), e - breakaway);
                 let slides = sliding.value() == way;
                 // What breaks away within the sample stands at its breakaway, which then draws it no further.
                 let late = if slides | (beyond.value() > 0.0) { beyond * left } else { 0.0.into() };
@@ -104,7 +103,7 @@ impl Law for MaxwellSlip {
                 *sliding = if sticks { 0.0 } else { way }.into();
             }
         }
-        phi(0, input.u.into());
+        phi(0, input.u);
         sliders.iter().enumerate().for_each(|(k, e)| phi(k + 1, -*e));
     }
 

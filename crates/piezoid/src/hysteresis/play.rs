@@ -10,11 +10,12 @@
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
 //! 10.1007/978-1-4612-4048-8; for piezo actuators P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI
 //! 10.1049/ip-cta:20010375. It does not do: asymmetric loops, saturation, rate.
+//! Inverted exactly: from a state z(u) is made of lines that rise, and Newton's method ends on the right one.
 
 use super::Operator;
 use super::basis::curvature;
 use super::law::{Input, Law, Weighted};
-use super::real::Real;
+use super::real::{Dual, Real};
 use super::thresholds::{self, ELEMENTS};
 use crate::error::Error;
 use multiversion::multiversion;
@@ -64,16 +65,28 @@ impl Law for Play {
         self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
-        phi(0, u.into());
+    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
+        phi(0, u);
         for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {
-            *p = p.clamp((u - r).into(), (u + r).into());
+            *p = p.clamp(u - r.into(), u + r.into());
             phi(k + 1, *p);
         }
     }
 
     fn run(&self, weights: &[f64], _: &[f64], x: &mut [f64], _: Input, signal: &mut [f64]) {
         sum_of_plays(weights, &self.thresholds, x, signal);
+    }
+
+    fn ahead(
+        &self,
+        weights: &[f64],
+        _: &[f64],
+        plays: &[f64],
+        _: &mut Vec<Dual>,
+        Input { u, .. }: Input<Dual>,
+    ) -> Dual {
+        let (value, slope) = sum_ahead(weights, &self.thresholds, plays, u.value);
+        Dual { value, slope: u.slope * slope }
     }
 
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
@@ -115,8 +128,8 @@ fn stretches<const N: usize>(weights: &[f64], thresholds: &[f64], plays: &mut [f
         if !p_rest.is_empty() {
             company(&mut sums, &w_last, &r_last, &mut p_last, stretch);
         }
-        for (v, [a, b, c, d, e, f, g, h]) in stretch.iter_mut().zip(sums) {
-            *v = w0 * *v + (((a + e) + (c + g)) + ((b + f) + (d + h)));
+        for (v, sums) in stretch.iter_mut().zip(sums) {
+            *v = w0 * *v + added(sums);
         }
     }
     p_rest.copy_from_slice(&p_last[..p_rest.len()]);
@@ -134,6 +147,39 @@ fn company(sums: &mut [Lanes], w: &Lanes, r: &Lanes, plays: &mut Lanes, u: &[f64
         }
     }
     *plays = p;
+}
+
+/// z at `u`, to the bit that of a run, and its slope: the weight of the plays that move. The plays stay.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn sum_ahead(weights: &[f64], thresholds: &[f64], plays: &[f64], u: f64) -> (f64, f64) {
+    let [w0, weights @ ..] = weights else { return (0.0, 0.0) };
+    let (w, w_rest) = weights.as_chunks();
+    let (r, r_rest) = thresholds.as_chunks();
+    let (p, p_rest) = plays.as_chunks();
+    let (mut sums, mut slopes) = ([0.0; LANES], [0.0; LANES]);
+    for ((p, r), w) in p.iter().zip(r).zip(w) {
+        look(&mut sums, &mut slopes, w, r, p, u);
+    }
+    if !p_rest.is_empty() {
+        look(&mut sums, &mut slopes, &filled(w_rest), &filled(r_rest), &filled(p_rest), u);
+    }
+    (w0 * u + added(sums), w0 + added(slopes))
+}
+
+#[inline(always)]
+fn look(sums: &mut Lanes, slopes: &mut Lanes, w: &Lanes, r: &Lanes, p: &Lanes, u: f64) {
+    for lane in 0..LANES {
+        let (low, high) = (u - r[lane], u + r[lane]);
+        let below = if p[lane] > high { high } else { p[lane] };
+        let now = if below < low { low } else { below };
+        sums[lane] += w[lane] * now;
+        slopes[lane] += if now == p[lane] { 0.0 } else { w[lane] };
+    }
+}
+
+#[inline(always)]
+fn added([a, b, c, d, e, f, g, h]: Lanes) -> f64 {
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Lanes that begin with `rest`, and zeros.

@@ -1,6 +1,8 @@
 //! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
 
 use super::basis::counted;
+use super::inverse::{Inverted, by_slopes, by_trials};
+use super::real::Dual;
 use super::{Basis, Hysteresis, Operator, document, parse};
 use crate::error::{finite, positive};
 use crate::system::System;
@@ -69,6 +71,12 @@ impl Hysteresis for Proportional {
 
     fn params(&self) -> Map<String, Value> {
         document(&self.params)
+    }
+
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        let k = self.params.gain;
+        let ahead = |u| Dual { value: k * u, slope: k };
+        by_slopes(0.0, z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 }
 

@@ -10,7 +10,8 @@
 //! no more. u' is the difference of two samples over the sampling period: an input held in steps has spikes of it.
 //!
 //! Reference: M. Al Janaideh & P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013), DOI 10.1109/TMECH.2012.2205265. It does
-//! not do: asymmetric loops, saturation; and reversals are wiped out at one rate only.
+//! not do: asymmetric loops, saturation; and reversals are wiped out at one rate only. Inverted by Newton's method, exact but for the
+//! logarithm; where growth / rate exceeds a sampling period plays fall as the input moves faster, and z may.
 
 use super::Operator;
 use super::basis::{Shape, curvature};
@@ -80,9 +81,9 @@ impl Law for RatePlay {
         self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input, mut phi: impl FnMut(usize, R)) {
-        let u = R::from(input.u);
-        let relative = R::from(input.rate()) / shape[1];
+    fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
+        let u = input.u;
+        let relative = input.rate() / shape[1];
         let more = shape[0] * relative * relative.log_growth();
         phi(0, u);
         for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {

@@ -10,8 +10,10 @@
 //! guess.
 
 use super::basis::counted;
+use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
-use super::two_branch::{example, read};
+use super::real::Dual;
+use super::two_branch::{example, read, read_slope};
 use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
 use crate::error::{Error, positive};
 use crate::system::System;
@@ -120,6 +122,13 @@ impl RateScheduled {
         z(low) + z(high)
     }
 
+    /// As [`interpolate`](Self::interpolate), and the slope.
+    fn slope(&self, u: f64, direction: f64, frequency: f64) -> Dual {
+        let [low, high] = self.shares(frequency);
+        let z = |(k, share): (usize, f64)| Dual::from(share) * read_slope(&self.params.pairs[k].branches, u, direction);
+        z(low) + z(high)
+    }
+
     /// Advances the state by one input; returns the direction to read by and the frequency [Hz].
     fn follow(&self, x: &mut [f64], u: f64) -> (f64, f64) {
         let direction = self.params.reading.direction(x[0], u, x[1]);
@@ -188,6 +197,16 @@ impl Hysteresis for RateScheduled {
 
     fn params(&self) -> Map<String, Value> {
         document(&self.params)
+    }
+
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        let mut trial = x.to_vec();
+        let ahead = |u| {
+            trial.copy_from_slice(x);
+            let (direction, frequency) = self.follow(&mut trial, u);
+            self.slope(u, direction, frequency)
+        };
+        by_slopes(x[0], z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 
     fn frequencies(&self) -> Option<(f64, f64)> {

@@ -9,7 +9,8 @@
 //! at a reversal. Reversals that are passed are wiped out.
 //!
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
-//! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate.
+//! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate. Inverted as
+//! `prandtl-ishlinskii` while w_0 >= w_1 + ... + w_n, beyond which z falls somewhere.
 
 use super::Operator;
 use super::basis::curvature;
@@ -64,11 +65,11 @@ impl Law for Stop {
         self.thresholds.len()
     }
 
-    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input, mut phi: impl FnMut(usize, R)) {
-        phi(0, u.into());
+    fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
+        phi(0, u);
         for (k, (p, &r)) in x.iter_mut().zip(&self.thresholds).enumerate() {
-            *p = p.clamp((u - r).into(), (u + r).into());
-            phi(k + 1, *p - u.into());
+            *p = p.clamp(u - r.into(), u + r.into());
+            phi(k + 1, *p - u);
         }
     }
 

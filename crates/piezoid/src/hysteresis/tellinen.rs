@@ -15,8 +15,10 @@
 //! Reference: J. Tellinen, "A simple scalar model for magnetic hysteresis", IEEE Trans. Magnetics 34 (1998), DOI
 //! 10.1109/20.706508 (there with the slope of the vacuum apart). Reversals start without a jump. It does not do: rate,
 //! wiping out; minor loops drift towards a loop of their own; a loop that has turned round reads as none.
+//! Inverted by Newton's method, with the slope of the equation.
 
 use super::basis::counted;
+use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::{Dual, Real};
 use super::two_branch::example;
@@ -117,6 +119,12 @@ fn at<R: Real>(table: &[R], place: f64) -> R {
     table[i] + (table[i + 1] - table[i]) * (place - i as f64).into()
 }
 
+/// How much a cell of `table` adds, at `place`; nothing beyond its ends.
+fn added(table: &[f64], place: f64) -> f64 {
+    let i = (place as usize).min(CELLS - 1);
+    if place > 0.0 && place < CELLS as f64 { table[i + 1] - table[i] } else { 0.0 }
+}
+
 /// z for the curves m and v at the input.
 fn between<R: Real>((m, v): (R, R), side: R) -> R {
     if v.value() > 0.0 { m + side * v } else { m }
@@ -167,6 +175,23 @@ impl Hysteresis for Tellinen {
 
     fn range(&self) -> Option<(f64, f64)> {
         Some(self.branches.range())
+    }
+
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        let (before, half) = (x[0], Dual::from(0.5));
+        let ahead = |u| {
+            let (a, d) = self.branches.slopes(u);
+            let (side, place) = (self.decay.side(x[1], before, u), self.decay.place(u));
+            let lost = if u > before {
+                (1.0 + side) * added(&self.decay.rising, place)
+            } else if u < before {
+                (side - 1.0) * added(&self.decay.falling, place)
+            } else {
+                0.0
+            };
+            between((half * (d + a), half * (d - a)), Dual { value: side, slope: -lost / self.decay.cell })
+        };
+        by_slopes(before, z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 }
 

@@ -6,9 +6,13 @@
 //!
 //! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
 //! the loop jumps to the other branch), and no change of amplitude or offset.
+//!
+//! Inverted by Newton's method on the spline of the branch that the way to the wanted z reads.
 
 use super::basis::counted;
+use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
+use super::real::{Dual, Real};
 use super::{Basis, Branches, Hysteresis, Operator, document, parse};
 use crate::error::{Error, positive};
 use crate::system::System;
@@ -100,12 +104,23 @@ impl TwoBranch {
 
 /// z at `u` when it moves in `direction`; midway while that is not known.
 pub(super) fn read(branches: &Branches, u: f64, direction: f64) -> f64 {
+    choose(|| branches.ascending(u), || branches.descending(u), direction)
+}
+
+/// As [`read`], and the slope.
+pub(super) fn read_slope(branches: &Branches, u: f64, direction: f64) -> Dual {
+    let (ascending, descending) = branches.slopes(u);
+    choose(|| ascending, || descending, direction)
+}
+
+#[inline]
+fn choose<R: Real>(ascending: impl FnOnce() -> R, descending: impl FnOnce() -> R, direction: f64) -> R {
     if direction > 0.0 {
-        branches.ascending(u)
+        ascending()
     } else if direction < 0.0 {
-        branches.descending(u)
+        descending()
     } else {
-        0.5 * (branches.ascending(u) + branches.descending(u))
+        R::from(0.5) * (ascending() + descending())
     }
 }
 
@@ -151,6 +166,12 @@ impl Hysteresis for TwoBranch {
 
     fn range(&self) -> Option<(f64, f64)> {
         Some(self.params.branches.range())
+    }
+
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        let Params { reading, branches } = &self.params;
+        let ahead = |u| read_slope(branches, u, reading.direction(x[0], u, x[1]));
+        by_slopes(x[0], z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 }
 

@@ -9,7 +9,8 @@
 //!
 //! Reference: D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
 
-use super::grid::{Grid, cell};
+use super::grid::{Grid, cell, share};
+use crate::hysteresis::real::Real;
 use crate::intervals::Intervals;
 
 /// E and V, tabulated.
@@ -56,25 +57,28 @@ impl Everett {
     }
 
     /// E between `m` and `M`, m <= M.
-    pub(super) fn between(&self, m: f64, high: f64) -> f64 {
+    pub(super) fn between<R: Real>(&self, m: R, high: R) -> R {
         let ((i, a), (j, b)) = (self.grid.place(high), self.grid.place(m));
         if i == j {
-            return self.diagonal[i] * (a - b) * (a - b);
+            return R::from(self.diagonal[i]) * (a - b) * (a - b);
         }
-        let node = |i: usize, j: usize| self.nodes[i * self.grid.levels().len() + j];
+        let one = R::from(1.0);
+        let node = |i: usize, j: usize| R::from(self.nodes[i * self.grid.levels().len() + j]);
         // Shares of the next node: a upwards from l_i, 1 - b downwards from l_{j+1}.
-        let at = |i: usize| b * node(i, j + 1) + (1.0 - b) * node(i, j);
-        let off = (1.0 - a) * at(i) + a * at(i + 1);
-        let between = self.diagonal_below[i] - self.diagonal_below[j + 1];
-        off + between + self.diagonal[i] * a * a + self.diagonal[j] * (1.0 - b) * (1.0 - b)
+        let at = |i: usize| b * node(i, j + 1) + (one - b) * node(i, j);
+        let off = (one - a) * at(i) + a * at(i + 1);
+        let between = R::from(self.diagonal_below[i] - self.diagonal_below[j + 1]);
+        let [upper, lower] = [i, j].map(|k| R::from(self.diagonal[k]));
+        off + between + upper * a * a + lower * (one - b) * (one - b)
     }
 
     /// V at `u`.
-    pub(super) fn since_rest(&self, u: f64) -> f64 {
-        let k = self.breaks.of(u);
-        let s = self.breaks.share(k, u);
+    pub(super) fn since_rest<R: Real>(&self, u: R) -> R {
+        let k = self.breaks.of(u.value());
+        let s = share(&self.breaks, k, u);
         let [start, middle, end] = self.virgin[k];
-        start + s * (4.0 * middle - 3.0 * start - end + 2.0 * s * (start + end - 2.0 * middle))
+        let (rise, bend) = (4.0 * middle - 3.0 * start - end, start + end - 2.0 * middle);
+        R::from(start) + s * (R::from(rise) + R::from(2.0) * s * bend.into())
     }
 }
 

@@ -8,6 +8,7 @@
 //! alpha + beta >= 0, for demagnetisation has left the others up already. What share of a cell that is, is an area: a
 //! rectangle, a triangle, or what the line alpha + beta = 0 leaves of them.
 
+use crate::hysteresis::real::Real;
 use crate::intervals::Intervals;
 
 /// Levels l_0 < l_1 < ... < l_n, the edges of the cells.
@@ -40,9 +41,9 @@ impl Grid {
     }
 
     /// The cell of one axis that holds `u`, and the share of it that lies below `u`.
-    pub(super) fn place(&self, u: f64) -> (usize, f64) {
-        let i = self.0.of(u);
-        (i, self.0.share(i, u))
+    pub(super) fn place<R: Real>(&self, u: R) -> (usize, R) {
+        let i = self.0.of(u.value());
+        (i, share(&self.0, i, u))
     }
 
     /// Adds to each cell of `sums` `way` times the share of its relays that turn between `low` and `high`: those of alphas up
@@ -92,6 +93,12 @@ impl Grid {
         let whole = (alpha.1 - alpha.0) * (beta.1 - beta.0);
         area / if i == j { 0.5 * whole } else { whole }
     }
+}
+
+/// The share of interval `i` that lies below `u`, 0 to 1.
+pub(super) fn share<R: Real>(intervals: &Intervals, i: usize, u: R) -> R {
+    let (low, high) = (intervals.edges()[i], intervals.edges()[i + 1]);
+    ((u - low.into()) / (high - low).into()).clamp(0.0.into(), 1.0.into())
 }
 
 /// The integral of max(x, 0).

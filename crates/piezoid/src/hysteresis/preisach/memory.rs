@@ -57,14 +57,36 @@ impl Memory {
         }
     }
 
-    /// Remembers where the input is if moving to `u` turns it round.
-    fn turn(self, x: &mut [f64], u: f64) {
+    /// Where the branch begins that moving to `u` would lead to, and the value there (none at rest); the state stays. None
+    /// where something would have to be forgotten first.
+    pub(super) fn ahead(self, x: &[f64], u: f64) -> Option<(Branch, &[f64])> {
+        let (stored, turned) = (count(x), self.turns(x, u));
+        if turned && stored == CAPACITY {
+            return None;
+        }
+        let reversal = |i: usize| if i < stored { self.reversal(x, i) } else { x[1] };
+        Some(match kept(reversal, stored + usize::from(turned), x[1], u).checked_sub(1) {
+            None => (Branch::Rest, &[]),
+            Some(i) => {
+                let at = if i < stored { self.place(i) } else { 1 };
+                (Branch::From(x[at]), &x[at + 1..at + 1 + self.value])
+            }
+        })
+    }
+
+    /// Whether moving to `u` turns the input round.
+    fn turns(self, x: &[f64], u: f64) -> bool {
         let n = count(x);
         let so_far = x[1] - if n == 0 { 0.0 } else { self.reversal(x, n - 1) };
-        if so_far == 0.0 || (so_far > 0.0) == (u > x[1]) {
+        so_far != 0.0 && (so_far > 0.0) != (u > x[1])
+    }
+
+    /// Remembers where the input is if moving to `u` turns it round.
+    fn turn(self, x: &mut [f64], u: f64) {
+        if !self.turns(x, u) {
             return;
         }
-        if n == CAPACITY {
+        if count(x) == CAPACITY {
             self.forget(x);
         }
         let at = self.place(count(x));
@@ -74,16 +96,7 @@ impl Memory {
 
     /// Forgets the loops that the way to `u` closes.
     fn wipe_out(self, x: &mut [f64], u: f64) {
-        let up = u > x[1];
-        let mut n = count(x);
-        while n > 0 {
-            let end = if n == 1 { -self.reversal(x, 0) } else { self.reversal(x, n - 2) };
-            if (up && u < end) || (!up && u > end) || end.is_nan() || u.is_nan() {
-                break;
-            }
-            n = n.saturating_sub(2);
-        }
-        x[0] = n as f64;
+        x[0] = kept(|i| self.reversal(x, i), count(x), x[1], u) as f64;
     }
 
     /// Makes room for two: forgets the neighbours i and i + 1 between which the fewest relays lie, in the rectangle that
@@ -104,6 +117,19 @@ impl Memory {
     fn place(self, i: usize) -> usize {
         1 + (1 + self.value) * (1 + i)
     }
+}
+
+/// How many of `n` reversals are left when the input has gone from `before` to `u`.
+fn kept(reversal: impl Fn(usize) -> f64, mut n: usize, before: f64, u: f64) -> usize {
+    let up = u > before;
+    while n > 0 {
+        let end = if n == 1 { -reversal(0) } else { reversal(n - 2) };
+        if (up && u < end) || (!up && u > end) || end.is_nan() || u.is_nan() {
+            break;
+        }
+        n = n.saturating_sub(2);
+    }
+    n
 }
 
 fn count(x: &[f64]) -> usize {

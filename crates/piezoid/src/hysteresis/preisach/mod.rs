@@ -10,13 +10,16 @@
 //!
 //! Reference: I. D. Mayergoyz, "Mathematical Models of Hysteresis", Springer (1991), DOI 10.1007/978-1-4612-3028-1; for
 //! piezo actuators P. Ge & M. Jouaneh, Precision Engineering 17 (1995), DOI 10.1016/0141-6359(95)00002-U. It does not
-//! do: rate, accommodation (minor loops that creep towards a limit).
+//! do: rate, accommodation (minor loops that creep towards a limit). Inverted by Newton's method on the quadratic pieces of z(u),
+//! read off the memory without changing it.
 
 mod everett;
 mod grid;
 mod memory;
 
 use super::basis::{Basis, Design, counted};
+use super::inverse::{Inverted, by_slopes, by_trials};
+use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
 use crate::error::{Error, finite, positive};
 use crate::system::System;
@@ -97,6 +100,29 @@ impl Preisach {
     }
 }
 
+impl Preisach {
+    /// The sum over the cells at `u`, on a branch that began with the value `start`.
+    fn sum<R: Real>(&self, branch: Branch, start: &[f64], u: R) -> R {
+        match branch {
+            Branch::Rest => self.everett.since_rest(u),
+            Branch::From(r) if u.value() >= r => R::from(start[0]) + self.everett.between(r.into(), u),
+            Branch::From(r) => R::from(start[0]) - self.everett.between(u, r.into()),
+        }
+    }
+
+    /// z at `u` from the state `x`, and its slope; None of a memory that is full.
+    fn ahead(&self, x: &[f64], u: f64) -> Option<Dual> {
+        let input = Dual { value: u, slope: 1.0 };
+        let sum = if u == SUM.input(x) {
+            Dual::from(SUM.value(x)[0])
+        } else {
+            let (branch, start) = SUM.ahead(x, u)?;
+            self.sum(branch, start, input)
+        };
+        Some(Dual::from(self.params.slope) * input + sum)
+    }
+}
+
 /// Refuses levels that do not rise.
 fn check(levels: &[f64]) -> Result<(), Error> {
     finite("levels", levels)?;
@@ -125,11 +151,7 @@ impl System for Preisach {
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
         if u != SUM.input(x) {
             let (branch, start, now) = SUM.travel(x, u);
-            now[0] = match branch {
-                Branch::Rest => self.everett.since_rest(u),
-                Branch::From(r) if u >= r => start[0] + self.everett.between(r, u),
-                Branch::From(r) => start[0] - self.everett.between(u, r),
-            };
+            now[0] = self.sum(branch, start, u);
         }
         self.params.slope * u + SUM.value(x)[0]
     }
@@ -146,6 +168,12 @@ impl Hysteresis for Preisach {
 
     fn range(&self) -> Option<(f64, f64)> {
         Some(self.params.range)
+    }
+
+    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+        let none = Dual::from(f64::NAN);
+        let ahead = |u| self.ahead(x, u).unwrap_or(none);
+        by_slopes(SUM.input(x), z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 }
 
