@@ -35,6 +35,9 @@ const DELAY: usize = 3;
 /// What a longer delay may cost, in sums of squares, and still count as costing nothing.
 const NOTHING: f64 = 1.01;
 
+/// How much more of the input an output must hold some samples later, to count as late.
+const CLEARLY: f64 = 1.5;
+
 /// Rows of the grid that stands in for the hysteresis.
 const COARSE: usize = 12;
 
@@ -115,7 +118,16 @@ pub(super) fn of_rich(
     // Its sign is that of the slowest: near a resonance the output opposes the input.
     let hz = |record: &&Record| dominant_frequency(record.u(), ts).unwrap_or(0.0);
     let slowest = rich.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&rich[0]);
-    let gain = affine(rich)?.0.copysign(affine(std::slice::from_ref(slowest))?.0);
+    // And of the lag at which it clearly goes with the input: an input that acts a sample late says nothing at once.
+    let lagged = |d: usize| -> Result<f64, Error> {
+        let (u, y) = (&slowest.u()[..slowest.len() - d], &slowest.y()[d..]);
+        Ok(affine(&[Record::new(ts, u.to_vec(), y.to_vec())?])?.0)
+    };
+    let at_once = lagged(0)?;
+    let later = (1..=DELAY.min(slowest.len() / 4)).map(|d| Ok((d, lagged(d)?))).collect::<Result<Vec<_>, Error>>()?;
+    let strongest = later.into_iter().max_by(|p, q| p.1.abs().total_cmp(&q.1.abs()));
+    let (first, sign) = strongest.filter(|(_, gain)| gain.abs() > CLEARLY * at_once.abs()).unwrap_or((0, at_once));
+    let gain = if first == 0 { affine(rich)?.0.copysign(sign) } else { sign };
     let late = |d: usize, next: f64| {
         Arx::new(
             ts,
@@ -123,13 +135,14 @@ pub(super) fn of_rich(
             [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat(),
         )
     };
-    let plain = refine(start(late(0, 0.0)?)?, runs, Freed::Creep, watch)?;
+    let plain = refine(start(late(first, 0.0)?)?, runs, Freed::Creep, watch)?;
     let waits = delay(&hidden(&plain, runs)?);
-    let mut tried: Vec<(String, Fitted)> = vec![("a gain".into(), plain)];
+    let delayed = |d: usize| if d == 0 { "a gain".into() } else { format!("a gain with a delay of {d} samples") };
+    let mut tried: Vec<(String, Fitted)> = vec![(delayed(first), plain)];
     if how.order.unwrap_or(0) == 0 {
-        if waits > 0 {
+        if waits > first {
             let fit = refine(start(late(waits, 0.0)?)?, runs, Freed::Creep, watch)?;
-            tried.push((format!("a gain with a delay of {waits} samples"), fit));
+            tried.push((delayed(waits), fit));
         }
         let from = waits.saturating_sub(1);
         let fit = refine(start(late(from, 0.5)?)?, runs, Freed::All, watch)?;
