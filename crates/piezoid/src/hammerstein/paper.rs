@@ -217,7 +217,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
 }
 
 /// What is wrong with the records, each named by what it is and its number.
-pub(super) fn defects(which: &str, records: &[Record]) -> Vec<String> {
+fn defects(which: &str, records: &[Record]) -> Vec<String> {
     let each = records.iter().enumerate().flat_map(|(k, record)| {
         let name = called(which, k, records.len());
         let findings = inspect(record, &Need::default()).findings.into_iter();

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::series::mean;
 use crate::system::System;
-use crate::waveform::{again, in_motion, lead};
+use crate::waveform::{in_motion, lead};
 
 /// What the actuator did before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -46,7 +46,7 @@ impl Model {
                     self.creep().respond(&mut creep, &mut next);
                     next[0]
                 };
-                let over = next(first) - next(u[again(u)]);
+                let over = next(first) - next(u[z.len() - u.len()]);
                 z.iter_mut().for_each(|z| *z += over);
                 linear.copy_from_slice(&self.linear().settled(z[0]));
                 self.linear().respond(linear, &mut z);

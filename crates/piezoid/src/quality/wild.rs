@@ -5,7 +5,7 @@
 //! is wild.
 
 use super::runs::{quantile, runs};
-use super::{Defect, Finding, places};
+use super::{Defect, Finding, bridged, places};
 use crate::number::short;
 use crate::record::Record;
 
@@ -16,18 +16,10 @@ const BEYOND: f64 = 0.01;
 pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
     let y = record.y();
     let (Some((low, high)), true) = (core(y), calm(record.u())) else { return (None, None) };
-    let inside = |t: usize| (low..=high).contains(&y[t]);
-    let samples = runs(y.len(), 0, |t| !inside(t));
-    let mut tame = y.to_vec();
-    for run in &samples {
-        let before = run.start.checked_sub(1).map_or(y.get(run.end), |t| Some(&y[t]));
-        let (Some(&from), Some(&to)) = (before, y.get(run.end).or(before)) else { continue };
-        let length = (run.len() + 1) as f64;
-        run.clone().for_each(|t| tame[t] = from + (to - from) * (t + 1 - run.start) as f64 / length);
-    }
-    let Some(tame) = Record::new(record.ts(), record.u().to_vec(), tame).ok().filter(|_| !samples.is_empty()) else {
-        return (None, None);
-    };
+    let inside: Vec<bool> = y.iter().map(|y| (low..=high).contains(y)).collect();
+    let samples = runs(y.len(), 0, |t| !inside[t]);
+    let tame = Record::new(record.ts(), record.u().to_vec(), bridged(y, &inside)).ok();
+    let Some(tame) = tame.filter(|_| !samples.is_empty()) else { return (None, None) };
     let beyond = samples.iter().flat_map(|run| &y[run.clone()]);
     let wildest = beyond.fold(low, |m, &y| if (y - low).abs() > (m - low).abs() { y } else { m });
     let unit = &record.units().y;

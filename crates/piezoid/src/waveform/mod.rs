@@ -7,7 +7,7 @@ mod repetition;
 
 pub(crate) use band::band;
 pub(crate) use cycles::{Cycle, cycles, turns};
-pub(crate) use motion::{again, in_motion, lead};
+pub(crate) use motion::{in_motion, lead};
 pub(crate) use repetition::period;
 
 use crate::series::ends;

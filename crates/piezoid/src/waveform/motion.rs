@@ -17,7 +17,7 @@ pub(crate) fn in_motion(u: &[f64]) -> bool {
 }
 
 /// The sample from which `u` does most nearly again what it does first: what comes before it may have come before the record.
-pub(crate) fn again(u: &[f64]) -> usize {
+fn again(u: &[f64]) -> usize {
     let n = a_fifth(u).min(LONGEST).min(u.len() / 4);
     let apart = |t: &usize| u[*t..].iter().zip(&u[..n]).map(|(v, first)| (v - first) * (v - first)).sum::<f64>();
     // Past its first movement: before, a slow input is always like itself.

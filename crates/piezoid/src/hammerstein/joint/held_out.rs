@@ -121,7 +121,7 @@ mod tests {
             })
             .collect();
         let estimate = estimate("proportional", 1);
-        let runs = of(&[], &records).unwrap();
+        let runs = of(&[], &records, &mut Vec::new()).unwrap();
         let stretches = products(&estimate, &runs, &[]);
         let prior = Prior::of(&estimate);
         let found = cross_validate(&estimate, &prior, &stretches, 1e-6, Freed::Weights, Some(0.0));

@@ -13,6 +13,7 @@
 //! iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017, DOI
 //! 10.1016/j.automatica.2017.06.044 (a survey). It does not do: hysteresis inside the loop of the dynamics.
 
+mod dynamics;
 mod equations;
 mod estimate;
 mod held_out;
@@ -36,7 +37,7 @@ pub use trials::Trial;
 pub use uncertainty::Parameter;
 
 use super::Domain;
-use super::paper::{Identified, common_units, defects, unexcited};
+use super::paper::{Identified, common_units, unexcited};
 use super::rich::LinearPart;
 use crate::creep::Lag;
 use crate::driver::{Driver, SUBSTEPS};
@@ -105,9 +106,7 @@ pub fn identify_joint(
     // Without any other, small-signal records are all there is to find hysteresis from.
     let (beside, rich) = if rich.is_empty() { (&[][..], small.clone()) } else { (&small[..], rich) };
     let candidates = trials::candidates(&how.operator, &rich, small.is_empty(), &mut notes)?;
-    notes.extend(defects("small-signal record", beside));
-    notes.extend(defects("rich record", &rich));
-    let mut runs = runs::of(beside, &rich)?;
+    let mut runs = runs::of(beside, &rich, &mut notes)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
     let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };

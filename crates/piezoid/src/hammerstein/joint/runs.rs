@@ -76,11 +76,11 @@ fn sound<'s>(x: &'s [f64], usable: &'s [bool]) -> impl Iterator<Item = f64> + 's
     x.iter().zip(usable).filter(|(_, usable)| **usable).map(|(x, _)| *x)
 }
 
-/// All records, with what is held out in turn.
+/// All records, with what is held out in turn; `notes` are told what is wrong with them.
 ///
 /// # Errors
 /// Refuses a record nothing can be identified from.
-pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record]) -> Result<Vec<Run<'a>>, Error> {
+pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record], notes: &mut Vec<String>) -> Result<Vec<Run<'a>>, Error> {
     let mut runs = Vec::new();
     for (kind, records, is_rich) in [("small-signal record", small, false), ("rich record", rich, true)] {
         for (k, record) in records.iter().enumerate() {
@@ -93,6 +93,7 @@ pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record]) -> Result<Vec<Run<
                 Err(Error::Unidentifiable { because, .. }) => return Err(refused(because)),
                 sound => sound?,
             }
+            notes.extend(seen.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
             let drifts = seen.findings.iter().any(|finding| finding.defect == Defect::Drift);
             let run = Run::new(record, &name, is_rich, seen.usable);
             let still = || refused("what is sound of the output never moves: measure again".into());

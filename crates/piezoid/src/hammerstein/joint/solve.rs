@@ -4,12 +4,13 @@
 //! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 where physics asks for it,  g_i >= 0
 //! ```
 //! D takes second differences of neighbouring weights; S is the mean size of the weights' columns, so lambda has no unit.
-//! A slow lag of creep tends to the gain of the quicker one before it.
+//! A lag of creep tends to the gain of the quicker one before it, the quickest to no more than is usual.
 //! A factor may stand in G or in w alike: the static gain of G is held, and w carries it.
 
 use super::equations::Normal;
 use super::estimate::Estimate;
 use super::layout::Layout;
+use crate::creep::Lag;
 use crate::optimize::non_negative;
 use nalgebra::{DMatrix, DVector};
 
@@ -48,7 +49,8 @@ pub(super) struct Prior {
     signed: Vec<bool>,
     /// The derivative of ln(static gain of G).
     gain: DVector<f64>,
-    /// Lags that are too quick to count as creep.
+    /// Lags that are free: those too quick to count as creep, and the first that does, where G is a gain and they are all the
+    /// dynamics there is.
     quick: usize,
 }
 
@@ -75,7 +77,8 @@ impl Prior {
         let mut gain = DVector::zeros(layout.parameters());
         gain.rows_range_mut(layout.a.clone()).fill(1.0 / fed_back);
         gain.rows_range_mut(layout.b.clone()).fill(1.0 / fed_forward);
-        let quick = estimate.lags.iter().filter(|lag| lag.tau_s < SLOW.max(SAMPLES * estimate.ts())).count();
+        let quick = |lag: &&Lag| lag.tau_s < SLOW.max(SAMPLES * estimate.ts());
+        let quick = if a.is_empty() { estimate.lags.iter().filter(quick).count() + 1 } else { 0 };
         Prior { now: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain, quick }
     }
 
@@ -126,9 +129,9 @@ impl Prior {
         }
         let gains = layout.gains.clone();
         let alike = ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64;
-        for k in gains.skip(self.quick + 1) {
+        for k in gains.clone().skip(self.quick) {
             h[(k, k)] += alike;
-            g[k] += alike * self.now[k - 1].min(USUAL);
+            g[k] += alike * self.now[if k == gains.start { k } else { k - 1 }].min(USUAL);
         }
         let held = self.hold_static_gain(&mut h, &mut g);
 

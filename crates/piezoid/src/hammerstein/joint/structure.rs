@@ -6,6 +6,7 @@
 //! n + 1 of them. The simplest structure is taken that foretells held-out parts as well as the best.
 
 use super::Joint;
+use super::dynamics::{Dynamics, NOTHING, creeping, dynamics, slowest_pole};
 use super::estimate::{Estimate, Responses};
 use super::products::dot;
 use super::refine::{Fitted, Watch, refine};
@@ -18,22 +19,21 @@ use crate::hammerstein::Model;
 use crate::hammerstein::paper::proportional;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
 use crate::hysteresis::{Design, Proportional, operator};
-use crate::linear::{Arx, Choice, Orders, Pole, Refinement, output_error, refine as refine_alone, select};
+use crate::linear::{Arx, Choice, Orders, Refinement, output_error, refine as refine_alone, select};
 use crate::number::short;
 use crate::progress::unwatched;
 use crate::record::Record;
 use crate::series::scatter;
 use crate::system::System;
 use crate::waveform::dominant_frequency;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// The highest order tried, and the longest delay of small-signal records [samples].
 const ORDER: usize = 8;
 const DELAY: usize = 3;
 
-/// What a longer delay may cost, in sums of squares, and still count as costing nothing.
-const NOTHING: f64 = 1.01;
+/// How much more of the input an output must hold some samples later, to count as late.
+const CLEARLY: f64 = 1.5;
 
 /// Rows of the grid that stands in for the hysteresis.
 const COARSE: usize = 12;
@@ -112,10 +112,7 @@ pub(super) fn of_rich(
     let start = |linear: Arx| -> Result<Estimate, Error> {
         Ok(Estimate::new(how.driver, (operator("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
     };
-    // Its sign is that of the slowest: near a resonance the output opposes the input.
-    let hz = |record: &&Record| dominant_frequency(record.u(), ts).unwrap_or(0.0);
-    let slowest = rich.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&rich[0]);
-    let gain = affine(rich)?.0.copysign(affine(std::slice::from_ref(slowest))?.0);
+    let (gain, first) = start_gain(rich)?;
     let late = |d: usize, next: f64| {
         Arx::new(
             ts,
@@ -123,13 +120,14 @@ pub(super) fn of_rich(
             [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat(),
         )
     };
-    let plain = refine(start(late(0, 0.0)?)?, runs, Freed::Creep, watch)?;
+    let plain = refine(start(late(first, 0.0)?)?, runs, Freed::Creep, watch)?;
     let waits = delay(&hidden(&plain, runs)?);
-    let mut tried: Vec<(String, Fitted)> = vec![("a gain".into(), plain)];
+    let delayed = |d: usize| if d == 0 { "a gain".into() } else { format!("a gain with a delay of {d} samples") };
+    let mut tried: Vec<(String, Fitted)> = vec![(delayed(first), plain)];
     if how.order.unwrap_or(0) == 0 {
-        if waits > 0 {
+        if waits > first {
             let fit = refine(start(late(waits, 0.0)?)?, runs, Freed::Creep, watch)?;
-            tried.push((format!("a gain with a delay of {waits} samples"), fit));
+            tried.push((delayed(waits), fit));
         }
         let from = waits.saturating_sub(1);
         let fit = refine(start(late(from, 0.5)?)?, runs, Freed::All, watch)?;
@@ -184,77 +182,21 @@ pub(super) fn of_rich(
     Ok((fitted.estimate.linear, reason))
 }
 
-/// The frequency below which a real pole is creep, which has a block of its own [Hz].
-fn slowest_pole(how: &Joint, lags: &[Lag]) -> f64 {
-    lags.first().filter(|_| how.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
-}
-
-/// A pole of the block that is creep.
-fn creeping(arx: &Arx, slowest: f64) -> Option<Pole> {
-    arx.poles().into_iter().find(|pole| pole.z.im == 0.0 && pole.z.re > 0.0 && pole.hz < slowest)
-}
-
-/// A linear block from z to y, and the squared error it left.
-struct Dynamics {
-    arx: Arx,
-    cost: f64,
-}
-
-impl Dynamics {
-    /// What remains without its poles that are creep: G less r q^-d / (1 - p q^-1) for each. None where that is a gain.
-    fn without_creep(mut self, slowest: f64) -> Result<Option<Self>, Error> {
-        while let Some(pole) = creeping(&self.arx, slowest) {
-            if self.arx.a().len() == 1 {
-                return Ok(None);
-            }
-            let (p, delay) = (pole.z.re, self.arx.delay());
-            let fed_back: Vec<f64> = std::iter::once(1.0).chain(self.arx.a().iter().map(|a| -a)).collect();
-            let rest = without_factor(&fed_back, p);
-            let at = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum / p + c);
-            let mut b = self.arx.b()[delay..].to_vec();
-            let r = at(&b) / at(&rest);
-            b.resize(b.len().max(rest.len()), 0.0);
-            b.iter_mut().zip(&rest).for_each(|(b, a)| *b -= r * a);
-            let b = [vec![0.0; delay], without_factor(&b, p)].concat();
-            self.arx = Arx::new(self.arx.ts(), rest[1..].iter().map(|a| -a).collect(), b)?;
-        }
-        Ok(Some(self).filter(|left| left.arx.dc_gain() != 0.0))
-    }
-}
-
-/// The polynomial c in q^-1 over 1 - p q^-1, which it has as a factor.
-fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
-    let mut last = 0.0;
-    c[..c.len() - 1]
-        .iter()
-        .map(|c| {
-            last = c + p * last;
-            last
-        })
-        .collect()
-}
-
-/// The block of order `n` from z to y, of this static gain, with the longest delay up to `latest` that costs nothing.
-///
-/// # Errors
-/// Where no delay gives one of the sign of the gain.
-fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) -> Result<Dynamics, Error> {
-    let mut delays = vec![latest, latest / 2, 0];
-    delays.dedup();
-    let of = |delay: usize| {
-        let found = output_error(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched)?;
-        if found.arx.dc_gain() * gain > 0.0 {
-            return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
-        }
-        let because = "the block found has a static gain of another sign than the records".into();
-        Err(Error::Unidentifiable { what: format!("a linear block of order {n}"), because })
+/// The gain to start from, and the delay with it [samples]: the sign of the slowest record, since near a resonance the output
+/// opposes the input, at the delay where that clearly goes with its input: one that acts a sample late says nothing at once.
+fn start_gain(rich: &[Record]) -> Result<(f64, usize), Error> {
+    let hz = |record: &&Record| dominant_frequency(record.u(), record.ts()).unwrap_or(0.0);
+    let slowest = rich.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&rich[0]);
+    let lagged = |d: usize| -> Result<f64, Error> {
+        let (u, y) = (&slowest.u()[..slowest.len() - d], &slowest.y()[d..]);
+        Ok(affine(&[Record::new(slowest.ts(), u.to_vec(), y.to_vec())?])?.0)
     };
-    let (found, refused): (Vec<_>, Vec<_>) = delays.into_iter().map(of).partition(Result::is_ok);
-    let found: Vec<_> = found.into_iter().flatten().collect();
-    let least = found.iter().map(|one| one.cost).fold(f64::INFINITY, f64::min);
-    match found.into_iter().find(|one| one.cost <= NOTHING * least) {
-        Some(one) => Ok(one),
-        None => Err(refused.into_iter().find_map(Result::err).unwrap_or(Error::Content("no delay was tried".into()))),
+    let at_once = lagged(0)?;
+    let later = (1..=DELAY.min(slowest.len() / 4)).map(|d| Ok((lagged(d)?, d))).collect::<Result<Vec<_>, Error>>()?;
+    let strongest = later.into_iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
+    match strongest.filter(|(gain, _)| gain.abs() > CLEARLY * at_once.abs()) {
+        Some(late) => Ok(late),
+        None => Ok((affine(rich)?.0.copysign(at_once), 0)),
     }
 }
 

@@ -9,7 +9,7 @@
 //! B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462.
 
 use super::refine::Fitted;
-use crate::linear::Arx;
+use crate::linear::{Pole, PoleShare};
 use crate::series::scatter;
 use serde::Serialize;
 
@@ -52,27 +52,17 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<Parameter> {
         let name = format!("creep of {} s", crate::number::short(lag.tau_s));
         parameters.push(parameter(name, lag.gain, &|e| e.lags[k].gain));
     }
-    // The poles that ring below half the sampling rate: beyond, they are images.
-    let rings = |arx: &Arx| {
-        let half = 0.5 / estimate.ts();
-        arx.poles()
-            .into_iter()
-            .filter(move |p| p.z.im > 0.0 && p.damping < 0.5 && p.hz < 0.9 * half)
-            .collect::<Vec<_>>()
-    };
-    for (k, pole) in rings(&estimate.linear).into_iter().enumerate() {
+    for (k, mode) in estimate.linear.reading().modes().into_iter().enumerate() {
         // The nearest by frequency, should their order change.
         let nearest = |e: &super::Estimate| {
-            let near = |p: &crate::linear::Pole| (p.hz / pole.hz).ln().abs();
-            rings(&e.linear).into_iter().min_by(|p, q| near(p).total_cmp(&near(q)))
+            let near = |p: &PoleShare| (p.pole.hz / mode.pole.hz).ln().abs();
+            let modes = e.linear.reading().modes().into_iter();
+            modes.min_by(|p, q| near(p).total_cmp(&near(q))).map(|p| p.pole)
         };
-        let mode = k + 1;
-        parameters.push(parameter(format!("mode {mode} frequency [Hz]"), pole.hz, &|e| {
-            nearest(e).map_or(f64::NAN, |p| p.hz)
-        }));
-        parameters.push(parameter(format!("mode {mode} damping"), pole.damping, &|e| {
-            nearest(e).map_or(f64::NAN, |p| p.damping)
-        }));
+        let (k, Pole { hz, damping, .. }) = (k + 1, mode.pole);
+        let of_nearest = |e: &super::Estimate, of: fn(Pole) -> f64| nearest(e).map_or(f64::NAN, of);
+        parameters.push(parameter(format!("mode {k} frequency [Hz]"), hz, &|e| of_nearest(e, |p| p.hz)));
+        parameters.push(parameter(format!("mode {k} damping"), damping, &|e| of_nearest(e, |p| p.damping)));
     }
     parameters
 }

@@ -1,0 +1,126 @@
+//! Linear blocks from the hidden variable to the output, to start the joint fit from, and what of them is creep.
+//!
+//! ```text
+//! G = r q^-d / (1 - p q^-1) + rest,    p slower than the quickest lag of the ladder
+//! ```
+//! The ladder of creep has such poles of its own; two of a kind in series tell nothing apart.
+
+use super::Joint;
+use crate::creep::Lag;
+use crate::error::Error;
+use crate::linear::{Arx, Orders, Pole, Refinement, output_error};
+use crate::progress::unwatched;
+use crate::record::Record;
+use crate::system::System;
+use std::f64::consts::TAU;
+
+/// What a longer delay may cost, in sums of squares, and still count as costing nothing.
+pub(super) const NOTHING: f64 = 1.01;
+
+/// The frequency below which a real pole is creep, which has a block of its own [Hz].
+pub(super) fn slowest_pole(how: &Joint, lags: &[Lag]) -> f64 {
+    lags.first().filter(|_| how.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
+}
+
+/// A pole of the block that is creep.
+pub(super) fn creeping(arx: &Arx, slowest: f64) -> Option<Pole> {
+    arx.poles().into_iter().find(|pole| pole.z.im == 0.0 && pole.z.re > 0.0 && pole.hz < slowest)
+}
+
+/// A linear block from z to y, and the squared error it left.
+pub(super) struct Dynamics {
+    pub(super) arx: Arx,
+    pub(super) cost: f64,
+}
+
+impl Dynamics {
+    /// What remains without its poles that are creep: G less r q^-d / (1 - p q^-1) for each. None where that is a gain.
+    pub(super) fn without_creep(mut self, slowest: f64) -> Result<Option<Self>, Error> {
+        while let Some(pole) = creeping(&self.arx, slowest) {
+            if self.arx.a().len() == 1 {
+                return Ok(None);
+            }
+            let (p, delay) = (pole.z.re, self.arx.delay());
+            let fed_back: Vec<f64> = std::iter::once(1.0).chain(self.arx.a().iter().map(|a| -a)).collect();
+            let rest = without_factor(&fed_back, p);
+            let at = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum / p + c);
+            let mut b = self.arx.b()[delay..].to_vec();
+            let r = at(&b) / at(&rest);
+            b.resize(b.len().max(rest.len()), 0.0);
+            b.iter_mut().zip(&rest).for_each(|(b, a)| *b -= r * a);
+            let b = [vec![0.0; delay], without_factor(&b, p)].concat();
+            self.arx = Arx::new(self.arx.ts(), rest[1..].iter().map(|a| -a).collect(), b)?;
+        }
+        Ok(Some(self).filter(|left| left.arx.dc_gain() != 0.0))
+    }
+}
+
+/// The polynomial c in q^-1 over 1 - p q^-1, which it has as a factor.
+fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
+    let mut last = 0.0;
+    c[..c.len() - 1]
+        .iter()
+        .map(|c| {
+            last = c + p * last;
+            last
+        })
+        .collect()
+}
+
+/// The block of order `n` from z to y, its static gain of the sign of `gain`, with the longest delay up to `latest` that costs
+/// nothing.
+///
+/// # Errors
+/// Where no delay gives one of the sign of the gain.
+pub(super) fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) -> Result<Dynamics, Error> {
+    let mut delays = vec![latest, latest / 2, 0];
+    delays.dedup();
+    let of = |delay: usize| {
+        let found = output_error(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched)?;
+        if found.arx.dc_gain() * gain > 0.0 {
+            return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
+        }
+        let because = "the block found has a static gain of another sign than the records".into();
+        Err(Error::Unidentifiable { what: format!("a linear block of order {n}"), because })
+    };
+    let (found, refused): (Vec<_>, Vec<_>) = delays.into_iter().map(of).partition(Result::is_ok);
+    let found: Vec<_> = found.into_iter().flatten().collect();
+    let least = found.iter().map(|one| one.cost).fold(f64::INFINITY, f64::min);
+    match found.into_iter().find(|one| one.cost <= NOTHING * least) {
+        Some(one) => Ok(one),
+        None => Err(refused.into_iter().find_map(Result::err).unwrap_or(Error::Content("no delay was tried".into()))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn without_its_creep_a_block_answers_as_its_quick_part_does() {
+        // Two samples late: a resonance, and a lag of 2 s that carries a tenth of it.
+        let quick = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.0, 3.4, 3.3]).unwrap();
+        let p = (-5e-4f64 / 2.0).exp();
+        let slow = Arx::new(5e-4, vec![p], vec![0.0, 0.0, 0.1 * quick.dc_gain() * (1.0 - p)]).unwrap();
+        let a = vec![1.7424 + p, -0.9453 - 1.7424 * p, 0.9453 * p];
+        let [first, second] = [3.4, 3.3];
+        let r = slow.b()[2];
+        let b = vec![0.0, 0.0, first + r, second - first * p - 1.7424 * r, -second * p + 0.9453 * r];
+        let both = Arx::new(5e-4, a, b).unwrap();
+        let impulse: Vec<f64> = (0..200).map(|t| f64::from(u8::from(t == 0))).collect();
+        let sum: Vec<f64> = quick.simulate(&impulse).iter().zip(slow.simulate(&impulse)).map(|(q, s)| q + s).collect();
+        assert_close(&both.simulate(&impulse), &sum, 1e-9, 1e-9);
+
+        let rest = Dynamics { arx: both, cost: 0.0 }.without_creep(3.0).unwrap().unwrap().arx;
+        assert_eq!((rest.a().len(), rest.delay()), (2, 2));
+        assert_close(&rest.simulate(&impulse), &quick.simulate(&impulse), 1e-6, 1e-6);
+    }
+
+    #[test]
+    fn a_block_that_is_creep_alone_leaves_nothing_and_one_without_stays() {
+        let lag = Arx::new(5e-4, vec![0.9999], vec![1.0]).unwrap();
+        assert!(Dynamics { arx: lag.clone(), cost: 0.0 }.without_creep(3.0).unwrap().is_none());
+        assert_eq!(Dynamics { arx: lag.clone(), cost: 0.0 }.without_creep(0.001).unwrap().unwrap().arx, lag);
+    }
+}
