@@ -58,9 +58,9 @@ pub struct Learned {
 ///
 /// ```
 /// use piezoid::compensation::{FeedForward, How, Learning, learn};
-/// use piezoid::{Model, System, hysteresis::OPERATORS, linear::Arx};
+/// use piezoid::{Model, System, hysteresis::operator, linear::Arx};
 /// use std::sync::Arc;
-/// let with_gain = |k: f64| Model::new((OPERATORS[3].example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
+/// let with_gain = |k: f64| Model::new((operator("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
 /// let (model, actuator) = (with_gain(10.0)?, with_gain(13.0)?);
 /// let r: Vec<f64> = (0..50).map(|t| 300.0 * (std::f64::consts::TAU * 0.02 * f64::from(t)).sin()).collect();
 /// let mut plant = |u: &[f64]| actuator.simulate(&[u, u, u].concat())[100..].to_vec();

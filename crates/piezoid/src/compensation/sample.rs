@@ -18,9 +18,9 @@ use crate::system::System;
 ///
 /// ```
 /// use piezoid::compensation::{Causal, How};
-/// use piezoid::{Model, System, hysteresis::OPERATORS, linear::Arx};
+/// use piezoid::{Model, System, hysteresis::operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-/// let model = Model::new((OPERATORS[3].example)(5e-4)?, block, 2.0)?;
+/// let model = Model::new((operator("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
 /// let late = Causal::new(&model, How::default(), 4)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
 /// let u = late.resume(&mut late.settled(0.0), &r);
