@@ -51,6 +51,17 @@ pub struct How {
     pub preview: Design,
 }
 
+impl How {
+    /// The lowest and highest input that both the limits and what is known of `model` allow: where it was identified, and a
+    /// twentieth of that beyond.
+    ///
+    /// # Errors
+    /// Limits that make no sense, leave nothing of that, or are not given where nothing is known.
+    pub fn ends(&self, model: &Model) -> Result<(f64, f64), Error> {
+        allowed(model, &self.limits)
+    }
+}
+
 impl Default for How {
     /// No limits but the model's own, nothing clipped, no sweeps.
     fn default() -> Self {

@@ -14,7 +14,7 @@
 
 use super::filters::{denominator, lag, plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Loop, check};
+use super::{Controller, Law, Loop, Now, check};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -23,8 +23,9 @@ use std::sync::Arc;
 /// The controller. State: that of g F, then of Q, then the last w, newest first [V].
 ///
 /// ```
-/// use piezoid::{control::{Controller, DisturbanceObserver, Loop}, linear::Arx};
-/// let path = Loop { linear: Arx::new(5e-4, vec![0.5], vec![0.0, 1.0])?, slope: (1.0, 2.0), limits: (-30.0, 30.0) };
+/// use piezoid::{Model, control::{Controller, DisturbanceObserver, Loop}, hysteresis::operator, linear::Arx};
+/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// let path = Loop::of(&Model::new(plays, Arx::new(5e-4, vec![0.5], vec![0.0, 1.0])?, 0.0)?, (-30.0, 30.0))?;
 /// let c = DisturbanceObserver::new(&path, 20.0, 1.0)?;
 /// assert!(c.order() > 0);
 /// # Ok::<(), piezoid::Error>(())
@@ -45,12 +46,12 @@ impl DisturbanceObserver {
     pub fn new(path: &Loop, corner_hz: f64, share: f64) -> Result<Self, Error> {
         positive("corner_hz", corner_hz, "Hz")?;
         check(&[("share", share)], path.limits)?;
-        let (ts, b) = (path.linear.ts(), path.linear.b());
+        let (ts, b) = (path.linear().ts(), path.linear().b());
         let rest: f64 = b.iter().sum();
         let gain = positive("gain at rest", path.slope.1 * rest, "output units a volt")?;
         let mean = b.iter().enumerate().map(|(k, b)| k as f64 * b).sum::<f64>() / rest;
         let delay = 1 + mean.round().clamp(0.0, 100.0) as usize;
-        let f: Vec<f64> = denominator(&path.linear).iter().map(|a| share * a / gain).collect();
+        let f: Vec<f64> = denominator(path.linear()).iter().map(|a| share * a / gain).collect();
         let q = lag(ts, corner_hz, 1.0)?;
         Ok(DisturbanceObserver { inverse: Arx::new(ts, Vec::new(), f)?, q, delay, limits: path.limits })
     }
@@ -65,12 +66,12 @@ impl Controller for DisturbanceObserver {
         self.inverse.order() + self.q.order() + self.delay
     }
 
-    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
         let (inverse, rest) = x.split_at_mut(self.inverse.order());
         let (q, past) = rest.split_at_mut(self.q.order());
-        let feed = feed.clamp(low, high);
-        let unexplained = self.inverse.step(inverse, r - y) + past[self.delay - 1];
+        let feed = now.feed.clamp(low, high);
+        let unexplained = self.inverse.step(inverse, now.r - now.y) + past[self.delay - 1];
         let u = (feed + self.q.step(q, unexplained)).clamp(low, high);
         past.rotate_right(1);
         past[0] = u - feed;
@@ -88,7 +89,7 @@ pub(super) const ROW: Law = Law {
     summary: "takes off, low-passed, the voltage that the nominal plant does not explain",
     reference: "Ohnishi, Shibata & Murakami 1996, DOI 10.1109/3516.491410",
     tune: |path, target| {
-        let ts = path.linear.ts();
+        let ts = path.linear().ts();
         let build = |corner: f64, k: f64| DisturbanceObserver::new(path, corner, k);
         strongest(path, target, spread(1e-3 / ts, 0.25 / ts, 60), build).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },
@@ -96,12 +97,13 @@ pub(super) const ROW: Law = Law {
 
 #[cfg(test)]
 mod tests {
+    use super::super::margins::tests::path_of;
     use super::*;
-    use crate::control::run;
+    use crate::control::{Course, run};
     use crate::testing::assert_close;
 
     fn path() -> Loop {
-        Loop { linear: lag(5e-4, 160.0, 0.03).unwrap(), slope: (1.0, 1.0), limits: (-1e6, 1e6) }
+        Loop { limits: (-1e6, 1e6), ..path_of(lag(5e-4, 160.0, 0.03).unwrap(), (1.0, 1.0)) }
     }
 
     #[test]
@@ -109,7 +111,7 @@ mod tests {
         let c = DisturbanceObserver::new(&path(), 20.0, 0.8).unwrap();
         let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
         let mut x = c.initial();
-        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e, 0.0, 0.0)).collect();
+        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, &Now { r: e, ..Now::default() })).collect();
         assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-9);
     }
 
@@ -118,7 +120,7 @@ mod tests {
         let path = path();
         let c = DisturbanceObserver::new(&path, 10.0, 1.0).unwrap();
         // A feed-forward that is off by 0.3 V.
-        let y = run(&path.linear, &c, &[1.0; 4000], &[0.7; 4000], path.limits).unwrap().y;
+        let y = run(path.linear(), &c, &Course::new(&[1.0; 4000], &[0.7; 4000], path.limits)).unwrap().y;
         assert_close(&y[3999..], &[1.0], 0.0, 1e-6);
     }
 }

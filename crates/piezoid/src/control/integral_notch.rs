@@ -13,7 +13,7 @@
 
 use super::filters::{denominator, notch, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, check};
+use super::{Controller, Law, Now, check};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -67,9 +67,9 @@ impl Controller for IntegralNotch {
         1 + self.notches.iter().map(|n| n.order()).sum::<usize>()
     }
 
-    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
-        let gain = self.ki * self.ts * (r - y);
+        let gain = self.ki * self.ts * (now.r - now.y);
         let (integral, mut rest) = x.split_at_mut(1);
         let mut w = integral[0] + gain;
         for notch in &self.notches {
@@ -77,7 +77,7 @@ impl Controller for IntegralNotch {
             w = notch.step(own, w);
             rest = others;
         }
-        let v = feed.clamp(low, high) + w;
+        let v = now.feed.clamp(low, high) + w;
         let u = v.clamp(low, high);
         if u == v || (v - u) * gain < 0.0 {
             integral[0] += gain;
@@ -97,8 +97,8 @@ pub(super) const ROW: Law = Law {
     summary: "integral with a notch at each mode that needs one",
     reference: "Abramovitch, Hoen & Workman 2008, DOI 10.1109/ACC.2008.4586898",
     tune: |path, target| {
-        let ts = path.linear.ts();
-        let modes = modes(&path.linear);
+        let ts = path.linear().ts();
+        let modes = modes(path.linear());
         // How many modes, how wide, how deep, and how far from the mode: a detuned mode counts below and above it.
         let shapes = (0..=modes.len().min(3)).flat_map(|n| spread(0.1, 1.0, 8).map(move |wide| (n, wide)));
         let shapes = shapes.flat_map(|(n, wide)| [0.1, 0.3, 0.6].map(|deep| (n, wide, deep)));
@@ -122,7 +122,7 @@ mod tests {
         let c = IntegralNotch::new(5e-4, 10.0, &notches, (-1e6, 1e6)).unwrap();
         let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.7).sin()).collect();
         let mut x = c.initial();
-        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e, 0.0, 0.0)).collect();
+        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, &Now { r: e, ..Now::default() })).collect();
         assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
     }
 
@@ -130,7 +130,7 @@ mod tests {
     fn the_integral_does_not_grow_at_a_limit() {
         let c = IntegralNotch::new(5e-4, 10.0, &[(160.0, 0.03, 0.5)], (-1.0, 1.0)).unwrap();
         let mut x = c.initial();
-        (0..10_000).for_each(|_| assert!(c.step(&mut x, 1.0, 0.0, 0.0) <= 1.0));
+        (0..10_000).for_each(|_| assert!(c.step(&mut x, &Now { r: 1.0, ..Now::default() }) <= 1.0));
         assert!(x[0] < 1.1, "{}", x[0]);
     }
 }

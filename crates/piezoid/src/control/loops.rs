@@ -1,16 +1,17 @@
 //! The closed loop on a plant, sample by sample, and how well it tracks.
 //!
 //! ```text
-//! u_t = C(r_{t-1} - y_{t-1}, feed_t) within the limits,    y_t = plant(u_t)
+//! u_t = C(y_{t-1-d}, r_{t-1-d}, feed_t, r_t ... r_{t+p}) within the limits,    y_t = plant(u_t)
 //! ```
-//! y_t is what the plant returns for u_t, so that the voltage answers the measurement before: one sample of delay. The error of a
-//! measurement is taken from what was wanted at its instant; a feed-forward that is exact is thus left alone. Before the
-//! first measurement there is no error.
+//! y_t is what the plant returns for u_t, so that the voltage answers the measurement before: one sample of delay, and d more
+//! where readings come late. The error of a measurement is taken from what was wanted at its instant; a feed-forward that is
+//! exact is thus left alone. Before the first sample the plant rests, and is wanted where it is.
 //!
 //! Reference: none; it is the definition. It does not do: delays of part of a sample, or jitter.
 
-use super::Controller;
+use super::{Controller, Now};
 use crate::error::{Error, finite};
+use crate::hammerstein::Model;
 use crate::record::same_sampling;
 use crate::system::System;
 
@@ -21,6 +22,21 @@ pub struct Scaled<S> {
     pub system: S,
     /// Output unit wanted over output unit [-].
     pub factor: f64,
+}
+
+impl<S: System> Scaled<S> {
+    /// A plant in metres, in the unit of the output of `model`.
+    ///
+    /// # Errors
+    /// An output that is no length.
+    pub fn of(system: S, model: &Model) -> Result<Self, Error> {
+        let unit = &model.units().y;
+        let not_a_length = || {
+            let (found, wanted) = (unit.clone(), "a length: m, mm, um or nm".into());
+            Error::Units { what: "the model's output".into(), found, wanted }
+        };
+        Ok(Scaled { system, factor: crate::record::factor("m", unit).ok_or_else(not_a_length)? })
+    }
 }
 
 impl<S: System> System for Scaled<S> {
@@ -42,6 +58,28 @@ impl<S: System> System for Scaled<S> {
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
         self.factor * self.system.step(x, u)
+    }
+}
+
+/// What a loop is to follow, and how.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course<'a> {
+    /// What is wanted [output unit].
+    pub r: &'a [f64],
+    /// Feed-forward, as long; zeros for none [V].
+    pub feed: &'a [f64],
+    /// Lowest and highest voltage; what lies beyond is clipped [V].
+    pub limits: (f64, f64),
+    /// Samples d by which readings come late.
+    pub late: usize,
+    /// Samples p of the reference known beyond the present one.
+    pub ahead: usize,
+}
+
+impl<'a> Course<'a> {
+    /// Readings in time, and a reference known to its end.
+    pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
+        Course { r, feed, limits, late: 0, ahead: usize::MAX }
     }
 }
 
@@ -71,14 +109,13 @@ pub struct Tracking {
     pub effort: f64,
 }
 
-/// Runs a controller on a plant from rest. `feed` is the feed-forward voltage [V], zeros for none; voltages beyond `limits` [V]
-/// are clipped.
+/// Runs a controller on a plant from rest.
 ///
 /// ```
-/// use piezoid::{control::{Pi, run}, linear::Arx};
+/// use piezoid::{control::{Course, Pi, run}, linear::Arx};
 /// let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1])?;
 /// let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0))?;
-/// let done = run(&plant, &pi, &[1.0; 2000], &[0.0; 2000], (-30.0, 30.0))?;
+/// let done = run(&plant, &pi, &Course::new(&[1.0; 2000], &[0.0; 2000], (-30.0, 30.0)))?;
 /// assert!((done.y[1999] - 1.0).abs() < 1e-6);
 /// assert!(done.tracking(1000, 2.0).percent_of_stroke < 0.1);
 /// # Ok::<(), piezoid::Error>(())
@@ -86,13 +123,8 @@ pub struct Tracking {
 ///
 /// # Errors
 /// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
-pub fn run(
-    plant: &dyn System,
-    controller: &dyn Controller,
-    r: &[f64],
-    feed: &[f64],
-    limits: (f64, f64),
-) -> Result<Run, Error> {
+pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> Result<Run, Error> {
+    let Course { r, feed, limits, late, ahead } = *course;
     super::check(&[], limits)?;
     finite("reference", r)?;
     finite("feed", feed)?;
@@ -103,13 +135,13 @@ pub fn run(
     }
     let (mut x, mut state) = (plant.initial(), controller.initial());
     let (mut y, mut u) = (Vec::with_capacity(r.len()), Vec::with_capacity(r.len()));
-    let mut last = (0.0, 0.0);
-    for (&wanted, &feed) in r.iter().zip(feed) {
-        let voltage = controller.step(&mut state, last.0, last.1, feed).clamp(limits.0, limits.1);
-        let measured = plant.step(&mut x, voltage);
-        last = (wanted, measured);
-        u.push(voltage);
-        y.push(measured);
+    let rest = plant.step(&mut x.clone(), 0.0);
+    for (t, &feed) in feed.iter().enumerate() {
+        let (read, wanted) = t.checked_sub(1 + late).map_or((rest, rest), |t| (y[t], r[t]));
+        let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
+        let now = Now { y: read, r: wanted, feed, ahead: &r[t..known] };
+        u.push(controller.step(&mut state, &now).clamp(limits.0, limits.1));
+        y.push(plant.step(&mut x, u[t]));
     }
     let limited = u.iter().filter(|u| **u <= limits.0 || **u >= limits.1).count();
     Ok(Run { r: r.to_vec(), y, u, limited })
@@ -144,19 +176,49 @@ mod tests {
         let feed: Vec<f64> = (0..500).map(|t| (f64::from(t) * 0.1).sin()).collect();
         let r = plant.simulate(&feed);
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        let done = run(&plant, &pi, &r, &feed, (-30.0, 30.0)).unwrap();
+        let done = run(&plant, &pi, &Course::new(&r, &feed, (-30.0, 30.0))).unwrap();
         assert_eq!((done.u, done.y), (feed, r));
+    }
+
+    #[test]
+    fn a_controller_is_told_of_late_readings_what_was_wanted_then_and_no_more_of_the_future_than_is_known() {
+        /// Answers with what it is told, in digits.
+        #[derive(Debug)]
+        struct Told;
+        impl Controller for Told {
+            fn ts(&self) -> f64 {
+                1e-3
+            }
+            fn order(&self) -> usize {
+                0
+            }
+            fn step(&self, _: &mut [f64], now: &Now) -> f64 {
+                now.y + 1e3 * now.r + 1e6 * now.ahead.len() as f64 + 1e9 * now.ahead[0]
+            }
+            fn law(&self) -> Option<Arx> {
+                None
+            }
+        }
+        let plant = Arx::gain(1e-3, 1e-20).unwrap();
+        let r = [1.0, 2.0, 3.0, 4.0, 5.0];
+        let told = |late, ahead| {
+            let course = Course { late, ahead, ..Course::new(&r, &[0.0; 5], (-1e12, 1e12)) };
+            run(&plant, &Told, &course).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
+        };
+        assert_eq!(told(0, 1), [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]);
+        assert_eq!(told(2, 9), [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]);
     }
 
     #[test]
     fn what_is_no_number_or_does_not_fit_is_refused() {
         let plant = Arx::gain(1e-3, 1.0).unwrap();
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        let message = |r: &[f64], feed: &[f64]| run(&plant, &pi, r, feed, (-1.0, 1.0)).unwrap_err().to_string();
+        let message =
+            |r: &[f64], feed: &[f64]| run(&plant, &pi, &Course::new(r, feed, (-1.0, 1.0))).unwrap_err().to_string();
         assert!(message(&[0.0, f64::NAN], &[0.0; 2]).starts_with("reference[1] is NaN"));
         assert!(message(&[0.0; 2], &[0.0; 3]).contains("2 samples"));
         let slow = Pi::new(2e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        assert!(run(&plant, &slow, &[0.0], &[0.0], (-1.0, 1.0)).is_err());
+        assert!(run(&plant, &slow, &Course::new(&[0.0], &[0.0], (-1.0, 1.0))).is_err());
     }
 
     #[test]

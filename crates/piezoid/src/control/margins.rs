@@ -29,10 +29,10 @@ const AROUND: i32 = 60;
 const LEG: usize = 200;
 
 /// What a controller sees of a model: slope, linear block, and the voltages there are.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Loop {
-    /// z to y.
-    pub linear: Arx,
+    /// The model it is of.
+    pub model: Model,
     /// Smallest and largest slope dz/du, the latter with all its creep [z unit / V].
     pub slope: (f64, f64),
     /// Lowest and highest voltage [V].
@@ -77,14 +77,19 @@ impl Loop {
                 ),
             });
         }
-        Ok(Loop { linear: model.linear().clone(), slope: (least.max(0.0), largest * (1.0 + crept)), limits })
+        Ok(Loop { model: model.clone(), slope: (least.max(0.0), largest * (1.0 + crept)), limits })
+    }
+
+    /// Its linear block, from z to y.
+    pub fn linear(&self) -> &Arx {
+        self.model.linear()
     }
 
     /// The margins under a controller, at this slope [z unit / V]; `None` if its law is not linear.
     pub fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
-        let grid = grid(&[&self.linear, &law]);
-        let l = open(&grid, &self.linear, slope).zip(at(&grid, &law)).map(|(g, c)| g * c).collect::<Vec<_>>();
+        let grid = grid(&[self.linear(), &law]);
+        let l = open(&grid, self.linear(), slope).zip(at(&grid, &law)).map(|(g, c)| g * c).collect::<Vec<_>>();
         let stable = self.closed(&law, slope).is_ok_and(|t| t.is_stable());
         Some(Margins {
             gain_db: 20.0 * growths(&l).filter(|&k| k > 1.0).fold(f64::INFINITY, f64::min).log10(),
@@ -95,15 +100,22 @@ impl Loop {
         })
     }
 
+    /// |S| under a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
+    pub fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
+        let law = controller.law()?;
+        let l = open(hz, self.linear(), slope).zip(at(hz, &law)).map(|(g, c)| g * c);
+        Some(l.map(|l| 1.0 / (1.0 + l).norm()).collect())
+    }
+
     /// The closed loop from r to y under a linear law.
     ///
     /// # Errors
     /// Refuses what is too long for an [`Arx`].
     pub fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
-        let forward: Vec<f64> = std::iter::once(0.0).chain(times(law.b(), self.linear.b())).collect();
+        let forward: Vec<f64> = std::iter::once(0.0).chain(times(law.b(), self.linear().b())).collect();
         let forward: Vec<f64> = forward.into_iter().map(|c| slope * c).collect();
-        let round = plus(&times(&denominator(law), &denominator(&self.linear)), 1.0, &forward);
-        ratio(self.linear.ts(), &forward, &round)
+        let round = plus(&times(&denominator(law), &denominator(self.linear())), 1.0, &forward);
+        ratio(self.linear().ts(), &forward, &round)
     }
 }
 
@@ -194,7 +206,7 @@ fn bandwidth(grid: &[f64], l: &[Complex<f64>]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::{Pi, filters};
     use super::*;
     use crate::creep::Lag;
@@ -203,8 +215,15 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
+    /// A loop of +-30 V of a model that rises by the mean of these slopes.
+    pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> Loop {
+        let rises = crate::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
+        let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
+        Loop { model, slope, limits: (-30.0, 30.0) }
+    }
+
     fn path(linear: Arx) -> Loop {
-        Loop { linear, slope: (1.0, 1.0), limits: (-30.0, 30.0) }
+        path_of(linear, (1.0, 1.0))
     }
 
     #[test]

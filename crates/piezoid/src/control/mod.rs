@@ -3,14 +3,15 @@
 //! ```text
 //! e = r - y,    u = feed + w,    w = C(q) e    within the voltages allowed
 //! ```
-//! Every controller adds to a feed-forward voltage, which may be zero, and does nothing while that alone keeps y at r. It is
-//! given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Each is tuned to stated
+//! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Those with a
+//! law add to a feed-forward voltage, which may be zero, and do nothing while that alone keeps y at r. They are tuned to stated
 //! margins from a model ([`Target`]), at the largest slope of the hysteresis and with its modes detuned; [`Margins`] are computed
-//! apart from that, [`run`] closes the loop on any plant, and [`trials`] on plants of other tolerance.
+//! apart from that. [`predictive`] plans on the model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the
+//! loop on any plant, and [`trials`] on plants of other tolerance.
 //!
 //! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E. Eleftheriou,
-//! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). Controllers that look
-//! ahead: [`predictive`]. Not here: several axes, adaptation.
+//! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). It does
+//! not do: several axes, adaptation.
 
 mod disturbance_observer;
 mod filters;
@@ -22,24 +23,39 @@ mod pid;
 mod positive_position;
 pub mod predictive;
 mod references;
+mod schemes;
 mod tolerance;
 mod tune;
 
 pub use disturbance_observer::DisturbanceObserver;
 pub use integral_notch::IntegralNotch;
-pub use loops::{Run, Scaled, Tracking, run};
+pub use loops::{Course, Run, Scaled, Tracking, run};
 pub use margins::{Loop, Margins};
 pub use pi::Pi;
 pub use pid::{Gains, Pid};
 pub use positive_position::PositivePosition;
 pub use references::{REFERENCES, Reference, reference};
-pub use tolerance::{Course, Spread, Tolerance, Trial, trials};
+pub use schemes::{Asked, Drive, FEEDS, Fed, Feed, Scheme, feed};
+pub use tolerance::{Spread, Tolerance, Trial, trials};
 pub use tune::Target;
 
 use crate::error::Error;
 use crate::linear::Arx;
 use std::fmt::Debug;
 use std::sync::Arc;
+
+/// What a controller is told before a sample.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Now<'a> {
+    /// The last reading [output unit].
+    pub y: f64,
+    /// What was wanted at its instant [output unit].
+    pub r: f64,
+    /// The feed-forward voltage of this sample [V].
+    pub feed: f64,
+    /// What is wanted from this sample on, as far as it is known [output unit].
+    pub ahead: &'a [f64],
+}
 
 /// A discrete-time controller: immutable data, with the state kept by the caller, as in [`System`](crate::System).
 pub trait Controller: Debug + Send + Sync {
@@ -54,11 +70,10 @@ pub trait Controller: Debug + Send + Sync {
         vec![0.0; self.order()]
     }
 
-    /// One sample: takes the last measurement `y` and what was wanted at its instant, `r` [output unit], and the feed-forward
-    /// voltage of this sample, `feed` [V]; advances the state `x` and returns the voltage u [V]. It allocates nothing.
-    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64;
+    /// One sample: advances the state `x` and returns the voltage u [V]. It allocates nothing.
+    fn step(&self, x: &mut [f64], now: &Now) -> f64;
 
-    /// C(q), the law from e to w while no limit is met [V / output unit]; `None` if it is not linear.
+    /// C(q), the law from e to w while no limit is met [V / output unit]; `None` if it is no such law.
     fn law(&self) -> Option<Arx>;
 }
 
@@ -74,7 +89,7 @@ pub struct Law {
     pub summary: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
-    /// The strongest that meets the target: of the largest integral gain. Refused where the loop leaves none.
+    /// The strongest that meets the target, of the largest integral gain, where there is a law. Refused where the loop leaves none.
     pub tune: Tune,
 }
 
@@ -86,7 +101,7 @@ impl Debug for Law {
 
 /// The controllers there are.
 pub static CONTROLLERS: &[Law] =
-    &[pi::ROW, pid::ROW, integral_notch::ROW, positive_position::ROW, disturbance_observer::ROW];
+    &[pi::ROW, pid::ROW, integral_notch::ROW, positive_position::ROW, disturbance_observer::ROW, predictive::ROW];
 
 /// The controller called `name`.
 ///
@@ -126,13 +141,13 @@ fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     //! The contract every controller keeps.
+    use super::margins::tests::path_of;
     use super::*;
     use crate::System;
     use crate::testing::assert_close;
 
     fn path() -> Loop {
-        let linear = filters::lag(5e-4, 160.0, 0.05).unwrap();
-        Loop { linear, slope: (30.0, 40.0), limits: (-30.0, 30.0) }
+        path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0))
     }
 
     fn tuned() -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
@@ -150,21 +165,22 @@ mod tests {
 
     #[test]
     fn every_controller_follows_its_law_while_no_limit_is_met() {
-        for (kind, c) in tuned() {
+        for (kind, c, law) in tuned().filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
             let e: Vec<f64> = (0..300).map(|t| 5.0 * (f64::from(t) * 0.2).sin()).collect();
             let mut x = c.initial();
-            let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e + 1.0, 1.0, 0.0)).collect();
+            let u: Vec<f64> =
+                e.iter().map(|&e| c.step(&mut x, &Now { r: e + 1.0, y: 1.0, ..Now::default() })).collect();
             assert!(u.iter().all(|u| u.abs() < 30.0), "{}", kind.name);
-            assert_close(&u, &c.law().unwrap().simulate(&e), 1e-7, 1e-9);
+            assert_close(&u, &law.simulate(&e), 1e-7, 1e-9);
         }
     }
 
     #[test]
     fn every_controller_stays_within_its_limits_and_comes_back_from_them() {
         for (kind, c) in tuned() {
-            let plant = Scaled { system: path().linear, factor: 40.0 };
+            let plant = Scaled { system: path().linear().clone(), factor: 40.0 };
             let r = [[2500.0; 4000], [100.0; 4000]].concat();
-            let done = run(&plant, &*c, &r, &[0.0; 8000], (-1e3, 1e3)).unwrap();
+            let done = run(&plant, &*c, &Course::new(&r, &[0.0; 8000], (-1e3, 1e3))).unwrap();
             assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}", kind.name);
             // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
             assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
@@ -173,9 +189,10 @@ mod tests {
 
     #[test]
     fn every_controller_leaves_a_feed_forward_alone_that_is_exact() {
-        for (_, c) in tuned() {
+        for (_, c) in tuned().filter(|(_, c)| c.law().is_some()) {
             let mut x = c.initial();
-            assert!((0..50).all(|t| c.step(&mut x, 7.0, 7.0, f64::from(t) * 0.1) == f64::from(t) * 0.1));
+            let exact = |t| Now { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };
+            assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed));
         }
     }
 }

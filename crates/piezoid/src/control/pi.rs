@@ -10,7 +10,7 @@
 //! DOI 10.23919/ACC.1989.4790464. It does not do: anything about a resonance, which alone bounds its gain.
 
 use super::tune::{spread, strongest};
-use super::{Controller, Law, check};
+use super::{Controller, Law, Now, check};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -19,10 +19,10 @@ use std::sync::Arc;
 /// The controller. State: the integral [V].
 ///
 /// ```
-/// use piezoid::control::{Controller, Pi};
+/// use piezoid::control::{Controller, Now, Pi};
 /// let pi = Pi::new(1e-3, 0.5, 100.0, (-30.0, 30.0))?;
 /// let mut x = pi.initial();
-/// assert_eq!(pi.step(&mut x, 1.0, 0.0, 2.0), 2.0 + 0.5 + 0.1);
+/// assert_eq!(pi.step(&mut x, &Now { r: 1.0, feed: 2.0, ..Now::default() }), 2.0 + 0.5 + 0.1);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -54,11 +54,11 @@ impl Controller for Pi {
         1
     }
 
-    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
-        let (e, ki) = (r - y, self.ki * self.ts);
+        let (e, ki) = (now.r - now.y, self.ki * self.ts);
         x[0] += ki * e;
-        let v = feed.clamp(low, high) + self.kp * e + x[0];
+        let v = now.feed.clamp(low, high) + self.kp * e + x[0];
         let u = v.clamp(low, high);
         let share = if ki < self.kp { ki / self.kp } else { 1.0 };
         x[0] += share * (u - v);
@@ -75,7 +75,7 @@ pub(super) const ROW: Law = Law {
     summary: "proportional and integral, with anti-windup by back-calculation",
     reference: "Astrom & Rundqwist 1989, DOI 10.23919/ACC.1989.4790464",
     tune: |path, target| {
-        let ts = path.linear.ts();
+        let ts = path.linear().ts();
         // k_p / k_i, from none to a twentieth of a second.
         let shapes = std::iter::once(0.0).chain(spread(0.1 * ts, 100.0 * ts, 40));
         let build = |ti: f64, k: f64| Pi::new(ts, k * ti, k, path.limits);
@@ -86,7 +86,7 @@ pub(super) const ROW: Law = Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::run;
+    use crate::control::{Course, run};
     use crate::testing::assert_close;
 
     #[test]
@@ -95,7 +95,7 @@ mod tests {
         let (ts, a, b, kp, ki) = (1e-3, 0.9, 0.2, 0.3, 40.0);
         let plant = Arx::new(ts, vec![a], vec![0.0, b]).unwrap();
         let pi = Pi::new(ts, kp, ki, (-1e6, 1e6)).unwrap();
-        let got = run(&plant, &pi, &[1.0; 300], &[0.0; 300], (-1e6, 1e6)).unwrap();
+        let got = run(&plant, &pi, &Course::new(&[1.0; 300], &[0.0; 300], (-1e6, 1e6))).unwrap();
         let (mut y, mut u, mut i) = (vec![0.0; 300], vec![0.0; 300], 0.0);
         for t in 0..300 {
             if t > 0 {
@@ -115,7 +115,7 @@ mod tests {
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let late = |limits| {
             let pi = Pi::new(1e-3, 0.3, 20.0, limits).unwrap();
-            let y = run(&plant, &pi, &r, &[0.0; 4000], (-1.0, 1.0)).unwrap().y;
+            let y = run(&plant, &pi, &Course::new(&r, &[0.0; 4000], (-1.0, 1.0))).unwrap().y;
             y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap_or(2000)
         };
         assert!(late((-1.0, 1.0)) < 250, "{}", late((-1.0, 1.0)));

@@ -11,7 +11,7 @@
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, check};
+use super::{Controller, Law, Now, check};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -33,10 +33,10 @@ pub struct Gains {
 /// The controller. State: the integral [V], the derivative [V], the last error [output unit].
 ///
 /// ```
-/// use piezoid::control::{Controller, Gains, Pid};
+/// use piezoid::control::{Controller, Gains, Now, Pid};
 /// let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0))?;
 /// let mut x = pid.initial();
-/// assert_eq!(pid.step(&mut x, 1.0, 0.0, 0.0), 0.5 + 0.1 + 0.5);
+/// assert_eq!(pid.step(&mut x, &Now { r: 1.0, ..Now::default() }), 0.5 + 0.1 + 0.5);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -77,14 +77,14 @@ impl Controller for Pid {
         3
     }
 
-    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
         let (keeps, takes) = self.derivative();
-        let e = r - y;
+        let e = now.r - now.y;
         x[1] = keeps * x[1] + takes * (e - x[2]);
         x[2] = e;
         let integral = x[0] + self.gains.ki * self.ts * e;
-        let v = feed.clamp(low, high) + self.gains.kp * e + integral + x[1];
+        let v = now.feed.clamp(low, high) + self.gains.kp * e + integral + x[1];
         let u = v.clamp(low, high);
         if u == v || (v - u) * (integral - x[0]) < 0.0 {
             x[0] = integral;
@@ -105,7 +105,7 @@ pub(super) const ROW: Law = Law {
     summary: "proportional, integral and filtered derivative, with anti-windup by conditional integration",
     reference: "Astrom & Hagglund 2006, ISBN 978-1-55617-942-6",
     tune: |path, target| {
-        let ts = path.linear.ts();
+        let ts = path.linear().ts();
         let times = || std::iter::once(0.0).chain(spread(0.1 * ts, 30.0 * ts, 12));
         // k_p / k_i and k_d / k_p; with a filter of a few samples the derivative may also be a lag against a resonance.
         let shapes = times().flat_map(|ti| spread(0.1 * ts, 10.0 * ts, 8).map(move |td| (ti, td)));
@@ -120,14 +120,14 @@ pub(super) const ROW: Law = Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::run;
+    use crate::control::{Course, run};
 
     #[test]
     fn after_a_limit_it_comes_back_at_once() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let pid = Pid::new(1e-3, Gains { kp: 0.3, ki: 20.0, kd: 1e-4, filter_s: 1e-3 }, (-1.0, 1.0)).unwrap();
-        let y = run(&plant, &pid, &r, &[0.0; 4000], (-1.0, 1.0)).unwrap().y;
+        let y = run(&plant, &pid, &Course::new(&r, &[0.0; 4000], (-1.0, 1.0))).unwrap().y;
         let late = y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap();
         assert!(late < 250 && (y[3999] - 0.5).abs() < 1e-6, "{late}");
     }

@@ -13,7 +13,7 @@
 
 use super::filters::{denominator, lag, plus, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, check};
+use super::{Controller, Law, Now, check};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -62,12 +62,12 @@ impl Controller for PositivePosition {
         1 + self.resonator.order()
     }
 
-    fn step(&self, x: &mut [f64], r: f64, y: f64, feed: f64) -> f64 {
+    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
-        let e = r - y;
+        let e = now.r - now.y;
         let gain = self.ki * self.ts * e;
         let p = self.resonator.step(&mut x[1..], e);
-        let v = feed.clamp(low, high) + x[0] + gain - self.gain * p;
+        let v = now.feed.clamp(low, high) + x[0] + gain - self.gain * p;
         let u = v.clamp(low, high);
         if u == v || (v - u) * gain < 0.0 {
             x[0] += gain;
@@ -87,8 +87,8 @@ pub(super) const ROW: Law = Law {
     summary: "integral beside positive position feedback that damps the first mode",
     reference: "Fanson & Caughey 1990, DOI 10.2514/3.10451",
     tune: |path, target| {
-        let ts = path.linear.ts();
-        let low = modes(&path.linear).into_iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
+        let ts = path.linear().ts();
+        let low = modes(path.linear()).into_iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
         let hz = if low.is_finite() { low } else { 0.05 / ts };
         // W over the mode, D, and g W / k_i: how much is damping and how much is integral.
         let shapes = spread(0.4, 2.0, 12).flat_map(|over| spread(0.1, 1.0, 6).map(move |d| (over, d)));
@@ -103,6 +103,7 @@ pub(super) const ROW: Law = Law {
 
 #[cfg(test)]
 mod tests {
+    use super::super::margins::tests::path_of;
     use super::*;
     use crate::testing::assert_close;
 
@@ -111,7 +112,7 @@ mod tests {
         let c = PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-1e6, 1e6)).unwrap();
         let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
         let mut x = c.initial();
-        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, e, 0.0, 0.0)).collect();
+        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, &Now { r: e, ..Now::default() })).collect();
         assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
     }
 
@@ -119,7 +120,7 @@ mod tests {
     fn it_damps_the_mode_that_it_is_tuned_to() {
         // Without an integral: the closed loop's mode is far better damped than the plant's.
         let plant = lag(5e-4, 100.0, 0.02).unwrap();
-        let path = super::super::Loop { linear: plant, slope: (1.0, 1.0), limits: (-1.0, 1.0) };
+        let path = path_of(plant, (1.0, 1.0));
         let c = PositivePosition::new(5e-4, 0.0, 0.15, (120.0, 0.3), (-1.0, 1.0)).unwrap();
         let poles = path.closed(&c.law().unwrap(), 1.0).unwrap().poles();
         let least = poles.iter().filter(|p| p.z.im > 0.0).map(|p| p.damping).fold(1.0, f64::min);

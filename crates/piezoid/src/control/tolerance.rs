@@ -1,4 +1,4 @@
-//! Tolerance: a controller on plants that differ from the one it was tuned for as catalogue values do.
+//! Tolerance: a scheme on plants that differ from the one it was made for as catalogue values do.
 //!
 //! Every value of a draw is its value times a number drawn evenly from 1 - share to 1 + share: stiffness, density (which together
 //! are the frequency), the damping of each mode, displacement, width of the loop, creep, capacitance and lag of the driver.
@@ -7,9 +7,10 @@
 //!
 //! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: values that depend on each other, or on temperature.
 
-use super::{Controller, Scaled, Tracking, run};
+use super::{Drive, Scaled, Tracking};
 use crate::error::Error;
 use crate::plant::{BeamSpec, HysteresisSpec, Plant, Spec};
+use crate::progress::{Progress, Stage};
 use crate::series::ends;
 use crate::system::System;
 use rand::{RngExt, SeedableRng};
@@ -19,6 +20,9 @@ use rayon::prelude::*;
 /// How long the last value is held, and how long of it is watched [s].
 const HELD: f64 = 0.5;
 const WATCHED: f64 = 0.1;
+
+/// Draws between two reports of progress.
+const AT_ONCE: usize = 8;
 
 /// Swing that remains, as a share of the reference's height, above which a loop is unstable.
 const SWINGS: f64 = 0.01;
@@ -74,51 +78,46 @@ impl Spread {
     }
 }
 
-/// What every draw is asked.
-#[derive(Debug, Clone, Copy)]
-pub struct Course<'a> {
-    /// What is wanted [output unit].
-    pub r: &'a [f64],
-    /// Feed-forward, as long [V].
-    pub feed: &'a [f64],
-    /// Lowest and highest voltage [V].
-    pub limits: (f64, f64),
-    /// Output unit of the controller over metres.
-    pub factor: f64,
-    /// Samples left out of the figures at the start.
-    pub from: usize,
-    /// Stroke from end to end [output unit].
-    pub stroke: f64,
-}
-
-/// Runs a controller on plants drawn about `spec`, in parallel; the order of the draws does not depend on the threads.
+/// Drives plants drawn about `spec` along `r` [output unit of the drive's model], in parallel; errors count from sample `from` on,
+/// of the height of `r`. The order of the draws does not depend on the threads.
 ///
 /// # Errors
-/// Refuses a share outside 0 to below 1, and what [`run`] and [`Plant::new`] refuse.
+/// Refuses a share outside 0 to below 1, a model whose output is no length, and what [`Drive`] and [`Plant::new`] refuse.
 pub fn trials(
     spec: &Spec,
-    controller: &dyn Controller,
-    course: &Course,
+    drive: &Drive,
+    r: &[f64],
+    from: usize,
     tolerance: &Tolerance,
+    progress: &mut Progress,
 ) -> Result<Spread, Error> {
     if !(0.0..1.0).contains(&tolerance.share) {
         return Err(Error::parameter("share", tolerance.share, "must be from 0 to below 1"));
     }
-    let draw = |i: usize| trial(drawn(spec, tolerance, i as u64), tolerance.seed ^ i as u64, controller, course);
-    Ok(Spread { trials: (0..tolerance.draws).into_par_iter().map(draw).collect::<Result<_, _>>()? })
+    let draw = |i: usize| trial(drawn(spec, tolerance, i as u64), tolerance.seed ^ i as u64, drive, r, from);
+    let mut trials = Vec::with_capacity(tolerance.draws);
+    for first in (0..tolerance.draws).step_by(AT_ONCE) {
+        let stage = Stage { what: "draws of tolerance", done: first, total: tolerance.draws };
+        if progress(stage).is_break() {
+            return Err(Error::Cancelled { what: stage.what.into(), done: first, total: stage.total });
+        }
+        let some = (first..tolerance.draws.min(first + AT_ONCE)).into_par_iter().map(draw);
+        trials.extend(some.collect::<Result<Vec<Trial>, Error>>()?);
+    }
+    Ok(Spread { trials })
 }
 
-fn trial(spec: Spec, seed: u64, controller: &dyn Controller, course: &Course) -> Result<Trial, Error> {
-    let plant = Scaled { system: Plant::new(&spec, controller.ts())?.with_seed(seed), factor: course.factor };
+fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result<Trial, Error> {
+    let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
     let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
-    let mut done = run(&plant, controller, &held(course.r), &held(course.feed), course.limits)?;
+    let mut done = drive.run(&plant, &held(r), &held(&drive.feed(&plant, r)?.u))?;
     let (low, high) = ends(done.y[done.y.len() - (WATCHED / plant.ts()) as usize..].iter().copied());
-    let (bottom, top) = ends(course.r.iter().copied());
+    let (bottom, top) = ends(r.iter().copied());
     let stable = high - low <= SWINGS * (top - bottom);
     for series in [&mut done.r, &mut done.y, &mut done.u] {
-        series.truncate(course.r.len());
+        series.truncate(r.len());
     }
-    Ok(Trial { spec, tracking: done.tracking(course.from, course.stroke), stable })
+    Ok(Trial { spec, tracking: done.tracking(from, top - bottom), stable })
 }
 
 /// Draw `i` about `spec`.
@@ -158,33 +157,51 @@ fn drawn(spec: &Spec, tolerance: &Tolerance, i: u64) -> Spec {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{CONTROLLERS, Law, Pi, Scheme, Target, feed};
     use super::*;
-    use crate::control::Pi;
-    use crate::excitation::Sine;
+    use crate::compensation::How;
+    use crate::excitation::{Limits, Sine};
+    use crate::hammerstein::Model;
+    use crate::hysteresis::Proportional;
+    use crate::linear::Arx;
     use crate::plant::find;
+    use crate::progress::unwatched;
+    use std::sync::Arc;
 
-    fn spread(ki: f64, threads: usize) -> Spread {
-        let controller = Pi::new(5e-4, 0.0, ki, (-30.0, 30.0)).unwrap();
+    /// A gain of 35 um / V under an integral of this gain, in 1/s.
+    fn drive<const KI: u32>() -> Drive {
+        static WEAK: Law = Law { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 0.1, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
+        static STRONG: Law =
+            Law { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 30.0, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
+        let law = if KI > 1 { &STRONG } else { &WEAK };
+        let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0).unwrap()), Arx::gain(5e-4, 35.0).unwrap(), 0.0);
+        let units = crate::record::Units { u: "V".into(), y: "um".into() };
+        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+        let scheme = Scheme { feed: feed("gain").unwrap(), law: Some(law) };
+        let how = How { limits, ..How::default() };
+        Drive::new(scheme, &model.unwrap().with_units(units), how, &Target::default()).unwrap()
+    }
+
+    fn spread(drive: &Drive, threads: usize) -> Spread {
         let r = Sine { amplitude: 500.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400).unwrap();
-        let feed = vec![0.0; 400];
-        let course = Course { r: &r, feed: &feed, limits: (-30.0, 30.0), factor: 1e6, from: 100, stroke: 2000.0 };
         let tolerance = Tolerance { draws: 4, ..Tolerance::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| trials(&(find("pl140").unwrap().spec)(), &controller, &course, &tolerance)).unwrap()
+        let spec = (find("pl140").unwrap().spec)();
+        pool.install(|| trials(&spec, drive, &r, 100, &tolerance, &mut unwatched)).unwrap()
     }
 
     #[test]
     fn the_draws_are_the_same_on_one_thread_and_on_two() {
-        let one = spread(0.1, 1);
-        assert_eq!(one, spread(0.1, 2));
+        let one = spread(&drive::<1>(), 1);
+        assert_eq!(one, spread(&drive::<1>(), 2));
         assert_ne!(one.trials[0].spec, one.trials[1].spec);
         assert!(one.percent_of_stroke(0.0) < one.percent_of_stroke(1.0));
     }
 
     #[test]
     fn a_loop_that_swings_within_its_limits_is_unstable_all_the_same() {
-        assert_eq!(spread(0.1, 2).unstable(), 0);
-        assert_eq!(spread(30.0, 2).unstable(), 4);
+        assert_eq!(spread(&drive::<1>(), 2).unstable(), 0);
+        assert_eq!(spread(&drive::<30>(), 2).unstable(), 4);
     }
 
     #[test]

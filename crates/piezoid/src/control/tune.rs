@@ -60,7 +60,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
         return Err(Error::parameter("detuning", target.detuning, "must be from 0 to below 0.9"));
     }
     let none = |because: &str| Error::Unidentifiable { what: "a controller".into(), because: because.into() };
-    if !path.linear.is_stable() {
+    if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it anew, with another order"));
     }
     let bench = Bench::new(path, target)?;
@@ -94,7 +94,7 @@ impl Bench {
     fn new(path: &Loop, target: &Target) -> Result<Self, Error> {
         let d = target.detuning;
         let shifts: &[f64] = if d > 0.0 { &[0.0, -1.0, -0.67, -0.33, 0.33, 0.67, 1.0] } else { &[0.0] };
-        let blocks = shifts.iter().map(|s| detuned(&path.linear, 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
+        let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
         let grid = grid(&blocks.iter().collect::<Vec<_>>());
         let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1).collect()).collect();
         Ok(Bench { grid, plants })
@@ -151,9 +151,12 @@ pub(super) fn modes(block: &Arx) -> Vec<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CONTROLLERS, run};
+    use super::super::margins::tests::path_of;
+    use super::super::{CONTROLLERS, Course, Law, run};
     use super::*;
     use crate::testing::assert_close;
+
+    use std::sync::Arc;
 
     const TS: f64 = 5e-4;
 
@@ -162,20 +165,23 @@ mod tests {
         let p = filters::times(&filters::pair(TS, 160.0, 0.03), &filters::pair(TS, 900.0, 0.03));
         let gain = p.iter().sum::<f64>();
         let linear = filters::ratio(TS, &[0.0, 0.6 * gain, 0.4 * gain], &p).unwrap();
-        Loop { linear, slope: (30.0, 40.0), limits: (-30.0, 30.0) }
+        path_of(linear, (30.0, 40.0))
+    }
+
+    /// The controllers with a law, tuned.
+    fn lawful(path: &Loop) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>, Arx)> {
+        let tuned = CONTROLLERS.iter().map(|kind| (kind, (kind.tune)(path, &Target::default()).unwrap()));
+        tuned.filter_map(|(kind, controller)| controller.law().map(|law| (kind, controller, law)))
     }
 
     #[test]
     fn every_controller_keeps_the_margins_it_was_tuned_to_and_its_gain_with_every_mode_detuned() {
         let path = bender();
-        let target = Target::default();
-        for kind in CONTROLLERS {
-            let controller = (kind.tune)(&path, &target).unwrap();
+        for (kind, controller, law) in lawful(&path) {
             let m = path.margins(&*controller, path.slope.1).unwrap();
             assert!(m.stable && m.gain_db > 5.9 && m.phase_deg > 44.5 && m.bandwidth_hz > 1.0, "{}: {m:?}", kind.name);
-            let law = controller.law().unwrap();
             for share in [0.78, 0.9, 1.1, 1.22] {
-                let other = Loop { linear: detuned(&path.linear, share).unwrap(), ..path.clone() };
+                let other = path_of(detuned(path.linear(), share).unwrap(), path.slope);
                 let loud = other.closed(&law, 1.95 * path.slope.1).unwrap();
                 assert!(loud.is_stable(), "{} with modes at {share}", kind.name);
             }
@@ -185,17 +191,15 @@ mod tests {
     #[test]
     fn the_phase_margin_holds_in_simulation_as_samples_of_delay() {
         let path = bender();
-        for kind in CONTROLLERS {
-            let controller = (kind.tune)(&path, &Target::default()).unwrap();
-            let law = controller.law().unwrap();
+        for (_, controller, law) in lawful(&path) {
             // Where |L| is 1 for the last time: the least delay that any margin stands for.
-            let grid = grid(&[&path.linear, &law]);
-            let l: Vec<_> = open(&grid, &path.linear, path.slope.1).zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
+            let grid = grid(&[path.linear(), &law]);
+            let l: Vec<_> = open(&grid, path.linear(), path.slope.1).zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
             let last = grid[l.iter().rposition(|l| l.norm() >= 1.0).unwrap()];
             let samples = (45.0 / 360.0 / last / TS).floor() as usize;
-            let b: Vec<f64> = path.linear.b().iter().map(|b| b * path.slope.1).collect();
-            let plant = Arx::new(TS, path.linear.a().to_vec(), [vec![0.0; samples], b].concat()).unwrap();
-            let y = run(&plant, &*controller, &[100.0; 20_000], &[0.0; 20_000], path.limits).unwrap().y;
+            let b: Vec<f64> = path.linear().b().iter().map(|b| b * path.slope.1).collect();
+            let plant = Arx::new(TS, path.linear().a().to_vec(), [vec![0.0; samples], b].concat()).unwrap();
+            let y = run(&plant, &*controller, &Course::new(&[100.0; 20_000], &[0.0; 20_000], path.limits)).unwrap().y;
             assert_close(&[y[19_000], y[19_999]], &[100.0; 2], 1e-3, 0.0);
         }
     }
@@ -213,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_detuned_block_has_its_modes_where_they_were_sent() {
-        let block = bender().linear;
+        let block = bender().linear().clone();
         let lower = detuned(&block, 0.8).unwrap();
         let hz: Vec<f64> = lower.poles().iter().map(|p| p.hz).collect();
         assert_close(&hz, &[128.0, 720.0], 1e-6, 0.0);
@@ -226,7 +230,7 @@ mod tests {
         let pi = super::super::controller("pi").unwrap().tune;
         let wrong = Target { phase_deg: 0.0, ..Target::default() };
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
-        let unstable = Loop { linear: Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), ..bender() };
+        let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));
         assert!(pi(&unstable, &Target::default()).unwrap_err().to_string().contains("not stable"));
         let steep = Target { phase_deg: 179.0, ..Target::default() };
         assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain keeps the margins"));

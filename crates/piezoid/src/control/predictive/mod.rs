@@ -16,20 +16,24 @@
 //!
 //! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F. Borrelli, M.
 //! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: models behind a driver of their
-//! own, operators that fall with their input, a horizon of voltages (which would be no quadratic program).
+//! own, operators that fall with their input, a horizon of voltages (which would be no quadratic program). It has no law: what
+//! tolerances do to it is asked of [`trials`](super::trials).
 
 mod condensed;
 mod interior;
 mod kalman;
 mod realisation;
 
+use super::{Controller, Law, Now};
 use crate::error::{Error, finite, positive};
 use crate::hammerstein::Model;
 use crate::hysteresis::falls;
+use crate::linear::Arx;
 use crate::system::System;
 use condensed::{Condensed, Ended};
 use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, DVectorViewMut};
 use realisation::Realisation;
+use std::sync::Arc;
 
 /// The longest horizon.
 const LONGEST: usize = 200;
@@ -93,10 +97,11 @@ impl Default for Settings {
 /// The controller of a model.
 ///
 /// State, in this order: what the observer makes of the model; the last z and u; the operator's; then the buffers of
-/// [`Predictive::step`], among them the multipliers that it begins with next time.
+/// its steps, among them the multipliers that it begins with next time.
 ///
 /// ```
-/// use piezoid::{Model, System, control::predictive::{Predictive, Settings}, hysteresis::Proportional, linear::Arx};
+/// use piezoid::control::{Controller, Now, predictive::{Predictive, Settings}};
+/// use piezoid::{Model, System, hysteresis::Proportional, linear::Arx};
 /// use std::sync::Arc;
 /// let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.0, 3.0, 3.0])?;
 /// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), linear, 2.0)?;
@@ -104,7 +109,7 @@ impl Default for Settings {
 /// let (mut x, mut plant) = (mpc.settled(0.0), model.settled(0.0));
 /// let mut y = 2.0;
 /// for _ in 0..100 {
-///     let u = mpc.step(&mut x, &[500.0], y);
+///     let u = mpc.step(&mut x, &Now { y, ahead: &[500.0], ..Now::default() });
 ///     y = model.step(&mut plant, u);
 /// }
 /// assert!((y - 500.0).abs() < 1e-6);
@@ -280,12 +285,6 @@ impl Predictive {
         x
     }
 
-    /// Length of a state.
-    pub fn order(&self) -> usize {
-        let (n, rows) = (self.settings.horizon, self.program.sigma.len());
-        2 * self.plant.order() + 2 + 2 * self.model.hysteresis().order() + 2 * n + 2 * rows + self.program.scratch()
-    }
-
     fn parts<'x>(&self, x: &'x mut [f64]) -> Parts<'x> {
         let (n, rows) = (self.settings.horizon, self.program.sigma.len());
         let (operator, m) = (self.model.hysteresis().order(), self.plant.order());
@@ -309,14 +308,7 @@ impl Predictive {
         }
     }
 
-    /// The voltage of this sample [V]. `r` is the reference from this sample on [output unit], as far as it is known, up to
-    /// [`Predictive::preview`] samples of it; after its end its last value stands. `y` is the last reading [output unit],
-    /// of the sample before this one; one that is not finite is left out.
-    pub fn step(&self, x: &mut [f64], r: &[f64], y: f64) -> f64 {
-        self.advance(x, r, y).0
-    }
-
-    /// The same with the whole plan.
+    /// As [`Controller::step`], with the whole plan: `r` is the reference from this sample on, `y` the last reading [output unit].
     pub fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
         let (u, ended) = self.advance(x, r, y);
         let parts = self.parts(x);
@@ -411,6 +403,41 @@ impl Predictive {
     }
 }
 
+impl Controller for Predictive {
+    fn ts(&self) -> f64 {
+        self.model.ts()
+    }
+
+    fn order(&self) -> usize {
+        let (n, rows) = (self.settings.horizon, self.program.sigma.len());
+        2 * self.plant.order() + 2 + 2 * self.model.hysteresis().order() + 2 * n + 2 * rows + self.program.scratch()
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        self.settled(0.0)
+    }
+
+    /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands. A
+    /// reading that is not finite is left out. The feed-forward is not asked for.
+    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+        self.advance(x, now.ahead, now.y).0
+    }
+
+    fn law(&self) -> Option<Arx> {
+        None
+    }
+}
+
+pub(super) const ROW: Law = Law {
+    name: "predictive",
+    summary: "plans 20 samples ahead on the whole model, within its limits; needs no feed-forward",
+    reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
+    tune: |path, _| {
+        let settings = Settings { voltage: path.limits, ..Settings::default() };
+        Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
+    },
+};
+
 /// Refuses settings outside their domain.
 fn check(settings: &Settings) -> Result<(), Error> {
     let Settings { horizon, voltage, slew, displacement, move_cost, drift, unexplained, noise, .. } = settings;
@@ -449,7 +476,7 @@ mod tests {
     fn model(off: f64) -> Model {
         let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
         let (creep, linear) = blocks(1);
-        let linear = crate::linear::Arx::new(TS, linear.a().to_vec(), linear.b().iter().map(|b| b * off).collect());
+        let linear = Arx::new(TS, linear.a().to_vec(), linear.b().iter().map(|b| b * off).collect());
         Model::new(plays, linear.unwrap(), 1.5).unwrap().with_creep(creep).unwrap()
     }
 
@@ -567,7 +594,8 @@ mod tests {
             let (mut truth, mut y) = (plant.settled(0.0), 1.5);
             let mut ys = Vec::new();
             for t in 0..r.len() {
-                let u = mpc.step(&mut x, &r[t..], if lost && t % 7 == 3 { f64::NAN } else { y });
+                let y_read = if lost && t % 7 == 3 { f64::NAN } else { y };
+                let u = mpc.step(&mut x, &Now { y: y_read, ahead: &r[t..], ..Now::default() });
                 y = plant.step(&mut truth, u);
                 ys.push(y);
             }

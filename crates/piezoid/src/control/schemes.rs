@@ -1,0 +1,402 @@
+//! Schemes: a feed-forward, and a controller on top of it, written `feed-forward+pi`.
+//!
+//! ```text
+//! gain           u = k (r - r_mean) + u_0     the straight line of least error over the model's own answer to it
+//! feed-forward   u = model^-1 (r)             all of r known, or as many samples ahead as are told
+//! learning       u_j+1 from r - y_j           tried on the plant itself, of references that repeat
+//! ```
+//! What names no feed-forward has `gain`, what names no controller is open. So `gain` is what one does without a model but for its
+//! gain, `pi` a feedback on that, `feed-forward` the inverse alone. `gain` is as good as a straight line can be for this very
+//! reference: what others gain over it is not owed to a poor line.
+//!
+//! Reference: as the parts. It does not do: two feed-forwards or two controllers at once.
+
+use super::{CONTROLLERS, Controller, Course, Law, Loop, Margins, Now, Run, Target, controller, run};
+use crate::compensation::{Causal, FeedForward, How, Learning, learn};
+use crate::error::Error;
+use crate::hammerstein::Model;
+use crate::linear::Arx;
+use crate::series::{mean, scatter};
+use crate::system::System;
+use crate::waveform::period;
+use std::sync::Arc;
+
+/// Repetitions of a trial: one to come to it, the others for the mean.
+const REPEATED: usize = 3;
+
+/// How often the straight line is corrected: its gain depends on the height of the loop.
+const STRAIGHTENED: usize = 4;
+
+/// How far ahead is as good as all [samples]: what the inverse for whole references looks ahead.
+const ALL: usize = 64;
+
+/// What a feed-forward is made for.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// Limits and whether to clip.
+    pub how: How,
+    /// What is wanted [output unit].
+    pub r: &'a [f64],
+    /// Samples of it known beyond the present one.
+    pub ahead: usize,
+    /// The plant, for those that try.
+    pub plant: &'a dyn System,
+}
+
+/// A feed-forward, and how it came about.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fed {
+    /// The voltages, one a sample of the reference [V].
+    pub u: Vec<f64>,
+    /// Rms error of each trial, if there were any [output unit].
+    pub trials: Vec<f64>,
+    /// What is worth knowing, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// One kind of feed-forward: a row of [`FEEDS`].
+#[derive(Clone, Copy)]
+pub struct Feed {
+    /// As users write it.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    /// Makes it. Refused where the reference cannot be reached, or where it does not repeat and has to.
+    pub make: fn(&Asked) -> Result<Fed, Error>,
+}
+
+impl std::fmt::Debug for Feed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Feed").field(&self.name).finish()
+    }
+}
+
+/// The feed-forwards there are; the first is taken where none is named.
+pub static FEEDS: &[Feed] = &[
+    Feed {
+        name: "gain",
+        summary: "a straight line from displacement to voltage: no compensation",
+        reference: "least squares",
+        make: line,
+    },
+    Feed {
+        name: "feed-forward",
+        summary: "the inverse of the model",
+        reference: "Kuhnen 2003, DOI 10.3166/ejc.9.407-418",
+        make: inverse,
+    },
+    Feed {
+        name: "learning",
+        summary: "the inverse, corrected by ten trials on the plant; for references that repeat",
+        reference: "Bristow, Tharayil & Alleyne 2006, DOI 10.1109/MCS.2006.1636313",
+        make: learnt,
+    },
+];
+
+/// u = k (r - mean r) + u_0: first through the ends of the loop, then by what the model answers.
+fn line(asked: &Asked) -> Result<Fed, Error> {
+    let Asked { model, r, .. } = *asked;
+    let (low, high) = asked.how.ends(model)?;
+    let gain = model.linear().dc_gain() * (model.settled_crept(high) - model.settled_crept(low)) / (high - low);
+    if !(gain.is_finite() && gain != 0.0) {
+        let because = format!("its gain from end to end is {gain}");
+        return Err(Error::Unidentifiable { what: "a straight line through the model".into(), because });
+    }
+    let middle = mean(r);
+    let (mut k, mut u_0) = (1.0 / gain, 0.5 * (low + high));
+    let along = |k: f64, u_0: f64| r.iter().map(|r| k * (r - middle) + u_0).collect::<Vec<f64>>();
+    for _ in 0..STRAIGHTENED {
+        let y = model.simulate(&along(k, u_0));
+        let (centre, moved) = (mean(&y), scatter(&y));
+        let together: f64 = y.iter().zip(r).map(|(y, r)| (y - centre) * (r - middle)).sum();
+        if moved > 0.0 && together > 0.0 {
+            k *= together / moved;
+        }
+        u_0 += (middle - centre) / gain;
+    }
+    Ok(Fed { u: along(k, u_0), ..Fed::default() })
+}
+
+fn inverse(asked: &Asked) -> Result<Fed, Error> {
+    let Asked { model, how, r, ahead, .. } = *asked;
+    if ahead >= ALL {
+        let made = FeedForward::new(model, how)?.whole(r)?;
+        return Ok(Fed { u: made.u, notes: made.notes, ..Fed::default() });
+    }
+    crate::error::finite("reference", r)?;
+    let Some(&last) = r.last() else { return Ok(Fed::default()) };
+    // What is known so far ahead needs no delay.
+    let known = r.iter().skip(ahead).copied().chain(std::iter::repeat_n(last, ahead.min(r.len())));
+    let causal = Causal::new(model, how, ahead)?;
+    let mut x = causal.settled(r[0]);
+    Ok(Fed { u: known.map(|r| causal.step(&mut x, r)).collect(), ..Fed::default() })
+}
+
+fn learnt(asked: &Asked) -> Result<Fed, Error> {
+    let Asked { model, how, r, plant, .. } = *asked;
+    let Some(n) = period(r) else {
+        return Err(Error::parameter(
+            "reference",
+            "one that does not repeat",
+            "must repeat to be learnt: choose another scheme",
+        ));
+    };
+    let mut x = plant.initial();
+    let mut tried = |u: &[f64]| {
+        plant.resume(&mut x, u);
+        let runs: Vec<Vec<f64>> = (1..REPEATED).map(|_| plant.resume(&mut x, u)).collect();
+        (0..n).map(|t| runs.iter().map(|y| y[t]).sum::<f64>() / runs.len() as f64).collect()
+    };
+    let learnt = learn(&mut tried, &FeedForward::new(model, how)?, &r[..n], Learning::default())?;
+    Ok(Fed { u: learnt.u.iter().copied().cycle().take(r.len()).collect(), trials: learnt.rms, ..Fed::default() })
+}
+
+/// The feed-forward called `name`.
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub fn feed(name: &str) -> Result<&'static Feed, Error> {
+    FEEDS
+        .iter()
+        .find(|f| f.name == name)
+        .ok_or_else(|| Error::unknown("feed-forward", name, FEEDS.iter().map(|f| f.name)))
+}
+
+/// A feed-forward and a controller.
+#[derive(Debug, Clone, Copy)]
+pub struct Scheme {
+    /// The feed-forward.
+    pub feed: &'static Feed,
+    /// The controller on top of it, if any.
+    pub law: Option<&'static Law>,
+}
+
+impl Scheme {
+    /// The scheme called `name`: a feed-forward, a controller, or both with a `+` between.
+    ///
+    /// ```
+    /// use piezoid::control::Scheme;
+    /// assert_eq!(Scheme::named("feed-forward+pi")?.name(), "feed-forward+pi");
+    /// assert_eq!(Scheme::named("gain+pi")?.name(), "pi");
+    /// assert!(Scheme::named("feed-forward+pj").unwrap_err().to_string().contains("did you mean `pi`?"));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are; two feed-forwards or two controllers.
+    pub fn named(name: &str) -> Result<Self, Error> {
+        let mut scheme = Scheme { feed: &FEEDS[0], law: None };
+        let mut feeds = 0;
+        for part in name.split('+') {
+            match FEEDS.iter().find(|f| f.name == part) {
+                Some(feed) => (scheme.feed, feeds) = (feed, feeds + 1),
+                None if CONTROLLERS.iter().any(|c| c.name == part) && scheme.law.is_none() => {
+                    scheme.law = Some(controller(part)?);
+                }
+                None if CONTROLLERS.iter().all(|c| c.name != part) => {
+                    let known = FEEDS.iter().map(|f| f.name).chain(CONTROLLERS.iter().map(|c| c.name));
+                    return Err(Error::unknown("controller", part, known));
+                }
+                None => feeds = 2,
+            }
+        }
+        if feeds > 1 {
+            let rule = "must name one feed-forward, one controller, or one of each, as feed-forward+pi";
+            return Err(Error::parameter("controller", name, rule));
+        }
+        Ok(scheme)
+    }
+
+    /// As [`Scheme::named`] reads it.
+    pub fn name(&self) -> String {
+        match self.law {
+            None => self.feed.name.into(),
+            Some(law) if self.feed.name == FEEDS[0].name => law.name.into(),
+            Some(law) => format!("{}+{}", self.feed.name, law.name),
+        }
+    }
+}
+
+/// No feedback.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Open {
+    ts: f64,
+}
+
+impl Controller for Open {
+    fn ts(&self) -> f64 {
+        self.ts
+    }
+
+    fn order(&self) -> usize {
+        0
+    }
+
+    fn step(&self, _: &mut [f64], now: &Now) -> f64 {
+        now.feed
+    }
+
+    fn law(&self) -> Option<Arx> {
+        None
+    }
+}
+
+/// A scheme tuned to a model, ready for plants.
+///
+/// ```
+/// use piezoid::control::{Drive, Scheme, Target};
+/// use piezoid::{Model, System, compensation::How, hysteresis::operator, linear::Arx};
+/// let with_gain = |k: f64| Model::new((operator("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
+/// let (model, actuator) = (with_gain(10.0)?, with_gain(11.0)?);
+/// let r: Vec<f64> = (0..1000).map(|t| 300.0 * (0.0125 * f64::from(t)).sin()).collect();
+/// let error = |name: &str| {
+///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), &Target::default())?;
+///     let fed = drive.feed(&actuator, &r)?;
+///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &fed.u)?.tracking(500, 600.0).percent_of_stroke)
+/// };
+/// assert!(error("feed-forward+pi")? < 0.3 * error("feed-forward")? && error("learning")? < 0.01);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Drive {
+    /// What it is.
+    pub scheme: Scheme,
+    /// Samples by which readings come late.
+    pub late: usize,
+    /// Samples of the reference known beyond the present one.
+    pub ahead: usize,
+    how: How,
+    path: Loop,
+    controller: Arc<dyn Controller>,
+}
+
+impl Drive {
+    /// `scheme` for `model` within the limits of `how`, its controller tuned to `target`; readings in time, and references known
+    /// to their end.
+    ///
+    /// # Errors
+    /// What the tuning refuses, and a model without inputs that are allowed.
+    pub fn new(scheme: Scheme, model: &Model, how: How, target: &Target) -> Result<Self, Error> {
+        let path = Loop::of(model, how.ends(model)?)?;
+        let controller = match scheme.law {
+            Some(law) => (law.tune)(&path, target)?,
+            None => Arc::new(Open { ts: model.ts() }),
+        };
+        Ok(Drive { scheme, late: 0, ahead: usize::MAX, how, path, controller })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.path.model
+    }
+
+    /// The margins of its loop where the hysteresis is steepest; `None` without feedback, or of one without a law.
+    pub fn margins(&self) -> Option<Margins> {
+        self.path.margins(&*self.controller, self.path.slope.1)
+    }
+
+    /// |S| of that loop at these frequencies [Hz].
+    pub fn sensitivity(&self, hz: &[f64]) -> Option<Vec<f64>> {
+        self.path.sensitivity(&*self.controller, self.path.slope.1, hz)
+    }
+
+    /// The feed-forward for `r` [output unit]; `plant` gives its output in the same unit.
+    ///
+    /// # Errors
+    /// As the row of [`FEEDS`].
+    pub fn feed(&self, plant: &dyn System, r: &[f64]) -> Result<Fed, Error> {
+        (self.scheme.feed.make)(&Asked { model: self.model(), how: self.how, r, ahead: self.ahead, plant })
+    }
+
+    /// Drives `plant` along `r` [output unit] from rest, with this feed-forward [V].
+    ///
+    /// # Errors
+    /// As [`run`].
+    pub fn run(&self, plant: &dyn System, r: &[f64], feed: &[f64]) -> Result<Run, Error> {
+        let course = Course { r, feed, limits: self.path.limits, late: self.late, ahead: self.ahead };
+        run(plant, &*self.controller, &course)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Sine;
+    use crate::hysteresis::operator;
+
+    const TS: f64 = 5e-4;
+
+    /// Plays before a resonance, of this share of its gain.
+    fn model(share: f64) -> Model {
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1 * share, 3.1 * share]).unwrap(), 4.0)
+            .unwrap()
+    }
+
+    fn sine(n: usize) -> Vec<f64> {
+        Sine { amplitude: 400.0, offset: 4.0, frequency: 10.0 }.samples(TS, n).unwrap()
+    }
+
+    fn drive(name: &str) -> Drive {
+        Drive::new(Scheme::named(name).unwrap(), &model(1.0), How::default(), &Target::default()).unwrap()
+    }
+
+    fn percent(drive: &Drive, plant: &Model, r: &[f64]) -> f64 {
+        let fed = drive.feed(plant, r).unwrap();
+        drive.run(plant, r, &fed.u).unwrap().tracking(400, 800.0).percent_of_stroke
+    }
+
+    #[test]
+    fn every_scheme_there_is_follows_another_plant_and_its_name_leads_back_to_it() {
+        let r = sine(2000);
+        let line = percent(&drive("gain"), &model(1.1), &r);
+        for feed in FEEDS {
+            assert!(!feed.summary.is_empty() && !feed.reference.is_empty());
+            for law in std::iter::once(None).chain(CONTROLLERS.iter().map(Some)) {
+                let scheme = Scheme { feed, law };
+                assert_eq!(Scheme::named(&scheme.name()).unwrap().name(), scheme.name());
+                let drive = Drive::new(scheme, &model(1.0), How::default(), &Target::default()).unwrap();
+                let left = percent(&drive, &model(1.1), &r);
+                assert!(left < 1.5 * line, "{}: {left} after {line}", scheme.name());
+            }
+        }
+        for wrong in ["gain+feed-forward", "pi+pid", "pi+", "", "feed_forward"] {
+            assert!(Scheme::named(wrong).is_err(), "{wrong}");
+        }
+        assert!(feed("learn").is_err() && feed("learning").is_ok());
+    }
+
+    #[test]
+    fn no_other_straight_line_does_better_on_the_model() {
+        let (model, r, drive) = (model(1.0), sine(2000), drive("gain"));
+        let u = drive.feed(&model, &r).unwrap().u;
+        let error = |share: f64| {
+            let u: Vec<f64> = u.iter().map(|u| share * u).collect();
+            drive.run(&model, &r, &u).unwrap().tracking(400, 800.0).percent_of_stroke
+        };
+        let [less, best, more] = [0.97, 1.0, 1.03].map(error);
+        assert!(less > best && more > best && best > 2.0, "{less} {best} {more}");
+    }
+
+    #[test]
+    fn the_more_is_known_ahead_the_nearer_it_comes_and_from_far_on_as_near_as_whole() {
+        let (model, r) = (model(1.0), sine(2000));
+        let left = |ahead: usize| percent(&Drive { ahead, ..drive("feed-forward") }, &model, &r);
+        assert!(left(0) > left(2) && left(2) > left(6), "{} {} {}", left(0), left(2), left(6));
+        assert!(left(usize::MAX) < 0.01 && left(ALL - 1) < 0.01, "{} {}", left(usize::MAX), left(ALL - 1));
+    }
+
+    #[test]
+    fn what_does_not_repeat_cannot_be_learnt_and_what_does_leaves_its_trials() {
+        let path: Vec<f64> = (0..3000).map(|t| f64::from(t) * 0.1).collect();
+        let refused = drive("learning").feed(&model(1.0), &path).unwrap_err().to_string();
+        assert!(refused.contains("must repeat"), "{refused}");
+        let fed = drive("learning").feed(&model(1.2), &sine(1000)).unwrap();
+        assert_eq!((fed.u.len(), fed.trials.len()), (1000, 11));
+        assert!(fed.trials[10] < 0.01 * fed.trials[0], "{:?}", fed.trials);
+    }
+}
