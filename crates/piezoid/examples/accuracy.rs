@@ -21,7 +21,7 @@ use piezoid::{Error, Record, System};
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Sampling period [s].
-const TS: f64 = 5e-4;
+pub(crate) const TS: f64 = 5e-4;
 
 /// The twins: the truth is a Preisach density, and a Bouc-Wen law.
 pub(crate) const TWINS: [&str; 2] = ["pl140", "pl140-bouc-wen"];

@@ -63,6 +63,15 @@ impl Causal {
         model.offset() + model.linear().dc_gain() * model.step_crept(&mut model.initial(), 0.0)
     }
 
+    /// The state after the first of `known` has stood for long, where all of `known` is told beforehand: a step then takes the
+    /// reference that follows it. So known as many samples ahead as it is late, a reference is met in time.
+    pub fn foreknowing(&self, known: &[f64]) -> Vec<f64> {
+        let mut x = self.settled(known.first().copied().unwrap_or(self.resting()));
+        let past = &mut x[BEFORE..BEFORE + self.preview().fir().order()];
+        past.iter_mut().zip(known.iter().rev()).for_each(|(past, r)| *past = *r);
+        x
+    }
+
     fn state(&self, u: f64, r: f64, model: Vec<f64>) -> Vec<f64> {
         let mut x = vec![r; BEFORE + self.preview().fir().order()];
         x[0] = u;

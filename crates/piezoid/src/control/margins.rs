@@ -20,6 +20,7 @@ use crate::linear::Arx;
 use crate::series::ends;
 use crate::system::System;
 use nalgebra::Complex;
+use serde::Serialize;
 
 /// Points of the grid in all, and around each mode to either side.
 const POINTS: usize = 500;
@@ -40,7 +41,7 @@ pub struct Loop {
 }
 
 /// How far a loop is from ringing.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
     /// By how much the gain may grow [dB]; infinite if without end.
     pub gain_db: f64,

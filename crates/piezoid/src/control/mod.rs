@@ -13,6 +13,7 @@
 //! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). It does
 //! not do: several axes, adaptation.
 
+mod comparison;
 mod disturbance_observer;
 mod filters;
 mod integral_notch;
@@ -27,6 +28,7 @@ mod schemes;
 mod tolerance;
 mod tune;
 
+pub use comparison::{Attempt, Comparison, Driven, Wanted, compare};
 pub use disturbance_observer::DisturbanceObserver;
 pub use integral_notch::IntegralNotch;
 pub use loops::{Course, Run, Scaled, Tracking, run};

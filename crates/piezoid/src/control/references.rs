@@ -2,6 +2,7 @@
 //!
 //! They are the excitations of [`excitation`](crate::excitation) in output units, and a random path.
 
+use crate::compensation::shaping::smooth;
 use crate::error::{Error, positive};
 use crate::excitation::{Multisine, Sine, Staircase, Triangle};
 
@@ -30,10 +31,8 @@ pub static REFERENCES: &[Reference] = &[
     },
     Reference {
         name: "staircase",
-        summary: "nine levels, each held: settling and creep",
-        samples: |ts, n, peak, hz| {
-            Staircase { amplitude: peak, frequency: hz, levels: 9, ..Staircase::default() }.samples(ts, n)
-        },
+        summary: "nine levels with minimum-jerk moves between them: settling and creep",
+        samples: staircase,
     },
     Reference {
         name: "random",
@@ -41,6 +40,12 @@ pub static REFERENCES: &[Reference] = &[
         samples: random,
     },
 ];
+
+/// The steps of a staircase as moves of half the time that its shortest level lasts: a jump, which nothing follows, says nothing.
+fn staircase(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
+    let steps = Staircase { amplitude: peak, frequency: hz, levels: 9, ..Staircase::default() }.samples(ts, n)?;
+    Ok(smooth(ts, 1.0 / (48.0 * hz))?.whole(&steps))
+}
 
 /// Sines up to `hz` in equal strength and with random phases, from rest within two periods of it. It repeats after
 /// 20 s, or 20 periods of `hz`.

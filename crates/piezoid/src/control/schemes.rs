@@ -21,8 +21,8 @@ use crate::system::System;
 use crate::waveform::period;
 use std::sync::Arc;
 
-/// Repetitions of a trial: one to come to it, the others for the mean.
-const REPEATED: usize = 3;
+/// How long a trial is repeated before it is looked at, and how long it is then averaged, both in whole periods [s].
+const SETTLES: f64 = 0.25;
 
 /// How often the straight line is corrected: its gain depends on the height of the loop.
 const STRAIGHTENED: usize = 4;
@@ -129,11 +129,11 @@ fn inverse(asked: &Asked) -> Result<Fed, Error> {
     }
     crate::error::finite("reference", r)?;
     let Some(&last) = r.last() else { return Ok(Fed::default()) };
-    // What is known so far ahead needs no delay.
-    let known = r.iter().skip(ahead).copied().chain(std::iter::repeat_n(last, ahead.min(r.len())));
     let causal = Causal::new(model, how, ahead)?;
-    let mut x = causal.settled(r[0]);
-    Ok(Fed { u: known.map(|r| causal.step(&mut x, r)).collect(), ..Fed::default() })
+    let (known, rest) = r.split_at(ahead.min(r.len()));
+    let mut x = causal.foreknowing(known);
+    let told = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
+    Ok(Fed { u: told.map(|r| causal.step(&mut x, r)).collect(), ..Fed::default() })
 }
 
 fn learnt(asked: &Asked) -> Result<Fed, Error> {
@@ -146,10 +146,14 @@ fn learnt(asked: &Asked) -> Result<Fed, Error> {
         ));
     };
     let mut x = plant.initial();
+    let periods = (SETTLES / (n as f64 * model.ts())).ceil() as usize;
     let mut tried = |u: &[f64]| {
-        plant.resume(&mut x, u);
-        let runs: Vec<Vec<f64>> = (1..REPEATED).map(|_| plant.resume(&mut x, u)).collect();
-        (0..n).map(|t| runs.iter().map(|y| y[t]).sum::<f64>() / runs.len() as f64).collect()
+        (0..periods).for_each(|_| drop(plant.resume(&mut x, u)));
+        let mut sum = vec![0.0; n];
+        for _ in 0..periods {
+            sum.iter_mut().zip(plant.resume(&mut x, u)).for_each(|(sum, y)| *sum += y / periods as f64);
+        }
+        sum
     };
     let learnt = learn(&mut tried, &FeedForward::new(model, how)?, &r[..n], Learning::default())?;
     Ok(Fed { u: learnt.u.iter().copied().cycle().take(r.len()).collect(), trials: learnt.rms, ..Fed::default() })

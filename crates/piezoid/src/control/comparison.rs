@@ -1,0 +1,181 @@
+//! Several schemes on one plant along several references, side by side.
+//!
+//! The error is r - y of the reading, noise of the sensor included, and counts from a sample of each reference on: of one that repeats
+//! after a quarter of a second in whole periods, since none begins as it goes on. Percent are of the height of the reference.
+
+use super::{Drive, Fed, Run, Scaled, Spread, Tolerance, Tracking, trials};
+use crate::error::Error;
+use crate::plant::{Plant, Spec};
+use crate::progress::{Progress, Stage};
+use crate::series::ends;
+use crate::system::System;
+use crate::waveform::period;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+/// How long a reference that repeats takes to begin [s].
+const BEGINNING: f64 = 0.25;
+
+/// A reference by name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wanted {
+    /// What it is called.
+    pub name: String,
+    /// What is wanted [output unit].
+    pub r: Vec<f64>,
+    /// The first sample that counts.
+    pub from: usize,
+}
+
+impl Wanted {
+    /// `r` every `ts` [s], counted after its first periods if it repeats, else from its start.
+    pub fn new(name: impl Into<String>, ts: f64, r: Vec<f64>) -> Self {
+        let begun = |period: usize| (BEGINNING / ts / period as f64).ceil() as usize * period;
+        let from = period(&r).map_or(0, |period| begun(period).min(r.len() / period / 2 * period).max(period));
+        Wanted { name: name.into(), r, from }
+    }
+
+    /// From end to end [output unit].
+    pub fn height(&self) -> f64 {
+        let (low, high) = ends(self.r.iter().copied());
+        high - low
+    }
+}
+
+/// What one scheme did along one reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attempt {
+    /// The feed-forward.
+    pub fed: Fed,
+    /// The run.
+    pub run: Run,
+    /// How well it tracks.
+    pub tracking: Tracking,
+}
+
+/// What one scheme did.
+#[derive(Debug, Clone)]
+pub struct Driven {
+    /// The scheme, ready for more.
+    pub drive: Drive,
+    /// One a reference; what was refused says why.
+    pub attempts: Vec<Result<Attempt, Error>>,
+    /// How it does on plants of other tolerance along the first reference, if that was asked.
+    pub spread: Option<Spread>,
+}
+
+impl Driven {
+    /// The scheme's name.
+    pub fn name(&self) -> String {
+        self.drive.scheme.name()
+    }
+}
+
+/// Schemes side by side.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// Name of the plant.
+    pub plant: String,
+    /// The references.
+    pub wanted: Vec<Wanted>,
+    /// The schemes, in the order given.
+    pub driven: Vec<Driven>,
+}
+
+/// Drives the plant of `spec` along every reference by every scheme; with a tolerance also plants drawn about it, along the first.
+///
+/// # Errors
+/// What every scheme refuses of a reference, or of all of them; what one alone refuses is told in its place. Models of different
+/// sampling or units, nothing to compare, and work that is cancelled.
+pub fn compare(
+    (name, spec): (&str, &Spec),
+    drives: Vec<Drive>,
+    wanted: Vec<Wanted>,
+    seed: u64,
+    tolerance: Option<&Tolerance>,
+    progress: &mut Progress,
+) -> Result<Comparison, Error> {
+    let (Some(first), false) = (drives.first(), wanted.is_empty()) else {
+        return Err(Error::parameter("schemes and references", "none", "must be one each at least"));
+    };
+    let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
+    let attempt = |drive: &Drive, wanted: &Wanted| -> Result<Attempt, Error> {
+        let fed = drive.feed(&plant, &wanted.r)?;
+        let run = drive.run(&plant, &wanted.r, &fed.u)?;
+        let tracking = run.tracking(wanted.from, wanted.height());
+        Ok(Attempt { fed, run, tracking })
+    };
+    let mut driven = Vec::with_capacity(drives.len());
+    let total = drives.len();
+    for (done, drive) in drives.into_iter().enumerate() {
+        let what = "schemes";
+        if progress(Stage { what, done, total }).is_break() {
+            return Err(Error::Cancelled { what: what.into(), done, total });
+        }
+        let attempts: Vec<_> = wanted.par_iter().map(|wanted| attempt(&drive, wanted)).collect();
+        let spread = match tolerance {
+            Some(tolerance) if attempts[0].is_ok() => {
+                Some(trials(spec, &drive, &wanted[0].r, wanted[0].from, tolerance, progress)?)
+            }
+            _ => None,
+        };
+        driven.push(Driven { drive, attempts, spread });
+    }
+    // A reference that nothing follows is a mistake in it.
+    for k in 0..wanted.len() {
+        if driven.iter().all(|d| d.attempts[k].is_err()) {
+            if let Some(Err(error)) = driven.iter_mut().next().map(|d| d.attempts.swap_remove(k)) {
+                return Err(error);
+            }
+        }
+    }
+    Ok(Comparison { plant: name.into(), wanted, driven })
+}
+
+impl Comparison {
+    /// Unit of references and displacements.
+    pub fn unit(&self) -> &str {
+        self.driven.first().map_or("", |d| &d.drive.model().units().y)
+    }
+
+    /// All figures as one document: `references`, then `schemes`, each with its `margins`, `tracking` a reference, and `tolerance`.
+    pub fn to_json(&self) -> Value {
+        let attempt = |wanted: &Wanted, attempt: &Result<Attempt, Error>| match attempt {
+            Err(error) => json!({"reference": wanted.name, "refused": error.to_string()}),
+            Ok(Attempt { fed, run, tracking }) => json!({
+                "reference": wanted.name,
+                "rms": tracking.rms,
+                "max": tracking.max,
+                "percent_of_stroke": tracking.percent_of_stroke,
+                "effort": tracking.effort,
+                "highest_voltage": run.u.iter().fold(0.0, |m: f64, u| m.max(u.abs())),
+                "limited": run.limited,
+                "trials": fed.trials,
+                "notes": fed.notes,
+            }),
+        };
+        let spread = |spread: &Spread| {
+            json!({
+                "draws": spread.trials.len(),
+                "unstable": spread.unstable(),
+                "percent_of_stroke": spread.trials.iter().map(|t| t.tracking.percent_of_stroke).collect::<Vec<_>>(),
+            })
+        };
+        let scheme = |d: &Driven| {
+            json!({
+                "scheme": d.name(),
+                "margins": d.drive.margins(),
+                "tracking": self.wanted.iter().zip(&d.attempts).map(|(w, a)| attempt(w, a)).collect::<Vec<_>>(),
+                "tolerance": d.spread.as_ref().map(spread),
+            })
+        };
+        let reference =
+            |w: &Wanted| json!({"name": w.name, "samples": w.r.len(), "from": w.from, "height": w.height()});
+        json!({
+            "plant": self.plant,
+            "unit": self.unit(),
+            "references": self.wanted.iter().map(reference).collect::<Vec<_>>(),
+            "schemes": self.driven.iter().map(scheme).collect::<Vec<_>>(),
+        })
+    }
+}
