@@ -4,6 +4,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use piezoid::control::predictive::{self, Predictive, Solver};
+use piezoid::control::{Controller, Now};
 use piezoid::creep::Creep;
 use piezoid::driver::{Driver, SUBSTEPS};
 use piezoid::excitation::{Prbs, Sine};
@@ -127,7 +128,8 @@ fn predictive(c: &mut Criterion) {
                 let (mut t, mut y) = (0, 0.0);
                 group.bench_function(format!("{name}, {by}, {horizon} samples"), |b| {
                     b.iter(|| {
-                        y = model.step(&mut plant, mpc.step(&mut x, black_box(&r[t..]), y));
+                        let now = Now { y, ahead: black_box(&r[t..]), ..Now::default() };
+                        y = model.step(&mut plant, mpc.step(&mut x, &now));
                         t = (t + 1) % 200;
                     });
                 });

@@ -4,7 +4,8 @@ use crate::values::{period, seconds};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use piezoid::formats::{Selection, Signal, Table};
-use piezoid::{Model, Record};
+use piezoid::record::{factor, same_sampling};
+use piezoid::{Model, Record, System};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::io::{self, ErrorKind, Write};
@@ -71,9 +72,15 @@ impl Columns {
         self.signal(path, Table::input)
     }
 
-    /// The reference in a file that may hold nothing else.
-    pub(crate) fn reference(&self, path: &Path) -> Result<Signal> {
-        self.signal(path, Table::reference)
+    /// The reference in a file that may hold nothing else, in the unit of the model's output.
+    pub(crate) fn reference(&self, path: &Path, model: &Model) -> Result<Vec<f64>> {
+        let Signal { ts, samples, unit } = self.signal(path, Table::reference)?;
+        same_sampling("the model", model.ts(), "the reference", ts).with_context(|| named(path))?;
+        let Some(factor) = factor(&unit, &model.units().y) else {
+            let (name, wanted) = (named(path), &model.units().y);
+            bail!("{name}: the reference is in {unit} but the model gives {wanted}: convert it beforehand");
+        };
+        Ok(samples.iter().map(|r| r * factor).collect())
     }
 
     fn signal(&self, path: &Path, of: fn(&Table, &Selection) -> Result<Signal, piezoid::Error>) -> Result<Signal> {

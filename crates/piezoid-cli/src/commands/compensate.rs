@@ -8,7 +8,6 @@ use crate::values::{Misused, apart, argument, farads, period};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use piezoid::compensation::{Compensated, FeedForward, How, shaping};
-use piezoid::formats::Signal;
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
 use piezoid::{Model, System};
@@ -81,7 +80,7 @@ impl Compensate {
         let how = How { limits: driver.unwrap_or_default(), clip: self.clip, sweeps: self.sweeps, ..How::default() };
         let inverse = FeedForward::new(&model, how).with_context(|| self.model.display().to_string())?;
         let name = || self.reference.display().to_string();
-        let r = self.shaped(&model, self.wanted(&model)?)?;
+        let r = self.shaped(&model, self.columns.reference(&self.reference, &model)?)?;
         let made = inverse.whole(&r).map_err(|e| match e {
             piezoid::Error::Limits(_) | piezoid::Error::Unreachable(_) => anyhow!("{}: {e} (--clip)", name()),
             other => anyhow!("{}: {other}", name()),
@@ -103,18 +102,6 @@ impl Compensate {
         let text = piezoid::formats::csv::write(model.ts(), &[(&u_name, &made.u), (&r_name, &r)])?;
         files::write(&self.output, &text, console)?;
         files::write_json(self.json.as_deref(), &result, console)
-    }
-
-    /// The reference in the unit of the model's output.
-    fn wanted(&self, model: &Model) -> Result<Vec<f64>> {
-        let name = || self.reference.display().to_string();
-        let Signal { ts, samples, unit } = self.columns.reference(&self.reference)?;
-        piezoid::record::same_sampling("the model", model.ts(), "the reference", ts).with_context(name)?;
-        let Some(factor) = piezoid::record::factor(&unit, &model.units().y) else {
-            let wanted = &model.units().y;
-            bail!("{}: the reference is in {unit} but the model gives {wanted}: convert it beforehand", name());
-        };
-        Ok(samples.iter().map(|r| r * factor).collect())
     }
 
     /// The reference as the options shape it.

@@ -5,6 +5,7 @@ use crate::files;
 use crate::values::Misused;
 use anyhow::{Context, Result};
 use clap::Args;
+use piezoid::control::{CONTROLLERS, FEEDS};
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
@@ -29,6 +30,11 @@ pub(crate) fn estimators() -> Vec<Row> {
 
 pub(crate) fn drivers() -> Vec<Row> {
     DRIVERS.iter().map(|d| (d.name, d.summary, d.reference)).collect()
+}
+
+pub(crate) fn controllers() -> Vec<Row> {
+    let feeds = FEEDS.iter().map(|f| (f.name, f.summary, f.reference));
+    feeds.chain(CONTROLLERS.iter().map(|c| (c.name, c.summary, c.reference))).collect()
 }
 
 fn plants() -> Vec<Row> {

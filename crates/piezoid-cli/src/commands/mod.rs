@@ -1,6 +1,7 @@
 //! One file a verb: arguments -> library call -> rendering.
 
 mod compensate;
+mod control;
 mod excite;
 mod identified;
 mod identify;
@@ -33,6 +34,8 @@ pub(crate) enum Verb {
     Validate(validate::Validate),
     /// Turn a wanted displacement into the voltage that gives it.
     Compensate(compensate::Compensate),
+    /// Close the loop on a simulated actuator and compare controllers.
+    Control(Box<control::Control>),
     /// Write a self-contained page on a model and how it meets records.
     Report(report::Report),
     /// List the hysteresis operators.
@@ -45,6 +48,8 @@ pub(crate) enum Verb {
     Estimators(lists::List),
     /// List the drivers whose limits are known.
     Drivers(lists::List),
+    /// List the controllers, feed-forwards first.
+    Controllers(lists::List),
     /// Print a completion script for a shell.
     Completions(shell::Completions),
     /// Print the manual page.
@@ -60,12 +65,14 @@ impl Verb {
             Verb::Identify(verb) => verb.run(console),
             Verb::Validate(verb) => verb.run(console),
             Verb::Compensate(verb) => verb.run(console),
+            Verb::Control(verb) => verb.run(console),
             Verb::Report(verb) => verb.run(console),
             Verb::Operators(verb) => verb.run(&lists::operators(), console),
             Verb::Plants(verb) => verb.run(console),
             Verb::Excitations(verb) => verb.run(&lists::excitations(), console),
             Verb::Estimators(verb) => verb.run(&lists::estimators(), console),
             Verb::Drivers(verb) => verb.run(&lists::drivers(), console),
+            Verb::Controllers(verb) => verb.run(&lists::controllers(), console),
             Verb::Completions(verb) => verb.run(console),
             Verb::Man(verb) => verb.run(console),
         }

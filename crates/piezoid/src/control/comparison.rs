@@ -122,12 +122,10 @@ pub fn compare(
         driven.push(Driven { drive, attempts, spread });
     }
     // A reference that nothing follows is a mistake in it.
-    for k in 0..wanted.len() {
-        if driven.iter().all(|d| d.attempts[k].is_err()) {
-            if let Some(Err(error)) = driven.iter_mut().next().map(|d| d.attempts.swap_remove(k)) {
-                return Err(error);
-            }
-        }
+    let refused = |k: &usize| driven.iter().all(|d| d.attempts[*k].is_err());
+    let none = (0..wanted.len()).find(refused);
+    if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
+        return Err(error);
     }
     Ok(Comparison { plant: name.into(), wanted, driven })
 }

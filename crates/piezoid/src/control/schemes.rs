@@ -139,11 +139,7 @@ fn inverse(asked: &Asked) -> Result<Fed, Error> {
 fn learnt(asked: &Asked) -> Result<Fed, Error> {
     let Asked { model, how, r, plant, .. } = *asked;
     let Some(n) = period(r) else {
-        return Err(Error::parameter(
-            "reference",
-            "one that does not repeat",
-            "must repeat to be learnt: choose another scheme",
-        ));
+        return Err(Error::parameter("reference", "a path that never repeats", "must repeat to be learnt"));
     };
     let mut x = plant.initial();
     let periods = (SETTLES / (n as f64 * model.ts())).ceil() as usize;
@@ -296,6 +292,11 @@ impl Drive {
     /// The model.
     pub fn model(&self) -> &Model {
         &self.path.model
+    }
+
+    /// What closes its loop.
+    pub fn controller(&self) -> &dyn Controller {
+        &*self.controller
     }
 
     /// The margins of its loop where the hysteresis is steepest; `None` without feedback, or of one without a law.

@@ -1,4 +1,4 @@
-//! The report on a model: how it meets records it has not seen, and what it is, block by block.
+//! The report on a model: how it meets records it has not seen, and what it is, block by block; and that on schemes of control.
 
 mod creep;
 mod errors;
@@ -8,6 +8,9 @@ mod model;
 mod origin;
 mod record;
 mod residuals;
+mod tracking;
+
+pub use tracking::tracking;
 
 use crate::hammerstein::Model;
 use crate::number::short;
