@@ -114,6 +114,14 @@ pub enum Error {
         /// The zeros that forbid it, and what to use instead.
         because: String,
     },
+    /// A model that what was asked for cannot be made from.
+    #[error("this model gives no {what}: {because}")]
+    Unsuited {
+        /// What was asked for.
+        what: String,
+        /// Why, with the numbers, and what would help.
+        because: String,
+    },
     /// A wanted displacement that no allowed input gives.
     #[error("the reference cannot be reached: {0}")]
     Unreachable(String),

@@ -132,7 +132,7 @@ impl FeedForward {
             let [from, to] = [ends.0, ends.1].map(round);
             let because =
                 format!("from an input of {from} to one of {to} its z goes from {} to {}", short(low), short(high));
-            return Err(Error::Unidentifiable { what: "an inverse of the hysteresis block".into(), because });
+            return Err(Error::Unsuited { what: "inverse of its hysteresis".into(), because });
         }
         let step = how.limits.fastest() * model.ts();
         let notes = falls(model.hysteresis(), ends.0, ends.1).map(|u| {

@@ -67,8 +67,8 @@ impl Loop {
         let (least, largest) = slopes(model, limits);
         let sign = if model.linear().dc_gain() < 0.0 { -1.0 } else { 1.0 };
         if !(largest > 0.0 && largest.is_finite()) || sign < 0.0 {
-            return Err(Error::Unidentifiable {
-                what: "a controller".into(),
+            return Err(Error::Unsuited {
+                what: "controller".into(),
                 because: format!(
                     "slope {largest} of the hysteresis times gain {} of the linear block is not a positive number: turn the \
                      sign of y, or identify the model on records that cover {} to {} V",

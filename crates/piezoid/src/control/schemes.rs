@@ -104,7 +104,7 @@ fn line(asked: &Asked) -> Result<Fed, Error> {
     let gain = model.linear().dc_gain() * (model.settled_crept(high) - model.settled_crept(low)) / (high - low);
     if !(gain.is_finite() && gain != 0.0) {
         let because = format!("its gain from end to end is {gain}");
-        return Err(Error::Unidentifiable { what: "a straight line through the model".into(), because });
+        return Err(Error::Unsuited { what: "straight line".into(), because });
     }
     let middle = mean(r);
     let (mut k, mut u_0) = (1.0 / gain, 0.5 * (low + high));

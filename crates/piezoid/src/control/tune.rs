@@ -59,7 +59,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     if !(0.0..0.9).contains(&target.detuning) {
         return Err(Error::parameter("detuning", target.detuning, "must be from 0 to below 0.9"));
     }
-    let none = |because: &str| Error::Unidentifiable { what: "a controller".into(), because: because.into() };
+    let none = |because: &str| Error::Unsuited { what: "controller".into(), because: because.into() };
     if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it anew, with another order"));
     }
