@@ -35,6 +35,21 @@ pub(crate) fn farads(text: &str) -> Result<f64, String> {
     number(text, "a positive number of farads, such as 8.2e-6", |c| c > 0.0)
 }
 
+/// A positive number.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    number(text, "a positive number", |x| x > 0.0)
+}
+
+/// A number that is not negative.
+pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, "a number, 0 or more", |x| x >= 0.0)
+}
+
+/// A share in percent.
+pub(crate) fn percent(text: &str) -> Result<f64, String> {
+    number(text, "a percentage from 0 to below 100", |x| (0.0..100.0).contains(&x))
+}
+
 /// How many of something, at least one.
 pub(crate) fn count(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "it must be a whole number, 1 or more".into())

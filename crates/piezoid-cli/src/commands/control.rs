@@ -4,8 +4,8 @@ use super::{driver_limits, lists};
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::layout::table;
-use crate::values::{Misused, apart, argument, count, farads};
-use anyhow::{Context, Result, bail};
+use crate::values::{Misused, apart, argument, count, farads, not_negative, percent, positive};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use piezoid::compensation::How;
 use piezoid::control::{
@@ -76,7 +76,7 @@ pub(crate) struct Control {
     #[arg(long, value_name = "FILE|NAME[:HZ]", num_args = 1..)]
     reference: Vec<String>,
     /// Peak of named references, in the model's output unit [default: 0.8 of what it can hold].
-    #[arg(long, value_name = "PEAK", value_parser = peak)]
+    #[arg(long, value_name = "PEAK", value_parser = positive, allow_negative_numbers = true)]
     amplitude: Option<f64>,
     /// Samples of the reference that are known ahead [default: all].
     #[arg(long, value_name = "N")]
@@ -85,7 +85,7 @@ pub(crate) struct Control {
     #[arg(long, value_name = "N", default_value_t = 0)]
     late: usize,
     /// Noise of the sensor, rms in the model's output unit [default: the plant's own].
-    #[arg(long, value_name = "RMS", value_parser = noise)]
+    #[arg(long, value_name = "RMS", value_parser = not_negative, allow_negative_numbers = true)]
     noise: Option<f64>,
     /// The driver whose limits the voltage must keep (see `piezoid drivers`).
     #[arg(long, value_name = "NAME")]
@@ -97,13 +97,15 @@ pub(crate) struct Control {
     #[arg(long)]
     clip: bool,
     /// Gain margin to tune to [dB].
-    #[arg(long, value_name = "DB", default_value_t = Target::default().gain_db)]
+    #[arg(long, value_name = "DB", default_value_t = Target::default().gain_db, value_parser = positive)]
+    #[arg(allow_negative_numbers = true)]
     gain_margin: f64,
     /// Phase margin to tune to [degrees].
-    #[arg(long, value_name = "DEGREES", default_value_t = Target::default().phase_deg)]
+    #[arg(long, value_name = "DEGREES", default_value_t = Target::default().phase_deg, value_parser = positive)]
+    #[arg(allow_negative_numbers = true)]
     phase_margin: f64,
     /// Also try plants whose values lie within this many percent of these, along the first reference.
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// How many.
     #[arg(long, value_name = "N", default_value_t = 200, requires = "tolerance", value_parser = count)]
@@ -122,14 +124,6 @@ pub(crate) struct Control {
     json: Option<PathBuf>,
     #[command(flatten)]
     columns: Columns,
-}
-
-fn peak(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or("it must be a positive number".into())
-}
-
-fn noise(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0).ok_or("it must be a number, 0 or more".into())
 }
 
 impl Control {
@@ -177,14 +171,26 @@ impl Control {
         }
         let how = How { limits: driver.unwrap_or_default(), clip: self.clip, ..How::default() };
         let target = Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() };
-        let drive = |scheme: Scheme| {
+        let drive = |scheme: Scheme| -> Result<Drive> {
             let made = Drive::new(scheme, &model, how, &target);
             let mut drive = made.with_context(|| format!("{}: {}", self.model.display(), scheme.name()))?;
             (drive.late, drive.ahead) = (self.late, self.preview.unwrap_or(usize::MAX));
             Ok(drive)
         };
-        let drives = schemes.into_iter().map(drive).collect::<Result<Vec<_>>>()?;
+        let mut drives = Vec::with_capacity(schemes.len());
+        for scheme in schemes {
+            match drive(scheme) {
+                // Of the usual ones, those that the model gives.
+                Err(e) if self.controller.is_empty() && scheme.law.is_some() => {
+                    console.remark(&format!("{} is left out: {}", scheme.name(), e.root_cause()));
+                }
+                made => drives.push(made?),
+            }
+        }
         let wanted = self.wanted(&model, how)?;
+        for Wanted { name, r, .. } in &wanted {
+            drives[0].check(r).map_err(|e| anyhow!("{name}: {e} (--clip)"))?;
+        }
         let share =
             self.tolerance.map(|percent| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed });
         let plant = Path::new(&self.plant).file_name().and_then(|name| name.to_str()).unwrap_or(&self.plant);
@@ -200,6 +206,9 @@ impl Control {
         let one = |name: &str| match named(name) {
             None => {
                 let path = Path::new(name);
+                if let (false, Err(unknown)) = (path.exists(), reference(name.split(':').next().unwrap_or(name))) {
+                    bail!(Misused(format!("{name}: there is no such file, and {unknown}")));
+                }
                 let r = self.columns.reference(path, model)?;
                 let short = path.file_name().and_then(|name| name.to_str()).unwrap_or(name);
                 Ok(Wanted::new(short, ts, r))

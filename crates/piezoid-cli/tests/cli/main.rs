@@ -7,6 +7,7 @@ mod bad_files;
 mod bench;
 mod bytes;
 mod compensate;
+mod control;
 mod drive;
 mod files;
 mod joint;

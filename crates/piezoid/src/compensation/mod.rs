@@ -159,6 +159,16 @@ impl FeedForward {
         (a.min(b), a.max(b))
     }
 
+    /// Whether the displacements of `r` [output unit] can be held for long; how fast they can be reached is left to [`FeedForward::whole`].
+    ///
+    /// # Errors
+    /// [`Error::Unreachable`] with the first that cannot.
+    pub fn holds(&self, r: &[f64]) -> Result<(), Error> {
+        finite("reference", r)?;
+        let (low, high) = self.reach();
+        r.iter().position(|r| !(low..=high).contains(r)).map_or(Ok(()), |t| Err(self.unreachable(r, t)))
+    }
+
     /// The voltage for the reference `r` [output unit], which had stood at its first value for long. The answer cannot begin
     /// before the record does: let a reference that has to be met from its start stand for some milliseconds first.
     ///

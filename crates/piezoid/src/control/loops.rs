@@ -143,7 +143,9 @@ pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> 
         u.push(controller.step(&mut state, &now).clamp(limits.0, limits.1));
         y.push(plant.step(&mut x, u[t]));
     }
-    let limited = u.iter().filter(|u| **u <= limits.0 || **u >= limits.1).count();
+    // An inverse comes as near to a limit as it is exact.
+    let near = 1e-6 * (limits.1 - limits.0);
+    let limited = u.iter().filter(|u| **u <= limits.0 + near || **u >= limits.1 - near).count();
     Ok(Run { r: r.to_vec(), y, u, limited })
 }
 

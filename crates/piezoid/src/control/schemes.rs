@@ -309,6 +309,18 @@ impl Drive {
         self.path.sensitivity(&*self.controller, self.path.slope.1, hz)
     }
 
+    /// Whether `r` [output unit] lies within what the model can hold, or is to be clipped. A model without an inverse cannot say.
+    ///
+    /// # Errors
+    /// [`Error::Unreachable`], and a reference that is not finite.
+    pub fn check(&self, r: &[f64]) -> Result<(), Error> {
+        crate::error::finite("reference", r)?;
+        match FeedForward::new(self.model(), self.how) {
+            Ok(inverse) if !self.how.clip => inverse.holds(r),
+            _ => Ok(()),
+        }
+    }
+
     /// The feed-forward for `r` [output unit]; `plant` gives its output in the same unit.
     ///
     /// # Errors
@@ -393,6 +405,18 @@ mod tests {
         let left = |ahead: usize| percent(&Drive { ahead, ..drive("feed-forward") }, &model, &r);
         assert!(left(0) > left(2) && left(2) > left(6), "{} {} {}", left(0), left(2), left(6));
         assert!(left(usize::MAX) < 0.01 && left(ALL - 1) < 0.01, "{} {}", left(usize::MAX), left(ALL - 1));
+    }
+
+    #[test]
+    fn what_lies_beyond_the_model_is_refused_unless_it_is_to_be_clipped() {
+        let far: Vec<f64> = sine(400).iter().map(|r| 5.0 * r).collect();
+        let refused = drive("pi").check(&far).unwrap_err().to_string();
+        assert!(refused.contains("cannot be reached") && refused.contains("for long hold"), "{refused}");
+        let how = How { clip: true, ..How::default() };
+        let clipped = Drive::new(Scheme::named("pi").unwrap(), &model(1.0), how, &Target::default()).unwrap();
+        assert!(
+            clipped.check(&far).is_ok() && clipped.check(&[f64::NAN]).is_err() && drive("pi").check(&sine(400)).is_ok()
+        );
     }
 
     #[test]

@@ -1,0 +1,122 @@
+//! Schemes of control side by side on a simulated actuator.
+
+use crate::bench::{Bench, number};
+use std::sync::OnceLock;
+
+/// The paper's plant under a driver's limits, from a model whose hysteresis rises everywhere.
+const RUN: &str = "control --plant paper --model plays.json --driver pl140";
+
+/// A bench with that model.
+fn bench() -> Bench {
+    static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
+    let bench = Bench::stocked();
+    let identify =
+        "identify --linear prbs.csv --rich sine5.csv sine20.csv --operator prandtl-ishlinskii --no-creep -o plays.json";
+    let identified = || {
+        bench.run(identify).ok();
+        bench.bytes("plays.json")
+    };
+    let model = MODEL.get_or_init(identified);
+    bench.write("plays.json", model);
+    bench
+}
+
+#[test]
+fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_a_straight_line() {
+    let bench = bench();
+    let line =
+        format!("{RUN} --reference sine:5 --amplitude 800 --controller gain feed-forward feed-forward+pi predictive");
+    let run = bench.run(&format!("{line} --json figures.json --report page.html")).ok();
+    let run = run.prints(&[
+        "sine 5 Hz",
+        "rms [% of stroke]",
+        "effort [V]",
+        "feed-forward+pi",
+        "phase margin [deg]",
+        "bandwidth [Hz]",
+    ]);
+    run.says(&["predictive: a step takes", "a sample is 500 us"]);
+    let figures = bench.json("figures.json");
+    let percent = |k: usize| number(&figures["schemes"][k]["tracking"][0]["percent_of_stroke"]);
+    assert!(percent(1) < 0.5 * percent(0) && percent(2) < percent(1), "{figures}");
+    assert!(number(&figures["schemes"][2]["margins"]["gain_db"]) >= 5.99, "{figures}");
+    assert_eq!(figures["schemes"][1]["margins"], serde_json::Value::Null);
+    assert!(bench.text("page.html").contains("Control side by side"));
+    // The same command, the same bytes.
+    bench.run(&format!("{line} --json again.json --report again.html")).ok();
+    assert_eq!(bench.bytes("figures.json"), bench.bytes("again.json"));
+    assert_eq!(bench.bytes("page.html"), bench.bytes("again.html"));
+}
+
+#[test]
+fn the_usual_table_has_ten_references_and_what_cannot_be_learnt_is_told() {
+    let run = bench().run(&format!("{RUN} --amplitude 200")).ok();
+    let run = run.prints(&[
+        "sine 1 Hz",
+        "triangle 40 Hz",
+        "staircase 1 Hz",
+        "random 20 Hz",
+        "learning",
+        "feed-forward+integral-notch",
+    ]);
+    run.says(&["learning, random 20 Hz", "must repeat"]);
+}
+
+#[test]
+fn a_run_goes_into_a_record_that_can_be_read_again() {
+    let bench = bench();
+    let line =
+        format!("{RUN} --reference triangle:10 --amplitude 200 --controller pid --late 2 --preview 0 --noise 0.1");
+    bench.run(&format!("{line} -o run.csv")).ok();
+    assert!(bench.text("run.csv").starts_with("t_s,u_V,y_um,r_um\n"));
+    bench.run("control --plant paper --model plays.json --controller pi --reference run.csv -o again.csv").ok();
+    bench.run("validate --model model.json --data run.csv").ok();
+}
+
+#[test]
+fn draws_of_tolerance_are_counted_and_a_seed_decides_them() {
+    let bench = bench();
+    let line = format!("{RUN} --reference sine:5 --amplitude 200 --controller pi --tolerance 20 --draws 5");
+    bench.run(&format!("{line} --json one.json")).ok().prints(&["draws", "median", "worst", "0 of 5"]);
+    bench.run(&format!("{line} --seed 2 --json other.json")).ok();
+    let drawn = |name| bench.json(name)["schemes"][0]["tolerance"]["percent_of_stroke"].clone();
+    assert_eq!(drawn("one.json").as_array().map(Vec::len), Some(5));
+    assert_ne!(drawn("one.json"), drawn("other.json"));
+}
+
+#[test]
+fn what_makes_no_sense_is_named() {
+    let bench = bench();
+    bench.misused(&format!("{RUN} --controller pj")).says(&["pj", "did you mean `pi`?"]);
+    bench.misused(&format!("{RUN} --controller pi+pid")).says(&["pi+pid", "feed-forward+pi"]);
+    bench.misused(&format!("{RUN} --reference sine:0")).says(&["sine:0", "positive number of hertz"]);
+    bench.misused(&format!("{RUN} --reference sin:5")).says(&["no such file", "did you mean `sine`?"]);
+    bench.misused(&format!("{RUN} --reference sine:5 triangle:5 -o run.csv")).says(&["-o holds one run"]);
+    bench.run(&format!("{RUN} --gain-margin 0")).exits(2).says(&["0", "positive"]);
+    bench.run(&format!("{RUN} --tolerance 100")).exits(2).says(&["100", "below 100"]);
+    bench.refused(&format!("{RUN} --phase-margin 200")).says(&["gives no controller", "no gain keeps the margins"]);
+    bench.refused(&format!("{RUN} --reference sine:5 --amplitude 5000")).says(&["cannot be reached", "um", "--clip"]);
+    bench.run(&format!("{RUN} --reference sine:5 --amplitude 5000 --clip --controller pi")).ok().says(&["at a limit"]);
+    bench.write("r.csv", "t_s,r_um\n0,1\n0.0005,nan\n");
+    bench.refused(&format!("{RUN} --reference r.csv")).says(&["r.csv", "line 3", "nan"]);
+    bench.write("r.csv", "t_s,r_counts\n0,1\n0.0005,2\n");
+    bench.refused(&format!("{RUN} --reference r.csv")).says(&["counts", "um", "convert"]);
+}
+
+#[test]
+fn a_scheme_that_a_model_does_not_give_is_left_out_of_the_usual_ones_and_refused_by_name() {
+    let bench = Bench::stocked(); // of the paper's method: its branches fall in places
+    let line = "control --plant paper --model model.json --driver pl140 --reference sine:5 --amplitude 200";
+    bench.run(line).ok().says(&["predictive is left out", "falls with its input"]);
+    bench.refused(&format!("{line} --controller predictive")).says(&[
+        "model.json",
+        "predictive",
+        "falls with its input",
+    ]);
+}
+
+#[test]
+fn controllers_are_listed_feed_forwards_first() {
+    let run = Bench::new().run("controllers").ok();
+    run.prints(&["gain", "feed-forward", "learning", "integral-notch", "disturbance-observer", "predictive"]);
+}
