@@ -261,7 +261,7 @@ fn table(twins: &[Vec<Outcome>]) -> String {
 }
 
 /// A row of a table.
-fn row(cells: &[String]) -> String {
+pub(crate) fn row(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 

@@ -38,7 +38,7 @@ fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_
     run.says(&["predictive: a step takes", "a sample is 500 us"]);
     let figures = bench.json("figures.json");
     let percent = |k: usize| number(&figures["schemes"][k]["tracking"][0]["percent_of_stroke"]);
-    assert!(percent(1) < 0.5 * percent(0) && percent(2) < percent(1), "{figures}");
+    assert!(percent(1) < 0.6 * percent(0) && percent(2) < percent(1), "{figures}");
     assert!(number(&figures["schemes"][2]["margins"]["gain_db"]) >= 5.99, "{figures}");
     assert_eq!(figures["schemes"][1]["margins"], serde_json::Value::Null);
     assert!(bench.text("page.html").contains("Control side by side"));
@@ -94,7 +94,9 @@ fn what_makes_no_sense_is_named() {
     bench.misused(&format!("{RUN} --reference sine:5 triangle:5 -o run.csv")).says(&["-o holds one run"]);
     bench.run(&format!("{RUN} --gain-margin 0")).exits(2).says(&["0", "positive"]);
     bench.run(&format!("{RUN} --tolerance 100")).exits(2).says(&["100", "below 100"]);
-    bench.refused(&format!("{RUN} --phase-margin 200")).says(&["gives no controller", "no gain keeps the margins"]);
+    bench
+        .refused(&format!("{RUN} --controller pi --phase-margin 200"))
+        .says(&["gives no controller", "no gain keeps the margins"]);
     bench.refused(&format!("{RUN} --reference sine:5 --amplitude 5000")).says(&["cannot be reached", "um", "--clip"]);
     bench.run(&format!("{RUN} --reference sine:5 --amplitude 5000 --clip --controller pi")).ok().says(&["at a limit"]);
     bench.write("r.csv", "t_s,r_um\n0,1\n0.0005,nan\n");
