@@ -6,7 +6,7 @@
 //! ```
 //! writes the errors into docs/accuracy.md, between two comments, and draws docs/accuracy.svg.
 
-mod page;
+pub(crate) mod page;
 
 use page::cell;
 use piezoid::driver::Driver;

@@ -8,11 +8,10 @@
 
 #[allow(dead_code)] // all but the twins on their bench
 #[path = "accuracy.rs"]
-mod accuracy;
-mod page;
+pub(crate) mod accuracy;
 
+use accuracy::page::{self, cell};
 use accuracy::{TS, TWINS, Twin, row};
-use page::cell;
 use piezoid::compensation::How;
 use piezoid::control::{CONTROLLERS, Comparison, Drive, Driven, Scheme, Target, Tolerance, Wanted, compare, reference};
 use piezoid::excitation::Limits;

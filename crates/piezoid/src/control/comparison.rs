@@ -101,7 +101,7 @@ pub fn compare(
     let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
     let attempt = |drive: &Drive, wanted: &Wanted| -> Result<Attempt, Error> {
         let fed = drive.feed(&plant, &wanted.r)?;
-        let run = drive.run(&plant, &wanted.r, &fed.u)?;
+        let run = drive.run(&plant, &wanted.r, &fed)?;
         let tracking = run.tracking(wanted.from, wanted.height());
         Ok(Attempt { fed, run, tracking })
     };

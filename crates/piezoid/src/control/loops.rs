@@ -5,7 +5,7 @@
 //! ```
 //! y_t is what the plant returns for u_t, so that the voltage answers the measurement before: one sample of delay, and d more
 //! where readings come late. The error of a measurement is taken from what was wanted at its instant; a feed-forward that is
-//! exact is thus left alone. Before the first sample the plant rests, and is wanted where it is.
+//! exact is thus left alone. Before the first sample the plant rests, unless told otherwise, and is wanted where it is.
 //!
 //! Reference: none; it is the definition. It does not do: delays of part of a sample, or jitter.
 
@@ -74,12 +74,14 @@ pub struct Course<'a> {
     pub late: usize,
     /// Samples p of the reference known beyond the present one.
     pub ahead: usize,
+    /// State of the plant before, if it has been on this course already; else it rests.
+    pub before: Option<&'a [f64]>,
 }
 
 impl<'a> Course<'a> {
     /// Readings in time, and a reference known to its end.
     pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
-        Course { r, feed, limits, late: 0, ahead: usize::MAX }
+        Course { r, feed, limits, late: 0, ahead: usize::MAX, before: None }
     }
 }
 
@@ -109,7 +111,7 @@ pub struct Tracking {
     pub effort: f64,
 }
 
-/// Runs a controller on a plant from rest.
+/// Runs a controller on a plant.
 ///
 /// ```
 /// use piezoid::{control::{Course, Pi, run}, linear::Arx};
@@ -124,7 +126,7 @@ pub struct Tracking {
 /// # Errors
 /// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
 pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> Result<Run, Error> {
-    let Course { r, feed, limits, late, ahead } = *course;
+    let Course { r, feed, limits, late, ahead, before } = *course;
     super::check(&[], limits)?;
     finite("reference", r)?;
     finite("feed", feed)?;
@@ -133,9 +135,12 @@ pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> 
         let (left, right) = ("the reference".into(), "the feed-forward".into());
         return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed.len() });
     }
-    let (mut x, mut state) = (plant.initial(), controller.initial());
+    let (mut x, mut state) = (before.map_or_else(|| plant.initial(), <[f64]>::to_vec), controller.initial());
     let (mut y, mut u) = (Vec::with_capacity(r.len()), Vec::with_capacity(r.len()));
-    let rest = plant.step(&mut x.clone(), 0.0);
+    let rest = match before {
+        None => plant.step(&mut x.clone(), 0.0),
+        Some(_) => r.first().copied().unwrap_or(0.0),
+    };
     for (t, &feed) in feed.iter().enumerate() {
         let (read, wanted) = t.checked_sub(1 + late).map_or((rest, rest), |t| (y[t], r[t]));
         let known = t.saturating_add(ahead).saturating_add(1).min(r.len());

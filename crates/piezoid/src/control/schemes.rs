@@ -52,6 +52,8 @@ pub struct Fed {
     pub u: Vec<f64>,
     /// Rms error of each trial, if there were any [output unit].
     pub trials: Vec<f64>,
+    /// State of the plant after them.
+    pub after: Option<Vec<f64>>,
     /// What is worth knowing, one sentence each.
     pub notes: Vec<String>,
 }
@@ -152,7 +154,12 @@ fn learnt(asked: &Asked) -> Result<Fed, Error> {
         sum
     };
     let learnt = learn(&mut tried, &FeedForward::new(model, how)?, &r[..n], Learning::default())?;
-    Ok(Fed { u: learnt.u.iter().copied().cycle().take(r.len()).collect(), trials: learnt.rms, ..Fed::default() })
+    Ok(Fed {
+        u: learnt.u.iter().copied().cycle().take(r.len()).collect(),
+        trials: learnt.rms,
+        after: Some(x),
+        ..Fed::default()
+    })
 }
 
 /// The feed-forward called `name`.
@@ -256,7 +263,7 @@ impl Controller for Open {
 /// let error = |name: &str| {
 ///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), &Target::default())?;
 ///     let fed = drive.feed(&actuator, &r)?;
-///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &fed.u)?.tracking(500, 600.0).percent_of_stroke)
+///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &fed)?.tracking(500, 600.0).percent_of_stroke)
 /// };
 /// assert!(error("feed-forward+pi")? < 0.3 * error("feed-forward")? && error("learning")? < 0.01);
 /// # Ok::<(), piezoid::Error>(())
@@ -329,12 +336,13 @@ impl Drive {
         (self.scheme.feed.make)(&Asked { model: self.model(), how: self.how, r, ahead: self.ahead, plant })
     }
 
-    /// Drives `plant` along `r` [output unit] from rest, with this feed-forward [V].
+    /// Drives `plant` along `r` [output unit] with this feed-forward: from rest, or from where its trials left it.
     ///
     /// # Errors
     /// As [`run`].
-    pub fn run(&self, plant: &dyn System, r: &[f64], feed: &[f64]) -> Result<Run, Error> {
-        let course = Course { r, feed, limits: self.path.limits, late: self.late, ahead: self.ahead };
+    pub fn run(&self, plant: &dyn System, r: &[f64], fed: &Fed) -> Result<Run, Error> {
+        let (limits, late, ahead, before) = (self.path.limits, self.late, self.ahead, fed.after.as_deref());
+        let course = Course { r, feed: &fed.u, limits, late, ahead, before };
         run(plant, &*self.controller, &course)
     }
 }
@@ -364,7 +372,7 @@ mod tests {
 
     fn percent(drive: &Drive, plant: &Model, r: &[f64]) -> f64 {
         let fed = drive.feed(plant, r).unwrap();
-        drive.run(plant, r, &fed.u).unwrap().tracking(400, 800.0).percent_of_stroke
+        drive.run(plant, r, &fed).unwrap().tracking(400, 800.0).percent_of_stroke
     }
 
     #[test]
@@ -393,7 +401,7 @@ mod tests {
         let u = drive.feed(&model, &r).unwrap().u;
         let error = |share: f64| {
             let u: Vec<f64> = u.iter().map(|u| share * u).collect();
-            drive.run(&model, &r, &u).unwrap().tracking(400, 800.0).percent_of_stroke
+            drive.run(&model, &r, &Fed { u, ..Fed::default() }).unwrap().tracking(400, 800.0).percent_of_stroke
         };
         let [less, best, more] = [0.97, 1.0, 1.03].map(error);
         assert!(less > best && more > best && best > 2.0, "{less} {best} {more}");

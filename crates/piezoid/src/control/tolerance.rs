@@ -110,7 +110,9 @@ pub fn trials(
 fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result<Trial, Error> {
     let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
     let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
-    let mut done = drive.run(&plant, &held(r), &held(&drive.feed(&plant, r)?.u))?;
+    let mut fed = drive.feed(&plant, r)?;
+    fed.u = held(&fed.u);
+    let mut done = drive.run(&plant, &held(r), &fed)?;
     let (low, high) = ends(done.y[done.y.len() - (WATCHED / plant.ts()) as usize..].iter().copied());
     let (bottom, top) = ends(r.iter().copied());
     let stable = high - low <= SWINGS * (top - bottom);

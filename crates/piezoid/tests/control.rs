@@ -1,0 +1,80 @@
+//! Control of a twin by a model identified from its records. Here the operator is named and the schemes are few, for time;
+//! `examples/tracking.rs` leaves the choice to `auto` and tries all, and docs/control.md has what came out.
+
+#![allow(clippy::expect_used)] // a test may stop at what must not happen
+
+#[allow(dead_code)] // what writes and draws
+#[path = "../examples/tracking.rs"]
+mod tracking;
+
+use piezoid::control::{CONTROLLERS, Tolerance};
+use piezoid::{Error, Model};
+use std::sync::OnceLock;
+use tracking::{PATHS, TRIED, accuracy, compared, drive, errors};
+
+const TWIN: &str = "pl140";
+
+/// The model, of records and nothing else.
+fn model() -> &'static Model {
+    static MODEL: OnceLock<Model> = OnceLock::new();
+    let identified =
+        || accuracy::Twin::new(TWIN).and_then(|twin| twin.joint("preisach", false)).expect("a model").model;
+    MODEL.get_or_init(identified)
+}
+
+/// The rms error of each scheme along each reference, this many samples known ahead [% of stroke].
+fn tracked(names: &[&str], paths: &[(&str, f64)], ahead: usize) -> Vec<Vec<f64>> {
+    let drives = names.iter().map(|name| drive(model(), name, ahead)).collect::<Result<Vec<_>, Error>>();
+    let compared = compared(TWIN, drives.expect("drives"), paths, None).expect("a comparison");
+    compared.driven.iter().map(errors).collect()
+}
+
+/// Sines and triangles with their frequency [Hz].
+fn periodic() -> &'static [(&'static str, f64)] {
+    &PATHS[..8]
+}
+
+#[test]
+fn feed_forward_alone_is_ten_times_nearer_than_the_best_straight_line() {
+    let errors = tracked(&["gain", "feed-forward"], &PATHS, usize::MAX);
+    for (path, (line, inverse)) in PATHS.iter().zip(errors[0].iter().zip(&errors[1])) {
+        assert!(10.0 * inverse <= *line, "{path:?}: {inverse} after {line} %");
+    }
+}
+
+#[test]
+fn feed_forward_with_feedback_knowing_a_millisecond_ahead_stays_within_its_bounds() {
+    let errors = tracked(&["feed-forward+integral-notch"], &PATHS, 2);
+    for (path, error) in PATHS.iter().zip(&errors[0]) {
+        let bound = if path.1 > 20.0 { 1.0 } else { 0.3 };
+        assert!(*error <= bound, "{path:?}: {error} %");
+    }
+}
+
+#[test]
+fn predictive_control_that_knows_its_horizon_stays_within_the_same_bounds() {
+    let errors = tracked(&["predictive"], &PATHS, 20);
+    for (path, error) in PATHS.iter().zip(&errors[0]) {
+        let bound = if path.1 > 20.0 { 1.0 } else { 0.3 };
+        assert!(*error <= bound, "{path:?}: {error} %");
+    }
+}
+
+#[test]
+fn ten_trials_leave_a_thousandth_of_the_stroke() {
+    let errors = tracked(&["learning"], periodic(), usize::MAX);
+    for (path, error) in periodic().iter().zip(&errors[0]) {
+        assert!(*error <= 0.1, "{path:?}: {error} %");
+    }
+}
+
+#[test]
+fn no_feedback_swings_on_any_of_two_hundred_plants_of_other_tolerance() {
+    let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();
+    let drives = feedbacks.iter().map(|name| drive(model(), name, 20)).collect::<Result<Vec<_>, Error>>();
+    let drawn = compared(TWIN, drives.expect("drives"), &[TRIED], Some(&Tolerance::default())).expect("a comparison");
+    for d in &drawn.driven {
+        let spread = d.spread.as_ref().expect("draws");
+        assert_eq!((spread.trials.len(), spread.unstable()), (200, 0), "{}", d.name());
+    }
+}
