@@ -138,6 +138,22 @@ fn sample_by_sample_it_follows_late_by_what_it_says() {
     assert!(causal.simulate(&[causal_rest(&model); 50]).iter().all(|u| u.abs() < 1e-9));
 }
 
+#[test]
+fn sample_by_sample_a_reference_that_is_no_number_is_held_over_and_one_beyond_reach_clipped() {
+    let model = model("preisach", None);
+    let causal = Causal::new(&model, How::default(), 2).unwrap();
+    let r: Vec<f64> = sine(0.0, 400.0, 10.0, 300);
+    let with = |at: &[(usize, f64)]| {
+        let mut r = r.clone();
+        at.iter().for_each(|(t, value)| r[*t] = *value);
+        causal.resume(&mut causal.settled(0.0), &r)
+    };
+    assert_eq!(with(&[(150, f64::NAN), (151, f64::INFINITY)]), with(&[(150, r[149]), (151, r[149])]));
+    let high = FeedForward::new(&model, How::default()).unwrap().ends.1;
+    let far = with(&[(150, 1e6)]);
+    assert!(far.iter().all(|u| u.is_finite()) && far[150..155].contains(&high));
+}
+
 /// What the model puts out at rest.
 fn causal_rest(model: &Model) -> f64 {
     model.simulate(&[0.0; 4000])[3999]
