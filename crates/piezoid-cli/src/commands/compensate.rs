@@ -79,7 +79,11 @@ impl Compensate {
         let driver = self.driver.as_deref().map(|name| driver_limits(name, self.capacitance)).transpose()?;
         let model = files::model(&self.model)?;
         let how = How { limits: driver.unwrap_or_default(), clip: self.clip, sweeps: self.sweeps, ..How::default() };
-        let inverse = FeedForward::new(&model, how).with_context(|| self.model.display().to_string())?;
+        let inverse = FeedForward::new(&model, how).map_err(|e| {
+            let by =
+                if self.driver.is_none() && matches!(e, piezoid::Error::Parameter { .. }) { " (--driver)" } else { "" };
+            anyhow!("{}: {e}{by}", self.model.display())
+        })?;
         let name = || self.reference.display().to_string();
         let r = self.shaped(&model, self.wanted(&model)?)?;
         let made = inverse.whole(&r).map_err(|e| match e {
@@ -148,12 +152,14 @@ fn tables(model: &Model, metrics: &Metrics, made: &Compensated, console: &Consol
     let (rms, max) = (format!("rms error [{unit}]"), format!("max [{unit}]"));
     let figures = [metrics.rmse, metrics.max_abs, metrics.rms_pp_percent].map(number).to_vec();
     let foretold = [vec!["foretold".to_string()], figures].concat();
+    let input = &model.units().u;
     let row = |peak: &piezoid::excitation::Peak| {
+        let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));
         let limit = peak.limit.map_or("-".into(), round);
         let share = peak.share.map_or("-".into(), |share| format!("{:.0}", 100.0 * share));
-        vec![format!("{} [{}]", peak.quantity, peak.unit), number(peak.value), limit, share]
+        vec![format!("{quantity} [{unit}]"), number(peak.value), limit, share]
     };
     let rows: Vec<Vec<String>> = made.usage.peaks().map(row).collect();
     let error = table(&["free run", &rms, &max, "% of stroke"], &[foretold], console.room());
-    error + "\n" + &table(&["use", "value", "limit", "% of limit"], &rows, console.room())
+    error + "\n" + &table(&["input", "value", "limit", "% of limit"], &rows, console.room())
 }

@@ -60,6 +60,26 @@ fn a_displacement_that_stands_is_held_exactly() {
 }
 
 #[test]
+fn a_reference_that_ends_in_motion_is_met_to_its_end() {
+    let model = model("prandtl-ishlinskii", None);
+    let r = sine(0.0, 700.0, 40.0, 1000);
+    let made = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap();
+    assert!((r[999] - r[998]).abs() > 50.0, "it moves at its end");
+    assert_close(&made.reached[900..], &r[900..], 0.0, 0.5);
+}
+
+#[test]
+fn a_reference_that_starts_off_too_fast_is_told_to_stand_first() {
+    let model = model("prandtl-ishlinskii", None);
+    let r: Vec<f64> = (0..400).map(|t| 700.0 * (TAU * 200.0 * TS * f64::from(t)).sin()).collect();
+    let message = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap_err().to_string();
+    assert!(
+        message.contains("at sample 0 (0 s)") && message.contains("let it stand for some milliseconds"),
+        "{message}"
+    );
+}
+
+#[test]
 fn sweeps_bring_the_free_run_closer_and_say_so() {
     let model = model("preisach", None);
     let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
