@@ -3,6 +3,7 @@
 #![allow(missing_docs)] // criterion's macros make public items of their own
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use piezoid::compensation::{Causal, FeedForward, How};
 use piezoid::control::predictive::{self, Predictive, Solver};
 use piezoid::control::{Controller, Now};
 use piezoid::creep::Creep;
@@ -139,13 +140,14 @@ fn predictive(c: &mut Criterion) {
     group.finish();
 }
 
-/// Back from z to u, a sample at a time along a sine: by each operator's own way, and by trials.
+/// Back from z to u of the documented examples, which rise as far as their kind does, a sample at a time along a sine: by
+/// each operator's own way, and by trials.
 fn inverses(c: &mut Criterion) {
     let Ok(u) = (Sine { amplitude: 24.0, frequency: 20.0, ..Sine::default() }).samples(TS, 1000) else { return };
     let mut group = c.benchmark_group("inverses");
     group.throughput(Throughput::Elements(u.len() as u64));
     for row in OPERATORS {
-        let Ok(own) = fitted(row.name) else { continue };
+        let Ok(own) = (row.example)(TS) else { continue };
         let mut x = own.initial();
         let mut met = Vec::new();
         for &u in &u {
@@ -158,6 +160,28 @@ fn inverses(c: &mut Criterion) {
                 b.iter(|| met.iter().map(|(x, z)| operator.invert(black_box(x), *z, (-30.0, 30.0)).u).sum::<f64>());
             });
         }
+    }
+    group.finish();
+}
+
+/// One sample of feed-forward along a sine: back through 30 plays and a resonance, with creep and without, sample by sample
+/// and over the whole record.
+fn feed_forward(c: &mut Criterion) {
+    let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
+    let (Ok(plain), Ok(r)) = (model, sine()) else { return };
+    let creep = Creep::logarithmic(TS, 0.01, 0.01, 10.0).and_then(|creep| plain.clone().with_creep(creep));
+    let mut group = c.benchmark_group("feed-forward");
+    group.throughput(Throughput::Elements(r.len() as u64));
+    for (name, model) in [("plays", Ok(plain)), ("plays and creep", creep)] {
+        let Ok((model, whole)) = model.and_then(|m| Ok((m.clone(), FeedForward::new(&m, How::default())?))) else {
+            continue;
+        };
+        let r: Vec<f64> = r.iter().map(|r| 0.8 / 30.0 * whole.reach().1 * r).collect();
+        for late in [1, 16] {
+            let Ok(causal) = Causal::new(&model, How::default(), late) else { continue };
+            group.bench_function(format!("{name}, {late} late"), |b| b.iter(|| causal.simulate(black_box(&r))));
+        }
+        group.bench_function(format!("{name}, whole"), |b| b.iter(|| whole.whole(black_box(&r))));
     }
     group.finish();
 }
@@ -281,5 +305,5 @@ fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation, bases, inverses, predictive);
+criterion_group!(benches, cost, estimators, simulation, bases, inverses, feed_forward, predictive);
 criterion_main!(benches);

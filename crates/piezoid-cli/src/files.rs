@@ -85,12 +85,13 @@ impl Columns {
 
     fn signal(&self, path: &Path, of: fn(&Table, &Selection) -> Result<Signal, piezoid::Error>) -> Result<Signal> {
         let (from, to) = self.part();
+        let (table, _) = parse(path)?;
         let signal = || {
-            let Signal { ts, samples, unit } = of(&parse(path)?.0, &self.selection())?;
+            let Signal { ts, samples, unit } = of(&table, &self.selection())?;
             let range = piezoid::record::span(from, to, ts, samples.len())?;
-            Ok(Signal { ts, samples: samples[range].to_vec(), unit })
+            Ok::<_, piezoid::Error>(Signal { ts, samples: samples[range].to_vec(), unit })
         };
-        signal().map_err(|e: Error| if e.is::<piezoid::Error>() { e.context(named(path)) } else { e })
+        signal().with_context(|| named(path))
     }
 }
 

@@ -1,11 +1,11 @@
 //! `piezoid compensate`: the voltage for a wanted displacement, by feed-forward.
 
-use super::driver_limits;
+use super::driver::Amplifier;
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::layout::table;
-use crate::values::{Misused, apart, argument, farads, period};
-use anyhow::{Context, Result, anyhow, bail};
+use crate::values::{Misused, apart, argument, period};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::compensation::{Compensated, FeedForward, How, shaping};
 use piezoid::number::{round, short as number};
@@ -37,12 +37,8 @@ pub(crate) struct Compensate {
     /// The wanted displacement.
     #[arg(long, value_name = "FILE")]
     reference: PathBuf,
-    /// The driver whose limits the voltage must keep (see `piezoid drivers`).
-    #[arg(long, value_name = "NAME")]
-    driver: Option<String>,
-    /// Capacitance of the load, for the driver's current limit.
-    #[arg(long, value_name = "FARAD", requires = "driver", value_parser = farads)]
-    capacitance: Option<f64>,
+    #[command(flatten)]
+    amplifier: Amplifier,
     /// Come as close as the limits allow instead of refusing.
     #[arg(long)]
     clip: bool,
@@ -75,16 +71,14 @@ impl Compensate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &self.reference])?;
         files::ready(&[Some(&self.output), self.json.as_deref()])?;
-        let driver = self.driver.as_deref().map(|name| driver_limits(name, self.capacitance)).transpose()?;
+        let limits = self.amplifier.limits()?.unwrap_or_default();
         let model = files::model(&self.model)?;
-        let how = How { limits: driver.unwrap_or_default(), clip: self.clip, sweeps: self.sweeps, ..How::default() };
-        let inverse = FeedForward::new(&model, how).with_context(|| self.model.display().to_string())?;
-        let name = || self.reference.display().to_string();
+        let how = How { limits, clip: self.clip, sweeps: self.sweeps, ..How::default() };
+        let advised = |e| self.amplifier.advised(e);
+        let inverse =
+            FeedForward::new(&model, how).map_err(advised).with_context(|| self.model.display().to_string())?;
         let r = self.shaped(&model, self.columns.reference(&self.reference, &model)?)?;
-        let made = inverse.whole(&r).map_err(|e| match e {
-            piezoid::Error::Limits(_) | piezoid::Error::Unreachable(_) => anyhow!("{}: {e} (--clip)", name()),
-            other => anyhow!("{}: {other}", name()),
-        })?;
+        let made = inverse.whole(&r).map_err(advised).with_context(|| self.reference.display().to_string())?;
         let metrics = Metrics::of(&r, &made.reached);
         let stdout = Some(Path::new("-"));
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
@@ -135,12 +129,14 @@ fn tables(model: &Model, metrics: &Metrics, made: &Compensated, console: &Consol
     let (rms, max) = (format!("rms error [{unit}]"), format!("max [{unit}]"));
     let figures = [metrics.rmse, metrics.max_abs, metrics.rms_pp_percent].map(number).to_vec();
     let foretold = [vec!["foretold".to_string()], figures].concat();
+    let input = &model.units().u;
     let row = |peak: &piezoid::excitation::Peak| {
+        let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));
         let limit = peak.limit.map_or("-".into(), round);
         let share = peak.share.map_or("-".into(), |share| format!("{:.0}", 100.0 * share));
-        vec![format!("{} [{}]", peak.quantity, peak.unit), number(peak.value), limit, share]
+        vec![format!("{quantity} [{unit}]"), number(peak.value), limit, share]
     };
     let rows: Vec<Vec<String>> = made.usage.peaks().map(row).collect();
     let error = table(&["free run", &rms, &max, "% of stroke"], &[foretold], console.room());
-    error + "\n" + &table(&["use", "value", "limit", "% of limit"], &rows, console.room())
+    error + "\n" + &table(&["input", "value", "limit", "% of limit"], &rows, console.room())
 }

@@ -1,11 +1,12 @@
 //! `piezoid control`: the closed loop on a simulated actuator, several schemes side by side.
 
-use super::{driver_limits, lists};
+use super::driver::Amplifier;
+use super::lists;
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::layout::table;
-use crate::values::{Misused, apart, argument, count, farads, not_negative, percent, positive};
-use anyhow::{Context, Result, anyhow, bail};
+use crate::values::{Misused, apart, argument, count, not_negative, percent, positive};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::compensation::How;
 use piezoid::control::{
@@ -87,12 +88,8 @@ pub(crate) struct Control {
     /// Noise of the sensor, rms in the model's output unit [default: the plant's own].
     #[arg(long, value_name = "RMS", value_parser = not_negative, allow_negative_numbers = true)]
     noise: Option<f64>,
-    /// The driver whose limits the voltage must keep (see `piezoid drivers`).
-    #[arg(long, value_name = "NAME")]
-    driver: Option<String>,
-    /// Capacitance of the load, for the driver's current limit.
-    #[arg(long, value_name = "FARAD", requires = "driver", value_parser = farads)]
-    capacitance: Option<f64>,
+    #[command(flatten)]
+    amplifier: Amplifier,
     /// Let feed-forward come as close as the limits allow instead of refusing.
     #[arg(long)]
     clip: bool,
@@ -159,7 +156,7 @@ impl Control {
     }
 
     fn compared(&self, schemes: Vec<Scheme>, console: &Console) -> Result<Comparison> {
-        let driver = self.driver.as_deref().map(|name| driver_limits(name, self.capacitance)).transpose()?;
+        let limits = self.amplifier.limits()?.unwrap_or_default();
         let mut spec = lists::plant(&self.plant)?;
         let model = files::model(&self.model)?;
         if let Some(noise) = self.noise {
@@ -169,10 +166,10 @@ impl Control {
             };
             spec.sensor.noise_rms_m = noise * factor;
         }
-        let how = How { limits: driver.unwrap_or_default(), clip: self.clip, ..How::default() };
+        let how = How { limits, clip: self.clip, ..How::default() };
         let target = Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() };
         let drive = |scheme: Scheme| -> Result<Drive> {
-            let made = Drive::new(scheme, &model, how, &target);
+            let made = Drive::new(scheme, &model, how, &target).map_err(|e| self.amplifier.advised(e));
             let mut drive = made.with_context(|| format!("{}: {}", self.model.display(), scheme.name()))?;
             (drive.late, drive.ahead) = (self.late, self.preview.unwrap_or(usize::MAX));
             Ok(drive)
@@ -189,7 +186,7 @@ impl Control {
         }
         let wanted = self.wanted(&model, how)?;
         for Wanted { name, r, .. } in &wanted {
-            drives[0].check(r).map_err(|e| anyhow!("{name}: {e} (--clip)"))?;
+            drives[0].check(r).map_err(|e| self.amplifier.advised(e)).with_context(|| name.clone())?;
         }
         let share =
             self.tolerance.map(|percent| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed });

@@ -1,13 +1,14 @@
 //! `piezoid excite KIND`: a drive signal into a file. Each row of the library's list is a subcommand, each of its
 //! parameters a flag.
 
+use super::driver::Amplifier;
 use crate::console::Console;
 use crate::files;
 use crate::layout::{capitalised, wrapped};
-use crate::values::{Misused, argument, farads, period};
-use anyhow::{Result, anyhow, bail};
+use crate::values::{argument, period};
+use anyhow::{Result, anyhow};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind, value_parser};
-use piezoid::excitation::{self, Driver, EXCITATIONS, Excitation, Limits, Parameter};
+use piezoid::excitation::{self, EXCITATIONS, Excitation, Parameter};
 use piezoid::number::{round, short as number};
 use std::path::PathBuf;
 
@@ -37,12 +38,8 @@ struct Common {
     /// Length of the signal.
     #[arg(long, value_name = "SECONDS", value_parser = period, allow_negative_numbers = true)]
     duration: f64,
-    /// The driver whose limits the signal must keep (see `piezoid drivers`).
-    #[arg(long, value_name = "NAME")]
-    driver: Option<String>,
-    /// Capacitance of the load, for the driver's current limit.
-    #[arg(long, value_name = "FARAD", requires = "driver", value_parser = farads)]
-    capacitance: Option<f64>,
+    #[command(flatten)]
+    amplifier: Amplifier,
     /// Clip to the driver's limits instead of refusing.
     #[arg(long, requires = "driver")]
     clip: bool,
@@ -116,11 +113,11 @@ impl FromArgMatches for Excite {
 
 impl Excite {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        let Common { ts, duration, driver, capacitance, clip, output } = self.common;
+        let Common { ts, duration, amplifier, clip, output } = self.common;
         files::ready(&[Some(&output)])?;
-        let limits = driver.as_deref().map(|name| driver_limits(name, capacitance)).transpose()?;
+        let limits = amplifier.limits()?;
         let mut u = argument(self.kind.samples(ts, duration, &self.values))?;
-        if let (Some(limits), Some(name)) = (limits, driver) {
+        if let (Some(limits), Some(name)) = (limits, amplifier.driver) {
             if clip {
                 let clipped = limits.clip(&u, ts)?;
                 let changed = u.iter().zip(&clipped).filter(|(u, c)| u != c).count();
@@ -138,15 +135,4 @@ impl Excite {
         }
         files::write(&output, &piezoid::formats::csv::write(ts, &[("u_V", &u)])?, console)
     }
-}
-
-/// The limits of a driver with its load.
-pub(crate) fn driver_limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
-    let limits: Limits = argument(Driver::find(name))?.limits;
-    let capacitance = capacitance.or(limits.capacitance);
-    if limits.current.is_some() && capacitance.is_none() {
-        let what = "limits the current, which depends on the load: give its --capacitance in farad, such as 8.2e-6";
-        bail!(Misused(format!("driver `{name}` {what}")));
-    }
-    Ok(Limits { capacitance, ..limits })
 }

@@ -1,7 +1,8 @@
 //! `piezoid identify`: from measured records to a model.
 
+use super::Proven;
+use super::driver::driver_limits;
 use super::identified::{result, summary};
-use super::{Proven, driver_limits};
 use crate::console::Console;
 use crate::files::{self, Columns, Measured};
 use crate::values::{Misused, apart, argument, count, farads, seconds};

@@ -2,6 +2,7 @@
 
 mod compensate;
 mod control;
+mod driver;
 mod excite;
 mod identified;
 mod identify;
@@ -12,7 +13,6 @@ mod simulate;
 mod study;
 mod validate;
 
-pub(crate) use excite::driver_limits;
 pub(crate) use validate::{Proven, figures};
 
 use crate::console::Console;

@@ -4,10 +4,12 @@
 //! z_{j+1} = z_0 + Q (z_j - z_0 + k F (r - y_j)),    u_j = H^-1 z_j,    z_0 = F r
 //! ```
 //! What is corrected is z, not u: through the inverse hysteresis an error is answered with the slope it meets. F is the
-//! inverse of the linear block that looks ahead, and around the end of the period to its beginning; Q is a low-pass without
-//! phase, 1 / (1 + (f / f_q)^8), above which the model is not trusted: there the feed-forward z_0 stays as it is. Where
-//! k |1 - G_true / G| < 1 below f_q errors shrink from trial to trial, whatever their cause, creep and a wrong operator
-//! included. A trial worse than the best is taken back, and k halved.
+//! inverse of the linear block that looks ahead, and around the end of the period to its beginning; Q is 1, or when asked a
+//! low-pass without phase, 1 / (1 + (f / f_q)^8), above which the feed-forward z_0 stays as it is. Where |1 - k G_true F| < 1
+//! errors shrink from trial to trial, whatever their cause, creep and a wrong operator included. Harmonics disturb each
+//! other through the hysteresis, so a trial may be worse than the one before and the way still right; one twice as bad as
+//! the best is taken back, and k halved. Near a zero of the beam, where F is no inverse, errors may grow after some tens of
+//! trials: the best is kept.
 //!
 //! Reference: D. A. Bristow, M. Tharayil & A. G. Alleyne, IEEE Control Syst. Mag. 26, 96 (2006), DOI
 //! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI 10.1016/j.mechatronics.2005.11.006
@@ -20,8 +22,8 @@ use crate::fourier::forward;
 use crate::system::System;
 use nalgebra::Complex;
 
-/// Share of a sine that the inverse may miss where it is still trusted.
-const TRUSTED: f64 = 0.2;
+/// How many times as bad as the best a trial may be.
+const WORSE: f64 = 2.0;
 
 /// How trials are corrected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +32,7 @@ pub struct Learning {
     pub trials: usize,
     /// Gain k of the correction, above 0 up to 1 [-].
     pub gain: f64,
-    /// Corner f_q of Q [Hz]; if not given, where the inverse of the linear block misses a fifth of a sine.
+    /// Corner f_q of Q [Hz]; if not given, all that is sampled is learnt.
     pub cutoff_hz: Option<f64>,
 }
 
@@ -87,14 +89,14 @@ pub fn learn(
     // Creep repeats with the rest: what it adds is learnt.
     let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
     let mut inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
-    let low_pass = LowPass::new(r.len(), model.ts(), how.cutoff_hz.unwrap_or_else(|| trusted(&inverse)))?;
+    let low_pass = LowPass::new(r.len(), model.ts(), how.cutoff_hz.unwrap_or(f64::MAX))?;
     let fir = inverse.preview().fir().clone();
     let offset = model.offset();
 
     let mut gain = how.gain;
     let feed_forward = fir.periodic(&r.iter().map(|r| r - offset).collect::<Vec<_>>());
     let mut z = feed_forward.clone();
-    let mut best: Option<(Vec<f64>, Vec<f64>, Vec<f64>)> = None;
+    let mut best: Option<Trial> = None;
     let mut rms: Vec<f64> = Vec::new();
     for _ in 0..how.trials {
         let u = inverse.period(&z, r)?;
@@ -106,21 +108,31 @@ pub fn learn(
         }
         finite("the answer of the plant", &y)?;
         let left = super::off(r, &y);
-        let least = rms.iter().copied().fold(f64::INFINITY, f64::min);
         rms.push(left);
-        if left < least {
-            best = Some((z, u, y));
-        } else {
-            gain *= 0.5;
-        }
-        let Some((from, _, y)) = &best else { break };
-        let error: Vec<f64> = r.iter().zip(y).map(|(r, y)| r - y).collect();
+        let trial = Trial { z, u, y, left };
+        let from = match best {
+            Some(ref best) if left > WORSE * best.left => {
+                gain *= 0.5;
+                best
+            }
+            _ => &trial,
+        };
+        let error: Vec<f64> = r.iter().zip(&from.y).map(|(r, y)| r - y).collect();
         let more = fir.periodic(&error);
-        let learnt = from.iter().zip(&feed_forward).zip(&more).map(|((z, z_0), more)| z - z_0 + gain * more);
+        let learnt = from.z.iter().zip(&feed_forward).zip(&more).map(|((z, z_0), more)| z - z_0 + gain * more);
         z = low_pass.filtered(learnt).iter().zip(&feed_forward).map(|(learnt, z_0)| z_0 + learnt).collect();
+        best = best.filter(|best| best.left <= left).or(Some(trial));
     }
-    let (_, u, y) = best.unwrap_or_default();
+    let (u, y) = best.map(|best| (best.u, best.y)).unwrap_or_default();
     Ok(Learned { u, y, rms })
+}
+
+/// One period of a trial, and the rms of what it left.
+struct Trial {
+    z: Vec<f64>,
+    u: Vec<f64>,
+    y: Vec<f64>,
+    left: f64,
 }
 
 impl FeedForward {
@@ -139,13 +151,6 @@ impl FeedForward {
             }
         }
     }
-}
-
-/// The frequency up to which the inverse of the linear block is good [Hz].
-fn trusted(inverse: &FeedForward) -> f64 {
-    let nyquist = 0.5 / inverse.model.ts();
-    let grid = (1..=200).map(|k| nyquist * f64::from(k) / 200.0);
-    grid.take_while(|hz| inverse.preview().error(*hz) < TRUSTED).last().unwrap_or(nyquist / 200.0)
 }
 
 /// Q over one period.

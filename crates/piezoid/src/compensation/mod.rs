@@ -94,8 +94,8 @@ pub struct Compensated {
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
 /// let made = FeedForward::new(&model, How::default())?.whole(&r)?;
 /// let y = model.resume(&mut model.settled(made.u[0]), &made.u);
-/// // A corner at the start rings for a while, and the end cannot look ahead.
-/// let worst = (300..1900).map(|t| (y[t] - r[t]).abs()).fold(0.0, f64::max);
+/// // A corner at the start rings for a while.
+/// let worst = (300..2000).map(|t| (y[t] - r[t]).abs()).fold(0.0, f64::max);
 /// assert!(worst < 0.01, "{worst}");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -117,8 +117,8 @@ impl FeedForward {
     /// The inverse of `model` within the limits.
     ///
     /// # Errors
-    /// [`Error::NoInverse`] where the linear block has none or the hysteresis does not move; limits in volts of a model whose
-    /// input is in another unit; limits that make no sense.
+    /// [`Error::NoInverse`] where the linear block has none, [`Error::Unsuited`] where the hysteresis does not rise;
+    /// limits in volts of a model whose input is in another unit; limits that make no sense.
     pub fn new(model: &Model, how: How) -> Result<Self, Error> {
         let found = &model.units().u;
         if how.limits != Limits::default() && found != "V" {
@@ -130,8 +130,11 @@ impl FeedForward {
         let [low, high] = [ends.0, ends.1].map(|u| model.settled_crept(u));
         if !(low < high && high.is_finite() && low.is_finite()) {
             let [from, to] = [ends.0, ends.1].map(round);
-            let because =
-                format!("from an input of {from} to one of {to} its z goes from {} to {}", short(low), short(high));
+            let because = format!(
+                "from an input of {from} to one of {to} its z goes from {} to {}; it has to rise",
+                short(low),
+                short(high)
+            );
             return Err(Error::Unsuited { what: "inverse of its hysteresis".into(), because });
         }
         let step = how.limits.fastest() * model.ts();
@@ -169,8 +172,9 @@ impl FeedForward {
         r.iter().position(|r| !(low..=high).contains(r)).map_or(Ok(()), |t| Err(self.unreachable(r, t)))
     }
 
-    /// The voltage for the reference `r` [output unit], which had stood at its first value for long. The answer cannot begin
-    /// before the record does: let a reference that has to be met from its start stand for some milliseconds first.
+    /// The voltage for the reference `r` [output unit], which had stood at its first value for long and goes on after its last
+    /// as it moved before. The answer cannot begin before the record does: let a reference that has to be met from its start
+    /// stand for some milliseconds first.
     ///
     /// # Errors
     /// [`Error::Unreachable`] where no allowed voltage gives the reference, [`Error::Limits`] where slew or current would have
@@ -182,7 +186,8 @@ impl FeedForward {
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         };
         let offset = self.model.offset();
-        let mut wanted = self.preview.fir().whole(&r.iter().map(|r| r - offset).collect::<Vec<_>>());
+        let mut wanted = self.preview.fir().whole(&self.going_on(r));
+        wanted.truncate(r.len());
         let held = (first - offset) / self.model.linear().dc_gain();
         let start = self.start(first);
         let mut best = self.back(&wanted, start.u);
@@ -221,6 +226,14 @@ impl FeedForward {
         }
         notes.extend(self.told(&best));
         Ok(Compensated { u: best.u, reached: best.reached, usage, clipped: best.clipped, notes })
+    }
+
+    /// The reference without offset, going on beyond its end as it moves there: mirrored through its last point.
+    fn going_on(&self, r: &[f64]) -> Vec<f64> {
+        let ahead = self.preview.fir().ahead();
+        let last = r.last().copied().unwrap_or_default();
+        let after = r.iter().rev().skip(1).map(|r| 2.0 * last - r).take(ahead);
+        r.iter().copied().chain(after).map(|r| r - self.model.offset()).collect()
     }
 
     /// The input that holds the displacement `r` for long, or the nearest allowed, and what creep puts out then.
@@ -267,7 +280,13 @@ impl FeedForward {
         let [value, at, bottom, top] = [r[sample], sample as f64 * self.model.ts(), bottom, top].map(round);
         let (lowest, highest) = ends(r.iter().copied());
         let still = self.reach().0 <= lowest && highest <= self.reach().1;
-        let instead = if still { "move slower or smooth it" } else { "lower it" };
+        let instead = match still {
+            true if sample < self.preview.fir().ahead() => {
+                "let it stand for some milliseconds before it moves, or smooth it"
+            }
+            true => "move slower or smooth it",
+            false => "lower it",
+        };
         let input = &self.model.units().u;
         Error::Unreachable(format!(
             "{value} {unit} at sample {sample} ({at} s) takes more than the inputs of {low} to {high} {input} give, which for long \

@@ -77,10 +77,13 @@ impl Preview {
         crate::error::positive("corner", corner, "shares of half the sampling rate")?;
         crate::error::positive("effort", effort, "mean squares")?;
         let g = block.dc_gain();
-        if !(g.is_finite() && g != 0.0 && block.is_stable()) {
-            let because =
-                format!("it is unstable or its gain at 0 Hz is {g}: a displacement that is held has no one input");
-            return Err(Error::NoInverse { kind: "bounded", because });
+        let none = |because: String| Err(Error::NoInverse { kind: "bounded", because });
+        if !block.is_stable() {
+            let farthest = block.poles().iter().map(|pole| pole.z.modulus()).fold(0.0, f64::max);
+            return none(format!("it is unstable, with a pole of modulus {farthest}; identify it anew"));
+        }
+        if !(g.is_finite() && g != 0.0) {
+            return none(format!("its gain at 0 Hz is {g}: a displacement that is held has no one input"));
         }
         // Correlations of the weighted response make the normal equations; the last row keeps the gain at 0 Hz.
         let mut own = vec![0.0; taps];

@@ -4,8 +4,9 @@
 //! u_t = H^-1 (C^-1 (sum over k of f_k (r_{t-k} - offset)))        the displacement then follows r_{t-d}
 //! ```
 //! The same inverses as [`super::FeedForward`], but the filter sees d samples ahead only because it is that late, nothing is
-//! corrected afterwards, and what the limits do not allow is clipped. A step allocates nothing for states of up to 256
-//! numbers and takes as many operations every time, but for the trials of the hysteresis, of which there are 120 at most.
+//! corrected afterwards, what the limits do not allow is clipped, and a reference that is not finite counts as the one
+//! before. A step allocates nothing for states of up to 256 numbers and takes as many operations every time, but for the
+//! trials of the hysteresis, of which there are 120 at most.
 
 use super::{Design, FeedForward, How, Preview};
 use crate::error::Error;
@@ -106,6 +107,7 @@ impl System for Causal {
         let (past, model) = x.split_at_mut(fir.order());
         // The filter keeps what is constant by 1 / G(0): so does the offset.
         let block = self.inverse.model();
+        let r = if r.is_finite() { r } else { past.first().copied().unwrap_or_default() };
         let wanted = fir.step(past, r) - block.offset() / block.linear().dc_gain();
         before[0] = block.invert_crept(model, wanted, self.inverse.from(before[0])).u;
         before[0]

@@ -1,7 +1,7 @@
 use super::*;
 use crate::creep::Creep;
 use crate::driver::{Driver, SUBSTEPS};
-use crate::excitation::{Prbs, RisingSine};
+use crate::excitation::{Prbs, RisingSine, Triangle};
 use crate::hammerstein::{Joint, identify_joint};
 use crate::hysteresis::OPERATORS;
 use crate::linear::Arx;
@@ -60,6 +60,26 @@ fn a_displacement_that_stands_is_held_exactly() {
 }
 
 #[test]
+fn a_reference_that_ends_in_motion_is_met_to_its_end() {
+    let model = model("prandtl-ishlinskii", None);
+    let r = sine(0.0, 700.0, 40.0, 1000);
+    let made = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap();
+    assert!((r[999] - r[998]).abs() > 50.0, "it moves at its end");
+    assert_close(&made.reached[900..], &r[900..], 0.0, 0.5);
+}
+
+#[test]
+fn a_reference_that_starts_off_too_fast_is_told_to_stand_first() {
+    let model = model("prandtl-ishlinskii", None);
+    let r: Vec<f64> = (0..400).map(|t| 700.0 * (TAU * 200.0 * TS * f64::from(t)).sin()).collect();
+    let message = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap_err().to_string();
+    assert!(
+        message.contains("at sample 0 (0 s)") && message.contains("let it stand for some milliseconds"),
+        "{message}"
+    );
+}
+
+#[test]
 fn sweeps_bring_the_free_run_closer_and_say_so() {
     let model = model("preisach", None);
     let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
@@ -112,7 +132,7 @@ fn references_and_models_that_make_no_sense_are_refused() {
     assert!(refused(plain(1.0), How::default()).contains("limits.low and limits.high"));
     let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
     let within = How { limits: volts, ..How::default() };
-    assert!(refused(plain(0.0), within).contains("an inverse of the hysteresis block cannot be identified"));
+    assert!(refused(plain(0.0), within).contains("gives no inverse of its hysteresis"));
     let units = Units { u: "counts".into(), y: "um".into() };
     assert!(refused(plain(1.0).with_units(units), within).contains("counts"));
     let high = Limits { low: Some(50.0), high: Some(60.0), ..Limits::default() };
@@ -136,6 +156,22 @@ fn sample_by_sample_it_follows_late_by_what_it_says() {
     }
     let causal = Causal::new(&model, How::default(), 2).unwrap();
     assert!(causal.simulate(&[causal_rest(&model); 50]).iter().all(|u| u.abs() < 1e-9));
+}
+
+#[test]
+fn sample_by_sample_a_reference_that_is_no_number_is_held_over_and_one_beyond_reach_clipped() {
+    let model = model("preisach", None);
+    let causal = Causal::new(&model, How::default(), 2).unwrap();
+    let r: Vec<f64> = sine(0.0, 400.0, 10.0, 300);
+    let with = |at: &[(usize, f64)]| {
+        let mut r = r.clone();
+        at.iter().for_each(|(t, value)| r[*t] = *value);
+        causal.resume(&mut causal.settled(0.0), &r)
+    };
+    assert_eq!(with(&[(150, f64::NAN), (151, f64::INFINITY)]), with(&[(150, r[149]), (151, r[149])]));
+    let high = FeedForward::new(&model, How::default()).unwrap().ends.1;
+    let far = with(&[(150, 1e6)]);
+    assert!(far.iter().all(|u| u.is_finite()) && far[150..155].contains(&high));
 }
 
 /// What the model puts out at rest.
@@ -173,15 +209,19 @@ fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
         let made = rms(&r, &answer(&inverse.whole(&r).unwrap().u));
         assert!(10.0 * made < none, "{hz} Hz: {made} um instead of {none} um");
     }
-    let period: Vec<f64> = (0..50).map(|t| 800.0 * (TAU * f64::from(t) / 50.0).sin()).collect();
-    let mut x = plant.initial();
-    let mut trial = |u: &[f64]| {
-        let last = (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
-        last.iter().map(|y| 1e6 * y).collect()
-    };
-    let learned = learn(&mut trial, &inverse, &period, Learning::default()).unwrap();
-    let best = rms(&period, &learned.y);
-    assert!(best < 1.6 && best < 0.5 * learned.rms[0], "{:?}", learned.rms);
+    // 40 Hz; of a triangle a tenth per cent of the stroke.
+    let sine: Vec<f64> = (0..50).map(|t| 800.0 * (TAU * f64::from(t) / 50.0).sin()).collect();
+    let triangle = Triangle { amplitude: 800.0, frequency: 40.0, ..Triangle::default() }.samples(TS, 50).unwrap();
+    for (period, most) in [(sine, 0.5), (triangle, 1.6)] {
+        let mut x = plant.initial();
+        let mut trial = |u: &[f64]| {
+            let last = (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
+            last.iter().map(|y| 1e6 * y).collect()
+        };
+        let learned = learn(&mut trial, &inverse, &period, Learning::default()).unwrap();
+        let best = rms(&period, &learned.y);
+        assert!(best < most && best < 0.5 * learned.rms[0], "{:?}", learned.rms);
+    }
 }
 
 #[test]

@@ -83,7 +83,7 @@ const OUT: Role = Role {
 };
 
 /// The reference r, a wanted output.
-pub(super) static REFERENCE: Role = Role { what: "reference", prefix: Some("r_"), hints: &[], ..OUT };
+pub(super) static REFERENCE: Role = Role { what: "reference", prefix: Some("r_"), ..OUT };
 
 impl Role {
     /// The one column of the table that plays this role.
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(reference("r_mm,y_um").unwrap().unit, "mm");
         assert_eq!(reference("t_s,y_um").unwrap().unit, "um");
         assert!(reference("t_s,r_um,r_mm").unwrap_err().to_string().contains("could each be the reference"));
-        assert!(reference("t_s,u_V").unwrap_err().to_string().contains("there is no output column"));
+        assert!(reference("t_s,u_V").unwrap_err().to_string().contains("there is no reference column: a single `r_*`"));
     }
 
     #[test]

@@ -81,7 +81,8 @@ impl Table {
     /// # Errors
     /// As [`record`](Table::record).
     pub fn reference(&self, selection: &Selection) -> Result<Signal, Error> {
-        let said = selection.output.is_none() && self.names().any(|name| name.starts_with("r_"));
+        let any = |prefix| self.names().any(|name| name.starts_with(prefix));
+        let said = selection.output.is_none() && (any("r_") || !any("y_"));
         let (role, prefix) = if said { (&REFERENCE, "r_") } else { (&OUTPUT, "y_") };
         let (ts, [r]) = self.sampled([role], selection)?;
         Ok(Signal { ts, samples: r.samples.clone(), unit: unit(&r.name, prefix) })

@@ -1,7 +1,7 @@
 //! Back through what the model does before its linear block: driver, hysteresis and creep, one sample at a time.
 
 use super::Model;
-use crate::hysteresis::{Inverted, between, on_copy};
+use crate::hysteresis::{Inverted, between, in_room};
 use crate::system::System;
 
 impl Model {
@@ -19,7 +19,7 @@ impl Model {
         let [hysteresis, creep, _, driver] = self.parts(x);
         let z = self.creep.invert(creep, wanted);
         let u = match (&self.driver, &*driver) {
-            (Some(_), &[v, before]) => on_copy(hysteresis, |copy| {
+            (Some(_), &[v, before]) => in_room(hysteresis.len(), |copy| {
                 between(ends, z, |u| {
                     copy.copy_from_slice(hysteresis);
                     let mut mean = [u];

@@ -12,6 +12,8 @@
 //! Reference: J. Song & A. Der Kiureghian, J. Eng. Mech. 132 (2006), DOI 10.1061/(ASCE)0733-9399(2006)132:6(610), which
 //! has Wang & Wen's as a case; the exponent n is 1 and what depends on the sign of the input itself is left out. It does
 //! not do: rate, wiping out; minor loops start without a jump but do not close.
+//!
+//! Inverse and what lies beyond the range as of `bouc-wen`.
 
 use super::Operator;
 use super::basis::Shape;

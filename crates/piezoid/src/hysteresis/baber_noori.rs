@@ -13,6 +13,9 @@
 //! Reference: T. T. Baber & M. N. Noori, J. Eng. Mech. 111 (1985), DOI 10.1061/(ASCE)0733-9399(1985)111:8(1010), with
 //! pinching in the closed form of later authors; the exponent n is 1, pinching does not grow. Energy counts while it is
 //! positive. It does not do: asymmetric loops, rate, healing: a loop that wears never repeats, nothing is wiped out.
+//!
+//! Inverse: Newton's method through all steps of a path, at a few times the cost of one step. Beyond the range as
+//! `bouc-wen`, but for what wears.
 
 use super::Operator;
 use super::basis::Shape;

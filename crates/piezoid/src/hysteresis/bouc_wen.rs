@@ -15,6 +15,9 @@
 //! Reference: T. S. Low & W. Guo, J. MEMS 4 (1995), DOI 10.1109/84.475550; survey: M. Ismail, F. Ikhouane & J. Rodellar,
 //! Arch. Comput. Methods Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8. The exponent n is 1. It does not do: asymmetric
 //! loops, rate, wiping out; minor loops start without a jump but do not close.
+//!
+//! Inverse: Newton's method on the exponentials. h ends at its bound, so z goes on with slope w_0; where w_0 < w_1 it falls
+//! after a reversal.
 
 use super::Operator;
 use super::basis::Shape;

@@ -13,6 +13,9 @@
 //!
 //! Reference: P. R. Dahl, "Solid friction damping of mechanical vibrations", AIAA J. 14 (1976), DOI 10.2514/3.61511. It
 //! does not do: asymmetric loops, rate, wiping out; minor loops start without a jump but do not close.
+//!
+//! Inverse: Newton's method on the solution. At breakaway z goes on with slope w_0; where w_0 < w_1 it falls after a
+//! reversal.
 
 use super::Operator;
 use super::basis::Shape;

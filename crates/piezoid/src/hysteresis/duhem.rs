@@ -16,6 +16,9 @@
 //! soft materials", Int. J. Eng. Sci. 24 (1986); for piezo actuators H. J. M. T. S. Adriaens et al., IEEE/ASME Trans.
 //! Mechatronics 5 (2000), DOI 10.1109/3516.891044. One memory alone: minor loops start without a jump but do not close,
 //! nothing is wiped out. It does not do: rate; and polynomials run off beyond the range.
+//!
+//! Inverse: Newton's method on the integrals. Where the polynomials turn, beyond the range at the latest, z falls and one of
+//! several inputs is found.
 
 use super::Operator;
 use super::basis::Shape;

@@ -12,8 +12,9 @@
 //!
 //! References: M. Al Janaideh, S. Rakheja & C.-Y. Su, IEEE/ASME Trans. Mechatronics 16 (2011), DOI
 //! 10.1109/TMECH.2010.2052366 (envelopes); K. Kuhnen, Eur. J. Control 9 (2003), DOI 10.3166/ejc.9.407-418 (dead zones,
-//! there behind the plays, here beside them, which keeps z linear in all weights). It does not do: rate. Inverted by Newton's method
-//! on the cubic piece that has the wanted z.
+//! there behind the plays, here beside them, which keeps z linear in all weights). It does not do: rate.
+//!
+//! Inverse: Newton's method on the cubic piece that has the wanted z. Beyond the range z goes on along a line.
 
 use super::Operator;
 use super::basis::{Design, Shape, curvature};

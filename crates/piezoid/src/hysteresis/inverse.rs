@@ -11,7 +11,8 @@
 //!
 //! References: P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI 10.1049/ip-cta:20010375 (sums of plays
 //! that rise have an inverse); T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997), DOI 10.1016/S0965-9978(96)00051-8
-//! (trials). It does not do: an operator that falls somewhere, of which it finds one input of several ([`falls`] tells).
+//! (trials). It does not do: operators that fall somewhere ([`falls`] tells), of which it finds one input of several, and none
+//! where what both ends reach lies on the same side of z.
 
 use super::Hysteresis;
 use super::real::Dual;
@@ -35,12 +36,12 @@ pub struct Inverted {
     pub z: f64,
 }
 
-/// Numbers of a state whose copy needs no allocation.
+/// Numbers for which room needs no allocation.
 const SMALL: usize = 256;
 
 /// The input between `ends` that the next step answers with `z`, by trials.
 pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
-    on_copy(x, |copy| {
+    in_room(x.len(), |copy| {
         between(ends, z, |u| {
             copy.copy_from_slice(x);
             operator.step(copy, u)
@@ -48,15 +49,12 @@ pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64,
     })
 }
 
-/// What `run` makes of a copy of the state.
-pub(crate) fn on_copy<T>(x: &[f64], run: impl FnOnce(&mut [f64]) -> T) -> T {
-    let mut small = [0.0; SMALL];
-    match small.get_mut(..x.len()) {
-        Some(copy) => {
-            copy.copy_from_slice(x);
-            run(copy)
-        }
-        None => run(&mut x.to_vec()),
+/// What `run` does with room for `n` numbers.
+pub(crate) fn in_room<R: Copy + From<f64>, T>(n: usize, run: impl FnOnce(&mut [R]) -> T) -> T {
+    let mut small = [R::from(0.0); SMALL];
+    match small.get_mut(..n) {
+        Some(room) => run(room),
+        None => run(&mut vec![R::from(0.0); n]),
     }
 }
 
@@ -107,7 +105,7 @@ pub(super) fn by_slopes(last: f64, z: f64, ends: (f64, f64), mut ahead: impl FnM
     let start = last.max(ends.0).min(ends.1);
     let mut at = (start, ahead(start));
     let way = if at.1.value < z { 1.0 } else { -1.0 };
-    let same = 4.0 * f64::EPSILON * at.1.value.abs().max(z.abs());
+    let same = 4.0 * f64::EPSILON * at.1.value.abs().max(z.abs()).min(f64::MAX);
     // How far z still has to go; on a flat piece rounding is no distance.
     let left = |d: Dual| {
         let off = way * (z - d.value);
@@ -174,9 +172,14 @@ pub fn falls(operator: &dyn Hysteresis, low: f64, high: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{OPERATORS, load, operator};
+    use super::super::{OPERATORS, Operator, load, operator};
     use super::*;
     use crate::testing::assert_close;
+
+    /// An input that never quite comes back to where it was.
+    fn wander(t: u32) -> f64 {
+        18.0 * (f64::from(t) * 0.05).sin() + 11.0 * (f64::from(t) * 0.173).sin()
+    }
 
     #[test]
     fn the_input_found_is_the_input_that_was_given() {
@@ -185,8 +188,7 @@ mod tests {
             let mut x = operator.settled(0.0);
             let mut given = Vec::new();
             let mut found = Vec::new();
-            for t in 0..400 {
-                let u = 18.0 * (f64::from(t) * 0.05).sin() + 11.0 * (f64::from(t) * 0.173).sin();
+            for u in (0..400).map(wander) {
                 let z = operator.step(&mut x.clone(), u);
                 let back = operator.invert(&x, z, (-30.0, 30.0));
                 // Between branches that jump there is more than one input; what they reach is the same.
@@ -199,11 +201,6 @@ mod tests {
                 assert_close(&found, &given, 1e-7, 1e-7);
             }
         }
-    }
-
-    /// An input that never quite comes back to where it was.
-    fn wander(t: u32) -> f64 {
-        18.0 * (f64::from(t) * 0.05).sin() + 11.0 * (f64::from(t) * 0.173).sin()
     }
 
     #[test]
@@ -262,13 +259,47 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_number_ends_within_the_ends() {
+        for o in OPERATORS {
+            let operator = (o.example)(5e-4).unwrap();
+            let x = operator.settled(3.0);
+            for (z, ends) in [(f64::NAN, (-20.0, 25.0)), (1.0, (4.0, 4.0)), (f64::NAN, (0.0, 0.0))] {
+                let back = operator.invert(&x, z, ends);
+                assert!(ends.0 <= back.u && back.u <= ends.1 && back.z.is_finite(), "{}: {back:?}", o.name);
+            }
+            for (z, u) in [(f64::INFINITY, 25.0), (f64::NEG_INFINITY, -20.0)] {
+                assert_eq!(operator.invert(&x, z, (-20.0, 25.0)).u, u, "{}", o.name);
+            }
+        }
+    }
+
+    #[test]
+    fn an_operator_that_falls_is_caught_where_it_does_and_one_of_its_inputs_is_found() {
+        // What the stop of threshold 3 holds back outweighs the input for 6 after a reversal.
+        let stop = r#"{"operator": "stop", "range": [-20, 20], "thresholds": [3], "weights": [1, 1.5]}"#;
+        let stop = load(&serde_json::from_str(stop).unwrap(), 5e-4).unwrap();
+        let at = falls(&*stop, -20.0, 20.0).unwrap();
+        assert!((-20.0..-13.9).contains(&at), "{at}");
+        let mut x = stop.settled(0.0);
+        for t in 0..300 {
+            let z = stop.step(&mut x.clone(), wander(t));
+            let back = stop.invert(&x, z, (-60.0, 60.0));
+            assert_close(&[back.z, stop.step(&mut x.clone(), back.u)], &[z, z], 1e-11, 1e-11);
+            stop.step(&mut x, wander(t));
+        }
+        let falling = |o: &&&Operator| falls(&*(o.example)(5e-4).unwrap(), -30.0, 30.0).is_some();
+        let names: Vec<&str> = OPERATORS.iter().filter(falling).map(|o| o.name).collect();
+        assert_eq!(names, ["two-branch", "rate-scheduled"], "these jump at a turn, the others rise");
+    }
+
+    #[test]
     fn what_cannot_be_reached_ends_at_the_nearer_end_and_says_what_there_is() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
             let x = operator.settled(3.0);
             let [top, bottom] = [1e6, -1e6].map(|z| operator.invert(&x, z, (-20.0, 25.0)));
             assert!(top.u == 25.0 && bottom.u == -20.0, "{}: {top:?} {bottom:?}", o.name);
-            assert_eq!(top.z, operator.step(&mut x.clone(), 25.0), "{}", o.name);
+            assert_eq!([top.z, bottom.z], [25.0, -20.0].map(|u| operator.step(&mut x.clone(), u)), "{}", o.name);
         }
     }
 }

@@ -12,6 +12,8 @@
 //!
 //! Reference: M. A. Krasnosel'skii & A. V. Pokrovskii, "Systems with Hysteresis", Springer (1989), DOI
 //! 10.1007/978-3-642-61302-9. It does not do: rate.
+//!
+//! Inverse: Newton's method on the lines that ridges make of z(u). Beyond the outermost ridges there is nothing to find.
 
 use super::Operator;
 use super::basis::{Design, Shape};

@@ -13,6 +13,9 @@
 //! References: M. Goldfarb & N. Celanovic, IEEE Control Systems 17 (1997), DOI 10.1109/37.588158 (sliders for piezo
 //! actuators); F. Al-Bender, V. Lampaert & J. Swevers, IEEE Trans. Autom. Control 50 (2005), DOI
 //! 10.1109/TAC.2005.858676 (sliding). It does not do: asymmetric loops; and at changing rates reversals are not wiped out.
+//!
+//! Inverse: Newton's method on the law. Where all slide z goes on with slope w_0, which has to exceed w_1 + ... + w_n, or z
+//! falls after a reversal.
 
 use super::Operator;
 use super::basis::{Shape, curvature};

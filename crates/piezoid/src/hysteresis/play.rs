@@ -4,13 +4,13 @@
 //! p_k <- max(u - r_k, min(u + r_k, p_k))        play of threshold r_k
 //! z = w_0 u + w_1 p_1 + ... + w_n p_n           w_k >= 0
 //! ```
-//! Loops are symmetric and those of equal inputs are congruent; reversals that are passed are wiped out. It has a
-//! closed inverse of the same kind.
+//! Loops are symmetric and those of equal inputs are congruent; reversals that are passed are wiped out.
 //!
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
 //! 10.1007/978-1-4612-4048-8; for piezo actuators P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI
 //! 10.1049/ip-cta:20010375. It does not do: asymmetric loops, saturation, rate.
-//! Inverted exactly: from a state z(u) is made of lines that rise, and Newton's method ends on the right one.
+//!
+//! Inverse: exact. From a state z(u) is made of lines that rise, and Newton's method ends on the right one.
 
 use super::Operator;
 use super::basis::curvature;
@@ -77,14 +77,7 @@ impl Law for Play {
         sum_of_plays(weights, &self.thresholds, x, signal);
     }
 
-    fn ahead(
-        &self,
-        weights: &[f64],
-        _: &[f64],
-        plays: &[f64],
-        _: &mut Vec<Dual>,
-        Input { u, .. }: Input<Dual>,
-    ) -> Dual {
+    fn ahead(&self, weights: &[f64], _: &[f64], plays: &[f64], _: &mut [Dual], Input { u, .. }: Input<Dual>) -> Dual {
         let (value, slope) = sum_ahead(weights, &self.thresholds, plays, u.value);
         Dual { value, slope: u.slope * slope }
     }

@@ -1,4 +1,6 @@
 //! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
+//!
+//! Inverse: u = z / k, exact. It does not saturate.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};

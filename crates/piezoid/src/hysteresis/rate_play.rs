@@ -10,8 +10,10 @@
 //! no more. u' is the difference of two samples over the sampling period: an input held in steps has spikes of it.
 //!
 //! Reference: M. Al Janaideh & P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013), DOI 10.1109/TMECH.2012.2205265. It does
-//! not do: asymmetric loops, saturation; and reversals are wiped out at one rate only. Inverted by Newton's method, exact but for the
-//! logarithm; where growth / rate exceeds a sampling period plays fall as the input moves faster, and z may.
+//! not do: asymmetric loops, saturation; and reversals are wiped out at one rate only.
+//!
+//! Inverse: Newton's method, on lines but for the logarithm. Where growth / rate exceeds a sampling period plays fall as the
+//! input moves faster, and z may; then trials find one of several inputs.
 
 use super::Operator;
 use super::basis::{Shape, curvature};

@@ -8,6 +8,8 @@
 //!
 //! Like the two branches it stands on, it has no minor loops; and the frequency of an input that is not periodic is a
 //! guess.
+//!
+//! Inverse and saturation as of the branches alone, at the frequency that the next input brings about.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
@@ -200,7 +202,7 @@ impl Hysteresis for RateScheduled {
     }
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
-        let mut trial = x.to_vec();
+        let mut trial = [0.0; 8];
         let ahead = |u| {
             trial.copy_from_slice(x);
             let (direction, frequency) = self.follow(&mut trial, u);

@@ -9,8 +9,10 @@
 //! at a reversal. Reversals that are passed are wiped out.
 //!
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
-//! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate. Inverted as
-//! `prandtl-ishlinskii` while w_0 >= w_1 + ... + w_n, beyond which z falls somewhere.
+//! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate.
+//!
+//! Inverse: exact, as of `prandtl-ishlinskii`, while w_0 > w_1 + ... + w_n; else z falls after a reversal, and one of several
+//! inputs is found. Where all stops slide z goes on with slope w_0; without it, it saturates.
 
 use super::Operator;
 use super::basis::curvature;

@@ -15,7 +15,8 @@
 //! Reference: J. Tellinen, "A simple scalar model for magnetic hysteresis", IEEE Trans. Magnetics 34 (1998), DOI
 //! 10.1109/20.706508 (there with the slope of the vacuum apart). Reversals start without a jump. It does not do: rate,
 //! wiping out; minor loops drift towards a loop of their own; a loop that has turned round reads as none.
-//! Inverted by Newton's method, with the slope of the equation.
+//!
+//! Inverse: Newton's method, with the slope of the equation. Beyond the turning points z goes on along a line.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};

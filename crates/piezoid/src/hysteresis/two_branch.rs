@@ -7,7 +7,9 @@
 //! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
 //! the loop jumps to the other branch), and no change of amplitude or offset.
 //!
-//! Inverted by Newton's method on the spline of the branch that the way to the wanted z reads.
+//! Inverse: Newton's method on the spline of the branch that the way to the wanted z reads; trials where a turn jumps past
+//! it, which end on that side of the jump which is nearer. Beyond the turning points branches go on along a line: nothing
+//! saturates.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};

@@ -10,8 +10,10 @@
 //!
 //! Reference: I. D. Mayergoyz, "Mathematical Models of Hysteresis", Springer (1991), DOI 10.1007/978-1-4612-3028-1; for
 //! piezo actuators P. Ge & M. Jouaneh, Precision Engineering 17 (1995), DOI 10.1016/0141-6359(95)00002-U. It does not
-//! do: rate, accommodation (minor loops that creep towards a limit). Inverted by Newton's method on the quadratic pieces of z(u),
-//! read off the memory without changing it.
+//! do: rate, accommodation (minor loops that creep towards a limit).
+//!
+//! Inverse: Newton's method on the quadratic pieces of z(u), read off the memory without changing it. Beyond the outermost
+//! levels z goes on with slope s; without it, it saturates.
 
 mod everett;
 mod grid;

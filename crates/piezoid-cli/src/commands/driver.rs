@@ -1,0 +1,44 @@
+//! The driver in front of the actuator, whose limits a voltage must keep.
+
+use crate::values::{Misused, argument, farads};
+use anyhow::{Error, Result, anyhow, bail};
+use clap::Args;
+use piezoid::excitation::{Driver, Limits};
+
+/// The driver and its load.
+#[derive(Args)]
+pub(crate) struct Amplifier {
+    /// The driver whose limits the voltage must keep (see `piezoid drivers`).
+    #[arg(long, value_name = "NAME")]
+    pub(crate) driver: Option<String>,
+    /// Capacitance of the load, for the driver's current limit.
+    #[arg(long, value_name = "FARAD", requires = "driver", value_parser = farads)]
+    capacitance: Option<f64>,
+}
+
+impl Amplifier {
+    /// The limits of the driver, if one is named.
+    pub(crate) fn limits(&self) -> Result<Option<Limits>> {
+        self.driver.as_deref().map(|name| driver_limits(name, self.capacitance)).transpose()
+    }
+
+    /// What the library says of limits and references, with the option that helps.
+    pub(crate) fn advised(&self, error: piezoid::Error) -> Error {
+        match error {
+            piezoid::Error::Limits(_) | piezoid::Error::Unreachable(_) => anyhow!("{error} (--clip)"),
+            piezoid::Error::Parameter { .. } if self.driver.is_none() => anyhow!("{error} (--driver)"),
+            other => other.into(),
+        }
+    }
+}
+
+/// The limits of a driver with its load.
+pub(crate) fn driver_limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
+    let limits: Limits = argument(Driver::find(name))?.limits;
+    let capacitance = capacitance.or(limits.capacitance);
+    if limits.current.is_some() && capacitance.is_none() {
+        let what = "limits the current, which depends on the load: give its --capacitance in farad, such as 8.2e-6";
+        bail!(Misused(format!("driver `{name}` {what}")));
+    }
+    Ok(Limits { capacitance, ..limits })
+}
