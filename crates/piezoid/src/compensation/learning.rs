@@ -4,12 +4,13 @@
 //! z_{j+1} = z_0 + Q (z_j - z_0 + k F (r - y_j)),    u_j = H^-1 z_j,    z_0 = F r
 //! ```
 //! What is corrected is z, not u: through the inverse hysteresis an error is answered with the slope it meets. F is the
-//! inverse of the linear block that looks ahead, and around the end of the period to its beginning; Q is 1, or when asked a
-//! low-pass without phase, 1 / (1 + (f / f_q)^8), above which the feed-forward z_0 stays as it is. Where |1 - k G_true F| < 1
-//! errors shrink from trial to trial, whatever their cause, creep and a wrong operator included. Harmonics disturb each
-//! other through the hysteresis, so a trial may be worse than the one before and the way still right; one twice as bad as
-//! the best is taken back, and k halved. Near a zero of the beam, where F is no inverse, errors may grow after some tens of
-//! trials: the best is kept.
+//! inverse of the linear block that looks ahead; Q is 1, or when asked a low-pass without phase, 1 / (1 + (f / f_q)^8), above
+//! which the feed-forward z_0 stays as it is. All go harmonic by harmonic. Where |1 - k G_true F| < 1 errors shrink from trial
+//! to trial, whatever their cause, creep and a wrong operator included. Harmonics disturb each other through the
+//! hysteresis, so a trial may be worse than the one before and the way still right. But one twice as bad as the best is taken
+//! back, and where three in a row are no better than it F is wrong somewhere, near a resonance that lies elsewhere than the
+//! model has it: harmonics whose error has grown are from then on answered by the change of z over the change of error
+//! that they showed. What is returned is the best trial.
 //!
 //! Reference: D. A. Bristow, M. Tharayil & A. G. Alleyne, IEEE Control Syst. Mag. 26, 96 (2006), DOI
 //! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI 10.1016/j.mechatronics.2005.11.006
@@ -17,13 +18,25 @@
 
 use super::{FeedForward, How};
 use crate::creep::Creep;
-use crate::error::{Error, finite};
+use crate::error::{Error, finite, positive};
 use crate::fourier::forward;
 use crate::system::System;
 use nalgebra::Complex;
 
-/// How many times as bad as the best a trial may be.
-const WORSE: f64 = 2.0;
+/// How many times as bad as the best a trial must be to be taken back.
+const LOST: f64 = 2.0;
+
+/// Trials in a row that are no better than the best, after which harmonics are answered by what they did.
+const STUCK: usize = 3;
+
+/// Trials in a row over which the error of such a harmonic has then grown.
+const GROWS: usize = 2;
+
+/// Its least share of the sum of squares: below, noise grows and shrinks.
+const MATTERS: f64 = 1e-3;
+
+/// How many times as far as by the model it may then be answered.
+const FURTHER: f64 = 3.0;
 
 /// How trials are corrected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,17 +102,12 @@ pub fn learn(
     // Creep repeats with the rest: what it adds is learnt.
     let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
     let mut inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
-    let low_pass = LowPass::new(r.len(), model.ts(), how.cutoff_hz.unwrap_or(f64::MAX))?;
-    let fir = inverse.preview().fir().clone();
-    let offset = model.offset();
-
-    let mut gain = how.gain;
-    let feed_forward = fir.periodic(&r.iter().map(|r| r - offset).collect::<Vec<_>>());
-    let mut z = feed_forward.clone();
+    let wanted: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
+    let mut harmonics = Harmonics::new(&inverse, &wanted, how)?;
     let mut best: Option<Trial> = None;
     let mut rms: Vec<f64> = Vec::new();
     for _ in 0..how.trials {
-        let u = inverse.period(&z, r)?;
+        let u = inverse.period(&harmonics.whole(), r)?;
         inverse.how.clip = true;
         let y = plant(&u);
         if y.len() != r.len() {
@@ -109,19 +117,8 @@ pub fn learn(
         finite("the answer of the plant", &y)?;
         let left = super::off(r, &y);
         rms.push(left);
-        let trial = Trial { z, u, y, left };
-        let from = match best {
-            Some(ref best) if left > WORSE * best.left => {
-                gain *= 0.5;
-                best
-            }
-            _ => &trial,
-        };
-        let error: Vec<f64> = r.iter().zip(&from.y).map(|(r, y)| r - y).collect();
-        let more = fir.periodic(&error);
-        let learnt = from.z.iter().zip(&feed_forward).zip(&more).map(|((z, z_0), more)| z - z_0 + gain * more);
-        z = low_pass.filtered(learnt).iter().zip(&feed_forward).map(|(learnt, z_0)| z_0 + learnt).collect();
-        best = best.filter(|best| best.left <= left).or(Some(trial));
+        harmonics.correct(&r.iter().zip(&y).map(|(r, y)| r - y).collect::<Vec<_>>());
+        best = best.filter(|best| best.left <= left).or(Some(Trial { u, y, left }));
     }
     let (u, y) = best.map(|best| (best.u, best.y)).unwrap_or_default();
     Ok(Learned { u, y, rms })
@@ -129,7 +126,6 @@ pub fn learn(
 
 /// One period of a trial, and the rms of what it left.
 struct Trial {
-    z: Vec<f64>,
     u: Vec<f64>,
     y: Vec<f64>,
     left: f64,
@@ -153,26 +149,98 @@ impl FeedForward {
     }
 }
 
-/// Q over one period.
-struct LowPass {
-    gains: Vec<f64>,
+/// z by its harmonics, up to half the sampling rate.
+struct Harmonics {
+    /// Samples of a period.
+    n: usize,
+    /// F, and what now stands for k F.
+    inverse: Vec<Complex<f64>>,
+    answer: Vec<Complex<f64>>,
+    /// Q.
+    kept: Vec<f64>,
+    /// z of the feed-forward and of the next trial.
+    first: Vec<Complex<f64>>,
+    z: Vec<Complex<f64>>,
+    /// z and error of the trials since which an error grows.
+    growing: Vec<Vec<[Complex<f64>; 2]>>,
+    /// z and error of the best trial, and the trials since.
+    best: (Vec<Complex<f64>>, Vec<Complex<f64>>),
+    since: usize,
+    gain: f64,
 }
 
-impl LowPass {
-    fn new(n: usize, ts: f64, cutoff: f64) -> Result<Self, Error> {
-        crate::error::positive("cutoff", cutoff, "hertz")?;
-        let gain = |k: usize| 1.0 / (1.0 + (k.min(n - k) as f64 / (n as f64 * ts) / cutoff).powi(8));
-        Ok(LowPass { gains: (0..n).map(gain).collect() })
+impl Harmonics {
+    fn new(inverse: &FeedForward, wanted: &[f64], how: Learning) -> Result<Self, Error> {
+        let period = wanted.len() as f64 * inverse.model.ts();
+        let cutoff = positive("cutoff", how.cutoff_hz.unwrap_or(f64::MAX), "hertz")?;
+        let hz = |k: usize| k as f64 / period;
+        let response = |k: usize| {
+            let f = inverse.preview().fir().response(hz(k));
+            Complex::from_polar(f.gain, f.phase)
+        };
+        let inverse: Vec<_> = (0..=wanted.len() / 2).map(response).collect();
+        let z: Vec<_> = lines(wanted).iter().zip(&inverse).map(|(r, f)| r * f).collect();
+        Ok(Harmonics {
+            n: wanted.len(),
+            answer: inverse.iter().map(|f| f * how.gain).collect(),
+            kept: (0..z.len()).map(|k| 1.0 / (1.0 + (hz(k) / cutoff).powi(8))).collect(),
+            inverse,
+            first: z.clone(),
+            growing: vec![Vec::new(); z.len()],
+            z,
+            best: Default::default(),
+            since: 0,
+            gain: how.gain,
+        })
     }
 
-    fn filtered(&self, x: impl Iterator<Item = f64>) -> Vec<f64> {
-        let n = self.gains.len();
-        let fft = forward(n);
-        let mut lines: Vec<Complex<f64>> = x.map(Complex::from).collect();
-        fft.process(&mut lines);
+    /// One period of z.
+    fn whole(&self) -> Vec<f64> {
+        let fft = forward(self.n);
         // The forward transform of the conjugate is the way back.
-        lines.iter_mut().zip(&self.gains).for_each(|(line, gain)| *line = line.conj() * *gain / n as f64);
-        fft.process(&mut lines);
-        lines.iter().map(|c| c.re).collect()
+        let line = |k: usize| if k < self.z.len() { self.z[k].conj() } else { self.z[self.n - k] };
+        let mut all: Vec<_> = (0..self.n).map(line).collect();
+        fft.process(&mut all);
+        all.iter().map(|x| x.re / self.n as f64).collect()
     }
+
+    /// Corrects z by the error of its trial.
+    fn correct(&mut self, error: &[f64]) {
+        let error = lines(error);
+        let squares = |error: &[Complex<f64>]| error.iter().map(|e| e.norm_sqr()).sum::<f64>();
+        let (all, least) = (squares(&error), squares(&self.best.1));
+        self.since += 1;
+        if self.best.1.is_empty() || all < least {
+            (self.best, self.since) = ((self.z.clone(), error.clone()), 0);
+        }
+        let lost = all > LOST * LOST * least && self.since > 0;
+        for (k, e) in error.into_iter().enumerate() {
+            let (z, growing) = (self.z[k], &mut self.growing[k]);
+            let best = [self.best.0[k], self.best.1[k]];
+            if lost || growing.last().is_some_and(|[_, before]| e.norm() <= before.norm()) {
+                growing.clear();
+            }
+            growing.push(if lost { best } else { [z, e] });
+            let stuck = self.since >= STUCK && growing.len() > GROWS;
+            let [z_then, e_then] = growing[0];
+            if (lost || stuck) && e.norm() > e_then.norm() && e.norm_sqr() > MATTERS * all {
+                let measured = self.gain * (z - z_then) / (e_then - e);
+                let most = FURTHER * self.gain * self.inverse[k].norm();
+                if measured.is_finite() {
+                    self.answer[k] = measured * (most / measured.norm()).min(1.0);
+                }
+                growing.clear();
+            }
+            let [z, e] = if lost { best } else { [z, e] };
+            self.z[k] = self.first[k] + self.kept[k] * (z - self.first[k] + self.answer[k] * e);
+        }
+    }
+}
+
+/// The lines of a period up to half the sampling rate.
+fn lines(x: &[f64]) -> Vec<Complex<f64>> {
+    let mut lines: Vec<Complex<f64>> = x.iter().map(|x| Complex::from(*x)).collect();
+    forward(x.len()).process(&mut lines);
+    lines.truncate(x.len() / 2 + 1);
+    lines
 }
