@@ -1,22 +1,25 @@
 //! What the next sample can reach, and the limits of the program's rows.
 
-use super::Predictive;
 use super::state::Parts;
+use super::{Predictive, Settings};
+use crate::hammerstein::Model;
 use crate::system::System;
 
 impl Predictive {
     /// The voltages that limits and slew allow after `u`.
     pub(super) fn ends(&self, u: f64) -> (f64, f64) {
         let (bottom, top) = self.settings.voltage;
-        let reach = self.settings.slew.map_or(f64::INFINITY, |slew| slew * self.model.ts());
+        // What is asked of a driver faster than it can would only run away from it.
+        let slew = self.settings.slew.and(fastest(&self.model, &self.settings));
+        let reach = slew.map_or(f64::INFINITY, |slew| slew * self.model.ts());
         ((u - reach).clamp(bottom, top), (u + reach).clamp(bottom, top))
     }
 
     /// The limits of the rows.
     pub(super) fn limit(&self, parts: &mut Parts<'_>, ends: (f64, f64)) {
         let mut reached = |u: f64| {
-            parts.trial.copy_from_slice(parts.operator);
-            self.model.hysteresis().step(parts.trial, u)
+            parts.trial.copy_from_slice(parts.model);
+            self.model.step_hidden(parts.trial, u)
         };
         let (low, high) = (reached(ends.0), reached(ends.1));
         let high = high.max(low);
@@ -25,8 +28,9 @@ impl Predictive {
         parts.low[..n].fill(self.major.0.min(high));
         parts.high[..n].fill(self.major.1.max(low));
         (parts.low[0], parts.high[0]) = (low, high);
-        let slope = if ends.1 > ends.0 { (high - low) / (ends.1 - ends.0) } else { 0.0 };
-        let step = self.settings.slew.map_or(f64::INFINITY, |slew| slope * slew * self.model.ts());
+        let (bottom, top) = self.settings.voltage;
+        let slope = (self.major.1 - self.major.0) / (top - bottom);
+        let step = fastest(&self.model, &self.settings).map_or(f64::INFINITY, |slew| slope * slew * self.model.ts());
         parts.low[n..2 * n - 1].fill(-step);
         parts.high[n..2 * n - 1].fill(step);
         if let Some(allowed) = self.settings.displacement {
@@ -38,4 +42,10 @@ impl Predictive {
             }
         }
     }
+}
+
+/// The fastest change of the voltage that the hysteresis sees [V/s]; `None` where there is no limit.
+fn fastest(model: &Model, settings: &Settings) -> Option<f64> {
+    let driver = model.driver().and_then(|driver| driver.slew);
+    [settings.slew, driver].into_iter().flatten().reduce(f64::min)
 }

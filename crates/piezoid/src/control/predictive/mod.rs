@@ -12,11 +12,12 @@
 //! observer of steady gain makes of the readings, a constant disturbance of z among it: errors that last leave no offset.
 //!
 //! Where the program has no answer in time, the z found so far is brought within the limits of the next sample, which always
-//! can be kept. Steps of z after the first are limited by the mean slope of the operator where it stands.
+//! can be kept. Steps of z after the first are limited by the mean slope of the major loop. A driver in the model belongs to the
+//! operator here: one voltage a sample in, one z out.
 //!
 //! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F. Borrelli, M.
-//! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: models behind a driver of their
-//! own, operators that fall with their input, a horizon of voltages (which would be no quadratic program). It has no law: what
+//! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators that
+//! fall with their input, a horizon of voltages (which would be no quadratic program). It has no law: what
 //! tolerances do to it is asked of [`trials`](super::trials).
 
 mod condensed;
@@ -45,9 +46,15 @@ use realisation::Realisation;
 use state::{Layout, Parts};
 use std::sync::Arc;
 
+/// How near to a limit z counts as there, over its range.
+const CLOSE: f64 = 1e-9;
+
+/// A reading further off what is expected counts as no further than this, over the range of y.
+const WILD: f64 = 10.0;
+
 /// The controller of a model.
 ///
-/// State, in this order: what the observer makes of the model; the last z and u; the operator's; then the buffers of
+/// State, in this order: what the observer makes of the model; the last z and u; the model's; then the buffers of
 /// its steps, among them the multipliers that it begins with next time.
 ///
 /// ```
@@ -97,40 +104,46 @@ impl Predictive {
     /// The controller of `model`.
     ///
     /// # Errors
-    /// Refuses settings outside their domain; a horizon that cannot run at Ts on the machine described; a model behind a
-    /// driver, or with an operator that falls with its input, by the voltage where it does; and, as
-    /// [`Error::Unidentifiable`], a model whose readings cannot tell a constant disturbance.
+    /// Refuses settings outside their domain; a horizon that cannot run at Ts on the machine described; displacements that no
+    /// voltage leads to; as [`Error::Unsuited`], an operator that falls with its input, by the voltage where it does, or that does
+    /// not move; and, as [`Error::Unidentifiable`], a model whose readings cannot tell a constant disturbance.
     pub fn new(model: &Model, settings: Settings) -> Result<Self, Error> {
         settings.check()?;
         let (bottom, top) = settings.voltage;
-        if model.driver().is_some() {
-            let because = "predictive control does not look through a driver: identify the model without one".into();
-            return Err(Error::NoInverse { kind: "sampled", because });
-        }
+        let unsuited = |because: String| Error::Unsuited { what: "predictive control".into(), because };
         if let Some(u) = falls(model.hysteresis(), bottom, top) {
-            let because = format!("its operator falls with its input at {u} V: choose an operator that rises");
-            return Err(Error::NoInverse { kind: "unique", because });
+            return Err(unsuited(format!("its operator falls with its input at {u} V: choose an operator that rises")));
+        }
+        let major = (model.settled_hidden(bottom), model.settled_hidden(top));
+        let range = major.1 - major.0;
+        if !(range > 0.0 && range.is_finite()) {
+            return Err(unsuited(format!("its hysteresis does not move between {bottom} and {top} V")));
         }
         let plant = Realisation::new(model.creep(), model.linear());
         settings.affordable(plant.order(), model.ts())?;
 
-        let end = |u: f64| model.hysteresis().step(&mut model.hysteresis().settled(u), u);
-        let major = (end(bottom), end(top));
         let steady = model.linear().dc_gain().abs();
         let h = plant.impulse(plant.delay + settings.horizon);
         let gain = if steady > 0.0 && steady.is_finite() { steady } else { h.iter().fold(0.0, |m, h| h.abs().max(m)) };
-        let range = major.1 - major.0;
         let p = plant.order() - 1;
         let mut disturbed = &plant.b * plant.b.transpose() * (settings.unexplained * range).powi(2);
         disturbed[(p, p)] += (settings.drift * range).powi(2);
-        Ok(Predictive {
+        let made = Predictive {
             observer: kalman::gain(&plant.a, &plant.c, &disturbed, (settings.noise * range * gain).powi(2))?,
             horizon: Horizon::new(&plant, gain, &settings)?,
             model: model.clone(),
             settings,
             plant,
             major,
-        })
+        };
+        let (low, high) = made.reachable();
+        match made.settings.displacement {
+            Some((least, most)) if !(least < high && low < most) => {
+                let rule = format!("must overlap with {low} to {high}, which the voltages leave to the model");
+                Err(Error::parameter("displacement", format!("{least} to {most}"), rule))
+            }
+            _ => Ok(made),
+        }
     }
 
     /// What it was asked for.
@@ -149,10 +162,7 @@ impl Predictive {
     /// Names the first sample that is not finite, or that lies beyond what voltage and displacement allow.
     pub fn check(&self, reference: &[f64]) -> Result<(), Error> {
         finite("reference", reference)?;
-        let crept = 1.0 + self.model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>();
-        let at = |z: f64| self.model.offset() + self.model.linear().dc_gain() * crept * z;
-        let (a, b) = (at(self.major.0), at(self.major.1));
-        let (mut low, mut high) = (a.min(b), a.max(b));
+        let (mut low, mut high) = self.reachable();
         if let Some(allowed) = self.settings.displacement {
             (low, high) = (low.max(allowed.0), high.min(allowed.1));
         }
@@ -166,16 +176,25 @@ impl Predictive {
         }
     }
 
+    /// The lowest and the highest displacement that voltages which stand lead to [output unit].
+    fn reachable(&self) -> (f64, f64) {
+        let crept = 1.0 + self.model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>();
+        let gain = self.model.linear().dc_gain() * crept;
+        if !gain.is_finite() {
+            return (f64::NEG_INFINITY, f64::INFINITY);
+        }
+        let (a, b) = (self.model.offset() + gain * self.major.0, self.model.offset() + gain * self.major.1);
+        (a.min(b), a.max(b))
+    }
+
     /// The state after the voltage `u` has stood for a long time.
     pub fn settled(&self, u: f64) -> Vec<f64> {
-        let hysteresis = self.model.hysteresis();
-        let operator = hysteresis.settled(u);
-        let z = hysteresis.step(&mut operator.clone(), u);
+        let z = self.model.settled_hidden(u);
         let mut x = vec![0.0; self.order()];
         let parts = self.layout().parts(&mut x);
         parts.s.copy_from_slice(&self.plant.settled(self.model.creep(), self.model.linear(), z));
         parts.last.copy_from_slice(&[z, u]);
-        parts.operator.copy_from_slice(&operator);
+        parts.model.copy_from_slice(&self.model.settled(u));
         x
     }
 
@@ -183,7 +202,7 @@ impl Predictive {
         let program = &self.horizon.program;
         Layout {
             observer: self.plant.order(),
-            operator: self.model.hysteresis().order(),
+            model: self.model.order(),
             horizon: self.settings.horizon,
             rows: program.sigma.len(),
             scratch: program.scratch(),
@@ -202,24 +221,40 @@ impl Predictive {
         let mut parts = self.layout().parts(x);
         self.observe(&mut parts, y);
         self.without_limits(&mut parts, r);
+        let free = parts.z[0];
         let ends = self.ends(parts.last[1]);
         self.limit(&mut parts, ends);
         let ended = match self.settings.solver {
             Solver::ActiveSet => self.horizon.program.solve(parts.z, parts.low, parts.high, parts.scratch),
             Solver::InteriorPoint => self.interior(&mut parts),
         };
-        let wanted = parts.z[0].clamp(parts.low[0], parts.high[0]);
-        let u = self.model.hysteresis().invert(parts.operator, wanted, ends).u;
-        parts.last[0] = self.model.hysteresis().step(parts.operator, u);
+        let u = self.voltage(&parts, free, ends);
+        parts.last[0] = self.model.step_hidden(parts.model, u);
         parts.last[1] = u;
         (u, ended)
+    }
+
+    /// The voltage between `ends` for the first z that was found, where without limits it would be `free`.
+    fn voltage(&self, parts: &Parts<'_>, free: f64, ends: (f64, f64)) -> f64 {
+        let (low, high) = (parts.low[0], parts.high[0]);
+        let z = parts.z[0].clamp(low, high);
+        let tiny = CLOSE * (self.major.1 - self.major.0);
+        // At its limit z may stand still on the way through a dead zone, which has to be crossed.
+        if z <= low + tiny && free < low - tiny {
+            ends.0
+        } else if z >= high - tiny && free > high + tiny {
+            ends.1
+        } else {
+            self.model.invert_hidden(parts.model, z, ends)
+        }
     }
 
     /// s of this sample, from the last one, the z given then and its reading.
     fn observe(&self, parts: &mut Parts<'_>, y: f64) {
         let z = parts.last[0];
         let predicted = self.model.offset() + dot(self.plant.c.as_slice(), parts.s) + self.plant.d * z;
-        let innovation = Some(y - predicted).filter(|e| e.is_finite()).unwrap_or(0.0);
+        let most = WILD * (self.major.1 - self.major.0) * self.horizon.gain;
+        let innovation = Some(y).filter(|y| y.is_finite()).map_or(0.0, |y| (y - predicted).clamp(-most, most));
         let m = parts.s.len();
         let mut next = DVectorViewMut::from_slice(parts.next, m);
         next.gemv(1.0, &self.plant.a, &DVectorView::from_slice(parts.s, m), 0.0);
@@ -231,9 +266,14 @@ impl Predictive {
     /// The moves that would be best without limits.
     fn without_limits(&self, parts: &mut Parts<'_>, r: &[f64]) {
         self.horizon.free(parts.s, parts.errors);
+        // What is no number is not known: the value before it stands.
+        let told = |r: &&f64| r.is_finite();
+        let Some(mut wanted) = r.iter().find(told) else { return parts.z.fill(parts.last[0]) };
+        let (before, r) = r.split_at(self.plant.delay.min(r.len()));
+        wanted = before.iter().rev().find(told).unwrap_or(wanted);
         for (i, error) in parts.errors.iter_mut().enumerate() {
-            let wanted = r.get(self.plant.delay + i).or(r.last());
-            *error = wanted.map_or(0.0, |r| r - self.model.offset() - *error);
+            wanted = r.get(i).filter(told).unwrap_or(wanted);
+            *error = wanted - self.model.offset() - *error;
         }
         self.horizon.without_limits(parts.errors, parts.last[0], parts.z);
     }

@@ -18,7 +18,8 @@ pub enum Solver {
 /// What the controller is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Samples planned ahead, N.
+    /// Samples planned ahead, N. Of a reference that is known less far its last value stands, which is seldom what will be
+    /// wanted.
     pub horizon: usize,
     /// Voltages allowed, lowest and highest [V].
     pub voltage: (f64, f64),
@@ -26,7 +27,8 @@ pub struct Settings {
     pub slew: Option<f64>,
     /// Displacements allowed, lowest and highest [output unit], kept as far as possible; `None` where there is no limit.
     pub displacement: Option<(f64, f64)>,
-    /// What the square of a step of z costs, over that of an error of the same size [-].
+    /// What the square of a step of z costs, over that of an error of the same size [-]. Less of it cuts the corners of a
+    /// reference less, and leaves more to a model that must be right up to half the sampling rate.
     pub move_cost: f64,
     /// How much the disturbance changes in a sample, rms over the range of z [-].
     pub drift: f64,
@@ -37,7 +39,8 @@ pub struct Settings {
     pub noise: f64,
     /// What solves the quadratic program.
     pub solver: Solver,
-    /// Multiplications that the machine does in a second, by which horizons are refused that cannot run at Ts.
+    /// Multiplications that the machine does in a second, by which horizons are refused that cannot run at Ts. The operator's
+    /// steps are not counted.
     pub multiplications_per_second: f64,
 }
 
@@ -49,7 +52,7 @@ impl Default for Settings {
             voltage: (-30.0, 30.0),
             slew: None,
             displacement: None,
-            move_cost: 1e-2,
+            move_cost: 1e-3,
             drift: 1e-3,
             unexplained: 1e-3,
             noise: 1e-2,
@@ -90,7 +93,8 @@ impl Settings {
     /// Refuses a horizon that cannot run every `ts` [s] on states of length `order`.
     pub(super) fn affordable(&self, order: usize, ts: f64) -> Result<(), Error> {
         let affordable = |n: usize| {
-            let once = order * (order + n) + n * n + condensed::operations(n, self.rows(n));
+            let soft = self.rows(n) + 1 - 2 * n;
+            let once = order * (order + n) + n * n + condensed::operations(n, self.rows(n), n + soft);
             once as f64 <= self.multiplications_per_second * ts
         };
         let n = self.horizon;

@@ -6,8 +6,8 @@ pub(super) struct Parts<'x> {
     pub(super) s: &'x mut [f64],
     /// The last z and u.
     pub(super) last: &'x mut [f64],
-    /// The operator's, and a copy for trials.
-    pub(super) operator: &'x mut [f64],
+    /// The model's, of which only hysteresis and driver move, and a copy for trials.
+    pub(super) model: &'x mut [f64],
     pub(super) trial: &'x mut [f64],
     /// s of the next sample.
     pub(super) next: &'x mut [f64],
@@ -25,7 +25,7 @@ pub(super) struct Parts<'x> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub(super) observer: usize,
-    pub(super) operator: usize,
+    pub(super) model: usize,
     pub(super) horizon: usize,
     pub(super) rows: usize,
     pub(super) scratch: usize,
@@ -33,7 +33,7 @@ pub(super) struct Layout {
 
 impl Layout {
     pub(super) fn length(self) -> usize {
-        2 * self.observer + 2 + 2 * self.operator + 2 * self.horizon + 2 * self.rows + self.scratch
+        2 * self.observer + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
     }
 
     pub(super) fn parts(self, x: &mut [f64]) -> Parts<'_> {
@@ -46,8 +46,8 @@ impl Layout {
         Parts {
             s: cut(self.observer),
             last: cut(2),
-            operator: cut(self.operator),
-            trial: cut(self.operator),
+            model: cut(self.model),
+            trial: cut(self.model),
             next: cut(self.observer),
             errors: cut(self.horizon),
             z: cut(self.horizon),

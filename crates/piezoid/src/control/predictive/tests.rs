@@ -2,7 +2,9 @@
 
 use super::realisation::tests::blocks;
 use super::*;
-use crate::hysteresis::operator;
+use crate::creep::Creep;
+use crate::driver::{Driver, SUBSTEPS};
+use crate::hysteresis::{Proportional, load, operator};
 use crate::testing::assert_close;
 use nalgebra::DMatrix;
 
@@ -18,6 +20,20 @@ fn model(off: f64) -> Model {
 
 fn sine(amplitude: f64, n: usize) -> Vec<f64> {
     (0..n).map(|t| amplitude * (t as f64 * 0.06).sin()).collect()
+}
+
+/// The same behind a driver with a lag and this slew limit [V/s].
+fn driven(off: f64, slew: f64) -> Model {
+    let driver = Driver::new(1e-4, Some(slew)).unwrap();
+    let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS / SUBSTEPS as f64).unwrap();
+    let plain = model(off);
+    let driven = Model::driven(Some(driver), plays, plain.linear().clone(), plain.offset()).unwrap();
+    driven.with_creep(plain.creep().clone()).unwrap()
+}
+
+/// Proportional to the voltage before this block.
+fn before(linear: Arx) -> Model {
+    Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), linear, 1.5).unwrap()
 }
 
 /// Plans on the way along `r`, with a disturbance of the reading.
@@ -39,7 +55,8 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn without_limits_the_moves_are_the_least_squares_of_their_cost() {
     let model = model(1.0);
-    let mpc = Predictive::new(&model, Settings { voltage: (-60.0, 60.0), ..Settings::default() }).unwrap();
+    let settings = Settings { voltage: (-60.0, 60.0), move_cost: 1e-2, ..Settings::default() };
+    let mpc = Predictive::new(&model, settings).unwrap();
     let r: Vec<f64> = sine(3.0, 21).iter().map(|r| 1.5 + r).collect();
     let plan = mpc.plan(&mut mpc.settled(0.0), &r, model.offset());
     // One column a move, each the answer of the blocks to it; below, the steps.
@@ -154,4 +171,157 @@ fn what_cannot_be_followed_or_run_is_refused_with_numbers() {
     let at = |horizon| Settings { horizon, multiplications_per_second: 1e7, ..Settings::default() };
     assert!(Predictive::new(&model(1.0), at(longest)).is_ok());
     assert!(Predictive::new(&model(1.0), at(longest + 1)).is_err());
+}
+
+#[test]
+fn a_model_behind_a_driver_is_followed_as_closely_as_one_without() {
+    let r = sine(15.0, 800);
+    let missed = |model: &Model, truth: &Model| {
+        let mpc = Predictive::new(model, Settings::default()).unwrap();
+        rms(&follow(&mpc, truth, &r, 0.0).0[200..], &r[200..])
+    };
+    let plain = missed(&model(1.0), &model(1.0));
+    let behind = missed(&driven(1.0, 6e4), &driven(1.0, 6e4));
+    assert!(behind < 1.1 * plain, "{behind} {plain}");
+    let (plain, behind) = (missed(&model(1.0), &model(1.1)), missed(&driven(1.0, 6e4), &driven(1.1, 6e4)));
+    assert!(behind < 1.1 * plain, "{behind} {plain}");
+    // A driver that the model does not know of leaves more.
+    let unknown = missed(&model(1.0), &driven(1.0, 6e4));
+    assert!(unknown > 1.5 * missed(&driven(1.0, 6e4), &driven(1.0, 6e4)), "{unknown}");
+}
+
+#[test]
+fn behind_a_driver_limits_are_kept_and_what_it_cannot_do_is_planned_for() {
+    let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 15.0 } else { -15.0 }).collect();
+    let run = |slew: Option<f64>, model: &Model| {
+        let settings = Settings { voltage: (-14.0, 14.0), slew, ..Settings::default() };
+        follow(&Predictive::new(model, settings).unwrap(), &driven(1.0, 1500.0), &square, 0.0)
+    };
+    let (y, plans) = run(None, &driven(1.0, 1500.0));
+    assert!(plans.iter().all(|p| p.solved && p.u.abs() <= 14.0));
+    // What is asked of it faster than it can be done does not pile up.
+    let (asked, plans) = run(Some(1e4), &driven(1.0, 1500.0));
+    assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= 1500.0 * TS * (1.0 + 1e-9)));
+    let unknown = run(None, &model(1.0)).0;
+    let [known, asked, unknown] = [&y, &asked, &unknown].map(|y| rms(&y[200..], &square[200..]));
+    assert!(known < 0.98 * unknown && asked < 1.1 * known, "{known} {asked} {unknown}");
+}
+
+#[test]
+fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_same() {
+    let mpc = Predictive::new(&model(1.0), Settings { slew: Some(2e4), ..Settings::default() }).unwrap();
+    let plant = model(1.0);
+    for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200] {
+        for (of_y, of_r) in [(true, false), (false, true), (true, true)] {
+            let (mut x, mut truth, mut y) = (mpc.settled(0.0), plant.settled(0.0), 1.5);
+            for t in 0..600 {
+                let now = t < 100 && t % 3 > 0;
+                let r = [if now && of_r { wild } else { 5.0 }; 3];
+                let read = if now && of_y { wild } else { y };
+                let u = mpc.step(&mut x, &Now { y: read, ahead: &r, ..Now::default() });
+                assert!(u.abs() <= 30.0, "{u} at {t} of {wild}");
+                y = plant.step(&mut truth, u);
+            }
+            assert_close(&[y], &[5.0], 0.0, 1e-2);
+        }
+    }
+    // Without any reference z stays.
+    let mut x = mpc.settled(3.0);
+    let y = plant.step(&mut plant.settled(3.0), 3.0);
+    assert_close(&[mpc.step(&mut x, &Now { y, ..Now::default() })], &[3.0], 1e-9, 0.0);
+}
+
+#[test]
+fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed() {
+    let gain = |k: f64| before(Arx::gain(TS, k).unwrap());
+    let late = |delay: usize| before(Arx::new(TS, vec![0.9], [vec![0.0; delay], vec![0.05, 0.05]].concat()).unwrap());
+    let crept = |m: Model| m.with_creep(blocks(1).0).unwrap();
+    let mut models = vec![gain(2.0), gain(-2.0), crept(gain(2.0)), crept(gain(-3.0))];
+    models.extend((0..9).map(late));
+    models.extend((0..9).map(|delay| crept(late(delay))));
+    models.push(crept(before(Arx::new(TS, vec![1.6, -0.8], vec![0.0, -0.25, -0.1, -0.05]).unwrap())));
+    // An integrator: its gain has no end.
+    models.push(before(Arx::new(TS, vec![1.0], vec![0.0, 0.02]).unwrap()));
+    let r = sine(10.0, 800);
+    for model in models {
+        for horizon in [1, 20] {
+            let settings =
+                Settings { horizon, move_cost: 1e-4, displacement: Some((-9.0, 9.0)), ..Settings::default() };
+            let mpc = Predictive::new(&model, settings).unwrap();
+            let late = model.linear().delay();
+            let (y, plans) = follow(&mpc, &model, &r, 0.2);
+            let kept: Vec<f64> = r.iter().map(|r| r.clamp(-9.0, 9.0)).collect();
+            let missed = rms(&y[300..], &kept[300..]);
+            assert!(
+                missed < 0.5 && plans.iter().all(|p| p.solved),
+                "{missed} after {late}, {horizon}: {:?}",
+                model.linear()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_unit_of_y_does_not_matter() {
+    let r = sine(15.0, 300);
+    let limits = Settings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..Settings::default() };
+    let voltages = |unit: f64| {
+        let m = model(1.0);
+        let linear = Arx::new(TS, m.linear().a().to_vec(), m.linear().b().iter().map(|b| b * unit).collect()).unwrap();
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let m = Model::new(plays, linear, 1.5 * unit).unwrap().with_creep(m.creep().clone()).unwrap();
+        let displacement = limits.displacement.map(|(low, high)| (low * unit, high * unit));
+        let mpc = Predictive::new(&m, Settings { displacement, ..limits.clone() }).unwrap();
+        let r: Vec<f64> = r.iter().map(|r| r * unit).collect();
+        follow(&mpc, &m, &r, 0.3 * unit).1.iter().map(|p| p.u).collect::<Vec<f64>>()
+    };
+    for unit in [1e-3, 1e-6, 1e3] {
+        assert_close(&voltages(unit), &voltages(1.0), 0.0, 1e-5);
+    }
+}
+
+#[test]
+fn a_dead_zone_is_crossed_however_slow_the_voltage() {
+    let play = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 1]}"#;
+    let play = load(&serde_json::from_str(play).unwrap(), TS).unwrap();
+    let model = Model::new(play, Arx::new(TS, vec![0.3], vec![0.0, 0.7]).unwrap(), 0.0).unwrap();
+    // From end to end of it takes 12 samples.
+    for solver in [Solver::ActiveSet, Solver::InteriorPoint] {
+        let limits = Settings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..Settings::default() };
+        let mpc = Predictive::new(&model, limits).unwrap();
+        let square: Vec<f64> = (0..1200).map(|t| if t / 400 % 2 == 0 { 4.0 } else { -4.0 }).collect();
+        let (y, plans) = follow(&mpc, &model, &square, 0.0);
+        for end in [400, 800, 1200] {
+            assert_close(&y[end - 50..end - 25], &square[end - 50..end - 25], 0.0, 0.01);
+            // There it rests, until the next edge comes in sight.
+            let rest: Vec<f64> = plans[end - 50..end - 25].iter().map(|p| p.u).collect();
+            assert_close(&rest, &[rest[0]; 25], 0.0, 0.01);
+        }
+    }
+}
+
+#[test]
+fn what_slow_creep_and_drift_leave_is_told_apart_by_the_readings() {
+    let creep = Creep::logarithmic(TS, 0.02, 0.01, 1000.0).unwrap();
+    let model = before(blocks(2).1).with_creep(creep).unwrap();
+    let mpc = Predictive::new(&model, Settings::default()).unwrap();
+    let (y, _) = follow(&mpc, &model, &[6.0; 4000], 0.5);
+    assert_close(&y[3900..], &[6.0; 100], 0.0, 1e-3);
+}
+
+#[test]
+fn models_and_limits_that_leave_nothing_to_control_are_refused() {
+    let refused = |model: &Model, settings| Predictive::new(model, settings).unwrap_err().to_string();
+    let falling = Model::new(Arc::new(Proportional::new(TS, -1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    let told = refused(&falling, Settings::default());
+    assert!(told.starts_with("this model gives no predictive control: its operator falls"), "{told}");
+    let still = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 0]}"#;
+    let still = load(&serde_json::from_str(still).unwrap(), TS).unwrap();
+    let still = Model::new(still, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    assert!(refused(&still, Settings::default()).contains("does not move between -30 and 30 V"));
+    let beyond = Settings { displacement: Some((1e6, 2e6)), ..Settings::default() };
+    let told = refused(&model(1.0), beyond);
+    assert!(told.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{told}");
+    let washed_out = before(Arx::new(TS, vec![0.5], vec![1.0, -1.0]).unwrap());
+    assert!(refused(&washed_out, Settings::default()).contains("cannot be identified"));
 }
