@@ -28,11 +28,9 @@ impl Predictive {
         parts.low[..n].fill(self.major.0.min(high));
         parts.high[..n].fill(self.major.1.max(low));
         (parts.low[0], parts.high[0]) = (low, high);
-        let (bottom, top) = self.settings.voltage;
-        let slope = (self.major.1 - self.major.0) / (top - bottom);
-        let step = fastest(&self.model, &self.settings).map_or(f64::INFINITY, |slew| slope * slew * self.model.ts());
-        parts.low[n..2 * n - 1].fill(-step);
-        parts.high[n..2 * n - 1].fill(step);
+        let (down, up) = self.steps(parts);
+        parts.low[n..2 * n - 1].fill(-down);
+        parts.high[n..2 * n - 1].fill(up);
         if let Some(allowed) = self.settings.displacement {
             let free = &mut *parts.errors;
             self.horizon.free(parts.s, free);
@@ -41,6 +39,19 @@ impl Predictive {
                 parts.high[2 * n - 1 + i] = (allowed.1 - self.model.offset() - free) / self.horizon.gain;
             }
         }
+    }
+
+    /// How far z steps down and up in a sample at the fastest, by the slopes of the operator where it stands.
+    fn steps(&self, parts: &mut Parts<'_>) -> (f64, f64) {
+        let Some(slew) = fastest(&self.model, &self.settings) else { return (f64::INFINITY, f64::INFINITY) };
+        let (operator, u, reach) = (self.model.hysteresis(), parts.last[1], slew * self.model.ts());
+        let (from, trial) = (&parts.model[..operator.order()], &mut parts.trial[..operator.order()]);
+        let mut z = |u: f64| {
+            trial.copy_from_slice(from);
+            operator.step(trial, u)
+        };
+        let here = z(u);
+        ((here - z(u - reach)).max(0.0), (z(u + reach) - here).max(0.0))
     }
 }
 

@@ -12,7 +12,7 @@
 //! observer of steady gain makes of the readings, a constant disturbance of z among it: errors that last leave no offset.
 //!
 //! Where the program has no answer in time, the z found so far is brought within the limits of the next sample, which always
-//! can be kept. Steps of z after the first are limited by the mean slope of the major loop. A driver in the model belongs to the
+//! can be kept. Steps of z after the first are limited by the slopes of the operator where it stands, up and down. A driver in the model belongs to the
 //! operator here: one voltage a sample in, one z out.
 //!
 //! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F. Borrelli, M.
@@ -46,8 +46,8 @@ use realisation::Realisation;
 use state::{Layout, Parts};
 use std::sync::Arc;
 
-/// How near to a limit z counts as there, over its range.
-const CLOSE: f64 = 1e-9;
+/// How near to a limit z counts as there, and what is not worth crossing a dead zone for, over the range of z.
+const CLOSE: f64 = 1e-6;
 
 /// A reading further off what is expected counts as no further than this, over the range of y.
 const WILD: f64 = 10.0;

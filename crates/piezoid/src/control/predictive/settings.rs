@@ -18,8 +18,9 @@ pub enum Solver {
 /// What the controller is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Samples planned ahead, N. Of a reference that is known less far its last value stands, which is seldom what will be
-    /// wanted.
+    /// Samples planned ahead, N. Where less of the reference is known, the last value told stands for what is not: a sine of
+    /// 40 Hz over 80 % of the stroke of the twin `pl140` is followed to 0.03 % of stroke rms with 20 samples told ahead, to 0.2 %
+    /// with 4, to 5 % with none (`examples/tracking.rs`).
     pub horizon: usize,
     /// Voltages allowed, lowest and highest [V].
     pub voltage: (f64, f64),

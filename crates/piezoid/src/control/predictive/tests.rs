@@ -119,6 +119,22 @@ fn voltage_slew_and_displacement_are_kept() {
 }
 
 #[test]
+fn a_slew_limit_that_is_hardly_met_hardly_matters() {
+    let r = sine(15.0, 800);
+    for truth in [model(1.0), driven(1.0, 6e4)] {
+        let run = |slew| {
+            let mpc = Predictive::new(&truth, Settings { slew, ..Settings::default() }).unwrap();
+            follow(&mpc, &truth, &r, 0.0)
+        };
+        let (free, plans) = run(None);
+        let fastest = plans[200..].windows(2).fold(0.0, |m: f64, w| m.max((w[1].u - w[0].u).abs())) / TS;
+        let limited = run(Some(1.02 * fastest)).0;
+        let [free, limited] = [free, limited].map(|y| rms(&y[200..], &r[200..]));
+        assert!(limited < 1.2 * free, "{limited} {free}");
+    }
+}
+
+#[test]
 fn the_interior_point_method_gives_the_same_voltages() {
     let limits =
         Settings { voltage: (-12.0, 12.0), slew: Some(1500.0), displacement: Some((-9.0, 9.0)), ..Settings::default() };
