@@ -12,13 +12,13 @@
 //! observer of steady gain makes of the readings, a constant disturbance of z among it: errors that last leave no offset.
 //!
 //! Where the program has no answer in time, the z found so far is brought within the limits of the next sample, which always
-//! can be kept. Steps of z after the first are limited by the slopes of the operator where it stands, up and down. A driver in the model belongs to the
-//! operator here: one voltage a sample in, one z out.
+//! can be kept. Steps of z after the first are limited by the slopes of the operator where it stands, up and down. Where the
+//! model has a driver, operator means both: a voltage a sample in, a z a sample out.
 //!
 //! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F. Borrelli, M.
-//! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators that
-//! fall with their input, a horizon of voltages (which would be no quadratic program). It has no law: what
-//! tolerances do to it is asked of [`trials`](super::trials).
+//! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators that fall with their
+//! input, a horizon of voltages (which would be no quadratic program), dead zones that take longer to cross than the horizon.
+//! It has no law: what tolerances do to it is asked of [`trials`](super::trials).
 
 mod condensed;
 mod horizon;
@@ -300,8 +300,9 @@ impl Controller for Predictive {
         self.settled(0.0)
     }
 
-    /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands. A
-    /// reading that is not finite is left out. The feed-forward is not asked for.
+    /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands, and
+    /// without any z. A reading that is not finite is left out, and so is such a sample of the reference; one that is wildly off
+    /// counts as ten strokes off. The feed-forward is not asked for.
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         self.advance(x, now.ahead, now.y).0
     }
