@@ -15,10 +15,11 @@
 //! can be kept. Steps of z after the first are limited by the slopes of the operator where it stands, up and down. Where the
 //! model has a driver, operator means both: a voltage a sample in, a z a sample out.
 //!
-//! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F. Borrelli, M.
-//! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators that fall with their
-//! input, a horizon of voltages (which would be no quadratic program), dead zones that take longer to cross than the horizon.
-//! It has no law: what tolerances do to it is asked of [`trials`](super::trials).
+//! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F.
+//! Borrelli, M. Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators
+//! that fall with their input, a horizon of voltages (which would be no quadratic program), dead zones that take longer
+//! to cross than the horizon, readings that come later than the next sample (on plants of +-20 % two samples more can
+//! make it ring). It has no law: what tolerances do to it is asked of [`trials`](super::trials).
 
 mod condensed;
 mod horizon;

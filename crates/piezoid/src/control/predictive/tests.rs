@@ -341,3 +341,19 @@ fn models_and_limits_that_leave_nothing_to_control_are_refused() {
     let washed_out = before(Arx::new(TS, vec![0.5], vec![1.0, -1.0]).unwrap());
     assert!(refused(&washed_out, Settings::default()).contains("cannot be identified"));
 }
+
+#[test]
+fn voltages_that_leave_out_zero_are_reached_from_it_and_kept() {
+    for slew in [None, Some(1e3)] {
+        let limits = Settings { voltage: (5.0, 25.0), slew, ..Settings::default() };
+        let mpc = Predictive::new(&model(1.0), limits).unwrap();
+        let inside = model(1.0).simulate(&[15.0; 4000])[3999];
+        for (r, near) in [(inside, inside), (-1e3, mpc.reachable().0)] {
+            let (y, plans) = follow(&mpc, &model(1.0), &[r; 1000], 0.0);
+            assert!(plans.iter().all(|p| (5.0..=25.0).contains(&p.u)), "{slew:?} {r}");
+            // The first program, from rest to a reference that jumps, may take too long.
+            assert!(plans[1..].iter().all(|p| p.solved), "{slew:?} {r}");
+            assert_close(&y[900..], &[near; 100], 0.02, 0.05);
+        }
+    }
+}
