@@ -5,31 +5,47 @@ use crate::hysteresis::{Inverted, between, in_room};
 use crate::system::System;
 
 impl Model {
-    /// What creep puts out in the sample of `u`, from the state `x`, of which all but the linear block moves on.
-    pub(crate) fn step_crept(&self, x: &mut [f64], u: f64) -> f64 {
-        let [hysteresis, creep, _, driver] = self.parts(x);
+    /// z in the sample of `u`, from the state `x`, of which hysteresis and driver move on.
+    pub(crate) fn step_hidden(&self, x: &mut [f64], u: f64) -> f64 {
+        let [hysteresis, _, _, driver] = self.parts(x);
         let mut z = [u];
         self.hidden(hysteresis, driver, &mut z);
-        self.creep.step(creep, z[0])
+        z[0]
+    }
+
+    /// The input between `ends` that the next sample answers with `z`, or the nearest to it. The state `x` stays.
+    pub(crate) fn invert_hidden(&self, x: &[f64], z: f64, ends: (f64, f64)) -> f64 {
+        if self.driver.is_none() {
+            return self.hysteresis.invert(&x[..self.hysteresis.order()], z, ends).u;
+        }
+        let found = in_room(x.len(), |copy| {
+            between(ends, z, |u| {
+                copy.copy_from_slice(x);
+                self.step_hidden(copy, u)
+            })
+        });
+        found.u
+    }
+
+    /// z where `u` has stood for long.
+    pub(crate) fn settled_hidden(&self, u: f64) -> f64 {
+        self.step_hidden(&mut self.settled(u), u)
+    }
+
+    /// What creep puts out in the sample of `u`, from the state `x`, of which all but the linear block moves on.
+    pub(crate) fn step_crept(&self, x: &mut [f64], u: f64) -> f64 {
+        let z = self.step_hidden(x, u);
+        let [_, creep, ..] = self.parts(x);
+        self.creep.step(creep, z)
     }
 
     /// The input between `ends` for which creep puts out `wanted` in the next sample, and what it does put out. The state
     /// `x` moves on by this input, all but the linear block.
     pub(crate) fn invert_crept(&self, x: &mut [f64], wanted: f64, ends: (f64, f64)) -> Inverted {
-        let [hysteresis, creep, _, driver] = self.parts(x);
+        let [_, creep, ..] = self.parts(x);
         let z = self.creep.invert(creep, wanted);
-        let u = match (&self.driver, &*driver) {
-            (Some(_), &[v, before]) => in_room(hysteresis.len(), |copy| {
-                between(ends, z, |u| {
-                    copy.copy_from_slice(hysteresis);
-                    let mut mean = [u];
-                    self.hidden(copy, &mut [v, before], &mut mean);
-                    mean[0]
-                })
-            }),
-            _ => self.hysteresis.invert(hysteresis, z, ends),
-        };
-        Inverted { u: u.u, z: self.step_crept(x, u.u) }
+        let u = self.invert_hidden(x, z, ends);
+        Inverted { u, z: self.step_crept(x, u) }
     }
 
     /// What creep puts out where `u` has stood for long.

@@ -208,9 +208,14 @@ impl Condensed {
     }
 }
 
-/// Multiplications of one sample at worst, of `n` moves and `rows` rows.
-pub(super) fn operations(n: usize, rows: usize) -> usize {
-    2 * rows * n + PATIENCE * n * (rows * n + n * n + n * n * n / 6)
+/// Multiplications of one sample at worst, of `n` moves and of `rows` rows, `most` of which may be bound at once: every row that
+/// may be is taken in, then one after another is let go and another taken in.
+pub(super) fn operations(n: usize, rows: usize, most: usize) -> usize {
+    let (every, first) = (PATIENCE * n, most.min(PATIENCE * n));
+    let taken_in = first * (rows * most / 2 + most * most / 3);
+    let exchanged = (every - first) * (rows * most + most * most + most * most * most / 12);
+    // What a row is searched for costs about as much as four of them.
+    2 * rows * n + taken_in + exchanged + every * 4 * rows
 }
 
 /// How far the multiplier of a row can be raised until one of the `bound` rows has to be let go, and which.

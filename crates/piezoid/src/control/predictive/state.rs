@@ -1,0 +1,59 @@
+//! What a state holds, and where.
+
+/// The parts of a state, in this order.
+pub(super) struct Parts<'x> {
+    /// What the observer makes of creep, linear block and disturbance.
+    pub(super) s: &'x mut [f64],
+    /// The last z and u.
+    pub(super) last: &'x mut [f64],
+    /// The model's, of which only hysteresis and driver move, and a copy for trials.
+    pub(super) model: &'x mut [f64],
+    pub(super) trial: &'x mut [f64],
+    /// s of the next sample.
+    pub(super) next: &'x mut [f64],
+    /// Over the horizon: r less the free response, and z.
+    pub(super) errors: &'x mut [f64],
+    pub(super) z: &'x mut [f64],
+    /// Limits of the rows.
+    pub(super) low: &'x mut [f64],
+    pub(super) high: &'x mut [f64],
+    /// What the program carries from sample to sample.
+    pub(super) scratch: &'x mut [f64],
+}
+
+/// Their lengths.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    pub(super) observer: usize,
+    pub(super) model: usize,
+    pub(super) horizon: usize,
+    pub(super) rows: usize,
+    pub(super) scratch: usize,
+}
+
+impl Layout {
+    pub(super) fn length(self) -> usize {
+        2 * self.observer + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
+    }
+
+    pub(super) fn parts(self, x: &mut [f64]) -> Parts<'_> {
+        let mut rest = x;
+        let mut cut = |length: usize| {
+            let (part, left) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = left;
+            part
+        };
+        Parts {
+            s: cut(self.observer),
+            last: cut(2),
+            model: cut(self.model),
+            trial: cut(self.model),
+            next: cut(self.observer),
+            errors: cut(self.horizon),
+            z: cut(self.horizon),
+            low: cut(self.rows),
+            high: cut(self.rows),
+            scratch: cut(self.scratch),
+        }
+    }
+}

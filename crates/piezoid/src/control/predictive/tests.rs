@@ -1,0 +1,359 @@
+//! The whole controller on models of its own and on others.
+
+use super::realisation::tests::blocks;
+use super::*;
+use crate::creep::Creep;
+use crate::driver::{Driver, SUBSTEPS};
+use crate::hysteresis::{Proportional, load, operator};
+use crate::testing::assert_close;
+use nalgebra::DMatrix;
+
+const TS: f64 = 5e-4;
+
+/// Plays before a creeping resonance; with twice the gain and other loops where it is `off`.
+fn model(off: f64) -> Model {
+    let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+    let (creep, linear) = blocks(1);
+    let linear = Arx::new(TS, linear.a().to_vec(), linear.b().iter().map(|b| b * off).collect());
+    Model::new(plays, linear.unwrap(), 1.5).unwrap().with_creep(creep).unwrap()
+}
+
+fn sine(amplitude: f64, n: usize) -> Vec<f64> {
+    (0..n).map(|t| amplitude * (t as f64 * 0.06).sin()).collect()
+}
+
+/// The same behind a driver with a lag and this slew limit [V/s].
+fn driven(off: f64, slew: f64) -> Model {
+    let driver = Driver::new(1e-4, Some(slew)).unwrap();
+    let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS / SUBSTEPS as f64).unwrap();
+    let plain = model(off);
+    let driven = Model::driven(Some(driver), plays, plain.linear().clone(), plain.offset()).unwrap();
+    driven.with_creep(plain.creep().clone()).unwrap()
+}
+
+/// Proportional to the voltage before this block.
+fn before(linear: Arx) -> Model {
+    Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), linear, 1.5).unwrap()
+}
+
+/// Plans on the way along `r`, with a disturbance of the reading.
+fn follow(mpc: &Predictive, plant: &Model, r: &[f64], disturbance: f64) -> (Vec<f64>, Vec<Plan>) {
+    let (mut x, mut truth) = (mpc.settled(0.0), plant.settled(0.0));
+    let mut y = plant.step(&mut truth.clone(), 0.0);
+    let step = |t: usize| {
+        let plan = mpc.plan(&mut x, &r[t..], y);
+        y = plant.step(&mut truth, plan.u) + disturbance;
+        (y, plan)
+    };
+    (0..r.len()).map(step).unzip()
+}
+
+fn rms(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+#[test]
+fn without_limits_the_moves_are_the_least_squares_of_their_cost() {
+    let model = model(1.0);
+    let settings = Settings { voltage: (-60.0, 60.0), move_cost: 1e-2, ..Settings::default() };
+    let mpc = Predictive::new(&model, settings).unwrap();
+    let r: Vec<f64> = sine(3.0, 21).iter().map(|r| 1.5 + r).collect();
+    let plan = mpc.plan(&mut mpc.settled(0.0), &r, model.offset());
+    // One column a move, each the answer of the blocks to it; below, the steps.
+    let n = 20;
+    let scale = 1.0 / model.linear().dc_gain();
+    let mut columns = DMatrix::zeros(2 * n, n);
+    for k in 0..n {
+        let z: Vec<f64> = (0..n + 1).map(|t| f64::from(u8::from(t == k))).collect();
+        let y = model.linear().simulate(&model.creep().simulate(&z));
+        (0..n).for_each(|t| columns[(t, k)] = y[t + 1] * scale);
+        columns[(n + k, k)] = 0.1;
+        if k + 1 < n {
+            columns[(n + k + 1, k)] = -0.1;
+        }
+    }
+    let wanted = DVector::from_fn(2 * n, |t, _| if t < n { (r[t + 1] - 1.5) * scale } else { 0.0 });
+    let known = columns.svd(true, true).solve(&wanted, 1e-14).unwrap();
+    assert!(plan.solved && plan.changes == 0);
+    assert_close(&plan.z, known.as_slice(), 0.0, 1e-9);
+    assert_close(&[plan.y[0]], &[1.5 + known[0] * mpc.horizon.phi[(0, 0)] / scale], 1e-9, 0.0);
+}
+
+#[test]
+fn a_model_of_itself_is_followed_and_a_wrong_one_nearer_than_without_readings() {
+    let r: Vec<f64> = sine(15.0, 800);
+    let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
+    let missed = |off: f64| rms(&follow(&mpc, &model(off), &r, 0.0).0[200..], &r[200..]);
+    assert!(missed(1.0) < 0.05, "{}", missed(1.0));
+    // Without readings a tenth more gain would miss by a tenth of the rms of r.
+    assert!(missed(1.1) < 0.075 * rms(&r[200..], &[0.0; 600]), "{}", missed(1.1));
+}
+
+#[test]
+fn a_disturbance_that_lasts_leaves_no_offset() {
+    let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
+    for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
+        let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
+        assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
+    }
+}
+
+#[test]
+fn voltage_slew_and_displacement_are_kept() {
+    let (top, fastest) = (12.0, 1500.0);
+    let limits = Settings { voltage: (-top, top), slew: Some(fastest), ..Settings::default() };
+    let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 30.0 } else { -30.0 }).collect();
+    let mpc = Predictive::new(&model(1.0), limits).unwrap();
+    let (_, plans) = follow(&mpc, &model(1.0), &square, 0.0);
+    assert!(plans.iter().all(|p| p.solved && p.u.abs() <= top));
+    assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= fastest * TS * (1.0 + 1e-9)));
+    assert!(plans.iter().any(|p| p.u.abs() == top) && plans.iter().any(|p| p.changes > 5));
+
+    let limits = Settings { displacement: Some((-5.0, 6.0)), ..Settings::default() };
+    let (y, plans) = follow(&Predictive::new(&model(1.0), limits).unwrap(), &model(1.0), &square, 0.0);
+    let (low, high) = crate::series::ends(y);
+    assert!(
+        plans.iter().all(|p| p.solved) && (-5.1..-4.5).contains(&low) && (5.5..6.1).contains(&high),
+        "{low} {high}"
+    );
+}
+
+#[test]
+fn a_slew_limit_that_is_hardly_met_hardly_matters() {
+    let r = sine(15.0, 800);
+    for truth in [model(1.0), driven(1.0, 6e4)] {
+        let run = |slew| {
+            let mpc = Predictive::new(&truth, Settings { slew, ..Settings::default() }).unwrap();
+            follow(&mpc, &truth, &r, 0.0)
+        };
+        let (free, plans) = run(None);
+        let fastest = plans[200..].windows(2).fold(0.0, |m: f64, w| m.max((w[1].u - w[0].u).abs())) / TS;
+        let limited = run(Some(1.02 * fastest)).0;
+        let [free, limited] = [free, limited].map(|y| rms(&y[200..], &r[200..]));
+        assert!(limited < 1.2 * free, "{limited} {free}");
+    }
+}
+
+#[test]
+fn the_interior_point_method_gives_the_same_voltages() {
+    let limits =
+        Settings { voltage: (-12.0, 12.0), slew: Some(1500.0), displacement: Some((-9.0, 9.0)), ..Settings::default() };
+    let other = Settings { solver: Solver::InteriorPoint, ..limits.clone() };
+    let square: Vec<f64> = (0..150).map(|t| if t % 60 < 30 { 10.0 } else { -10.0 }).collect();
+    let voltages = |settings| {
+        let mpc = Predictive::new(&model(1.0), settings).unwrap();
+        let (y, plans) = follow(&mpc, &model(0.9), &square, 0.0);
+        (y, plans.iter().map(|p| p.u).collect::<Vec<f64>>(), plans)
+    };
+    let (active, interior) = (voltages(limits), voltages(other));
+    assert_close(&active.1, &interior.1, 0.0, 1e-6);
+    assert!(active.2.iter().any(|p| p.changes > 0) && interior.2.iter().all(|p| p.solved));
+}
+
+#[test]
+fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
+    let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
+    let r = sine(10.0, 300);
+    let run = |lost: bool| {
+        let (mut x, plant) = (mpc.settled(0.0), model(1.0));
+        let (mut truth, mut y) = (plant.settled(0.0), 1.5);
+        let mut ys = Vec::new();
+        for t in 0..r.len() {
+            let y_read = if lost && t % 7 == 3 { f64::NAN } else { y };
+            let u = mpc.step(&mut x, &Now { y: y_read, ahead: &r[t..], ..Now::default() });
+            y = plant.step(&mut truth, u);
+            ys.push(y);
+        }
+        ys
+    };
+    assert_eq!(run(false), run(false));
+    assert!(rms(&run(true)[100..], &r[100..]) < 0.05);
+}
+
+#[test]
+fn what_cannot_be_followed_or_run_is_refused_with_numbers() {
+    let limits = Settings { displacement: Some((-5.0, 6.0)), ..Settings::default() };
+    let mpc = Predictive::new(&model(1.0), limits).unwrap();
+    assert!(mpc.check(&[0.0, 5.9]).is_ok());
+    assert!(mpc.check(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
+    assert!(mpc.check(&[0.0, 6.5]).unwrap_err().to_string().contains("reference[1] = 6.5: must lie from -5 to 6"));
+    let refused = |settings| Predictive::new(&model(1.0), settings).unwrap_err().to_string();
+    assert!(refused(Settings { horizon: 0, ..Settings::default() }).contains("from 1 to 200"));
+    assert!(refused(Settings { voltage: (30.0, -30.0), ..Settings::default() }).contains("30 to -30"));
+    assert!(refused(Settings { move_cost: f64::NAN, ..Settings::default() }).starts_with("move_cost = NaN"));
+    let slow = refused(Settings { multiplications_per_second: 1e7, ..Settings::default() });
+    assert!(slow.contains("horizon = 20") && slow.contains("the longest that does not is "), "{slow}");
+    let longest = slow.rsplit(' ').next().unwrap().parse().unwrap();
+    let at = |horizon| Settings { horizon, multiplications_per_second: 1e7, ..Settings::default() };
+    assert!(Predictive::new(&model(1.0), at(longest)).is_ok());
+    assert!(Predictive::new(&model(1.0), at(longest + 1)).is_err());
+}
+
+#[test]
+fn a_model_behind_a_driver_is_followed_as_closely_as_one_without() {
+    let r = sine(15.0, 800);
+    let missed = |model: &Model, truth: &Model| {
+        let mpc = Predictive::new(model, Settings::default()).unwrap();
+        rms(&follow(&mpc, truth, &r, 0.0).0[200..], &r[200..])
+    };
+    let plain = missed(&model(1.0), &model(1.0));
+    let behind = missed(&driven(1.0, 6e4), &driven(1.0, 6e4));
+    assert!(behind < 1.1 * plain, "{behind} {plain}");
+    let (plain, behind) = (missed(&model(1.0), &model(1.1)), missed(&driven(1.0, 6e4), &driven(1.1, 6e4)));
+    assert!(behind < 1.1 * plain, "{behind} {plain}");
+    // A driver that the model does not know of leaves more.
+    let unknown = missed(&model(1.0), &driven(1.0, 6e4));
+    assert!(unknown > 1.5 * missed(&driven(1.0, 6e4), &driven(1.0, 6e4)), "{unknown}");
+}
+
+#[test]
+fn behind_a_driver_limits_are_kept_and_what_it_cannot_do_is_planned_for() {
+    let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 15.0 } else { -15.0 }).collect();
+    let run = |slew: Option<f64>, model: &Model| {
+        let settings = Settings { voltage: (-14.0, 14.0), slew, ..Settings::default() };
+        follow(&Predictive::new(model, settings).unwrap(), &driven(1.0, 1500.0), &square, 0.0)
+    };
+    let (y, plans) = run(None, &driven(1.0, 1500.0));
+    assert!(plans.iter().all(|p| p.solved && p.u.abs() <= 14.0));
+    // What is asked of it faster than it can be done does not pile up.
+    let (asked, plans) = run(Some(1e4), &driven(1.0, 1500.0));
+    assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= 1500.0 * TS * (1.0 + 1e-9)));
+    let unknown = run(None, &model(1.0)).0;
+    let [known, asked, unknown] = [&y, &asked, &unknown].map(|y| rms(&y[200..], &square[200..]));
+    assert!(known < 0.98 * unknown && asked < 1.1 * known, "{known} {asked} {unknown}");
+}
+
+#[test]
+fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_same() {
+    let mpc = Predictive::new(&model(1.0), Settings { slew: Some(2e4), ..Settings::default() }).unwrap();
+    let plant = model(1.0);
+    for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200] {
+        for (of_y, of_r) in [(true, false), (false, true), (true, true)] {
+            let (mut x, mut truth, mut y) = (mpc.settled(0.0), plant.settled(0.0), 1.5);
+            for t in 0..600 {
+                let now = t < 100 && t % 3 > 0;
+                let r = [if now && of_r { wild } else { 5.0 }; 3];
+                let read = if now && of_y { wild } else { y };
+                let u = mpc.step(&mut x, &Now { y: read, ahead: &r, ..Now::default() });
+                assert!(u.abs() <= 30.0, "{u} at {t} of {wild}");
+                y = plant.step(&mut truth, u);
+            }
+            assert_close(&[y], &[5.0], 0.0, 1e-2);
+        }
+    }
+    // Without any reference z stays.
+    let mut x = mpc.settled(3.0);
+    let y = plant.step(&mut plant.settled(3.0), 3.0);
+    assert_close(&[mpc.step(&mut x, &Now { y, ..Now::default() })], &[3.0], 1e-9, 0.0);
+}
+
+#[test]
+fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed() {
+    let gain = |k: f64| before(Arx::gain(TS, k).unwrap());
+    let late = |delay: usize| before(Arx::new(TS, vec![0.9], [vec![0.0; delay], vec![0.05, 0.05]].concat()).unwrap());
+    let crept = |m: Model| m.with_creep(blocks(1).0).unwrap();
+    let mut models = vec![gain(2.0), gain(-2.0), crept(gain(2.0)), crept(gain(-3.0))];
+    models.extend((0..9).map(late));
+    models.extend((0..9).map(|delay| crept(late(delay))));
+    models.push(crept(before(Arx::new(TS, vec![1.6, -0.8], vec![0.0, -0.25, -0.1, -0.05]).unwrap())));
+    // An integrator: its gain has no end.
+    models.push(before(Arx::new(TS, vec![1.0], vec![0.0, 0.02]).unwrap()));
+    let r = sine(10.0, 800);
+    for model in models {
+        for horizon in [1, 20] {
+            let settings =
+                Settings { horizon, move_cost: 1e-4, displacement: Some((-9.0, 9.0)), ..Settings::default() };
+            let mpc = Predictive::new(&model, settings).unwrap();
+            let late = model.linear().delay();
+            let (y, plans) = follow(&mpc, &model, &r, 0.2);
+            let kept: Vec<f64> = r.iter().map(|r| r.clamp(-9.0, 9.0)).collect();
+            let missed = rms(&y[300..], &kept[300..]);
+            assert!(
+                missed < 0.5 && plans.iter().all(|p| p.solved),
+                "{missed} after {late}, {horizon}: {:?}",
+                model.linear()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_unit_of_y_does_not_matter() {
+    let r = sine(15.0, 300);
+    let limits = Settings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..Settings::default() };
+    let voltages = |unit: f64| {
+        let m = model(1.0);
+        let linear = Arx::new(TS, m.linear().a().to_vec(), m.linear().b().iter().map(|b| b * unit).collect()).unwrap();
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let m = Model::new(plays, linear, 1.5 * unit).unwrap().with_creep(m.creep().clone()).unwrap();
+        let displacement = limits.displacement.map(|(low, high)| (low * unit, high * unit));
+        let mpc = Predictive::new(&m, Settings { displacement, ..limits.clone() }).unwrap();
+        let r: Vec<f64> = r.iter().map(|r| r * unit).collect();
+        follow(&mpc, &m, &r, 0.3 * unit).1.iter().map(|p| p.u).collect::<Vec<f64>>()
+    };
+    for unit in [1e-3, 1e-6, 1e3] {
+        assert_close(&voltages(unit), &voltages(1.0), 0.0, 1e-5);
+    }
+}
+
+#[test]
+fn a_dead_zone_is_crossed_however_slow_the_voltage() {
+    let play = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 1]}"#;
+    let play = load(&serde_json::from_str(play).unwrap(), TS).unwrap();
+    let model = Model::new(play, Arx::new(TS, vec![0.3], vec![0.0, 0.7]).unwrap(), 0.0).unwrap();
+    // From end to end of it takes 12 samples.
+    for solver in [Solver::ActiveSet, Solver::InteriorPoint] {
+        let limits = Settings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..Settings::default() };
+        let mpc = Predictive::new(&model, limits).unwrap();
+        let square: Vec<f64> = (0..1200).map(|t| if t / 400 % 2 == 0 { 4.0 } else { -4.0 }).collect();
+        let (y, plans) = follow(&mpc, &model, &square, 0.0);
+        for end in [400, 800, 1200] {
+            assert_close(&y[end - 50..end - 25], &square[end - 50..end - 25], 0.0, 0.01);
+            // There it rests, until the next edge comes in sight.
+            let rest: Vec<f64> = plans[end - 50..end - 25].iter().map(|p| p.u).collect();
+            assert_close(&rest, &[rest[0]; 25], 0.0, 0.01);
+        }
+    }
+}
+
+#[test]
+fn what_slow_creep_and_drift_leave_is_told_apart_by_the_readings() {
+    let creep = Creep::logarithmic(TS, 0.02, 0.01, 1000.0).unwrap();
+    let model = before(blocks(2).1).with_creep(creep).unwrap();
+    let mpc = Predictive::new(&model, Settings::default()).unwrap();
+    let (y, _) = follow(&mpc, &model, &[6.0; 4000], 0.5);
+    assert_close(&y[3900..], &[6.0; 100], 0.0, 1e-3);
+}
+
+#[test]
+fn models_and_limits_that_leave_nothing_to_control_are_refused() {
+    let refused = |model: &Model, settings| Predictive::new(model, settings).unwrap_err().to_string();
+    let falling = Model::new(Arc::new(Proportional::new(TS, -1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    let told = refused(&falling, Settings::default());
+    assert!(told.starts_with("this model gives no predictive control: its operator falls"), "{told}");
+    let still = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 0]}"#;
+    let still = load(&serde_json::from_str(still).unwrap(), TS).unwrap();
+    let still = Model::new(still, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    assert!(refused(&still, Settings::default()).contains("does not move between -30 and 30 V"));
+    let beyond = Settings { displacement: Some((1e6, 2e6)), ..Settings::default() };
+    let told = refused(&model(1.0), beyond);
+    assert!(told.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{told}");
+    let washed_out = before(Arx::new(TS, vec![0.5], vec![1.0, -1.0]).unwrap());
+    assert!(refused(&washed_out, Settings::default()).contains("cannot be identified"));
+}
+
+#[test]
+fn voltages_that_leave_out_zero_are_reached_from_it_and_kept() {
+    for slew in [None, Some(1e3)] {
+        let limits = Settings { voltage: (5.0, 25.0), slew, ..Settings::default() };
+        let mpc = Predictive::new(&model(1.0), limits).unwrap();
+        let inside = model(1.0).simulate(&[15.0; 4000])[3999];
+        for (r, near) in [(inside, inside), (-1e3, mpc.reachable().0)] {
+            let (y, plans) = follow(&mpc, &model(1.0), &[r; 1000], 0.0);
+            assert!(plans.iter().all(|p| (5.0..=25.0).contains(&p.u)), "{slew:?} {r}");
+            // The first program, from rest to a reference that jumps, may take too long.
+            assert!(plans[1..].iter().all(|p| p.solved), "{slew:?} {r}");
+            assert_close(&y[900..], &[near; 100], 0.02, 0.05);
+        }
+    }
+}
