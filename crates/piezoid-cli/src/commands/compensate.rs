@@ -77,12 +77,14 @@ impl Compensate {
         let advised = |e| self.amplifier.advised(e);
         let inverse =
             FeedForward::new(&model, how).map_err(advised).with_context(|| self.model.display().to_string())?;
-        let r = self.shaped(&model, self.columns.reference(&self.reference, &model)?)?;
+        let asked = self.columns.reference(&self.reference, &model)?;
+        let r = self.shaped(&model, asked.clone())?;
         let made = inverse.whole(&r).map_err(advised).with_context(|| self.reference.display().to_string())?;
-        let metrics = Metrics::of(&r, &made.reached);
+        let (metrics, of_asked) = (Metrics::of(&r, &made.reached), Metrics::of(&asked, &made.reached));
+        let of_asked = (r != asked).then_some(&of_asked);
         let stdout = Some(Path::new("-"));
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
-            console.print(&tables(&model, &metrics, &made, console))?;
+            console.print(&tables(&model, &metrics, of_asked, &made, console))?;
         }
         for note in &made.notes {
             console.remark(note);
@@ -90,7 +92,7 @@ impl Compensate {
         let result = json!({
             "unit": model.units().y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
             "rms_pp_percent": metrics.rms_pp_percent, "clipped": made.clipped, "reach": inverse.reach(),
-            "usage": made.usage, "notes": made.notes,
+            "usage": made.usage, "notes": made.notes, "asked": of_asked,
         });
         let (u_name, r_name) = (format!("u_{}", model.units().u), format!("r_{}", model.units().y));
         let text = piezoid::formats::csv::write(model.ts(), &[(&u_name, &made.u), (&r_name, &r)])?;
@@ -113,7 +115,7 @@ impl Compensate {
         };
         if self.zvd {
             let shaper = shaping::zvd(ts, mode.hz, mode.damping)?;
-            r = shaper.resume(&mut shaper.settled(r[0]), &r);
+            r = shaper.whole(&r);
         }
         if self.notch {
             let notch = shaping::notch(ts, mode.hz, NOTCH * mode.hz)?;
@@ -124,11 +126,20 @@ impl Compensate {
 }
 
 /// How near the model says the displacement comes, and what that takes.
-fn tables(model: &Model, metrics: &Metrics, made: &Compensated, console: &Console) -> String {
+fn tables(
+    model: &Model,
+    metrics: &Metrics,
+    of_asked: Option<&Metrics>,
+    made: &Compensated,
+    console: &Console,
+) -> String {
     let unit = &model.units().y;
     let (rms, max) = (format!("rms error [{unit}]"), format!("max [{unit}]"));
-    let figures = [metrics.rmse, metrics.max_abs, metrics.rms_pp_percent].map(number).to_vec();
-    let foretold = [vec!["foretold".to_string()], figures].concat();
+    let figures = |name: &str, m: &Metrics| {
+        [vec![name.to_string()], [m.rmse, m.max_abs, m.rms_pp_percent].map(number).to_vec()].concat()
+    };
+    let name = if of_asked.is_some() { "of the shaped" } else { "foretold" };
+    let foretold = std::iter::once(figures(name, metrics)).chain(of_asked.map(|m| figures("of the asked", m)));
     let input = &model.units().u;
     let row = |peak: &piezoid::excitation::Peak| {
         let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));
@@ -137,6 +148,6 @@ fn tables(model: &Model, metrics: &Metrics, made: &Compensated, console: &Consol
         vec![format!("{quantity} [{unit}]"), number(peak.value), limit, share]
     };
     let rows: Vec<Vec<String>> = made.usage.peaks().map(row).collect();
-    let error = table(&["free run", &rms, &max, "% of stroke"], &[foretold], console.room());
+    let error = table(&["free run", &rms, &max, "% of stroke"], &foretold.collect::<Vec<_>>(), console.room());
     error + "\n" + &table(&["input", "value", "limit", "% of limit"], &rows, console.room())
 }

@@ -60,6 +60,9 @@ const SHARE: f64 = 0.8;
 const SECONDS: f64 = 1.0;
 const PERIODS: f64 = 4.0;
 
+/// Its length at most [samples].
+const LONGEST: f64 = 1e6;
+
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 #[command(override_usage = "piezoid control --plant <NAME|FILE> --model <FILE>\n           [OPTIONS]")]
@@ -213,7 +216,14 @@ impl Control {
             Some((kind, hz)) => {
                 let hz = hz?;
                 let peak = self.amplitude.map_or_else(|| held(model, how), Ok)?;
-                let n = (SECONDS.max(PERIODS / hz) / ts).round() as usize;
+                let n = (SECONDS.max(PERIODS / hz) / ts).round();
+                if n > LONGEST {
+                    let least = number(PERIODS / (LONGEST * ts));
+                    bail!(Misused(format!(
+                        "--reference {name}: four periods are {n} samples: choose {least} Hz or more"
+                    )));
+                }
+                let n = n as usize;
                 let r = argument((kind.samples)(ts, n, peak, hz))?;
                 Ok(Wanted::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
             }

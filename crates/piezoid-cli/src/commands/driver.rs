@@ -26,7 +26,9 @@ impl Amplifier {
     pub(crate) fn advised(&self, error: piezoid::Error) -> Error {
         match error {
             piezoid::Error::Limits(_) | piezoid::Error::Unreachable(_) => anyhow!("{error} (--clip)"),
-            piezoid::Error::Parameter { .. } if self.driver.is_none() => anyhow!("{error} (--driver)"),
+            piezoid::Error::Parameter { ref name, .. } if self.driver.is_none() && name.starts_with("limits") => {
+                anyhow!("{error} (--driver)")
+            }
             other => other.into(),
         }
     }

@@ -90,6 +90,7 @@ fn what_makes_no_sense_is_named() {
     bench.misused(&format!("{RUN} --controller pj")).says(&["pj", "did you mean `pi`?"]);
     bench.misused(&format!("{RUN} --controller pi+pid")).says(&["pi+pid", "feed-forward+pi"]);
     bench.misused(&format!("{RUN} --reference sine:0")).says(&["sine:0", "positive number of hertz"]);
+    bench.misused(&format!("{RUN} --reference sine:1e-9")).says(&["sine:1e-9", "Hz or more"]);
     bench.misused(&format!("{RUN} --reference sin:5")).says(&["no such file", "did you mean `sine`?"]);
     bench.misused(&format!("{RUN} --reference sine:5 triangle:5 -o run.csv")).says(&["-o holds one run"]);
     bench.run(&format!("{RUN} --gain-margin 0")).exits(2).says(&["0", "positive"]);

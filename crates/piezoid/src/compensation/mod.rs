@@ -47,8 +47,8 @@ pub struct How {
     /// How often, at most, what the model's free run leaves of the reference is corrected. This brings the free run closer; the
     /// actuator only where the model is right at high frequencies too, since that is where corrections go.
     pub sweeps: usize,
-    /// How the linear block is inverted.
-    pub preview: Design,
+    /// How the linear block is inverted; if not given, for whole records, looking further ahead by as much as the block is late.
+    pub preview: Option<Design>,
 }
 
 impl How {
@@ -65,7 +65,7 @@ impl How {
 impl Default for How {
     /// No limits but the model's own, nothing clipped, no sweeps.
     fn default() -> Self {
-        How { limits: Limits::default(), clip: false, sweeps: 0, preview: Design::WHOLE }
+        How { limits: Limits::default(), clip: false, sweeps: 0, preview: None }
     }
 }
 
@@ -125,7 +125,9 @@ impl FeedForward {
             let what = "the model's input".into();
             return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of limits,".into() });
         }
-        let preview = Preview::new(model.linear(), how.preview)?;
+        let late = model.linear().delay();
+        let whole = Design { ahead: Design::WHOLE.ahead + late, taps: Design::WHOLE.taps + late, ..Design::WHOLE };
+        let preview = Preview::new(model.linear(), how.preview.unwrap_or(whole))?;
         let ends = allowed(model, &how.limits)?;
         let [low, high] = [ends.0, ends.1].map(|u| model.settled_crept(u));
         if !(low < high && high.is_finite() && low.is_finite()) {
@@ -191,7 +193,7 @@ impl FeedForward {
         let held = (first - offset) / self.model.linear().dc_gain();
         let start = self.start(first);
         let mut best = self.back(&wanted, start.u);
-        if !self.within(start.z - held) && !self.how.clip {
+        if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.how.clip {
             return Err(self.unreachable(r, 0));
         }
         if let Some(sample) = best.missed.filter(|_| !self.how.clip) {
@@ -245,14 +247,24 @@ impl FeedForward {
     /// Back from what creep is to put out to the input, from the model settled at `start`.
     fn back(&self, wanted: &[f64], start: f64) -> Run {
         let mut x = self.model.settled(start);
-        let mut run =
-            Run { u: Vec::with_capacity(wanted.len()), reached: Vec::new(), left: 0.0, clipped: 0, missed: None };
+        let mut run = Run {
+            u: Vec::with_capacity(wanted.len()),
+            reached: Vec::new(),
+            left: 0.0,
+            clipped: 0,
+            jumped: 0,
+            missed: None,
+        };
         let mut before = start;
         for (t, wanted) in wanted.iter().enumerate() {
             let found = self.model.invert_crept(&mut x, *wanted, self.from(before));
             if !self.within(found.z - wanted) {
-                run.clipped += 1;
-                run.missed = run.missed.or(Some(t));
+                if self.at_end(found.u, before) {
+                    run.clipped += 1;
+                    run.missed = run.missed.or(Some(t));
+                } else {
+                    run.jumped += 1;
+                }
             }
             before = found.u;
             run.u.push(before);
@@ -266,6 +278,12 @@ impl FeedForward {
         let step = if self.how.clip { self.step } else { f64::INFINITY };
         let (low, high) = self.ends;
         ((before - step).clamp(low, high), (before + step).clamp(low, high))
+    }
+
+    /// Whether this input lies at an end of those allowed after `before`.
+    fn at_end(&self, u: f64, before: f64) -> bool {
+        let (low, high) = self.from(before);
+        u <= low || u >= high
     }
 
     /// Whether this is no difference worth the name.
@@ -301,6 +319,12 @@ impl FeedForward {
         if clipped > 0 {
             notes.push(format!("{clipped} of {n} samples are clipped to the limits"));
         }
+        if run.jumped > 0 {
+            let jumped = run.jumped;
+            notes.push(format!(
+                "at {jumped} of {n} samples the hysteresis block jumps past what is wanted: the nearest is taken"
+            ));
+        }
         if let Some(known) = self.model.identified() {
             let used = Domain::of_input(&run.u, self.model.ts());
             let input = &self.model.units().u;
@@ -326,6 +350,8 @@ struct Run {
     /// Rms of what it leaves of the reference.
     left: f64,
     clipped: usize,
+    /// Samples that no input meets, since z jumps there.
+    jumped: usize,
     /// The first sample at which an end of the inputs was in the way.
     missed: Option<usize>,
 }

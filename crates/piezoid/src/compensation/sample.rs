@@ -35,6 +35,9 @@ pub struct Causal {
     inverse: FeedForward,
 }
 
+/// The latest: with it the filter has as many taps as can be solved for.
+const LATEST: usize = 488;
+
 /// Numbers of the state before the references.
 const BEFORE: usize = 1;
 
@@ -44,7 +47,10 @@ impl Causal {
     /// # Errors
     /// As [`FeedForward::new`].
     pub fn new(model: &Model, how: How, late: usize) -> Result<Self, Error> {
-        let how = How { clip: true, preview: Design::late(late), ..how };
+        if late > LATEST {
+            return Err(Error::parameter("late", late, format!("must be at most {LATEST} samples")));
+        }
+        let how = How { clip: true, preview: Some(Design::late(late)), ..how };
         Ok(Causal { inverse: FeedForward::new(model, how)? })
     }
 

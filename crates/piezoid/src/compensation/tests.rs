@@ -52,6 +52,31 @@ fn the_free_run_of_a_model_meets_the_reference_for_every_operator_without_jumps_
 }
 
 #[test]
+fn where_the_hysteresis_jumps_past_what_is_wanted_the_nearest_is_taken_and_told() {
+    let slips = model("maxwell-slip", None);
+    let inverse = FeedForward::new(&slips, How::default()).unwrap();
+    let (low, high) = inverse.reach();
+    let made = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
+    assert!(
+        made.clipped == 0 && made.notes.iter().any(|n| n.contains("jumps past what is wanted")),
+        "{:?}",
+        made.notes
+    );
+}
+
+#[test]
+fn a_block_that_is_very_late_is_looked_ahead_of_by_as_much() {
+    let late = |delay: usize| {
+        let plays = (crate::hysteresis::operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let b = [vec![0.0; delay], vec![3.5, 3.2]].concat();
+        let model = Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], b).unwrap(), 0.0).unwrap();
+        let r = sine(0.0, 300.0, 10.0, 1200);
+        rms(&r[200..], &FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap().reached[200..])
+    };
+    assert!(late(1) < 0.01 && late(100) < 0.1, "{} {}", late(1), late(100));
+}
+
+#[test]
 fn a_displacement_that_stands_is_held_exactly() {
     let model = model("prandtl-ishlinskii", None);
     let made = FeedForward::new(&model, How::default()).unwrap().whole(&[321.0; 500]).unwrap();
