@@ -82,7 +82,7 @@ pub(crate) struct Control {
     /// Samples of the reference that are known ahead [default: all].
     #[arg(long, value_name = "N")]
     preview: Option<usize>,
-    /// Samples by which readings come late.
+    /// Samples by which readings come late; controllers are tuned for it.
     #[arg(long, value_name = "N", default_value_t = 0)]
     late: usize,
     /// Noise of the sensor, rms in the model's output unit [default: the plant's own].
@@ -169,9 +169,9 @@ impl Control {
         let how = How { limits, clip: self.clip, ..How::default() };
         let target = Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() };
         let drive = |scheme: Scheme| -> Result<Drive> {
-            let made = Drive::new(scheme, &model, how, &target).map_err(|e| self.amplifier.advised(e));
+            let made = Drive::new(scheme, &model, how, self.late, &target).map_err(|e| self.amplifier.advised(e));
             let mut drive = made.with_context(|| format!("{}: {}", self.model.display(), scheme.name()))?;
-            (drive.late, drive.ahead) = (self.late, self.preview.unwrap_or(usize::MAX));
+            drive.ahead = self.preview.unwrap_or(usize::MAX);
             Ok(drive)
         };
         let mut drives = Vec::with_capacity(schemes.len());

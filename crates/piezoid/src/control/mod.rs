@@ -148,12 +148,12 @@ mod tests {
     use crate::System;
     use crate::testing::assert_close;
 
-    fn path() -> Loop {
-        path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0))
+    fn path(late: usize) -> Loop {
+        Loop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
     }
 
-    fn tuned() -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
-        CONTROLLERS.iter().map(|c| (c, (c.tune)(&path(), &Target::default()).unwrap()))
+    fn tuned(late: usize) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
+        CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &Target::default()).unwrap()))
     }
 
     #[test]
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn every_controller_follows_its_law_while_no_limit_is_met() {
-        for (kind, c, law) in tuned().filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
+        for (kind, c, law) in tuned(0).filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
             let e: Vec<f64> = (0..300).map(|t| 5.0 * (f64::from(t) * 0.2).sin()).collect();
             let mut x = c.initial();
             let u: Vec<f64> =
@@ -179,19 +179,22 @@ mod tests {
 
     #[test]
     fn every_controller_stays_within_its_limits_and_comes_back_from_them() {
-        for (kind, c) in tuned() {
-            let plant = Scaled { system: path().linear().clone(), factor: 40.0 };
-            let r = [[2500.0; 4000], [100.0; 4000]].concat();
-            let done = run(&plant, &*c, &Course::new(&r, &[0.0; 8000], (-1e3, 1e3))).unwrap();
-            assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}", kind.name);
-            // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
-            assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
+        for late in [0, 3] {
+            for (kind, c) in tuned(late) {
+                let plant = Scaled { system: path(late).linear().clone(), factor: 40.0 };
+                let r = [[2500.0; 4000], [100.0; 4000]].concat();
+                let course = Course { late, ..Course::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
+                let done = run(&plant, &*c, &course).unwrap();
+                assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
+                // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
+                assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
+            }
         }
     }
 
     #[test]
     fn every_controller_leaves_a_feed_forward_alone_that_is_exact() {
-        for (_, c) in tuned().filter(|(_, c)| c.law().is_some()) {
+        for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
             let mut x = c.initial();
             let exact = |t| Now { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };
             assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed));
