@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::compensation::How;
 use piezoid::control::{
-    Attempt, Comparison, Drive, Now, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
+    Attempt, Comparison, Drive, LATEST, Now, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
 };
 use piezoid::number::{round, short as number};
 use piezoid::{Model, System};
@@ -83,7 +83,7 @@ pub(crate) struct Control {
     #[arg(long, value_name = "N")]
     preview: Option<usize>,
     /// Samples by which readings come late; controllers are tuned for it.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = late)]
     late: usize,
     /// Noise of the sensor, rms in the model's output unit [default: the plant's own].
     #[arg(long, value_name = "RMS", value_parser = not_negative, allow_negative_numbers = true)]
@@ -254,6 +254,11 @@ impl Control {
             }
         }
     }
+}
+
+/// Samples that controllers can be tuned for.
+fn late(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n <= LATEST).ok_or_else(|| format!("it must be a whole number from 0 to {LATEST}"))
 }
 
 /// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.

@@ -30,8 +30,8 @@ const AROUND: i32 = 60;
 /// Points for each sample by which readings come late: 6 degrees of its phase.
 const TURN: usize = 32;
 
-/// Samples by which readings may come late, at most, where a controller is to be tuned.
-pub(super) const LATEST: usize = 20;
+/// Samples by which readings may come late, at most, for a controller to be tuned.
+pub const LATEST: usize = 20;
 
 /// Samples of each way on which the slope is taken.
 const LEG: usize = 200;
@@ -45,7 +45,7 @@ pub struct Loop {
     pub slope: (f64, f64),
     /// Lowest and highest voltage [V].
     pub limits: (f64, f64),
-    /// Samples d by which readings come late.
+    /// Samples d by which readings come late, [`LATEST`] at most.
     pub late: usize,
 }
 
@@ -127,6 +127,14 @@ impl Loop {
         let forward: Vec<f64> = forward.map(|c| slope * c).collect();
         let round = plus(&times(&denominator(law), &denominator(self.linear())), 1.0, &forward);
         ratio(self.linear().ts(), &forward, &round)
+    }
+}
+
+/// Refuses readings that come later than controllers are tuned for.
+pub(super) fn check_late(late: usize) -> Result<(), Error> {
+    match late <= LATEST {
+        true => Ok(()),
+        false => Err(Error::parameter("late", late, format!("must be at most {LATEST} samples"))),
     }
 }
 
@@ -279,7 +287,7 @@ pub(super) mod tests {
             };
             let (told, known) = (figures(&late), figures(&delayed));
             assert_close(&told.0, &known.0, 2e-3, 0.0);
-            assert!(told.1 == known.1 && told.0[1] < in_time.phase_deg - 1.0, "{told:?}");
+            assert!(told.1 == known.1 && told.0[1] < in_time.phase_deg - 0.3 * late.late as f64, "{told:?}");
             let hz = [1.0, 30.0, 160.0, 700.0];
             let s = |path: &Loop| path.sensitivity(&pi, 1.0, &hz).unwrap();
             assert_close(&s(&late), &s(&delayed), 1e-9, 0.0);

@@ -3,11 +3,12 @@
 //! ```text
 //! e = r - y,    u = feed + w,    w = C(q) e    within the voltages allowed
 //! ```
-//! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Those with a
-//! law add to a feed-forward voltage, which may be zero, and do nothing while that alone keeps y at r. They are tuned to stated
-//! margins from a model ([`Target`]), at the largest slope of the hysteresis and with its modes detuned; [`Margins`] are computed
-//! apart from that. [`predictive`] plans on the model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the
-//! loop on any plant, and [`trials`] on plants of other tolerance.
+//! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Where
+//! readings come later still ([`Loop::late`]) it is made for that. Those with a law add to a feed-forward voltage, which may be
+//! zero, and do nothing while that alone keeps y at r. They are tuned to stated margins from a model ([`Target`]), at the largest
+//! slope of the hysteresis and with its modes detuned; [`Margins`] are computed apart from that. [`predictive`] plans on the
+//! model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the loop on any plant, and [`trials`] on plants
+//! of other tolerance.
 //!
 //! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E. Eleftheriou,
 //! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). It does
@@ -32,7 +33,7 @@ pub use comparison::{Attempt, Comparison, Driven, Wanted, compare};
 pub use disturbance_observer::DisturbanceObserver;
 pub use integral_notch::IntegralNotch;
 pub use loops::{Course, Run, Scaled, Tracking, run};
-pub use margins::{Loop, Margins};
+pub use margins::{LATEST, Loop, Margins};
 pub use pi::Pi;
 pub use pid::{Gains, Pid};
 pub use positive_position::PositivePosition;

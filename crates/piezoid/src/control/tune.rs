@@ -11,7 +11,7 @@
 //! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9. It
 //! does not do: the best shape to the last digit; shapes come from lists.
 
-use super::margins::{LATEST, Loop, at, grid, growths, open, phase};
+use super::margins::{Loop, at, check_late, grid, growths, open, phase};
 use super::{Controller, filters};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
@@ -59,9 +59,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     if !(0.0..0.9).contains(&target.detuning) {
         return Err(Error::parameter("detuning", target.detuning, "must be from 0 to below 0.9"));
     }
-    if path.late > LATEST {
-        return Err(Error::parameter("late", path.late, format!("must be at most {LATEST} samples")));
-    }
+    check_late(path.late)?;
     let none = |because: &str| Error::Unsuited { what: "controller".into(), because: because.into() };
     if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it anew, with another order"));

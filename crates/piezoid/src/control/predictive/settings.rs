@@ -1,6 +1,6 @@
 //! What the controller is asked for, and whether it can run.
 
-use super::super::margins::LATEST;
+use super::super::margins::check_late;
 use super::condensed;
 use crate::error::{Error, positive};
 
@@ -39,7 +39,7 @@ pub struct Settings {
     /// Noise of a reading, rms over the range of y [-]. Far above what the sensor has where the plant may differ from the
     /// model: the observer then leaves alone what its resonance answers.
     pub noise: f64,
-    /// Samples by which readings come late, 20 at most.
+    /// Samples by which readings come late, at most [`LATEST`](crate::control::LATEST).
     pub late: usize,
     /// What solves the quadratic program.
     pub solver: Solver,
@@ -74,9 +74,7 @@ impl Settings {
         if !(1..=LONGEST).contains(horizon) {
             return Err(Error::parameter("horizon", horizon, format!("must be from 1 to {LONGEST} samples")));
         }
-        if self.late > LATEST {
-            return Err(Error::parameter("late", self.late, format!("must be at most {LATEST} samples")));
-        }
+        check_late(self.late)?;
         for (name, ends) in [("voltage", Some(voltage)), ("displacement", displacement.as_ref())] {
             if let Some((low, high)) = ends.filter(|(low, high)| !(low < high && low.is_finite() && high.is_finite())) {
                 return Err(Error::parameter(
