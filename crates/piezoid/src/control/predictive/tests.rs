@@ -1,5 +1,6 @@
 //! The whole controller on models of its own and on others.
 
+use super::super::tune::detuned;
 use super::super::{Course, run};
 use super::realisation::tests::blocks;
 use super::*;
@@ -118,15 +119,22 @@ fn a_model_of_itself_is_followed_by_late_readings_as_by_those_in_time() {
 }
 
 #[test]
-fn late_readings_that_are_told_help_and_untold_ones_less() {
-    let (r, plant) = (sine(15.0, 800), model(1.1));
-    let missed = |told: usize, late: usize| {
+fn late_readings_that_are_told_help_on_other_plants_too_and_untold_ones_less() {
+    let r = sine(15.0, 800);
+    let missed = |plant: &Model, told: usize, late: usize| {
         let mpc = Predictive::new(&model(1.0), Settings { late: told, ..Settings::default() }).unwrap();
         let course = Course { late, ..Course::new(&r, &[0.0; 800], (-30.0, 30.0)) };
-        rms(&run(&plant, &mpc, &course).unwrap().y[200..], &r[200..])
+        rms(&run(plant, &mpc, &course).unwrap().y[200..], &r[200..])
     };
-    let (in_time, told, untold) = (missed(0, 0), missed(3, 3), missed(0, 3));
-    assert!(in_time < told && told < 1.5 * in_time && untold > 1.5 * told, "{in_time} {told} {untold}");
+    let moved = |share: f64| {
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let linear = detuned(model(1.0).linear(), share).unwrap();
+        Model::new(plays, linear, 1.5).unwrap().with_creep(blocks(1).0).unwrap()
+    };
+    for plant in [model(1.1), moved(0.8), moved(1.2)] {
+        let (in_time, told, untold) = (missed(&plant, 0, 0), missed(&plant, 3, 3), missed(&plant, 0, 3));
+        assert!(in_time < told && told < 1.5 * in_time && untold > 1.5 * told, "{in_time} {told} {untold}");
+    }
 }
 
 #[test]
