@@ -259,7 +259,7 @@ impl Controller for Open {
 /// use piezoid::{Model, System, compensation::How, hysteresis::operator, linear::Arx};
 /// let with_gain = |k: f64| Model::new((operator("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
 /// let (model, actuator) = (with_gain(10.0)?, with_gain(11.0)?);
-/// let r: Vec<f64> = (0..1000).map(|t| 300.0 * (0.0125 * f64::from(t)).sin()).collect();
+/// let r: Vec<f64> = (0..1000).map(|t| 300.0 * (std::f64::consts::TAU * f64::from(t) / 500.0).sin()).collect();
 /// let error = |name: &str| {
 ///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), 0, &Target::default())?;
 ///     let fed = drive.feed(&actuator, &r)?;
