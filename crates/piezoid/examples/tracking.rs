@@ -57,7 +57,7 @@ pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<Wanted, Error> {
 /// A scheme for a model, its reference known so far ahead.
 pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<Drive, Error> {
     let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-    let mut drive = Drive::new(Scheme::named(name)?, model, How { limits, ..How::default() }, &Target::default())?;
+    let mut drive = Drive::new(Scheme::named(name)?, model, How { limits, ..How::default() }, 0, &Target::default())?;
     drive.ahead = ahead;
     Ok(drive)
 }

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::compensation::How;
 use piezoid::control::{
-    Attempt, Comparison, Drive, Now, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
+    Attempt, Comparison, Drive, LATEST, Now, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
 };
 use piezoid::number::{round, short as number};
 use piezoid::{Model, System};
@@ -85,8 +85,8 @@ pub(crate) struct Control {
     /// Samples of the reference that are known ahead [default: all].
     #[arg(long, value_name = "N")]
     preview: Option<usize>,
-    /// Samples by which readings come late.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    /// Samples by which readings come late; controllers are tuned for it.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = late)]
     late: usize,
     /// Noise of the sensor, rms in the model's output unit [default: the plant's own].
     #[arg(long, value_name = "RMS", value_parser = not_negative, allow_negative_numbers = true)]
@@ -172,9 +172,9 @@ impl Control {
         let how = How { limits, clip: self.clip, ..How::default() };
         let target = Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() };
         let drive = |scheme: Scheme| -> Result<Drive> {
-            let made = Drive::new(scheme, &model, how, &target).map_err(|e| self.amplifier.advised(e));
+            let made = Drive::new(scheme, &model, how, self.late, &target).map_err(|e| self.amplifier.advised(e));
             let mut drive = made.with_context(|| format!("{}: {}", self.model.display(), scheme.name()))?;
-            (drive.late, drive.ahead) = (self.late, self.preview.unwrap_or(usize::MAX));
+            drive.ahead = self.preview.unwrap_or(usize::MAX);
             Ok(drive)
         };
         let mut drives = Vec::with_capacity(schemes.len());
@@ -264,6 +264,11 @@ impl Control {
             }
         }
     }
+}
+
+/// Samples that controllers can be tuned for.
+fn late(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|n| *n <= LATEST).ok_or_else(|| format!("it must be a whole number from 0 to {LATEST}"))
 }
 
 /// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.

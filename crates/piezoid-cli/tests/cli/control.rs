@@ -85,6 +85,19 @@ fn draws_of_tolerance_are_counted_and_a_seed_decides_them() {
 }
 
 #[test]
+fn controllers_are_tuned_for_readings_that_come_late() {
+    let bench = bench();
+    let figures = |late: usize| {
+        let line = format!("{RUN} --reference sine:5 --amplitude 200 --controller pi --late {late}");
+        bench.run(&format!("{line} --json figures.json")).ok();
+        let margins = bench.json("figures.json")["schemes"][0]["margins"].clone();
+        assert!(number(&margins["gain_db"]) >= 5.99 && number(&margins["phase_deg"]) >= 44.9, "{margins}");
+        margins
+    };
+    assert_ne!(figures(0), figures(8));
+}
+
+#[test]
 fn what_makes_no_sense_is_named() {
     let bench = bench();
     bench.misused(&format!("{RUN} --controller pj")).says(&["pj", "did you mean `pi`?"]);
@@ -94,6 +107,7 @@ fn what_makes_no_sense_is_named() {
     bench.misused(&format!("{RUN} --reference sin:5")).says(&["no such file", "did you mean `sine`?"]);
     bench.misused(&format!("{RUN} --reference sine:5 triangle:5 -o run.csv")).says(&["-o holds one run"]);
     bench.run(&format!("{RUN} --gain-margin 0")).exits(2).says(&["0", "positive"]);
+    bench.run(&format!("{RUN} --late 21")).exits(2).says(&["21", "from 0 to 20"]);
     bench.run(&format!("{RUN} --tolerance 100")).exits(2).says(&["100", "below 100"]);
     bench
         .refused(&format!("{RUN} --controller pi --phase-margin 200"))

@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! w_t = Q(q) (g F(q) e_t + w_{t-d}),    u_t = feed_t + w_t within the limits
-//! F(q) = A(q) / (k B(1)),    q^-d k B(1) / A(q) for the loop's k B(q) q^-1 / A(q)
+//! F(q) = A(q) / (k B(1)),    q^-d k B(1) / A(q) for the loop's k B(q) q^-(1+l) / A(q)
 //! ```
 //! F e is the voltage that the error stands for by the nominal plant, w_{t-d} what was given then; where Q is 1 their
 //! difference is the disturbance, and w undoes it. A(q) is a notch at every pole of the model. d is the delay at rest of the
-//! numerator and the sample of the loop. Q is a lag of second order, critically damped. It needs no guard against windup: w is
+//! numerator, the sample of the loop and the l by which readings come late. Q is a lag of second order, critically damped. It needs no guard against windup: w is
 //! what the limits let through.
 //!
 //! Reference: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatron. 1, 56 (1996), DOI 10.1109/3516.491410. It does not
@@ -50,7 +50,7 @@ impl DisturbanceObserver {
         let rest: f64 = b.iter().sum();
         let gain = positive("gain at rest", path.slope.1 * rest, "output units a volt")?;
         let mean = b.iter().enumerate().map(|(k, b)| k as f64 * b).sum::<f64>() / rest;
-        let delay = 1 + mean.round().clamp(0.0, 100.0) as usize;
+        let delay = 1 + path.late + mean.round().clamp(0.0, 100.0) as usize;
         let f: Vec<f64> = denominator(path.linear()).iter().map(|a| share * a / gain).collect();
         let q = lag(ts, corner_hz, 1.0)?;
         Ok(DisturbanceObserver { inverse: Arx::new(ts, Vec::new(), f)?, q, delay, limits: path.limits })

@@ -1,12 +1,13 @@
 //! How far a loop is from ringing: gain and phase margin, sensitivity peak, bandwidth, poles.
 //!
 //! ```text
-//! L = C(q) k G(q) q^-1,    S = 1 / (1 + L),    Ms = max |S|
+//! L = C(q) k G(q) q^-(1+d),    S = 1 / (1 + L),    Ms = max |S|
 //! ```
-//! q^-1 is the sample between a measurement and the voltage that answers it. k is the slope dz/du of the hysteresis block, which
+//! q^-1 is the sample between a measurement and the voltage that answers it, d how many more readings come late. k is the slope dz/du of the hysteresis block, which
 //! differs from place to place of a loop and within minor ones; margins hold where they hold for the largest. Creep adds
 //! to a slow slope at most the sum of its gains, and the largest slope here includes it. Frequency responses are taken on a
-//! logarithmic grid that is finer around every mode; between its points L is a chord. Whether the loop is stable is asked of its
+//! logarithmic grid that is finer around every mode, and where late readings turn the phase; between its points L is a
+//! chord. Whether the loop is stable is asked of its
 //! poles, which have no grid.
 //!
 //! Reference: K. J. Astrom, R. M. Murray, Feedback Systems, 2008, ISBN 978-0-691-13576-2, chapter 9. It does not do: limit
@@ -26,6 +27,12 @@ use serde::Serialize;
 const POINTS: usize = 500;
 const AROUND: i32 = 60;
 
+/// Points for each sample by which readings come late: 6 degrees of its phase.
+const TURN: usize = 32;
+
+/// Samples by which readings may come late, at most, for a controller to be tuned.
+pub const LATEST: usize = 20;
+
 /// Samples of each way on which the slope is taken.
 const LEG: usize = 200;
 
@@ -38,6 +45,8 @@ pub struct Loop {
     pub slope: (f64, f64),
     /// Lowest and highest voltage [V].
     pub limits: (f64, f64),
+    /// Samples d by which readings come late, [`LATEST`] at most.
+    pub late: usize,
 }
 
 /// How far a loop is from ringing.
@@ -56,8 +65,8 @@ pub struct Margins {
 }
 
 impl Loop {
-    /// The loop of a model between the lowest and the highest voltage [V]. A driver in the model is left out: it is quicker than
-    /// the margins.
+    /// The loop of a model between the lowest and the highest voltage [V], with readings in time. A driver in the model is left
+    /// out: it is quicker than the margins.
     ///
     /// # Errors
     /// Refuses limits the wrong way round, and a model whose z does not rise with u anywhere.
@@ -78,7 +87,7 @@ impl Loop {
                 ),
             });
         }
-        Ok(Loop { model: model.clone(), slope: (least.max(0.0), largest * (1.0 + crept)), limits })
+        Ok(Loop { model: model.clone(), slope: (least.max(0.0), largest * (1.0 + crept)), limits, late: 0 })
     }
 
     /// Its linear block, from z to y.
@@ -89,8 +98,9 @@ impl Loop {
     /// The margins under a controller, at this slope [z unit / V]; `None` if its law is not linear.
     pub fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
-        let grid = grid(&[self.linear(), &law]);
-        let l = open(&grid, self.linear(), slope).zip(at(&grid, &law)).map(|(g, c)| g * c).collect::<Vec<_>>();
+        let grid = grid(&[self.linear(), &law], self.late);
+        let l =
+            open(&grid, self.linear(), slope, self.late).zip(at(&grid, &law)).map(|(g, c)| g * c).collect::<Vec<_>>();
         let stable = self.closed(&law, slope).is_ok_and(|t| t.is_stable());
         Some(Margins {
             gain_db: 20.0 * growths(&l).filter(|&k| k > 1.0).fold(f64::INFINITY, f64::min).log10(),
@@ -104,7 +114,7 @@ impl Loop {
     /// |S| under a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
     pub fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
         let law = controller.law()?;
-        let l = open(hz, self.linear(), slope).zip(at(hz, &law)).map(|(g, c)| g * c);
+        let l = open(hz, self.linear(), slope, self.late).zip(at(hz, &law)).map(|(g, c)| g * c);
         Some(l.map(|l| 1.0 / (1.0 + l).norm()).collect())
     }
 
@@ -113,10 +123,18 @@ impl Loop {
     /// # Errors
     /// Refuses what is too long for an [`Arx`].
     pub fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
-        let forward: Vec<f64> = std::iter::once(0.0).chain(times(law.b(), self.linear().b())).collect();
-        let forward: Vec<f64> = forward.into_iter().map(|c| slope * c).collect();
+        let forward = std::iter::repeat_n(0.0, 1 + self.late).chain(times(law.b(), self.linear().b()));
+        let forward: Vec<f64> = forward.map(|c| slope * c).collect();
         let round = plus(&times(&denominator(law), &denominator(self.linear())), 1.0, &forward);
         ratio(self.linear().ts(), &forward, &round)
+    }
+}
+
+/// Refuses readings that come later than controllers are tuned for.
+pub(super) fn check_late(late: usize) -> Result<(), Error> {
+    match late <= LATEST {
+        true => Ok(()),
+        false => Err(Error::parameter("late", late, format!("must be at most {LATEST} samples"))),
     }
 }
 
@@ -135,8 +153,8 @@ fn slopes(model: &Model, (low, high): (f64, f64)) -> (f64, f64) {
     }))
 }
 
-/// Frequencies [Hz] up to half the sampling rate, finer around the modes of these blocks.
-pub(super) fn grid(blocks: &[&Arx]) -> Vec<f64> {
+/// Frequencies [Hz] up to half the sampling rate, finer around the modes of these blocks and where readings come `late`.
+pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
     let Some(first) = blocks.first() else { return Vec::new() };
     let nyquist = 0.5 / first.ts();
     let mut grid: Vec<f64> =
@@ -145,17 +163,21 @@ pub(super) fn grid(blocks: &[&Arx]) -> Vec<f64> {
         let width = pole.damping.abs().max(1e-4);
         grid.extend((-AROUND..=AROUND).map(|i| pole.hz * (1.0 + width * (0.075 * f64::from(i)).sinh() / 4.0)));
     }
+    grid.extend((1..TURN * late).map(|i| nyquist * i as f64 / (TURN * late) as f64));
     grid.retain(|hz| *hz > 0.0 && *hz <= nyquist);
     grid.sort_by(f64::total_cmp);
     grid
 }
 
-/// k G(q) q^-1.
-pub(super) fn open<'a>(grid: &'a [f64], linear: &'a Arx, slope: f64) -> impl Iterator<Item = Complex<f64>> + 'a {
-    at(grid, linear).zip(grid).map(move |(g, hz)| {
-        let late = Complex::from_polar(slope, -std::f64::consts::TAU * hz * linear.ts());
-        g * late
-    })
+/// k G(q) q^-(1+d).
+pub(super) fn open<'a>(
+    grid: &'a [f64],
+    linear: &'a Arx,
+    slope: f64,
+    late: usize,
+) -> impl Iterator<Item = Complex<f64>> + 'a {
+    let after = (1 + late) as f64 * linear.ts();
+    at(grid, linear).zip(grid).map(move |(g, hz)| g * Complex::from_polar(slope, -std::f64::consts::TAU * hz * after))
 }
 
 /// The response of a block.
@@ -220,7 +242,7 @@ pub(super) mod tests {
     pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> Loop {
         let rises = crate::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
         let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
-        Loop { model, slope, limits: (-30.0, 30.0) }
+        Loop { model, slope, limits: (-30.0, 30.0), late: 0 }
     }
 
     fn path(linear: Arx) -> Loop {
@@ -249,6 +271,29 @@ pub(super) mod tests {
         let path = path(filters::lag(TS, 160.0, 0.03).unwrap());
         let m = path.margins(&Pi::new(TS, 0.01, 25.0, (-1.0, 1.0)).unwrap(), 1.0).unwrap();
         assert_close(&[m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz], &[7.9968, 90.844, 1.771, 4.042], 2e-3, 0.0);
+    }
+
+    #[test]
+    fn late_readings_cost_the_margins_that_as_much_delay_of_the_plant_does() {
+        let block = filters::lag(TS, 160.0, 0.03).unwrap();
+        let pi = Pi::new(TS, 0.01, 12.0, (-1.0, 1.0)).unwrap();
+        let in_time = path(block.clone()).margins(&pi, 1.0).unwrap();
+        for late in [1, 4, 20] {
+            let delayed = Arx::new(TS, block.a().to_vec(), [vec![0.0; late], block.b().to_vec()].concat()).unwrap();
+            let (late, delayed) = (Loop { late, ..path(block.clone()) }, path(delayed));
+            let figures = |path: &Loop| {
+                let m = path.margins(&pi, 1.0).unwrap();
+                ([m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz], m.stable)
+            };
+            let (told, known) = (figures(&late), figures(&delayed));
+            assert_close(&told.0, &known.0, 2e-3, 0.0);
+            assert!(told.1 == known.1 && told.0[1] < in_time.phase_deg - 0.3 * late.late as f64, "{told:?}");
+            let hz = [1.0, 30.0, 160.0, 700.0];
+            let s = |path: &Loop| path.sensitivity(&pi, 1.0, &hz).unwrap();
+            assert_close(&s(&late), &s(&delayed), 1e-9, 0.0);
+            let law = pi.law().unwrap();
+            assert_eq!(late.closed(&law, 1.0).unwrap(), delayed.closed(&law, 1.0).unwrap());
+        }
     }
 
     #[test]

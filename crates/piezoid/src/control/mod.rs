@@ -3,11 +3,12 @@
 //! ```text
 //! e = r - y,    u = feed + w,    w = C(q) e    within the voltages allowed
 //! ```
-//! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Those with a
-//! law add to a feed-forward voltage, which may be zero, and do nothing while that alone keeps y at r. They are tuned to stated
-//! margins from a model ([`Target`]), at the largest slope of the hysteresis and with its modes detuned; [`Margins`] are computed
-//! apart from that. [`predictive`] plans on the model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the
-//! loop on any plant, and [`trials`] on plants of other tolerance.
+//! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Where
+//! readings come later still ([`Loop::late`]) it is made for that. Those with a law add to a feed-forward voltage, which may be
+//! zero, and do nothing while that alone keeps y at r. They are tuned to stated margins from a model ([`Target`]), at the largest
+//! slope of the hysteresis and with its modes detuned; [`Margins`] are computed apart from that. [`predictive`] plans on the
+//! model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the loop on any plant, and [`trials`] on plants
+//! of other tolerance.
 //!
 //! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E. Eleftheriou,
 //! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). It does
@@ -32,7 +33,7 @@ pub use comparison::{Attempt, Comparison, Driven, Wanted, compare};
 pub use disturbance_observer::DisturbanceObserver;
 pub use integral_notch::IntegralNotch;
 pub use loops::{Course, Run, Scaled, Tracking, run};
-pub use margins::{Loop, Margins};
+pub use margins::{LATEST, Loop, Margins};
 pub use pi::Pi;
 pub use pid::{Gains, Pid};
 pub use positive_position::PositivePosition;
@@ -148,12 +149,12 @@ mod tests {
     use crate::System;
     use crate::testing::assert_close;
 
-    fn path() -> Loop {
-        path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0))
+    fn path(late: usize) -> Loop {
+        Loop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
     }
 
-    fn tuned() -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
-        CONTROLLERS.iter().map(|c| (c, (c.tune)(&path(), &Target::default()).unwrap()))
+    fn tuned(late: usize) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
+        CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &Target::default()).unwrap()))
     }
 
     #[test]
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn every_controller_follows_its_law_while_no_limit_is_met() {
-        for (kind, c, law) in tuned().filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
+        for (kind, c, law) in tuned(0).filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
             let e: Vec<f64> = (0..300).map(|t| 5.0 * (f64::from(t) * 0.2).sin()).collect();
             let mut x = c.initial();
             let u: Vec<f64> =
@@ -179,19 +180,22 @@ mod tests {
 
     #[test]
     fn every_controller_stays_within_its_limits_and_comes_back_from_them() {
-        for (kind, c) in tuned() {
-            let plant = Scaled { system: path().linear().clone(), factor: 40.0 };
-            let r = [[2500.0; 4000], [100.0; 4000]].concat();
-            let done = run(&plant, &*c, &Course::new(&r, &[0.0; 8000], (-1e3, 1e3))).unwrap();
-            assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}", kind.name);
-            // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
-            assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
+        for late in [0, 3] {
+            for (kind, c) in tuned(late) {
+                let plant = Scaled { system: path(late).linear().clone(), factor: 40.0 };
+                let r = [[2500.0; 4000], [100.0; 4000]].concat();
+                let course = Course { late, ..Course::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
+                let done = run(&plant, &*c, &course).unwrap();
+                assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
+                // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
+                assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
+            }
         }
     }
 
     #[test]
     fn every_controller_leaves_a_feed_forward_alone_that_is_exact() {
-        for (_, c) in tuned().filter(|(_, c)| c.law().is_some()) {
+        for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
             let mut x = c.initial();
             let exact = |t| Now { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };
             assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed));

@@ -261,7 +261,7 @@ impl Controller for Open {
 /// let (model, actuator) = (with_gain(10.0)?, with_gain(11.0)?);
 /// let r: Vec<f64> = (0..1500).map(|t| 300.0 * (std::f64::consts::TAU * f64::from(t) / 500.0).sin()).collect();
 /// let error = |name: &str| {
-///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), &Target::default())?;
+///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), 0, &Target::default())?;
 ///     let fed = drive.feed(&actuator, &r)?;
 ///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &fed)?.tracking(500, 600.0).percent_of_stroke)
 /// };
@@ -272,8 +272,6 @@ impl Controller for Open {
 pub struct Drive {
     /// What it is.
     pub scheme: Scheme,
-    /// Samples by which readings come late.
-    pub late: usize,
     /// Samples of the reference known beyond the present one.
     pub ahead: usize,
     how: How,
@@ -282,23 +280,28 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// `scheme` for `model` within the limits of `how`, its controller tuned to `target`; readings in time, and references known
-    /// to their end.
+    /// `scheme` for `model` within the limits of `how`, its controller tuned to `target` for readings that come `late` by so
+    /// many samples; references are known to their end.
     ///
     /// # Errors
     /// What the tuning refuses, and a model without inputs that are allowed.
-    pub fn new(scheme: Scheme, model: &Model, how: How, target: &Target) -> Result<Self, Error> {
-        let path = Loop::of(model, how.ends(model)?)?;
+    pub fn new(scheme: Scheme, model: &Model, how: How, late: usize, target: &Target) -> Result<Self, Error> {
+        let path = Loop { late, ..Loop::of(model, how.ends(model)?)? };
         let controller = match scheme.law {
             Some(law) => (law.tune)(&path, target)?,
             None => Arc::new(Open { ts: model.ts() }),
         };
-        Ok(Drive { scheme, late: 0, ahead: usize::MAX, how, path, controller })
+        Ok(Drive { scheme, ahead: usize::MAX, how, path, controller })
     }
 
     /// The model.
     pub fn model(&self) -> &Model {
         &self.path.model
+    }
+
+    /// Samples by which readings come late, which its controller is tuned for.
+    pub fn late(&self) -> usize {
+        self.path.late
     }
 
     /// What closes its loop.
@@ -341,7 +344,7 @@ impl Drive {
     /// # Errors
     /// As [`run`].
     pub fn run(&self, plant: &dyn System, r: &[f64], fed: &Fed) -> Result<Run, Error> {
-        let (limits, late, ahead, before) = (self.path.limits, self.late, self.ahead, fed.after.as_deref());
+        let (limits, late, ahead, before) = (self.path.limits, self.path.late, self.ahead, fed.after.as_deref());
         let course = Course { r, feed: &fed.u, limits, late, ahead, before };
         run(plant, &*self.controller, &course)
     }
@@ -367,7 +370,7 @@ mod tests {
     }
 
     fn drive(name: &str) -> Drive {
-        Drive::new(Scheme::named(name).unwrap(), &model(1.0), How::default(), &Target::default()).unwrap()
+        Drive::new(Scheme::named(name).unwrap(), &model(1.0), How::default(), 0, &Target::default()).unwrap()
     }
 
     fn percent(drive: &Drive, plant: &Model, r: &[f64]) -> f64 {
@@ -384,9 +387,11 @@ mod tests {
             for law in std::iter::once(None).chain(CONTROLLERS.iter().map(Some)) {
                 let scheme = Scheme { feed, law };
                 assert_eq!(Scheme::named(&scheme.name()).unwrap().name(), scheme.name());
-                let drive = Drive::new(scheme, &model(1.0), How::default(), &Target::default()).unwrap();
-                let left = percent(&drive, &model(1.1), &r);
-                assert!(left < 1.5 * line, "{}: {left} after {line}", scheme.name());
+                for late in [0, 3] {
+                    let drive = Drive::new(scheme, &model(1.0), How::default(), late, &Target::default()).unwrap();
+                    let left = percent(&drive, &model(1.1), &r);
+                    assert!(drive.late() == late && left < 1.5 * line, "{}: {left} after {line}", scheme.name());
+                }
             }
         }
         for wrong in ["gain+feed-forward", "pi+pid", "pi+", "", "feed_forward"] {
@@ -421,7 +426,7 @@ mod tests {
         let refused = drive("pi").check(&far).unwrap_err().to_string();
         assert!(refused.contains("cannot be reached") && refused.contains("for long hold"), "{refused}");
         let how = How { clip: true, ..How::default() };
-        let clipped = Drive::new(Scheme::named("pi").unwrap(), &model(1.0), how, &Target::default()).unwrap();
+        let clipped = Drive::new(Scheme::named("pi").unwrap(), &model(1.0), how, 0, &Target::default()).unwrap();
         assert!(
             clipped.check(&far).is_ok() && clipped.check(&[f64::NAN]).is_err() && drive("pi").check(&sine(400)).is_ok()
         );

@@ -181,7 +181,7 @@ mod tests {
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
         let scheme = Scheme { feed: feed("gain").unwrap(), law: Some(law) };
         let how = How { limits, ..How::default() };
-        Drive::new(scheme, &model.unwrap().with_units(units), how, &Target::default()).unwrap()
+        Drive::new(scheme, &model.unwrap().with_units(units), how, 0, &Target::default()).unwrap()
     }
 
     fn spread(drive: &Drive, threads: usize) -> Spread {

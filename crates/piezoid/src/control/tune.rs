@@ -11,7 +11,7 @@
 //! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9. It
 //! does not do: the best shape to the last digit; shapes come from lists.
 
-use super::margins::{Loop, at, grid, growths, open, phase};
+use super::margins::{Loop, at, check_late, grid, growths, open, phase};
 use super::{Controller, filters};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
@@ -59,6 +59,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     if !(0.0..0.9).contains(&target.detuning) {
         return Err(Error::parameter("detuning", target.detuning, "must be from 0 to below 0.9"));
     }
+    check_late(path.late)?;
     let none = |because: &str| Error::Unsuited { what: "controller".into(), because: because.into() };
     if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it anew, with another order"));
@@ -95,8 +96,8 @@ impl Bench {
         let d = target.detuning;
         let shifts: &[f64] = if d > 0.0 { &[0.0, -1.0, -0.67, -0.33, 0.33, 0.67, 1.0] } else { &[0.0] };
         let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
-        let grid = grid(&blocks.iter().collect::<Vec<_>>());
-        let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1).collect()).collect();
+        let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.late);
+        let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.late).collect()).collect();
         Ok(Bench { grid, plants })
     }
 
@@ -176,14 +177,17 @@ mod tests {
 
     #[test]
     fn every_controller_keeps_the_margins_it_was_tuned_to_and_its_gain_with_every_mode_detuned() {
-        let path = bender();
-        for (kind, controller, law) in lawful(&path) {
-            let m = path.margins(&*controller, path.slope.1).unwrap();
-            assert!(m.stable && m.gain_db > 5.9 && m.phase_deg > 44.5 && m.bandwidth_hz > 1.0, "{}: {m:?}", kind.name);
-            for share in [0.78, 0.9, 1.1, 1.22] {
-                let other = path_of(detuned(path.linear(), share).unwrap(), path.slope);
-                let loud = other.closed(&law, 1.95 * path.slope.1).unwrap();
-                assert!(loud.is_stable(), "{} with modes at {share}", kind.name);
+        for late in [0, 3] {
+            let path = Loop { late, ..bender() };
+            for (kind, controller, law) in lawful(&path) {
+                let (m, name) = (path.margins(&*controller, path.slope.1).unwrap(), kind.name);
+                let keeps = m.stable && m.gain_db > 5.9 && m.phase_deg > 44.5 && m.bandwidth_hz > 1.0;
+                assert!(keeps, "{name}, {late} late: {m:?}");
+                for share in [0.78, 0.9, 1.1, 1.22] {
+                    let other = Loop { late, ..path_of(detuned(path.linear(), share).unwrap(), path.slope) };
+                    let loud = other.closed(&law, 1.95 * path.slope.1).unwrap();
+                    assert!(loud.is_stable(), "{name} with modes at {share}, {late} late");
+                }
             }
         }
     }
@@ -193,8 +197,9 @@ mod tests {
         let path = bender();
         for (_, controller, law) in lawful(&path) {
             // Where |L| is 1 for the last time: the least delay that any margin stands for.
-            let grid = grid(&[path.linear(), &law]);
-            let l: Vec<_> = open(&grid, path.linear(), path.slope.1).zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
+            let grid = grid(&[path.linear(), &law], 0);
+            let plant = open(&grid, path.linear(), path.slope.1, 0);
+            let l: Vec<_> = plant.zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
             let last = grid[l.iter().rposition(|l| l.norm() >= 1.0).unwrap()];
             let samples = (45.0 / 360.0 / last / TS).floor() as usize;
             let b: Vec<f64> = path.linear().b().iter().map(|b| b * path.slope.1).collect();
@@ -232,6 +237,8 @@ mod tests {
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
         let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));
         assert!(pi(&unstable, &Target::default()).unwrap_err().to_string().contains("not stable"));
+        let late = Loop { late: 21, ..bender() };
+        assert!(pi(&late, &Target::default()).unwrap_err().to_string().starts_with("late = 21: must be at most 20"));
         let steep = Target { phase_deg: 179.0, ..Target::default() };
         assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain keeps the margins"));
     }

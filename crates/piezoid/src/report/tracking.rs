@@ -205,7 +205,7 @@ mod tests {
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
         let drive = |name| {
             let how = How { limits, clip: true, ..How::default() };
-            Drive::new(Scheme::named(name).unwrap(), &model, how, &Target::default()).unwrap()
+            Drive::new(Scheme::named(name).unwrap(), &model, how, 0, &Target::default()).unwrap()
         };
         let wanted = |name, hz| Wanted::new(name, ts, (reference(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap());
         let drives = ["gain", "learning", "feed-forward+pi"].map(drive).to_vec();

@@ -1,16 +1,41 @@
-//! The steady-state Kalman observer.
+//! The steady-state Kalman observer, of readings that come d samples late.
 //!
 //! ```text
-//! s^+ = A s^ + B z + L (y - C s^ - D z)        L = A P C' / (C P C' + R)
+//! s^+ = A s^ + B z + L (y - y^),    y^ = C s^ + D z        L = A P C' / (C P C' + R)
 //! P   = A P A' - L C P A' + Q
+//! late: e = y_t-d - y^_t-d,    s^+ = A s^ + B z + A^d L e,    y^_t-d+j += C A^(j-1) L e    j = 1, ..., d
 //! ```
-//! P is found by doubling: each round stands for twice as many steps of the Riccati equation as the one before.
+//! A late reading corrects the state of its instant, and the model carries the correction on: to s^ by A^d, and to what was
+//! predicted of the readings that have not come yet. This is the observer of the system with d delays of its output. P is found by doubling: each round stands for twice as many steps of the Riccati equation as the one before.
 //!
 //! Reference: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, Int. J. Control 77, 767 (2004), DOI
 //! 10.1080/00207170410001714988. It does not do: gains that vary in time.
 
 use crate::error::Error;
 use nalgebra::{DMatrix, DVector, RowDVector};
+
+/// What an innovation corrects.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Observer {
+    /// A^d L, of s.
+    pub(super) state: DVector<f64>,
+    /// C L, ..., C A^(d-1) L, of the readings that have not come yet, the oldest first.
+    pub(super) unread: Vec<f64>,
+}
+
+impl Observer {
+    /// Of readings in time by the gain `l`, brought forward by `late` samples.
+    pub(super) fn new(a: &DMatrix<f64>, c: &RowDVector<f64>, l: DVector<f64>, late: usize) -> Self {
+        let mut state = l;
+        let carried = |_| {
+            let unread = (c * &state)[0];
+            state = a * &state;
+            unread
+        };
+        let unread = (0..late).map(carried).collect();
+        Observer { state, unread }
+    }
+}
 
 /// Rounds at most: 2^60 samples.
 const ROUNDS: usize = 60;
@@ -69,6 +94,26 @@ mod tests {
         }
         let known = &model.a * k;
         assert_close(gain(&model.a, &model.c, &q, r).unwrap().as_slice(), known.as_slice(), 1e-7, 1e-10);
+    }
+
+    #[test]
+    fn late_readings_are_filtered_as_by_the_kalman_gain_of_a_system_with_a_delay_line() {
+        let (creep, linear) = blocks(1);
+        let model = Realisation::new(&creep, &linear);
+        let (n, late, r) = (model.order(), 3, 0.3);
+        let mut q = &model.b * model.b.transpose() * 1e-2;
+        q[(n - 1, n - 1)] += 1e-3;
+        let observer = Observer::new(&model.a, &model.c, gain(&model.a, &model.c, &q, r).unwrap(), late);
+        // Behind s the outputs, the oldest first, which is what is read.
+        let (mut a, mut noise) = (DMatrix::zeros(n + late, n + late), DMatrix::zeros(n + late, n + late));
+        a.view_mut((0, 0), (n, n)).copy_from(&model.a);
+        (0..late - 1).for_each(|k| a[(n + k, n + k + 1)] = 1.0);
+        a.view_mut((n + late - 1, 0), (1, n)).copy_from(&model.c);
+        noise.view_mut((0, 0), (n, n)).copy_from(&q);
+        let c = RowDVector::from_fn(n + late, |_, k| f64::from(u8::from(k == n)));
+        let known = gain(&a, &c, &noise, r).unwrap();
+        let found = [observer.state.as_slice(), &observer.unread].concat();
+        assert_close(&found, known.as_slice(), 1e-6, 1e-9);
     }
 
     #[test]

@@ -9,7 +9,8 @@
 //! u_t: operator(u_t) = z_t
 //! ```
 //! d is the delay of the linear block, h what creep and linear block answer to an impulse, G their gain. s_t is what an
-//! observer of steady gain makes of the readings, a constant disturbance of z among it: errors that last leave no offset.
+//! observer of steady gain makes of the readings, late ones carried on to t, a constant disturbance of z among it: errors that
+//! last leave no offset.
 //!
 //! Where the program has no answer in time, the z found so far is brought within the limits of the next sample, which always
 //! can be kept. Steps of z after the first are limited by the slopes of the operator where it stands, up and down. Where the
@@ -18,8 +19,7 @@
 //! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F.
 //! Borrelli, M. Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators
 //! that fall with their input, a horizon of voltages (which would be no quadratic program), dead zones that take longer
-//! to cross than the horizon, readings that come later than the next sample (on plants of +-20 % two samples more can
-//! make it ring). It has no law: what tolerances do to it is asked of [`trials`](super::trials).
+//! to cross than the horizon. It has no law: what tolerances do to it is asked of [`trials`](super::trials).
 
 mod condensed;
 mod horizon;
@@ -42,6 +42,7 @@ use crate::linear::Arx;
 use crate::system::System;
 use condensed::Ended;
 use horizon::Horizon;
+use kalman::Observer;
 use nalgebra::{DVector, DVectorView, DVectorViewMut};
 use realisation::Realisation;
 use state::{Layout, Parts};
@@ -55,7 +56,7 @@ const WILD: f64 = 10.0;
 
 /// The controller of a model.
 ///
-/// State, in this order: what the observer makes of the model; the last z and u; the model's; then the buffers of
+/// State, in this order: what the observer makes of the model, and of the readings that have not come yet; the last z and u; the model's; then the buffers of
 /// its steps, among them the multipliers that it begins with next time.
 ///
 /// ```
@@ -79,8 +80,7 @@ pub struct Predictive {
     model: Model,
     settings: Settings,
     plant: Realisation,
-    /// L of the observer.
-    observer: DVector<f64>,
+    observer: Observer,
     horizon: Horizon,
     /// z at the ends of the major loop.
     major: (f64, f64),
@@ -129,8 +129,9 @@ impl Predictive {
         let p = plant.order() - 1;
         let mut disturbed = &plant.b * plant.b.transpose() * (settings.unexplained * range).powi(2);
         disturbed[(p, p)] += (settings.drift * range).powi(2);
+        let trusted = kalman::gain(&plant.a, &plant.c, &disturbed, (settings.noise * range * gain).powi(2))?;
         let made = Predictive {
-            observer: kalman::gain(&plant.a, &plant.c, &disturbed, (settings.noise * range * gain).powi(2))?,
+            observer: Observer::new(&plant.a, &plant.c, trusted, settings.late),
             horizon: Horizon::new(&plant, gain, &settings)?,
             model: model.clone(),
             settings,
@@ -194,6 +195,7 @@ impl Predictive {
         let mut x = vec![0.0; self.order()];
         let parts = self.layout().parts(&mut x);
         parts.s.copy_from_slice(&self.plant.settled(self.model.creep(), self.model.linear(), z));
+        parts.unread.fill(self.predicted(parts.s, z));
         parts.last.copy_from_slice(&[z, u]);
         parts.model.copy_from_slice(&self.model.settled(u));
         x
@@ -203,6 +205,7 @@ impl Predictive {
         let program = &self.horizon.program;
         Layout {
             observer: self.plant.order(),
+            late: self.settings.late,
             model: self.model.order(),
             horizon: self.settings.horizon,
             rows: program.sigma.len(),
@@ -250,17 +253,28 @@ impl Predictive {
         }
     }
 
-    /// s of this sample, from the last one, the z given then and its reading.
+    /// The reading of a sample, less its offset.
+    fn predicted(&self, s: &[f64], z: f64) -> f64 {
+        dot(self.plant.c.as_slice(), s) + self.plant.d * z
+    }
+
+    /// s of this sample, from the last one, the z given then, and the reading that came, of that sample or of a late one.
     fn observe(&self, parts: &mut Parts<'_>, y: f64) {
         let z = parts.last[0];
-        let predicted = self.model.offset() + dot(self.plant.c.as_slice(), parts.s) + self.plant.d * z;
+        let mut predicted = self.predicted(parts.s, z);
+        if let Some(oldest) = parts.unread.first_mut() {
+            std::mem::swap(oldest, &mut predicted);
+            parts.unread.rotate_left(1);
+        }
+        let predicted = self.model.offset() + predicted;
         let most = WILD * (self.major.1 - self.major.0) * self.horizon.gain;
         let innovation = Some(y).filter(|y| y.is_finite()).map_or(0.0, |y| (y - predicted).clamp(-most, most));
         let m = parts.s.len();
         let mut next = DVectorViewMut::from_slice(parts.next, m);
         next.gemv(1.0, &self.plant.a, &DVectorView::from_slice(parts.s, m), 0.0);
         next.axpy(z, &self.plant.b, 1.0);
-        next.axpy(innovation, &self.observer, 1.0);
+        next.axpy(innovation, &self.observer.state, 1.0);
+        parts.unread.iter_mut().zip(&self.observer.unread).for_each(|(unread, gain)| *unread += gain * innovation);
         parts.s.copy_from_slice(parts.next);
     }
 
@@ -318,7 +332,7 @@ pub(super) const ROW: Law = Law {
     summary: "plans 20 samples ahead on the whole model, within its limits; needs no feed-forward",
     reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
     tune: |path, _| {
-        let settings = Settings { voltage: path.limits, ..Settings::default() };
+        let settings = Settings { voltage: path.limits, late: path.late, ..Settings::default() };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },
 };

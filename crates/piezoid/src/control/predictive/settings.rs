@@ -1,5 +1,6 @@
 //! What the controller is asked for, and whether it can run.
 
+use super::super::margins::check_late;
 use super::condensed;
 use crate::error::{Error, positive};
 
@@ -38,6 +39,8 @@ pub struct Settings {
     /// Noise of a reading, rms over the range of y [-]. Far above what the sensor has where the plant may differ from the
     /// model: the observer then leaves alone what its resonance answers.
     pub noise: f64,
+    /// Samples by which readings come late, at most [`LATEST`](crate::control::LATEST).
+    pub late: usize,
     /// What solves the quadratic program.
     pub solver: Solver,
     /// Multiplications that the machine does in a second, by which horizons are refused that cannot run at Ts. The operator's
@@ -46,7 +49,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// 20 samples, +-30 V, no other limit.
+    /// 20 samples, +-30 V, no other limit, readings in time.
     fn default() -> Self {
         Settings {
             horizon: 20,
@@ -57,6 +60,7 @@ impl Default for Settings {
             drift: 1e-3,
             unexplained: 1e-3,
             noise: 1e-2,
+            late: 0,
             solver: Solver::ActiveSet,
             multiplications_per_second: 1e9,
         }
@@ -70,6 +74,7 @@ impl Settings {
         if !(1..=LONGEST).contains(horizon) {
             return Err(Error::parameter("horizon", horizon, format!("must be from 1 to {LONGEST} samples")));
         }
+        check_late(self.late)?;
         for (name, ends) in [("voltage", Some(voltage)), ("displacement", displacement.as_ref())] {
             if let Some((low, high)) = ends.filter(|(low, high)| !(low < high && low.is_finite() && high.is_finite())) {
                 return Err(Error::parameter(

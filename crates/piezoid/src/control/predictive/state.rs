@@ -4,6 +4,8 @@
 pub(super) struct Parts<'x> {
     /// What the observer makes of creep, linear block and disturbance.
     pub(super) s: &'x mut [f64],
+    /// Predicted readings, less the offset, that have not come yet: the oldest first, one a sample that they come late.
+    pub(super) unread: &'x mut [f64],
     /// The last z and u.
     pub(super) last: &'x mut [f64],
     /// The model's, of which only hysteresis and driver move, and a copy for trials.
@@ -25,6 +27,7 @@ pub(super) struct Parts<'x> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub(super) observer: usize,
+    pub(super) late: usize,
     pub(super) model: usize,
     pub(super) horizon: usize,
     pub(super) rows: usize,
@@ -33,7 +36,7 @@ pub(super) struct Layout {
 
 impl Layout {
     pub(super) fn length(self) -> usize {
-        2 * self.observer + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
+        2 * self.observer + self.late + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
     }
 
     pub(super) fn parts(self, x: &mut [f64]) -> Parts<'_> {
@@ -45,6 +48,7 @@ impl Layout {
         };
         Parts {
             s: cut(self.observer),
+            unread: cut(self.late),
             last: cut(2),
             model: cut(self.model),
             trial: cut(self.model),

@@ -1,5 +1,7 @@
 //! The whole controller on models of its own and on others.
 
+use super::super::tune::detuned;
+use super::super::{Course, run};
 use super::realisation::tests::blocks;
 use super::*;
 use crate::creep::Creep;
@@ -36,14 +38,16 @@ fn before(linear: Arx) -> Model {
     Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), linear, 1.5).unwrap()
 }
 
-/// Plans on the way along `r`, with a disturbance of the reading.
+/// Plans on the way along `r`, with a disturbance of the reading, which comes as late as the controller is told.
 fn follow(mpc: &Predictive, plant: &Model, r: &[f64], disturbance: f64) -> (Vec<f64>, Vec<Plan>) {
     let (mut x, mut truth) = (mpc.settled(0.0), plant.settled(0.0));
-    let mut y = plant.step(&mut truth.clone(), 0.0);
+    // Oldest first: what is read now, and what has not come yet.
+    let mut y = vec![plant.step(&mut truth.clone(), 0.0); 1 + mpc.settings().late];
     let step = |t: usize| {
-        let plan = mpc.plan(&mut x, &r[t..], y);
-        y = plant.step(&mut truth, plan.u) + disturbance;
-        (y, plan)
+        let plan = mpc.plan(&mut x, &r[t..], y[0]);
+        y.rotate_left(1);
+        *y.last_mut().unwrap() = plant.step(&mut truth, plan.u) + disturbance;
+        (y[y.len() - 1], plan)
     };
     (0..r.len()).map(step).unzip()
 }
@@ -91,10 +95,45 @@ fn a_model_of_itself_is_followed_and_a_wrong_one_nearer_than_without_readings() 
 
 #[test]
 fn a_disturbance_that_lasts_leaves_no_offset() {
-    let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
-    for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
-        let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
-        assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
+    for late in [0, 3, 20] {
+        let mpc = Predictive::new(&model(1.0), Settings { late, ..Settings::default() }).unwrap();
+        for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
+            let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
+            assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
+        }
+    }
+}
+
+#[test]
+fn a_model_of_itself_is_followed_by_late_readings_as_by_those_in_time() {
+    let r = sine(15.0, 800);
+    for truth in [model(1.0), driven(1.0, 6e4), before(Arx::gain(TS, 2.0).unwrap())] {
+        let followed = |late| {
+            let mpc = Predictive::new(&truth, Settings { late, ..Settings::default() }).unwrap();
+            follow(&mpc, &truth, &r, 0.0).0
+        };
+        for late in [1, 3, 20] {
+            assert_close(&followed(late), &followed(0), 0.0, 1e-6);
+        }
+    }
+}
+
+#[test]
+fn late_readings_that_are_told_help_on_other_plants_too_and_untold_ones_less() {
+    let r = sine(15.0, 800);
+    let missed = |plant: &Model, told: usize, late: usize| {
+        let mpc = Predictive::new(&model(1.0), Settings { late: told, ..Settings::default() }).unwrap();
+        let course = Course { late, ..Course::new(&r, &[0.0; 800], (-30.0, 30.0)) };
+        rms(&run(plant, &mpc, &course).unwrap().y[200..], &r[200..])
+    };
+    let moved = |share: f64| {
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let linear = detuned(model(1.0).linear(), share).unwrap();
+        Model::new(plays, linear, 1.5).unwrap().with_creep(blocks(1).0).unwrap()
+    };
+    for plant in [model(1.1), moved(0.8), moved(1.2)] {
+        let (in_time, told, untold) = (missed(&plant, 0, 0), missed(&plant, 3, 3), missed(&plant, 0, 3));
+        assert!(in_time < told && told < 1.5 * in_time && untold > 1.5 * told, "{in_time} {told} {untold}");
     }
 }
 
@@ -179,6 +218,7 @@ fn what_cannot_be_followed_or_run_is_refused_with_numbers() {
     assert!(mpc.check(&[0.0, 6.5]).unwrap_err().to_string().contains("reference[1] = 6.5: must lie from -5 to 6"));
     let refused = |settings| Predictive::new(&model(1.0), settings).unwrap_err().to_string();
     assert!(refused(Settings { horizon: 0, ..Settings::default() }).contains("from 1 to 200"));
+    assert!(refused(Settings { late: 21, ..Settings::default() }).starts_with("late = 21: must be at most 20"));
     assert!(refused(Settings { voltage: (30.0, -30.0), ..Settings::default() }).contains("30 to -30"));
     assert!(refused(Settings { move_cost: f64::NAN, ..Settings::default() }).starts_with("move_cost = NaN"));
     let slow = refused(Settings { multiplications_per_second: 1e7, ..Settings::default() });
