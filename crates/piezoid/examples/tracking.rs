@@ -42,7 +42,7 @@ pub(crate) const PATHS: [(&str, f64); 10] = [
 const PEAK: f64 = 800.0;
 
 /// Samples known ahead where not all is.
-const AHEAD: [usize; 4] = [20, 2, 1, 0];
+const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
 
 /// Along which reference tolerances are tried, and their seed.
 pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
@@ -97,13 +97,14 @@ fn code(name: impl std::fmt::Display) -> String {
 
 /// The loops of every feedback with a law.
 fn margins(drives: &[Drive]) -> String {
-    let titles = ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]"];
-    let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?)));
-    let body = figures.map(|(name, m)| {
-        let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz].map(cell);
+    let titles =
+        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "where flattest [Hz]"];
+    let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.bandwidths()?.0)));
+    let body = figures.map(|(name, m, least)| {
+        let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
         row(&[code(name)].into_iter().chain(figures).collect::<Vec<_>>())
     });
-    row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|\n" + &body.collect::<String>()
+    row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
 }
 
 /// What draws of tolerance leave under each scheme.
@@ -111,7 +112,8 @@ fn spreads(drawn: &Comparison) -> String {
     let titles = ["controller", "this plant", "median", "9 of 10", "worst", "unstable"];
     let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| cell(spread.percent_of_stroke(share)));
-        let unstable = format!("{} of {}", spread.unstable(), spread.trials.len());
+        let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
+        let unstable = d.drive.scheme.law.map_or("-".into(), counted);
         let nominal = cell(errors(d)[0]);
         row(&[code(d.name()), nominal].into_iter().chain(shares).chain([unstable]).collect::<Vec<_>>())
     });

@@ -371,7 +371,8 @@ fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
     let row = |d: &piezoid::control::Driven| {
         let spread = d.spread.as_ref()?;
         let shares = [0.5, 0.9, 1.0].map(|share| number(spread.percent_of_stroke(share)));
-        let unstable = format!("{} of {}", spread.unstable(), spread.trials.len());
+        let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
+        let unstable = d.drive.scheme.law.map_or("-".into(), counted);
         Some([d.name()].into_iter().chain(shares).chain([unstable]).collect())
     };
     let rows: Vec<Vec<String>> = compared.driven.iter().filter_map(row).collect();

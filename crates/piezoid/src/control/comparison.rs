@@ -98,6 +98,21 @@ pub fn compare(
     let (Some(first), false) = (drives.first(), wanted.is_empty()) else {
         return Err(Error::parameter("schemes and references", "none", "must be one each at least"));
     };
+    let (ts, units) = (first.model().ts(), first.model().units());
+    for drive in &drives {
+        crate::record::same_sampling("the first model", ts, "another", drive.model().ts())?;
+        let (found, wanted) = (drive.model().units().y.clone(), units.y.clone());
+        if found != wanted {
+            return Err(Error::Units {
+                what: format!("the output of the model of {}", drive.scheme.name()),
+                found,
+                wanted,
+            });
+        }
+    }
+    if let Some(still) = wanted.iter().find(|wanted| wanted.height() <= 0.0) {
+        return Err(Error::parameter("reference", &still.name, "must move: nothing can be told of one that stands"));
+    }
     let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
     let attempt = |drive: &Drive, wanted: &Wanted| -> Result<Attempt, Error> {
         let fed = drive.feed(&plant, &wanted.r)?;
@@ -152,10 +167,10 @@ impl Comparison {
                 "notes": fed.notes,
             }),
         };
-        let spread = |spread: &Spread| {
+        let spread = |d: &Driven, spread: &Spread| {
             json!({
                 "draws": spread.trials.len(),
-                "unstable": spread.unstable(),
+                "unstable": d.drive.scheme.law.map(|_| spread.unstable()),
                 "percent_of_stroke": spread.trials.iter().map(|t| t.tracking.percent_of_stroke).collect::<Vec<_>>(),
             })
         };
@@ -163,8 +178,9 @@ impl Comparison {
             json!({
                 "scheme": d.name(),
                 "margins": d.drive.margins(),
+                "least_bandwidth_hz": d.drive.bandwidths().map(|(least, _)| least),
                 "tracking": self.wanted.iter().zip(&d.attempts).map(|(w, a)| attempt(w, a)).collect::<Vec<_>>(),
-                "tolerance": d.spread.as_ref().map(spread),
+                "tolerance": d.spread.as_ref().map(|s| spread(d, s)),
             })
         };
         let reference =

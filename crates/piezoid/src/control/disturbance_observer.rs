@@ -71,7 +71,7 @@ impl Controller for DisturbanceObserver {
         let (inverse, rest) = x.split_at_mut(self.inverse.order());
         let (q, past) = rest.split_at_mut(self.q.order());
         let feed = now.feed.clamp(low, high);
-        let unexplained = self.inverse.step(inverse, now.r - now.y) + past[self.delay - 1];
+        let unexplained = self.inverse.step(inverse, now.error()) + past[self.delay - 1];
         let u = (feed + self.q.step(q, unexplained)).clamp(low, high);
         past.rotate_right(1);
         past[0] = u - feed;
@@ -88,6 +88,7 @@ pub(super) const ROW: Law = Law {
     name: "disturbance-observer",
     summary: "takes off, low-passed, the voltage that the nominal plant does not explain",
     reference: "Ohnishi, Shibata & Murakami 1996, DOI 10.1109/3516.491410",
+    fed: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let build = |corner: f64, k: f64| DisturbanceObserver::new(path, corner, k);

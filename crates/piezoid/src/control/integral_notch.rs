@@ -69,7 +69,7 @@ impl Controller for IntegralNotch {
 
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
-        let gain = self.ki * self.ts * (now.r - now.y);
+        let gain = self.ki * self.ts * now.error();
         let (integral, mut rest) = x.split_at_mut(1);
         let mut w = integral[0] + gain;
         for notch in &self.notches {
@@ -96,6 +96,7 @@ pub(super) const ROW: Law = Law {
     name: "integral-notch",
     summary: "integral with a notch at each mode that needs one",
     reference: "Abramovitch, Hoen & Workman 2008, DOI 10.1109/ACC.2008.4586898",
+    fed: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let modes = modes(path.linear());

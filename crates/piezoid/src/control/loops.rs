@@ -5,7 +5,7 @@
 //! ```
 //! y_t is what the plant returns for u_t, so that the voltage answers the measurement before: one sample of delay, and d more
 //! where readings come late. The error of a measurement is taken from what was wanted at its instant; a feed-forward that is
-//! exact is thus left alone. Before the first sample the plant rests, unless told otherwise, and is wanted where it is.
+//! exact is thus left alone. Before the first sample the plant has stood for long, and is wanted where it is.
 //!
 //! Reference: none; it is the definition. It does not do: delays of part of a sample, or jitter.
 
@@ -70,18 +70,20 @@ pub struct Course<'a> {
     pub feed: &'a [f64],
     /// Lowest and highest voltage; what lies beyond is clipped [V].
     pub limits: (f64, f64),
+    /// The fastest change of voltage; what is faster is clipped, and infinite where there is no limit [V/s].
+    pub slew: f64,
     /// Samples d by which readings come late.
     pub late: usize,
     /// Samples p of the reference known beyond the present one.
     pub ahead: usize,
-    /// State of the plant before, if it has been on this course already; else it rests.
+    /// State of the plant before, if it has been on this course already; else it has stood at the first feed-forward for long.
     pub before: Option<&'a [f64]>,
 }
 
 impl<'a> Course<'a> {
     /// Readings in time, and a reference known to its end.
     pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
-        Course { r, feed, limits, late: 0, ahead: usize::MAX, before: None }
+        Course { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, before: None }
     }
 }
 
@@ -94,7 +96,7 @@ pub struct Run {
     pub y: Vec<f64>,
     /// The voltages [V].
     pub u: Vec<f64>,
-    /// Samples whose voltage was at a limit.
+    /// Samples whose voltage was at a limit, or clipped.
     pub limited: usize,
 }
 
@@ -126,7 +128,7 @@ pub struct Tracking {
 /// # Errors
 /// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
 pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> Result<Run, Error> {
-    let Course { r, feed, limits, late, ahead, before } = *course;
+    let Course { r, feed, limits, slew, late, ahead, before } = *course;
     super::check(&[], limits)?;
     finite("reference", r)?;
     finite("feed", feed)?;
@@ -135,22 +137,29 @@ pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> 
         let (left, right) = ("the reference".into(), "the feed-forward".into());
         return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed.len() });
     }
-    let (mut x, mut state) = (before.map_or_else(|| plant.initial(), <[f64]>::to_vec), controller.initial());
+    let mut last = feed.first().copied().unwrap_or(0.0).clamp(limits.0, limits.1);
+    let (mut x, mut state) = (before.map_or_else(|| plant.settled(last), <[f64]>::to_vec), controller.settled(last));
     let (mut y, mut u) = (Vec::with_capacity(r.len()), Vec::with_capacity(r.len()));
     let rest = match before {
-        None => plant.step(&mut x.clone(), 0.0),
+        None => plant.step(&mut x.clone(), last),
         Some(_) => r.first().copied().unwrap_or(0.0),
     };
-    for (t, &feed) in feed.iter().enumerate() {
-        let (read, wanted) = t.checked_sub(1 + late).map_or((rest, rest), |t| (y[t], r[t]));
-        let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
-        let now = Now { y: read, r: wanted, feed, ahead: &r[t..known] };
-        u.push(controller.step(&mut state, &now).clamp(limits.0, limits.1));
-        y.push(plant.step(&mut x, u[t]));
-    }
+    let step = slew * plant.ts();
     // An inverse comes as near to a limit as it is exact.
     let near = 1e-6 * (limits.1 - limits.0);
-    let limited = u.iter().filter(|u| **u <= limits.0 + near || **u >= limits.1 - near).count();
+    let mut limited = 0;
+    for (t, &feed) in feed.iter().enumerate() {
+        let (read, wanted) = t.checked_sub(late).and_then(|t| t.checked_sub(1)).map_or((rest, rest), |t| (y[t], r[t]));
+        let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
+        let now = Now { y: read, r: wanted, feed, ahead: &r[t..known] };
+        let asked = controller.step(&mut state, &now);
+        let (low, high) = ((last - step).max(limits.0), (last + step).min(limits.1));
+        // With the slew already above all voltages or below, the end that is nearer.
+        last = if asked.is_finite() { asked.clamp(low.min(limits.1), high.max(limits.0)) } else { last };
+        limited += usize::from(last != asked || last <= limits.0 + near || last >= limits.1 - near);
+        u.push(last);
+        y.push(plant.step(&mut x, last));
+    }
     Ok(Run { r: r.to_vec(), y, u, limited })
 }
 

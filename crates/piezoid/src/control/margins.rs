@@ -45,6 +45,8 @@ pub struct Loop {
     pub slope: (f64, f64),
     /// Lowest and highest voltage [V].
     pub limits: (f64, f64),
+    /// The fastest change of voltage, infinite where there is no limit [V/s]. Margins know nothing of it.
+    pub slew: f64,
     /// Samples d by which readings come late, [`LATEST`] at most.
     pub late: usize,
 }
@@ -65,29 +67,38 @@ pub struct Margins {
 }
 
 impl Loop {
-    /// The loop of a model between the lowest and the highest voltage [V], with readings in time. A driver in the model is left
-    /// out: it is quicker than the margins.
+    /// The loop of a model between the lowest and the highest voltage [V], with readings in time. The slew limit of a driver in the
+    /// model is left out.
     ///
     /// # Errors
-    /// Refuses limits the wrong way round, and a model whose z does not rise with u anywhere.
+    /// Refuses limits the wrong way round.
     pub fn of(model: &Model, limits: (f64, f64)) -> Result<Self, Error> {
         super::check(&[], limits)?;
         let crept: f64 = model.creep().lags().iter().map(|lag| lag.gain.max(0.0)).sum();
         let (least, largest) = slopes(model, limits);
-        let sign = if model.linear().dc_gain() < 0.0 { -1.0 } else { 1.0 };
-        if !(largest > 0.0 && largest.is_finite()) || sign < 0.0 {
-            return Err(Error::Unsuited {
-                what: "controller".into(),
-                because: format!(
-                    "slope {largest} of the hysteresis times gain {} of the linear block is not a positive number: turn the \
-                     sign of y, or identify the model on records that cover {} to {} V",
-                    model.linear().dc_gain(),
-                    limits.0,
-                    limits.1
-                ),
-            });
+        let slope = (least.max(0.0), largest * (1.0 + crept));
+        Ok(Loop { model: model.clone(), slope, limits, slew: f64::INFINITY, late: 0 })
+    }
+
+    /// Refuses a loop that no law with a positive gain closes.
+    pub(super) fn rises(&self) -> Result<(), Error> {
+        let (slope, gain) = (self.slope.1, self.linear().dc_gain());
+        if slope > 0.0 && slope.is_finite() && gain > 0.0 {
+            return Ok(());
         }
-        Ok(Loop { model: model.clone(), slope: (least.max(0.0), largest * (1.0 + crept)), limits, late: 0 })
+        let (low, high) = self.limits;
+        let because = format!(
+            "slope {slope} of the hysteresis times gain {gain} of the linear block is not a positive number: turn the sign of y, or \
+             identify the model on records that cover {low} to {high} V"
+        );
+        Err(Error::Unsuited { what: "controller".into(), because })
+    }
+
+    /// What passes between a voltage and the reading that shows it, beside the linear block [s]: the sample of the loop, d more, and
+    /// the lag of a driver, which delays slow signals by as much.
+    pub(super) fn delay_s(&self) -> f64 {
+        let lag = self.model.driver().map_or(0.0, |driver| driver.lag_s);
+        (1 + self.late) as f64 * self.linear().ts() + lag
     }
 
     /// Its linear block, from z to y.
@@ -99,8 +110,10 @@ impl Loop {
     pub fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
         let grid = grid(&[self.linear(), &law], self.late);
-        let l =
-            open(&grid, self.linear(), slope, self.late).zip(at(&grid, &law)).map(|(g, c)| g * c).collect::<Vec<_>>();
+        let l = open(&grid, self.linear(), slope, self.delay_s())
+            .zip(at(&grid, &law))
+            .map(|(g, c)| g * c)
+            .collect::<Vec<_>>();
         let stable = self.closed(&law, slope).is_ok_and(|t| t.is_stable());
         Some(Margins {
             gain_db: 20.0 * growths(&l).filter(|&k| k > 1.0).fold(f64::INFINITY, f64::min).log10(),
@@ -114,7 +127,7 @@ impl Loop {
     /// |S| under a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
     pub fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
         let law = controller.law()?;
-        let l = open(hz, self.linear(), slope, self.late).zip(at(hz, &law)).map(|(g, c)| g * c);
+        let l = open(hz, self.linear(), slope, self.delay_s()).zip(at(hz, &law)).map(|(g, c)| g * c);
         Some(l.map(|l| 1.0 / (1.0 + l).norm()).collect())
     }
 
@@ -169,14 +182,13 @@ pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
     grid
 }
 
-/// k G(q) q^-(1+d).
+/// k G(q), `after` [s] later.
 pub(super) fn open<'a>(
     grid: &'a [f64],
     linear: &'a Arx,
     slope: f64,
-    late: usize,
+    after: f64,
 ) -> impl Iterator<Item = Complex<f64>> + 'a {
-    let after = (1 + late) as f64 * linear.ts();
     at(grid, linear).zip(grid).map(move |(g, hz)| g * Complex::from_polar(slope, -std::f64::consts::TAU * hz * after))
 }
 
@@ -242,7 +254,7 @@ pub(super) mod tests {
     pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> Loop {
         let rises = crate::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
         let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
-        Loop { model, slope, limits: (-30.0, 30.0), late: 0 }
+        Loop { model, slope, limits: (-30.0, 30.0), slew: f64::INFINITY, late: 0 }
     }
 
     fn path(linear: Arx) -> Loop {
@@ -318,7 +330,7 @@ pub(super) mod tests {
         let path = Loop::of(&model, (-30.0, 30.0)).unwrap();
         assert_close(&[path.slope.0, path.slope.1], &[low, 1.1 * high], 1e-12, 0.0);
         let turned = Model::new((plays.example)(TS).unwrap(), Arx::gain(TS, -1.0).unwrap(), 0.0).unwrap();
-        assert!(Loop::of(&turned, (-30.0, 30.0)).unwrap_err().to_string().contains("turn the sign"));
+        assert!(Loop::of(&turned, (-30.0, 30.0)).unwrap().rises().unwrap_err().to_string().contains("turn the sign"));
         assert!(Loop::of(&turned, (30.0, -30.0)).is_err());
     }
 }

@@ -60,6 +60,13 @@ pub struct Now<'a> {
     pub ahead: &'a [f64],
 }
 
+impl Now<'_> {
+    /// r - y; none where the reading is no number, so that it leaves the state alone.
+    fn error(&self) -> f64 {
+        Some(self.r - self.y).filter(|e| e.is_finite()).unwrap_or(0.0)
+    }
+}
+
 /// A discrete-time controller: immutable data, with the state kept by the caller, as in [`System`](crate::System).
 pub trait Controller: Debug + Send + Sync {
     /// Sampling period [s].
@@ -71,6 +78,11 @@ pub trait Controller: Debug + Send + Sync {
     /// The state before the first sample.
     fn initial(&self) -> Vec<f64> {
         vec![0.0; self.order()]
+    }
+
+    /// The state after the voltage `u` [V] has stood for long.
+    fn settled(&self, _u: f64) -> Vec<f64> {
+        self.initial()
     }
 
     /// One sample: advances the state `x` and returns the voltage u [V]. It allocates nothing.
@@ -92,6 +104,8 @@ pub struct Law {
     pub summary: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
+    /// Whether it adds to a feed-forward.
+    pub fed: bool,
     /// The strongest that meets the target, of the largest integral gain, where there is a law. Refused where the loop leaves none.
     pub tune: Tune,
 }
@@ -128,11 +142,11 @@ pub fn controller(name: &str) -> Result<&'static Law, Error> {
     CONTROLLERS.iter().find(|c| c.name == name).ok_or_else(|| Error::unknown("controller", name, known()))
 }
 
-/// Refuses gains that are no numbers and voltages without room between them.
+/// Refuses gains that are no numbers or negative, and voltages without room between them.
 fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
     for (name, value) in gains {
-        if !value.is_finite() {
-            return Err(Error::parameter(*name, value, "must be a finite number"));
+        if !(value.is_finite() && *value >= 0.0) {
+            return Err(Error::parameter(*name, value, "must be a finite number, 0 or more"));
         }
     }
     if limits.0 < limits.1 && limits.0.is_finite() && limits.1.is_finite() {
@@ -190,6 +204,15 @@ mod tests {
                 // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
                 assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
             }
+        }
+    }
+
+    #[test]
+    fn a_reading_that_is_no_number_is_left_out() {
+        for (kind, c) in tuned(0) {
+            let mut x = c.initial();
+            let lost = |t| Now { y: if t % 5 == 3 { f64::NAN } else { 1.0 }, r: 1.5, feed: 0.0, ahead: &[1.5] };
+            assert!((0..60).all(|t| c.step(&mut x, &lost(t)).is_finite()), "{}", kind.name);
         }
     }
 

@@ -56,7 +56,7 @@ impl Controller for Pi {
 
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
-        let (e, ki) = (now.r - now.y, self.ki * self.ts);
+        let (e, ki) = (now.error(), self.ki * self.ts);
         x[0] += ki * e;
         let v = now.feed.clamp(low, high) + self.kp * e + x[0];
         let u = v.clamp(low, high);
@@ -74,6 +74,7 @@ pub(super) const ROW: Law = Law {
     name: "pi",
     summary: "proportional and integral, with anti-windup by back-calculation",
     reference: "Astrom & Rundqwist 1989, DOI 10.23919/ACC.1989.4790464",
+    fed: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         // k_p / k_i, from none to a twentieth of a second.

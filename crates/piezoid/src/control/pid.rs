@@ -80,7 +80,7 @@ impl Controller for Pid {
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
         let (keeps, takes) = self.derivative();
-        let e = now.r - now.y;
+        let e = now.error();
         x[1] = keeps * x[1] + takes * (e - x[2]);
         x[2] = e;
         let integral = x[0] + self.gains.ki * self.ts * e;
@@ -104,6 +104,7 @@ pub(super) const ROW: Law = Law {
     name: "pid",
     summary: "proportional, integral and filtered derivative, with anti-windup by conditional integration",
     reference: "Astrom & Hagglund 2006, ISBN 978-1-55617-942-6",
+    fed: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let times = || std::iter::once(0.0).chain(spread(0.1 * ts, 30.0 * ts, 12));

@@ -64,7 +64,7 @@ impl Controller for PositivePosition {
 
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
         let (low, high) = self.limits;
-        let e = now.r - now.y;
+        let e = now.error();
         let gain = self.ki * self.ts * e;
         let p = self.resonator.step(&mut x[1..], e);
         let v = now.feed.clamp(low, high) + x[0] + gain - self.gain * p;
@@ -86,6 +86,7 @@ pub(super) const ROW: Law = Law {
     name: "positive-position",
     summary: "integral beside positive position feedback that damps the first mode",
     reference: "Fanson & Caughey 1990, DOI 10.2514/3.10451",
+    fed: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let low = modes(path.linear()).into_iter().map(|m| m.0).fold(f64::INFINITY, f64::min);

@@ -3,7 +3,7 @@
 //! Every value of a draw is its value times a number drawn evenly from 1 - share to 1 + share: stiffness, density (which together
 //! are the frequency), the damping of each mode, displacement, width of the loop, creep, capacitance and lag of the driver.
 //! After the reference its last value is held for half a second; a loop that then still swings, by more than a hundredth
-//! of the reference's height, is unstable, whatever limits bound it.
+//! of the reference's height, is unstable, whatever limits bound it; so is feedback that has not come within a tenth of it.
 //!
 //! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: values that depend on each other, or on temperature.
 
@@ -24,8 +24,10 @@ const WATCHED: f64 = 0.1;
 /// Draws between two reports of progress.
 const AT_ONCE: usize = 8;
 
-/// Swing that remains, as a share of the reference's height, above which a loop is unstable.
+/// Swing that remains, and distance of a feedback from what is wanted, as shares of the reference's height, above which a loop
+/// is unstable.
 const SWINGS: f64 = 0.01;
+const ARRIVED: f64 = 0.1;
 
 /// How much, how often, and from which seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,9 +115,12 @@ fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result
     let mut fed = drive.feed(&plant, r)?;
     fed.u = held(&fed.u);
     let mut done = drive.run(&plant, &held(r), &fed)?;
-    let (low, high) = ends(done.y[done.y.len() - (WATCHED / plant.ts()) as usize..].iter().copied());
-    let (bottom, top) = ends(r.iter().copied());
-    let stable = high - low <= SWINGS * (top - bottom);
+    let watched = &done.y[done.y.len() - (WATCHED / plant.ts()) as usize..];
+    let ((low, high), (bottom, top)) = (ends(watched.iter().copied()), ends(r.iter().copied()));
+    // Feedback that integrates comes to what is wanted; a loop stuck at a limit, or no number, does not.
+    let off = (0.5 * (low + high) - r.last().copied().unwrap_or(0.0)).abs();
+    let arrived = drive.scheme.law.is_none() || off <= ARRIVED * (top - bottom);
+    let stable = watched.iter().all(|y| y.is_finite()) && high - low <= SWINGS * (top - bottom) && arrived;
     for series in [&mut done.r, &mut done.y, &mut done.u] {
         series.truncate(r.len());
     }

@@ -64,6 +64,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it anew, with another order"));
     }
+    path.rises()?;
     let bench = Bench::new(path, target)?;
     let mut best: Option<(f64, S, f64)> = None;
     for shape in shapes {
@@ -97,7 +98,7 @@ impl Bench {
         let shifts: &[f64] = if d > 0.0 { &[0.0, -1.0, -0.67, -0.33, 0.33, 0.67, 1.0] } else { &[0.0] };
         let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
         let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.late);
-        let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.late).collect()).collect();
+        let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.delay_s()).collect()).collect();
         Ok(Bench { grid, plants })
     }
 
@@ -198,7 +199,7 @@ mod tests {
         for (_, controller, law) in lawful(&path) {
             // Where |L| is 1 for the last time: the least delay that any margin stands for.
             let grid = grid(&[path.linear(), &law], 0);
-            let plant = open(&grid, path.linear(), path.slope.1, 0);
+            let plant = open(&grid, path.linear(), path.slope.1, path.delay_s());
             let l: Vec<_> = plant.zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
             let last = grid[l.iter().rposition(|l| l.norm() >= 1.0).unwrap()];
             let samples = (45.0 / 360.0 / last / TS).floor() as usize;

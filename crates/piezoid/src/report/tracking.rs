@@ -154,7 +154,7 @@ fn learning(compared: &Comparison) -> Option<Section> {
         let percent: Vec<f64> = trials.iter().map(|rms| 100.0 * rms / height).collect();
         axes.with(Series::marked(&n, &percent).role(Role::accent(k)).named(name.clone()))
     });
-    let caption = "Trial 0 is the feed-forward. One that is worse than the best is taken back.";
+    let caption = "Trial 0 is the feed-forward. One twice as bad as the best is taken back.";
     Some(Section::new("Learning").figure(Figure::new("Error by trial", caption).panel(axes)))
 }
 
@@ -165,7 +165,8 @@ fn spread(compared: &Comparison) -> Option<Section> {
     let table = table.number("draws").number("unstable");
     let table = drawn.iter().fold(table, |table, (d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| short(spread.percent_of_stroke(share)));
-        let counts = [spread.trials.len(), spread.unstable()].map(|n| n.to_string());
+        let unstable = d.drive.scheme.law.map_or("–".into(), |_| spread.unstable().to_string());
+        let counts = [spread.trials.len().to_string(), unstable];
         table.row([d.name()].into_iter().chain(shares).chain(counts).collect::<Vec<_>>())
     });
     let axes = Axes::new(Axis::log("rms error [% of the height]"), "share of the draws [%]");

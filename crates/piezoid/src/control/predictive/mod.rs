@@ -189,18 +189,6 @@ impl Predictive {
         (a.min(b), a.max(b))
     }
 
-    /// The state after the voltage `u` has stood for a long time.
-    pub fn settled(&self, u: f64) -> Vec<f64> {
-        let z = self.model.settled_hidden(u);
-        let mut x = vec![0.0; self.order()];
-        let parts = self.layout().parts(&mut x);
-        parts.s.copy_from_slice(&self.plant.settled(self.model.creep(), self.model.linear(), z));
-        parts.unread.fill(self.predicted(parts.s, z));
-        parts.last.copy_from_slice(&[z, u]);
-        parts.model.copy_from_slice(&self.model.settled(u));
-        x
-    }
-
     fn layout(&self) -> Layout {
         let program = &self.horizon.program;
         Layout {
@@ -315,6 +303,17 @@ impl Controller for Predictive {
         self.settled(0.0)
     }
 
+    fn settled(&self, u: f64) -> Vec<f64> {
+        let z = self.model.settled_hidden(u);
+        let mut x = vec![0.0; self.order()];
+        let parts = self.layout().parts(&mut x);
+        parts.s.copy_from_slice(&self.plant.settled(self.model.creep(), self.model.linear(), z));
+        parts.unread.fill(self.predicted(parts.s, z));
+        parts.last.copy_from_slice(&[z, u]);
+        parts.model.copy_from_slice(&self.model.settled(u));
+        x
+    }
+
     /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands, and
     /// without any z. A reading that is not finite is left out, and so is such a sample of the reference; one that is wildly off
     /// counts as ten strokes off. The feed-forward is not asked for.
@@ -331,8 +330,10 @@ pub(super) const ROW: Law = Law {
     name: "predictive",
     summary: "plans 20 samples ahead on the whole model, within its limits; needs no feed-forward",
     reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
+    fed: false,
     tune: |path, _| {
-        let settings = Settings { voltage: path.limits, late: path.late, ..Settings::default() };
+        let slew = Some(path.slew).filter(|slew| slew.is_finite());
+        let settings = Settings { voltage: path.limits, slew, late: path.late, ..Settings::default() };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },
 };
