@@ -60,8 +60,8 @@ const CARRIED: f64 = 6.0;
 
 /// The controller of a model.
 ///
-/// State, in this order: what the observer makes of the model, and of the readings that have not come yet; the last z and u; the model's; then the buffers of
-/// its steps, among them the multipliers that it begins with next time.
+/// State, in this order: what the observer makes of the model, and of the readings that have not come yet; the last z and u;
+/// the model's; then the buffers of its steps, among them the multipliers that it begins with next time.
 ///
 /// ```
 /// use piezoid::control::{Controller, Now, predictive::{Predictive, Settings}};
