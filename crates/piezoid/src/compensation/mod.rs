@@ -26,7 +26,7 @@ pub use sample::Causal;
 use crate::error::{Error, finite};
 use crate::excitation::{Limits, Usage};
 use crate::hammerstein::{Domain, Model};
-use crate::hysteresis::{Inverted, between, falls};
+use crate::hysteresis::falls;
 use crate::number::{round, short};
 use crate::series::ends;
 use crate::system::System;
@@ -191,7 +191,7 @@ impl FeedForward {
         let mut wanted = self.preview.fir().whole(&self.going_on(r));
         wanted.truncate(r.len());
         let held = (first - offset) / self.model.linear().dc_gain();
-        let start = self.start(first);
+        let start = self.model.holding(first, self.ends);
         let mut best = self.back(&wanted, start.u);
         if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.how.clip {
             return Err(self.unreachable(r, 0));
@@ -236,12 +236,6 @@ impl FeedForward {
         let last = r.last().copied().unwrap_or_default();
         let after = r.iter().rev().skip(1).map(|r| 2.0 * last - r).take(ahead);
         r.iter().copied().chain(after).map(|r| r - self.model.offset()).collect()
-    }
-
-    /// The input that holds the displacement `r` for long, or the nearest allowed, and what creep puts out then.
-    fn start(&self, r: f64) -> Inverted {
-        let held = (r - self.model.offset()) / self.model.linear().dc_gain();
-        between(self.ends, held, |u| self.model.settled_crept(u))
     }
 
     /// Back from what creep is to put out to the input, from the model settled at `start`.

@@ -103,7 +103,7 @@ impl System for Causal {
     /// The state after the reference `r` [output unit], or the nearest within reach, has stood for long.
     fn settled(&self, r: f64) -> Vec<f64> {
         let model = self.inverse.model();
-        let start = self.inverse.start(r);
+        let start = model.holding(r, self.inverse.ends);
         self.state(start.u, r, model.settled(start.u))
     }
 

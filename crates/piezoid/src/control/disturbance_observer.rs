@@ -6,8 +6,8 @@
 //! ```
 //! F e is the voltage that the error stands for by the nominal plant, w_{t-d} what was given then; where Q is 1 their
 //! difference is the disturbance, and w undoes it. A(q) is a notch at every pole of the model. d is the delay at rest of the
-//! numerator, the sample of the loop and the l by which readings come late. Q is a lag of second order, critically damped. It needs no guard against windup: w is
-//! what the limits let through.
+//! numerator, the sample of the loop and the l by which readings come late. Q is a lag of second order, critically damped. It
+//! needs no guard against windup: w is what the limits let through.
 //!
 //! Reference: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatron. 1, 56 (1996), DOI 10.1109/3516.491410. It does not
 //! do: the inverse of the numerator, whose zeros may lie anywhere.

@@ -76,14 +76,16 @@ pub struct Course<'a> {
     pub late: usize,
     /// Samples p of the reference known beyond the present one.
     pub ahead: usize,
-    /// State of the plant before, if it has been on this course already; else it has stood at the first feed-forward for long.
+    /// Voltage that has stood before for long [V].
+    pub start: f64,
+    /// State of the plant before, if it has been on this course already.
     pub before: Option<&'a [f64]>,
 }
 
 impl<'a> Course<'a> {
-    /// Readings in time, and a reference known to its end.
+    /// From rest at 0 V, with readings in time and a reference known to its end.
     pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
-        Course { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, before: None }
+        Course { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, start: 0.0, before: None }
     }
 }
 
@@ -128,7 +130,7 @@ pub struct Tracking {
 /// # Errors
 /// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
 pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> Result<Run, Error> {
-    let Course { r, feed, limits, slew, late, ahead, before } = *course;
+    let Course { r, feed, limits, slew, late, ahead, start, before } = *course;
     super::check(&[], limits)?;
     finite("reference", r)?;
     finite("feed", feed)?;
@@ -137,7 +139,7 @@ pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> 
         let (left, right) = ("the reference".into(), "the feed-forward".into());
         return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed.len() });
     }
-    let mut last = feed.first().copied().unwrap_or(0.0).clamp(limits.0, limits.1);
+    let mut last = start.clamp(limits.0, limits.1);
     let (mut x, mut state) = (before.map_or_else(|| plant.settled(last), <[f64]>::to_vec), controller.settled(last));
     let (mut y, mut u) = (Vec::with_capacity(r.len()), Vec::with_capacity(r.len()));
     let rest = match before {

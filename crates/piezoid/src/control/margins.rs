@@ -3,12 +3,11 @@
 //! ```text
 //! L = C(q) k G(q) q^-(1+d),    S = 1 / (1 + L),    Ms = max |S|
 //! ```
-//! q^-1 is the sample between a measurement and the voltage that answers it, d how many more readings come late. k is the slope dz/du of the hysteresis block, which
-//! differs from place to place of a loop and within minor ones; margins hold where they hold for the largest. Creep adds
-//! to a slow slope at most the sum of its gains, and the largest slope here includes it. Frequency responses are taken on a
-//! logarithmic grid that is finer around every mode, and where late readings turn the phase; between its points L is a
-//! chord. Whether the loop is stable is asked of its
-//! poles, which have no grid.
+//! q^-1 is the sample between a measurement and the voltage that answers it, d how many samples later readings come. k is the
+//! slope dz/du of the hysteresis block, which differs from place to place of a loop and within minor ones; margins hold where
+//! they hold for the largest. Creep adds to a slow slope at most the sum of its gains, and the largest slope here includes it.
+//! Frequency responses are taken on a logarithmic grid that is finer around every mode, and where late readings turn the
+//! phase; between its points L is a chord. Whether the loop is stable is asked of its poles, which have no grid.
 //!
 //! Reference: K. J. Astrom, R. M. Murray, Feedback Systems, 2008, ISBN 978-0-691-13576-2, chapter 9. It does not do: limit
 //! cycles, the time-varying slope as such (see the circle criterion), delays of part of a sample.

@@ -367,13 +367,14 @@ impl Drive {
         (self.scheme.feed.make)(&Asked { model: self.model(), how: self.how, r, ahead: self.ahead, plant })
     }
 
-    /// Drives `plant` along `r` [output unit] with this feed-forward: from rest, or from where its trials left it.
+    /// Drives `plant` along `r` [output unit] with this feed-forward: from what holds the first of `r` by the model, or from where its trials left it.
     ///
     /// # Errors
     /// As [`run`].
     pub fn run(&self, plant: &dyn System, r: &[f64], fed: &Fed) -> Result<Run, Error> {
         let (limits, late, ahead, before) = (self.path.limits, self.path.late, self.ahead, fed.after.as_deref());
-        let course = Course { r, feed: &fed.u, limits, slew: self.path.slew, late, ahead, before };
+        let start = r.first().map_or(0.0, |r| self.model().holding(*r, limits).u);
+        let course = Course { r, feed: &fed.u, limits, slew: self.path.slew, late, ahead, start, before };
         run(plant, &*self.controller, &course)
     }
 }

@@ -48,6 +48,12 @@ impl Model {
         Inverted { u, z: self.step_crept(x, u) }
     }
 
+    /// The input between `ends` that holds the output `y` for long, or the nearest to it.
+    pub(crate) fn holding(&self, y: f64, ends: (f64, f64)) -> Inverted {
+        let held = (y - self.offset) / self.linear.dc_gain();
+        between(ends, held, |u| self.settled_crept(u))
+    }
+
     /// What creep puts out where `u` has stood for long.
     pub(crate) fn settled_crept(&self, u: f64) -> f64 {
         self.step_crept(&mut self.settled(u), u)
