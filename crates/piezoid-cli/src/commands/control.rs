@@ -232,6 +232,13 @@ impl Control {
     }
 
     fn remarks(&self, compared: &Comparison, console: &Console) {
+        if let Some(hz) = compared.driven[0].drive.known_hz() {
+            console.remark(&format!(
+                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it on a PRBS too for \
+                 a faster one",
+                number(hz)
+            ));
+        }
         let mut told = Vec::new();
         for d in &compared.driven {
             for (wanted, attempt) in compared.wanted.iter().zip(&d.attempts) {

@@ -32,6 +32,9 @@ const TURN: usize = 32;
 /// Samples by which readings may come late, at most, for a controller to be tuned.
 pub const LATEST: usize = 20;
 
+/// Share of the sampling rate up to which all must be known for nothing to lie beyond.
+const KNOWN: f64 = 0.4;
+
 /// Samples of each way on which the slope is taken.
 const LEG: usize = 200;
 
@@ -91,6 +94,12 @@ impl Loop {
              identify the model on records that cover {low} to {high} V"
         );
         Err(Error::Unsuited { what: "controller".into(), because })
+    }
+
+    /// The highest frequency that its model was identified at, if it is known and some lie beyond [Hz].
+    pub fn known_hz(&self) -> Option<f64> {
+        let [_, high] = self.model.identified()?.hz?;
+        Some(high).filter(|high| *high < KNOWN / self.linear().ts())
     }
 
     /// What passes between a voltage and the reading that shows it, beside the linear block [s]: the sample of the loop, d more, and

@@ -359,6 +359,11 @@ impl Drive {
         }
     }
 
+    /// The highest frequency that the model was identified at, if some lie beyond [Hz].
+    pub fn known_hz(&self) -> Option<f64> {
+        self.path.known_hz()
+    }
+
     /// The feed-forward for `r` [output unit]; `plant` gives its output in the same unit.
     ///
     /// # Errors

@@ -2,11 +2,13 @@
 //!
 //! ```text
 //! max  k_i = lim |C(exp(j w Ts))| w  for w to 0,    over the shapes of a kind and the factor on each,
-//! so that  gain margin >= gain_db  for every detuning of the modes,  and  phase margin >= phase_deg
+//! so that  gain margin >= gain_db  for every detuning of the modes,  and  phase margin >= phase_deg,
+//! and      |C| k |G(0)| 20 <= 10^(-gain_db / 20)  at frequencies beyond those the model was identified at
 //! ```
 //! at the largest slope. The integral gain is what a slow disturbance (hysteresis, creep, drift) is divided by. L is
 //! proportional to the factor and the plant stable, so that the loop is stable from 0 up to the first factor that leads L
-//! through -1: the gain margin is one from that, and no other count of Nyquist's is needed.
+//! through -1: the gain margin is one from that, and no other count of Nyquist's is needed. Where no record has been there may be a
+//! mode: a model of a 5 Hz sine alone gives a slow loop, not one that sets off the resonance it has not seen.
 //!
 //! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9. It
 //! does not do: the best shape to the last digit; shapes come from lists.
@@ -22,6 +24,9 @@ use std::f64::consts::TAU;
 /// A step down in search of the phase margin: 0.25 dB, and how many there are.
 const STEP: f64 = 0.971_627_951_577_106;
 const STEPS: i32 = 200;
+
+/// How many times the gain at rest a mode may answer with that no record has shown: of a damping of 0.025.
+const UNSEEN: f64 = 20.0;
 
 /// A mode that rings: damping ratios below this are detuned.
 const RINGS: f64 = 0.3;
@@ -89,6 +94,9 @@ fn integral_gain(law: &Arx) -> f64 {
 /// The plants that a law must bear, as responses on one grid; the model as it is comes first.
 struct Bench {
     grid: Vec<f64>,
+    /// Frequencies beyond what is known [Hz], and k G there at most.
+    beyond: f64,
+    unseen: f64,
     plants: Vec<Vec<Complex<f64>>>,
 }
 
@@ -99,7 +107,8 @@ impl Bench {
         let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
         let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.late);
         let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.delay_s()).collect()).collect();
-        Ok(Bench { grid, plants })
+        let unseen = UNSEEN * path.slope.1 * path.linear().dc_gain();
+        Ok(Bench { grid, beyond: path.known_hz().unwrap_or(f64::INFINITY), unseen, plants })
     }
 
     /// The largest factor on `law` that keeps the target.
@@ -108,6 +117,8 @@ impl Bench {
         let l = |plant: &[Complex<f64>], k: f64| c.iter().zip(plant).map(|(c, g)| c * g * k).collect::<Vec<_>>();
         let first =
             self.plants.iter().flat_map(|p| growths(&l(p, 1.0)).collect::<Vec<_>>()).fold(f64::INFINITY, f64::min);
+        let beyond = self.grid.iter().zip(&c).filter(|(hz, _)| **hz > self.beyond);
+        let first = beyond.map(|(_, c)| 1.0 / (self.unseen * c.norm())).fold(first, f64::min);
         let most = first * 10f64.powf(-target.gain_db / 20.0);
         let nominal = l(self.plants.first()?, most);
         // An infinite margin is that of a loop too weak for its crossover to lie on the grid.
@@ -156,6 +167,7 @@ mod tests {
     use super::super::margins::tests::path_of;
     use super::super::{CONTROLLERS, Course, Law, run};
     use super::*;
+    use crate::hammerstein::Domain;
     use crate::testing::assert_close;
 
     use std::sync::Arc;
@@ -219,6 +231,24 @@ mod tests {
         };
         let pi = gain("pi");
         assert!(gain("integral-notch") > 1.5 * pi && gain("positive-position") > 1.5 * pi, "{pi}");
+    }
+
+    #[test]
+    fn a_model_that_knows_only_slow_motion_gives_a_loop_that_bears_a_resonance_it_has_not_seen() {
+        // A gain by the model, identified up to 5 Hz; in truth a mode at 160 Hz.
+        let slow = path_of(Arx::gain(TS, 0.9).unwrap(), (30.0, 40.0));
+        let known = Domain { u: [-30.0, 30.0], hz: Some([5.0, 5.0]), slew: 1e3, mean: [0.0, 0.0] };
+        let seen = Loop { model: slow.model.clone().with_identified(known), ..slow.clone() };
+        let truth = path_of(filters::lag(TS, 160.0, 0.03).unwrap(), (30.0, 40.0));
+        let stable = |path: &Loop| {
+            let tuned = CONTROLLERS.iter().filter_map(|kind| (kind.tune)(path, &Target::default()).ok()?.law());
+            tuned.map(|law| truth.closed(&law, 36.0).unwrap().is_stable()).collect::<Vec<bool>>()
+        };
+        assert!(seen.known_hz() == Some(5.0) && slow.known_hz().is_none());
+        assert!(stable(&seen).len() >= 3 && stable(&seen).iter().all(|s| *s) && stable(&slow).iter().any(|s| !*s));
+        let predictive = super::super::controller("predictive").unwrap().tune;
+        let refused = predictive(&seen, &Target::default()).unwrap_err().to_string();
+        assert!(refused.contains("identified up to 5") && refused.contains("PRBS"), "{refused}");
     }
 
     #[test]

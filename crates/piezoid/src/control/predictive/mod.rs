@@ -39,6 +39,7 @@ use crate::error::{Error, finite};
 use crate::hammerstein::Model;
 use crate::hysteresis::falls;
 use crate::linear::Arx;
+use crate::number::short;
 use crate::system::System;
 use condensed::Ended;
 use horizon::Horizon;
@@ -330,12 +331,23 @@ impl Controller for Predictive {
     }
 }
 
+/// Share of the sampling rate up to which a model must be known to be planned on.
+const KNOWN: f64 = 0.05;
+
 pub(super) const ROW: Law = Law {
     name: "predictive",
     summary: "plans 20 samples ahead on the whole model, within its limits; needs no feed-forward",
     reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
     fed: false,
     tune: |path, _| {
+        if let Some(known) = path.known_hz().filter(|known| *known < KNOWN / path.linear().ts()) {
+            let because = format!(
+                "it was identified up to {} Hz and knows nothing of a resonance beyond, which a plan would set off: identify it on a \
+                 PRBS too",
+                short(known)
+            );
+            return Err(Error::Unsuited { what: "predictive control".into(), because });
+        }
         let slew = Some(path.slew).filter(|slew| slew.is_finite());
         let usual = Settings::default();
         // A late reading is carried on by a model that errs: it counts for less.
