@@ -16,6 +16,7 @@
 
 mod comparison;
 mod disturbance_observer;
+mod feeds;
 mod filters;
 mod integral_notch;
 mod loops;
@@ -31,6 +32,7 @@ mod tune;
 
 pub use comparison::{Attempt, Comparison, Driven, Wanted, compare};
 pub use disturbance_observer::DisturbanceObserver;
+pub use feeds::{Asked, FEEDS, Fed, Feed, feed};
 pub use integral_notch::IntegralNotch;
 pub use loops::{Course, Run, Scaled, Tracking, run};
 pub use margins::{LATEST, Loop, Margins};
@@ -38,7 +40,7 @@ pub use pi::Pi;
 pub use pid::{Gains, Pid};
 pub use positive_position::PositivePosition;
 pub use references::{REFERENCES, Reference, reference};
-pub use schemes::{Asked, Drive, FEEDS, Fed, Feed, Scheme, feed};
+pub use schemes::{Drive, Scheme};
 pub use tolerance::{Spread, Tolerance, Trial, trials};
 pub use tune::Target;
 

@@ -1,192 +1,18 @@
 //! Schemes: a feed-forward, and a controller on top of it, written `feed-forward+pi`.
 //!
-//! ```text
-//! gain           u_t = k (r_{t+s} - r_mean) + u_0     k, u_0 and s of least error over the model's own answer to it
-//! feed-forward   u = model^-1 (r)             all of r known, or as many samples ahead as are told
-//! learning       u_j+1 from r - y_j           tried on the plant itself, of references that repeat
-//! ```
 //! What names no feed-forward has `gain`, what names no controller is open. So `gain` is what one does without a model but for its
-//! gain, `pi` a feedback on that, `feed-forward` the inverse alone. `gain` is as good as a straight line can be for this very
-//! reference, shifted by as many samples as are known ahead and help: what others gain over it is not owed to a poor line.
+//! gain, `pi` a feedback on that, `feed-forward` the inverse alone.
 //!
 //! Reference: as the parts. It does not do: two feed-forwards or two controllers at once.
 
+use super::feeds::{Asked, FEEDS, Fed, Feed};
 use super::{CONTROLLERS, Controller, Course, Law, Loop, Margins, Now, Run, Target, controller, run};
-use crate::compensation::{Causal, FeedForward, How, Learning, learn};
+use crate::compensation::{FeedForward, How};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::linear::Arx;
-use crate::series::{mean, scatter};
 use crate::system::System;
-use crate::waveform::period;
 use std::sync::Arc;
-
-/// How long a trial is repeated before it is looked at, and how long it is then averaged, both in whole periods [s].
-const SETTLES: f64 = 0.25;
-
-/// How often the straight line is corrected: its gain depends on the height of the loop.
-const STRAIGHTENED: usize = 4;
-
-/// How many samples the straight line may look ahead.
-const SHIFT: usize = 8;
-
-/// How far ahead is as good as all [samples]: what the inverse for whole references looks ahead.
-const ALL: usize = 64;
-
-/// What a feed-forward is made for.
-#[derive(Debug, Clone, Copy)]
-pub struct Asked<'a> {
-    /// The model.
-    pub model: &'a Model,
-    /// Limits and whether to clip.
-    pub how: How,
-    /// What is wanted [output unit].
-    pub r: &'a [f64],
-    /// Samples of it known beyond the present one.
-    pub ahead: usize,
-    /// The plant, for those that try.
-    pub plant: &'a dyn System,
-}
-
-/// A feed-forward, and how it came about.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Fed {
-    /// The voltages, one a sample of the reference [V].
-    pub u: Vec<f64>,
-    /// Rms error of each trial, if there were any [output unit].
-    pub trials: Vec<f64>,
-    /// State of the plant after them.
-    pub after: Option<Vec<f64>>,
-    /// What is worth knowing, one sentence each.
-    pub notes: Vec<String>,
-}
-
-/// One kind of feed-forward: a row of [`FEEDS`].
-#[derive(Clone, Copy)]
-pub struct Feed {
-    /// As users write it.
-    pub name: &'static str,
-    /// One line.
-    pub summary: &'static str,
-    /// Where it comes from.
-    pub reference: &'static str,
-    /// Makes it. Refused where the reference cannot be reached, or where it does not repeat and has to.
-    pub make: fn(&Asked) -> Result<Fed, Error>,
-}
-
-impl std::fmt::Debug for Feed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Feed").field(&self.name).finish()
-    }
-}
-
-/// The feed-forwards there are; the first is taken where none is named.
-pub static FEEDS: &[Feed] = &[
-    Feed {
-        name: "gain",
-        summary: "a straight line from displacement to voltage: no compensation",
-        reference: "least squares",
-        make: line,
-    },
-    Feed {
-        name: "feed-forward",
-        summary: "the inverse of the model",
-        reference: "Kuhnen 2003, DOI 10.3166/ejc.9.407-418",
-        make: inverse,
-    },
-    Feed {
-        name: "learning",
-        summary: "the inverse, corrected by ten trials on the plant; for references that repeat",
-        reference: "Bristow, Tharayil & Alleyne 2006, DOI 10.1109/MCS.2006.1636313",
-        make: learnt,
-    },
-];
-
-/// First through the ends of the loop, then by what the model answers.
-fn line(asked: &Asked) -> Result<Fed, Error> {
-    let Asked { model, r, ahead, .. } = *asked;
-    let (low, high) = asked.how.ends(model)?;
-    let gain = model.linear().dc_gain() * (model.settled_crept(high) - model.settled_crept(low)) / (high - low);
-    if !(gain.is_finite() && gain != 0.0) {
-        let because = format!("its gain from end to end is {gain}");
-        return Err(Error::Unsuited { what: "straight line".into(), because });
-    }
-    crate::error::finite("reference", r)?;
-    let (middle, last) = (mean(r), r.last().copied().unwrap_or(0.0));
-    let along = |k: f64, u_0: f64, shift: usize| {
-        let later = r.iter().skip(shift).copied().chain(std::iter::repeat_n(last, shift.min(r.len())));
-        later.map(|r| k * (r - middle) + u_0).collect::<Vec<f64>>()
-    };
-    let left = |y: &[f64]| y.iter().zip(r).map(|(y, r)| (r - y) * (r - y)).sum::<f64>();
-    let fitted = |shift: usize| {
-        let (mut k, mut u_0) = (1.0 / gain, 0.5 * (low + high));
-        let answer = |u: &[f64]| model.resume(&mut model.settled(u.first().copied().unwrap_or(0.0)), u);
-        for _ in 0..STRAIGHTENED {
-            let y = answer(&along(k, u_0, shift));
-            let (centre, moved) = (mean(&y), scatter(&y));
-            let together: f64 = y.iter().zip(r).map(|(y, r)| (y - centre) * (r - middle)).sum();
-            if moved > 0.0 && together > 0.0 {
-                k *= together / moved;
-            }
-            u_0 += (middle - centre) / gain;
-        }
-        let u = along(k, u_0, shift);
-        (left(&answer(&u)), u)
-    };
-    let shifts = (0..=ahead.min(SHIFT)).map(fitted);
-    let best = shifts.min_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(Fed { u: best.map(|(_, u)| u).unwrap_or_default(), ..Fed::default() })
-}
-
-fn inverse(asked: &Asked) -> Result<Fed, Error> {
-    let Asked { model, how, r, ahead, .. } = *asked;
-    if ahead >= ALL {
-        let made = FeedForward::new(model, how)?.whole(r)?;
-        return Ok(Fed { u: made.u, notes: made.notes, ..Fed::default() });
-    }
-    crate::error::finite("reference", r)?;
-    let Some(&last) = r.last() else { return Ok(Fed::default()) };
-    let causal = Causal::new(model, how, ahead)?;
-    let (known, rest) = r.split_at(ahead.min(r.len()));
-    let mut x = causal.foreknowing(known);
-    let told = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
-    Ok(Fed { u: told.map(|r| causal.step(&mut x, r)).collect(), ..Fed::default() })
-}
-
-fn learnt(asked: &Asked) -> Result<Fed, Error> {
-    let Asked { model, how, r, plant, .. } = *asked;
-    let Some(n) = period(r) else {
-        return Err(Error::parameter("reference", "a path that never repeats", "must repeat to be learnt"));
-    };
-    let mut x = plant.initial();
-    let periods = (SETTLES / (n as f64 * model.ts())).ceil() as usize;
-    let mut tried = |u: &[f64]| {
-        (0..periods).for_each(|_| drop(plant.resume(&mut x, u)));
-        let mut sum = vec![0.0; n];
-        for _ in 0..periods {
-            sum.iter_mut().zip(plant.resume(&mut x, u)).for_each(|(sum, y)| *sum += y / periods as f64);
-        }
-        sum
-    };
-    let learnt = learn(&mut tried, &FeedForward::new(model, how)?, &r[..n], Learning::default())?;
-    Ok(Fed {
-        u: learnt.u.iter().copied().cycle().take(r.len()).collect(),
-        trials: learnt.rms,
-        after: Some(x),
-        ..Fed::default()
-    })
-}
-
-/// The feed-forward called `name`.
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn feed(name: &str) -> Result<&'static Feed, Error> {
-    FEEDS
-        .iter()
-        .find(|f| f.name == name)
-        .ok_or_else(|| Error::unknown("feed-forward", name, FEEDS.iter().map(|f| f.name)))
-}
 
 /// A feed-forward and a controller.
 #[derive(Debug, Clone, Copy)]
@@ -386,6 +212,7 @@ impl Drive {
 
 #[cfg(test)]
 mod tests {
+    use super::super::feeds::{ALL, feed};
     use super::*;
     use crate::excitation::Sine;
     use crate::hysteresis::operator;
