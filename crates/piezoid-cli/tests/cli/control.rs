@@ -38,7 +38,8 @@ fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_
     run.says(&["predictive: a step takes", "a sample is 500 us"]);
     let figures = bench.json("figures.json");
     let percent = |k: usize| number(&figures["schemes"][k]["tracking"][0]["percent_of_stroke"]);
-    assert!(percent(1) < 0.6 * percent(0) && percent(2) < percent(1), "{figures}");
+    // The model is a poor one, of two steady sines: each step up helps all the same.
+    assert!(percent(1) < percent(0) && percent(2) < percent(1) && percent(3) < 0.5 * percent(2), "{figures}");
     assert!(number(&figures["schemes"][2]["margins"]["gain_db"]) >= 5.99, "{figures}");
     assert_eq!(figures["schemes"][1]["margins"], serde_json::Value::Null);
     assert!(bench.text("page.html").contains("Control side by side"));
