@@ -99,7 +99,7 @@ fn code(name: impl std::fmt::Display) -> String {
 fn margins(drives: &[Drive]) -> String {
     let titles =
         ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "where flattest [Hz]"];
-    let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.bandwidths()?.0)));
+    let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));
     let body = figures.map(|(name, m, least)| {
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
         row(&[code(name)].into_iter().chain(figures).collect::<Vec<_>>())

@@ -342,8 +342,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
             let figures = match &d.attempts[0] {
                 Err(_) => vec!["-".to_string(); 5],
                 Ok(Attempt { run, tracking: t, .. }) => {
-                    let highest = run.u.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-                    [t.percent_of_stroke, t.rms, t.max, t.effort, highest].map(number).to_vec()
+                    [t.percent_of_stroke, t.rms, t.max, t.effort, run.highest()].map(number).to_vec()
                 }
             };
             [vec![d.name()], figures].concat()

@@ -134,7 +134,7 @@ struct Trial {
 impl FeedForward {
     /// The input that repeats with `z`, which the reference `r` asks for.
     fn period(&self, z: &[f64], r: &[f64]) -> Result<Vec<f64>, Error> {
-        let start = crate::hysteresis::between(self.ends, z[0], |u| self.model.settled_crept(u));
+        let start = self.model.holding_crept(z[0], self.ends);
         let twice = self.back(&[z, z].concat(), start.u);
         match twice.missed.filter(|_| !self.how.clip) {
             Some(sample) => Err(self.unreachable(r, sample % r.len())),

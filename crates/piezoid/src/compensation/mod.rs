@@ -58,7 +58,23 @@ impl How {
     /// # Errors
     /// Limits that make no sense, leave nothing of that, or are not given where nothing is known.
     pub fn ends(&self, model: &Model) -> Result<(f64, f64), Error> {
-        allowed(model, &self.limits)
+        let limits = &self.limits;
+        limits.check(&[0.5 * (limits.low.unwrap_or(0.0) + limits.high.unwrap_or(0.0))], model.ts())?;
+        let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
+        let beyond = known.map(|(low, high)| (low - BEYOND * (high - low), high + BEYOND * (high - low)));
+        let low = limits.low.into_iter().chain(beyond.map(|b| b.0)).reduce(f64::max);
+        let high = limits.high.into_iter().chain(beyond.map(|b| b.1)).reduce(f64::min);
+        match low.zip(high) {
+            Some((low, high)) if low < high => Ok((low, high)),
+            Some((low, high)) => {
+                let rule = "must leave some of the inputs that the model was identified on";
+                Err(Error::parameter("limits", format!("{} to {}", round(low), round(high)), rule))
+            }
+            None => {
+                let rule = "must be given, as the model does not say which inputs it was identified on";
+                Err(Error::parameter("limits.low and limits.high", "none", rule))
+            }
+        }
     }
 }
 
@@ -128,7 +144,7 @@ impl FeedForward {
         let late = model.linear().delay();
         let whole = Design { ahead: Design::WHOLE.ahead + late, taps: Design::WHOLE.taps + late, ..Design::WHOLE };
         let preview = Preview::new(model.linear(), how.preview.unwrap_or(whole))?;
-        let ends = allowed(model, &how.limits)?;
+        let ends = how.ends(model)?;
         let [low, high] = [ends.0, ends.1].map(|u| model.settled_crept(u));
         if !(low < high && high.is_finite() && low.is_finite()) {
             let [from, to] = [ends.0, ends.1].map(round);
@@ -191,7 +207,7 @@ impl FeedForward {
         let mut wanted = self.preview.fir().whole(&self.going_on(r));
         wanted.truncate(r.len());
         let held = (first - offset) / self.model.linear().dc_gain();
-        let start = self.model.holding(first, self.ends);
+        let start = self.model.holding_crept(held, self.ends);
         let mut best = self.back(&wanted, start.u);
         if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.how.clip {
             return Err(self.unreachable(r, 0));
@@ -353,26 +369,6 @@ struct Run {
 /// Root of the mean square of the difference.
 fn off(r: &[f64], y: &[f64]) -> f64 {
     (r.iter().zip(y).map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / r.len() as f64).sqrt()
-}
-
-/// The inputs that both the driver and what is known of the model allow.
-fn allowed(model: &Model, limits: &Limits) -> Result<(f64, f64), Error> {
-    limits.check(&[0.5 * (limits.low.unwrap_or(0.0) + limits.high.unwrap_or(0.0))], model.ts())?;
-    let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
-    let beyond = known.map(|(low, high)| (low - BEYOND * (high - low), high + BEYOND * (high - low)));
-    let low = limits.low.into_iter().chain(beyond.map(|b| b.0)).reduce(f64::max);
-    let high = limits.high.into_iter().chain(beyond.map(|b| b.1)).reduce(f64::min);
-    match low.zip(high) {
-        Some((low, high)) if low < high => Ok((low, high)),
-        Some((low, high)) => {
-            let rule = "must leave some of the inputs that the model was identified on";
-            Err(Error::parameter("limits", format!("{} to {}", round(low), round(high)), rule))
-        }
-        None => {
-            let rule = "must be given, as the model does not say which inputs it was identified on";
-            Err(Error::parameter("limits.low and limits.high", "none", rule))
-        }
-    }
 }
 
 #[cfg(test)]

@@ -103,8 +103,8 @@ impl System for Causal {
     /// The state after the reference `r` [output unit], or the nearest within reach, has stood for long.
     fn settled(&self, r: f64) -> Vec<f64> {
         let model = self.inverse.model();
-        let start = model.holding(r, self.inverse.ends);
-        self.state(start.u, r, model.settled(start.u))
+        let u = model.holding(r, self.inverse.ends);
+        self.state(u, r, model.settled(u))
     }
 
     fn step(&self, x: &mut [f64], r: f64) -> f64 {

@@ -161,7 +161,7 @@ impl Comparison {
                 "max": tracking.max,
                 "percent_of_stroke": tracking.percent_of_stroke,
                 "effort": tracking.effort,
-                "highest_voltage": run.u.iter().fold(0.0, |m: f64, u| m.max(u.abs())),
+                "highest_voltage": run.highest(),
                 "limited": run.limited,
                 "trials": fed.trials,
                 "notes": fed.notes,
@@ -178,7 +178,7 @@ impl Comparison {
             json!({
                 "scheme": d.name(),
                 "margins": d.drive.margins(),
-                "least_bandwidth_hz": d.drive.bandwidths().map(|(least, _)| least),
+                "least_bandwidth_hz": d.drive.least_bandwidth_hz(),
                 "tracking": self.wanted.iter().zip(&d.attempts).map(|(w, a)| attempt(w, a)).collect::<Vec<_>>(),
                 "tolerance": d.spread.as_ref().map(|s| spread(d, s)),
             })

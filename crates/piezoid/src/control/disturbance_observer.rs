@@ -12,7 +12,7 @@
 //! Reference: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatron. 1, 56 (1996), DOI 10.1109/3516.491410. It does not
 //! do: the inverse of the numerator, whose zeros may lie anywhere.
 
-use super::filters::{denominator, lag, plus, ratio, times};
+use super::filters::{lag, plus, ratio, times};
 use super::tune::{spread, strongest};
 use super::{Controller, Law, Loop, Now, check};
 use crate::error::{Error, positive};
@@ -51,7 +51,7 @@ impl DisturbanceObserver {
         let gain = positive("gain at rest", path.slope.1 * rest, "output units a volt")?;
         let mean = b.iter().enumerate().map(|(k, b)| k as f64 * b).sum::<f64>() / rest;
         let delay = 1 + path.late + mean.round().clamp(0.0, 100.0) as usize;
-        let f: Vec<f64> = denominator(path.linear()).iter().map(|a| share * a / gain).collect();
+        let f: Vec<f64> = path.linear().denominator().iter().map(|a| share * a / gain).collect();
         let q = lag(ts, corner_hz, 1.0)?;
         Ok(DisturbanceObserver { inverse: Arx::new(ts, Vec::new(), f)?, q, delay, limits: path.limits })
     }
@@ -79,7 +79,7 @@ impl Controller for DisturbanceObserver {
     }
 
     fn law(&self) -> Option<Arx> {
-        let (poles, late) = (denominator(&self.q), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
+        let (poles, late) = (self.q.denominator(), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
         ratio(self.ts(), &times(self.q.b(), self.inverse.b()), &plus(&poles, -1.0, &late)).ok()
     }
 }

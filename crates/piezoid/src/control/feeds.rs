@@ -10,7 +10,7 @@
 //!
 //! Reference: as the rows. It does not do: references that are made up on the way.
 
-use crate::compensation::{Causal, FeedForward, How, Learning, learn};
+use crate::compensation::{Causal, Design, FeedForward, How, Learning, learn};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::series::{mean, scatter};
@@ -27,7 +27,7 @@ const STRAIGHTENED: usize = 4;
 const SHIFT: usize = 8;
 
 /// How far ahead is as good as all [samples]: what the inverse for whole references looks ahead.
-pub(super) const ALL: usize = 64;
+pub(super) const ALL: usize = Design::WHOLE.ahead;
 
 /// What a feed-forward is made for.
 #[derive(Debug, Clone, Copy)]

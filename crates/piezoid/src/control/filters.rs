@@ -35,11 +35,6 @@ pub(super) fn ratio(ts: f64, numerator: &[f64], denominator: &[f64]) -> Result<A
     Arx::new(ts, denominator[1..].iter().map(|c| -c).collect(), numerator.to_vec())
 }
 
-/// 1 - a1 q^-1 - a2 q^-2 - ...
-pub(super) fn denominator(block: &Arx) -> Vec<f64> {
-    std::iter::once(1.0).chain(block.a().iter().map(|a| -a)).collect()
-}
-
 /// The product of two polynomials.
 pub(super) fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; (p.len() + q.len()).saturating_sub(1)];

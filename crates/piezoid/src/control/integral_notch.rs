@@ -11,9 +11,9 @@
 //! DOI 10.1109/ACC.2008.4586898 (integral, PI and notches on positioners). It does not do: damping of the mode, which rings on as
 //! it did when something else excites it.
 
-use super::filters::{denominator, notch, ratio, times};
+use super::filters::{notch, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, Now, check};
+use super::{Controller, Law, Now, check, integrating};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -68,7 +68,6 @@ impl Controller for IntegralNotch {
     }
 
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
-        let (low, high) = self.limits;
         let gain = self.ki * self.ts * now.error();
         let (integral, mut rest) = x.split_at_mut(1);
         let mut w = integral[0] + gain;
@@ -77,17 +76,12 @@ impl Controller for IntegralNotch {
             w = notch.step(own, w);
             rest = others;
         }
-        let v = now.feed.clamp(low, high) + w;
-        let u = v.clamp(low, high);
-        if u == v || (v - u) * gain < 0.0 {
-            integral[0] += gain;
-        }
-        u
+        integrating(self.limits, now, w, &mut integral[0], gain)
     }
 
     fn law(&self) -> Option<Arx> {
         let start = (vec![self.ki * self.ts], vec![1.0, -1.0]);
-        let (b, a) = self.notches.iter().fold(start, |(b, a), n| (times(&b, n.b()), times(&a, &denominator(n))));
+        let (b, a) = self.notches.iter().fold(start, |(b, a), n| (times(&b, n.b()), times(&a, &n.denominator())));
         ratio(self.ts, &b, &a).ok()
     }
 }

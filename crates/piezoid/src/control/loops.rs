@@ -156,8 +156,7 @@ pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> 
         let now = Now { y: read, r: wanted, feed, ahead: &r[t..known] };
         let asked = controller.step(&mut state, &now);
         let (low, high) = ((last - step).max(limits.0), (last + step).min(limits.1));
-        // With the slew already above all voltages or below, the end that is nearer.
-        last = if asked.is_finite() { asked.clamp(low.min(limits.1), high.max(limits.0)) } else { last };
+        last = if asked.is_finite() { asked.clamp(low, high) } else { last };
         limited += usize::from(last != asked || last <= limits.0 + near || last >= limits.1 - near);
         u.push(last);
         y.push(plant.step(&mut x, last));
@@ -166,6 +165,11 @@ pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> 
 }
 
 impl Run {
+    /// The highest voltage to either side [V].
+    pub fn highest(&self) -> f64 {
+        self.u.iter().fold(0.0, |m, u| m.max(u.abs()))
+    }
+
     /// How well it tracks from sample `from` on, of a stroke [output unit] from end to end; NaN if nothing is left.
     pub fn tracking(&self, from: usize, stroke: f64) -> Tracking {
         let from = from.min(self.r.len());

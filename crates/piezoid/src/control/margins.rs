@@ -13,7 +13,7 @@
 //! cycles, the time-varying slope as such (see the circle criterion), delays of part of a sample.
 
 use super::Controller;
-use super::filters::{denominator, plus, ratio, times};
+use super::filters::{plus, ratio, times};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::linear::Arx;
@@ -146,7 +146,7 @@ impl Loop {
     pub fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
         let forward = std::iter::repeat_n(0.0, 1 + self.late).chain(times(law.b(), self.linear().b()));
         let forward: Vec<f64> = forward.map(|c| slope * c).collect();
-        let round = plus(&times(&denominator(law), &denominator(self.linear())), 1.0, &forward);
+        let round = plus(&times(&law.denominator(), &self.linear().denominator()), 1.0, &forward);
         ratio(self.linear().ts(), &forward, &round)
     }
 }

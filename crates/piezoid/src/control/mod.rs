@@ -144,6 +144,17 @@ pub fn controller(name: &str) -> Result<&'static Law, Error> {
     CONTROLLERS.iter().find(|c| c.name == name).ok_or_else(|| Error::unknown("controller", name, known()))
 }
 
+/// `w` on top of the feed-forward within the limits. The integral takes its `gain` of this sample, but where that would drive
+/// the voltage further beyond a limit.
+fn integrating(limits: (f64, f64), now: &Now, w: f64, integral: &mut f64, gain: f64) -> f64 {
+    let v = now.feed.clamp(limits.0, limits.1) + w;
+    let u = v.clamp(limits.0, limits.1);
+    if u == v || (v - u) * gain < 0.0 {
+        *integral += gain;
+    }
+    u
+}
+
 /// Refuses gains that are no numbers or negative, and voltages without room between them.
 fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
     for (name, value) in gains {

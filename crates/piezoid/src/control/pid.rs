@@ -11,7 +11,7 @@
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Now, check};
+use super::{Controller, Law, Now, check, integrating};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -78,18 +78,13 @@ impl Controller for Pid {
     }
 
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
-        let (low, high) = self.limits;
         let (keeps, takes) = self.derivative();
         let e = now.error();
         x[1] = keeps * x[1] + takes * (e - x[2]);
         x[2] = e;
-        let integral = x[0] + self.gains.ki * self.ts * e;
-        let v = now.feed.clamp(low, high) + self.gains.kp * e + integral + x[1];
-        let u = v.clamp(low, high);
-        if u == v || (v - u) * (integral - x[0]) < 0.0 {
-            x[0] = integral;
-        }
-        u
+        let gain = self.gains.ki * self.ts * e;
+        let w = self.gains.kp * e + (x[0] + gain) + x[1];
+        integrating(self.limits, now, w, &mut x[0], gain)
     }
 
     fn law(&self) -> Option<Arx> {

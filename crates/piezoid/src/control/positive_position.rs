@@ -11,9 +11,9 @@
 //!
 //! Reference: J. L. Fanson, T. K. Caughey, AIAA Journal 28, 717 (1990), DOI 10.2514/3.10451. It does not do: several modes.
 
-use super::filters::{denominator, lag, plus, ratio, times};
+use super::filters::{lag, plus, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, Now, check};
+use super::{Controller, Law, Now, check, integrating};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
@@ -63,20 +63,15 @@ impl Controller for PositivePosition {
     }
 
     fn step(&self, x: &mut [f64], now: &Now) -> f64 {
-        let (low, high) = self.limits;
         let e = now.error();
         let gain = self.ki * self.ts * e;
         let p = self.resonator.step(&mut x[1..], e);
-        let v = now.feed.clamp(low, high) + x[0] + gain - self.gain * p;
-        let u = v.clamp(low, high);
-        if u == v || (v - u) * gain < 0.0 {
-            x[0] += gain;
-        }
-        u
+        let w = x[0] + gain - self.gain * p;
+        integrating(self.limits, now, w, &mut x[0], gain)
     }
 
     fn law(&self) -> Option<Arx> {
-        let (poles, sum) = (denominator(&self.resonator), [1.0, -1.0]);
+        let (poles, sum) = (self.resonator.denominator(), [1.0, -1.0]);
         let numerator = plus(&times(&[self.ki * self.ts], &poles), -self.gain, &times(self.resonator.b(), &sum));
         ratio(self.ts, &numerator, &times(&sum, &poles)).ok()
     }

@@ -6,7 +6,7 @@
 //! Reference: as the parts. It does not do: two feed-forwards or two controllers at once.
 
 use super::feeds::{Asked, FEEDS, Fed, Feed};
-use super::{CONTROLLERS, Controller, Course, Law, Loop, Margins, Now, Run, Target, controller, run};
+use super::{CONTROLLERS, Controller, Course, Law, Loop, Margins, Now, Run, Target, run};
 use crate::compensation::{FeedForward, How};
 use crate::error::Error;
 use crate::hammerstein::Model;
@@ -38,28 +38,22 @@ impl Scheme {
     /// [`Error::Unknown`] with the names there are; two feed-forwards or two controllers.
     pub fn named(name: &str) -> Result<Self, Error> {
         let mut scheme = Scheme { feed: &FEEDS[0], law: None };
-        let mut feeds = 0;
+        let (mut feeds, mut laws) = (0, 0);
         for part in name.split('+') {
-            match FEEDS.iter().find(|f| f.name == part) {
-                Some(feed) => (scheme.feed, feeds) = (feed, feeds + 1),
-                None if CONTROLLERS.iter().any(|c| c.name == part) && scheme.law.is_none() => {
-                    scheme.law = Some(controller(part)?);
-                }
-                None if CONTROLLERS.iter().all(|c| c.name != part) => {
-                    let known = FEEDS.iter().map(|f| f.name).chain(CONTROLLERS.iter().map(|c| c.name));
-                    return Err(Error::unknown("controller", part, known));
-                }
-                None => feeds = 2,
+            if let Some(feed) = FEEDS.iter().find(|f| f.name == part) {
+                (scheme.feed, feeds) = (feed, feeds + 1);
+            } else if let Some(law) = CONTROLLERS.iter().find(|c| c.name == part) {
+                (scheme.law, laws) = (scheme.law.or(Some(law)), laws + 1);
+            } else {
+                let known = FEEDS.iter().map(|f| f.name).chain(CONTROLLERS.iter().map(|c| c.name));
+                return Err(Error::unknown("controller", part, known));
             }
         }
-        if feeds > 0 && scheme.law.is_some_and(|law| !law.fed) {
-            return Err(Error::parameter(
-                "controller",
-                name,
-                "must name that controller alone: it makes its own feed-forward",
-            ));
+        if feeds + laws > 1 && scheme.law.is_some_and(|law| !law.fed) {
+            let rule = "must name that controller alone: it makes its own feed-forward";
+            return Err(Error::parameter("controller", name, rule));
         }
-        if feeds > 1 {
+        if feeds > 1 || laws > 1 {
             let rule = "must name one feed-forward, one controller, or one of each, as feed-forward+pi";
             return Err(Error::parameter("controller", name, rule));
         }
@@ -162,10 +156,9 @@ impl Drive {
         self.path.margins(&*self.controller, self.path.slope.1)
     }
 
-    /// Its bandwidth where the hysteresis is flattest, and where it is steepest [Hz].
-    pub fn bandwidths(&self) -> Option<(f64, f64)> {
-        let at = |slope: f64| Some(self.path.margins(&*self.controller, slope)?.bandwidth_hz);
-        at(self.path.slope.0).zip(at(self.path.slope.1))
+    /// Its bandwidth where the hysteresis is flattest, and it is least [Hz].
+    pub fn least_bandwidth_hz(&self) -> Option<f64> {
+        Some(self.path.margins(&*self.controller, self.path.slope.0)?.bandwidth_hz)
     }
 
     /// |S| of that loop at these frequencies [Hz].
@@ -204,7 +197,7 @@ impl Drive {
     /// As [`run`].
     pub fn run(&self, plant: &dyn System, r: &[f64], fed: &Fed) -> Result<Run, Error> {
         let (limits, late, ahead, before) = (self.path.limits, self.path.late, self.ahead, fed.after.as_deref());
-        let start = r.first().map_or(0.0, |r| self.model().holding(*r, limits).u);
+        let start = r.first().map_or(0.0, |r| self.model().holding(*r, limits));
         let course = Course { r, feed: &fed.u, limits, slew: self.path.slew, late, ahead, start, before };
         run(plant, &*self.controller, &course)
     }

@@ -144,7 +144,7 @@ pub(super) fn detuned(block: &Arx, share: f64) -> Result<Arx, Error> {
         };
         denominator = filters::times(&denominator, &factor);
     }
-    let gain = denominator.iter().sum::<f64>() / filters::denominator(block).iter().sum::<f64>();
+    let gain = denominator.iter().sum::<f64>() / block.denominator().iter().sum::<f64>();
     let numerator: Vec<f64> = block.b().iter().map(|b| gain * b).collect();
     filters::ratio(ts, &numerator, &denominator)
 }

@@ -49,9 +49,13 @@ impl Model {
     }
 
     /// The input between `ends` that holds the output `y` for long, or the nearest to it.
-    pub(crate) fn holding(&self, y: f64, ends: (f64, f64)) -> Inverted {
-        let held = (y - self.offset) / self.linear.dc_gain();
-        between(ends, held, |u| self.settled_crept(u))
+    pub(crate) fn holding(&self, y: f64, ends: (f64, f64)) -> f64 {
+        self.holding_crept((y - self.offset) / self.linear.dc_gain(), ends).u
+    }
+
+    /// The input between `ends` for which creep puts out `wanted` where it has stood for long, and what it does put out.
+    pub(crate) fn holding_crept(&self, wanted: f64, ends: (f64, f64)) -> Inverted {
+        between(ends, wanted, |u| self.settled_crept(u))
     }
 
     /// What creep puts out where `u` has stood for long.

@@ -89,6 +89,11 @@ impl Arx {
         &self.a
     }
 
+    /// 1 - a1 q^-1 - a2 q^-2 - ..., its coefficients.
+    pub(crate) fn denominator(&self) -> Vec<f64> {
+        std::iter::once(1.0).chain(self.a.iter().map(|a| -a)).collect()
+    }
+
     /// b0, b1, ...
     pub fn b(&self) -> &[f64] {
         &self.b

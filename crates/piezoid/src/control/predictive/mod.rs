@@ -41,7 +41,7 @@ use crate::hysteresis::falls;
 use crate::linear::Arx;
 use crate::number::short;
 use crate::system::System;
-use condensed::Ended;
+use condensed::{Ended, dot};
 use horizon::Horizon;
 use kalman::Observer;
 use nalgebra::{DVector, DVectorView, DVectorViewMut};
@@ -356,7 +356,3 @@ pub(super) const ROW: Law = Law {
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },
 };
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}

@@ -41,8 +41,7 @@ impl Dynamics {
                 return Ok(None);
             }
             let (p, delay) = (pole.z.re, self.arx.delay());
-            let fed_back: Vec<f64> = std::iter::once(1.0).chain(self.arx.a().iter().map(|a| -a)).collect();
-            let rest = without_factor(&fed_back, p);
+            let rest = without_factor(&self.arx.denominator(), p);
             let at = |c: &[f64]| c.iter().rev().fold(0.0, |sum, c| sum / p + c);
             let mut b = self.arx.b()[delay..].to_vec();
             let r = at(&b) / at(&rest);
