@@ -70,10 +70,10 @@ impl Causal {
         model.offset() + model.linear().dc_gain() * model.step_crept(&mut model.initial(), 0.0)
     }
 
-    /// The state after the first of `known` has stood for long, where all of `known` is told beforehand: a step then takes the
-    /// reference that follows it. So known as many samples ahead as it is late, a reference is met in time.
-    pub fn foreknowing(&self, known: &[f64]) -> Vec<f64> {
-        let mut x = self.settled(known.first().copied().unwrap_or(self.resting()));
+    /// The state after `r` has stood for long, where `known`, of which `r` is the first if there is any, is told beforehand: a
+    /// step then takes the reference that follows. So known as many samples ahead as it is late, a reference is met in time.
+    pub fn foreknowing(&self, r: f64, known: &[f64]) -> Vec<f64> {
+        let mut x = self.settled(r);
         let past = &mut x[BEFORE..BEFORE + self.preview().fir().order()];
         past.iter_mut().zip(known.iter().rev()).for_each(|(past, r)| *past = *r);
         x

@@ -141,10 +141,10 @@ fn inverse(asked: &Asked) -> Result<Fed, Error> {
         return Ok(Fed { u: made.u, notes: made.notes, ..Fed::default() });
     }
     crate::error::finite("reference", r)?;
-    let Some(&last) = r.last() else { return Ok(Fed::default()) };
+    let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(Fed::default()) };
     let causal = Causal::new(model, how, ahead)?;
     let (known, rest) = r.split_at(ahead.min(r.len()));
-    let mut x = causal.foreknowing(known);
+    let mut x = causal.foreknowing(first, known);
     let told = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
     Ok(Fed { u: told.map(|r| causal.step(&mut x, r)).collect(), ..Fed::default() })
 }

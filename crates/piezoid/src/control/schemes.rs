@@ -259,6 +259,16 @@ mod tests {
     }
 
     #[test]
+    fn a_reference_that_stands_is_held_from_the_first_sample_however_little_is_known_ahead() {
+        let (model, r) = (model(1.0), [300.0; 200]);
+        for ahead in [0, 1, 5] {
+            let drive = Drive { ahead, ..drive("feed-forward") };
+            let u = drive.feed(&model, &r).unwrap().u;
+            assert!(u.iter().all(|v| (v - u[0]).abs() < 1e-9), "{ahead}: {u:?}");
+        }
+    }
+
+    #[test]
     fn no_other_straight_line_does_better_on_the_model() {
         let (model, r, drive) = (model(1.0), sine(2000), drive("gain"));
         let u = drive.feed(&model, &r).unwrap().u;
