@@ -9,6 +9,7 @@
 //!
 //! It does not do: overshoot, and limits of energy or power.
 
+use crate::elementary::exp;
 use crate::error::{Error, positive};
 use crate::plant::DriverSpec;
 use serde::{Deserialize, Serialize};
@@ -72,7 +73,7 @@ impl Driver {
     }
 
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {
-        if self.lag_s == 0.0 { u } else { u - (u - v) * (-h / self.lag_s).exp() }
+        if self.lag_s == 0.0 { u } else { u - (u - v) * exp(-h / self.lag_s) }
     }
 }
 

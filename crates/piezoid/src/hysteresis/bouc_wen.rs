@@ -24,6 +24,7 @@ use super::basis::Shape;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -77,6 +78,30 @@ pub(super) fn climb<R: Real>(h: R, s: R, grow: R, relax: R) -> R {
     piece(0.0.into(), (s - zero).clamp(0.0.into(), s), grow)
 }
 
+/// [`climb`] for programs.
+pub(super) const CLIMB: &str = "
+// H after a path of s along which it nears 1 / rate.
+fn piece(h, s, rate) {
+    return h + (1.0 - rate * h) * s * growth(-rate * s);
+}
+
+// H after a path of s: dH/ds = 1 - grow H where it is positive, 1 - relax H where it is negative.
+fn climb(h, s, grow, relax) {
+    let end = 0.0;
+    if h >= 0.0 {
+        end = piece(h, s, grow);
+    } else {
+        end = piece(h, s, relax);
+        if end > 0.0 {
+            // H is 0 after a path of zero.
+            let zero = -h * log_growth(-relax * h);
+            end = piece(0.0, clamp(s - zero, 0.0, s), grow);
+        }
+    }
+    return end;
+}
+";
+
 impl Law for BoucWen {
     fn row() -> &'static Operator {
         &OPERATOR
@@ -106,6 +131,23 @@ impl Law for BoucWen {
         }
         phi(0, input.u);
         phi(1, -x[0]);
+    }
+
+    fn block(&self, block: Block, _: Input) -> Block {
+        let gamma = self.beta * self.gamma_over_beta;
+        block.number("h", 0.0).constant("gamma", gamma).text(CLIMB).text(
+            "
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    let points = way(path);
+    if points != 0.0 {
+        x.h = points * climb(points * x.h, path * points, beta + gamma, beta - gamma);
+    }
+    x.last = u;
+    return w[0] * u + w[1] * -x.h;
+}
+",
+        )
     }
 
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {

@@ -6,6 +6,7 @@ use super::inverse::{Inverted, by_slopes, by_trials, in_room};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
 use crate::error::{Error, finite, positive};
+use crate::program::Block;
 use crate::system::System;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -103,6 +104,10 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         self.step(shape, x, input, |k, phi| z = z + Dual::from(weights[k]) * phi);
         z
     }
+
+    /// The same as [`Law::step`] for programs, as [`Hysteresis::block`]: completes a `block` that has the last input as `last`, the weights as
+    /// `w`, and the shape parameters by their names.
+    fn block(&self, _block: Block, _input: Input) -> Block { todo!() }
 
     /// Whether weight `k` must not be negative.
     fn non_negative(&self, _k: usize) -> bool {
@@ -238,6 +243,13 @@ impl<L: Law> Hysteresis for Weighted<L> {
 
     fn range(&self) -> Option<(f64, f64)> {
         Some(self.params.range)
+    }
+
+    fn block(&self) -> Option<Block> {
+        let block = Block::new("hysteresis", format!("{}: {}", L::row().name, L::row().summary));
+        let block = block.number("last", 0.0).table("w", &self.params.weights);
+        let block = Basis::shape(self).iter().fold(block, |block, shape| block.constant(shape.name, shape.value));
+        Some(self.params.law.block(block, self.last(&[0.0])))
     }
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {

@@ -34,6 +34,7 @@ pub use tellinen::Tellinen;
 pub use two_branch::{Reading, TwoBranch};
 
 use crate::error::Error;
+use crate::program::Block;
 use crate::system::System;
 use serde_json::{Map, Value};
 use std::sync::Arc;
@@ -55,6 +56,14 @@ pub trait Hysteresis: System {
     /// By trials unless the operator has a formula.
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
         inverse::by_trials(self, x, z, ends)
+    }
+
+    /// The same for programs: a block called `hysteresis` whose state is laid out as here, with a function
+    /// `hysteresis(x: hysteresis, u)` for the step, and for the inverse either `hysteresis_ahead(x: hysteresis, u)`, which returns z and its slope
+    /// as the next step would, `hysteresis_inverse(x: hysteresis, z, low, high)`, or neither where slopes come from the step itself. None if
+    /// it cannot be exported.
+    fn block(&self) -> Option<Block> {
+        None
     }
 
     /// The frequencies it was identified at, from the lowest to the highest [Hz], if its output depends on them.
@@ -153,6 +162,8 @@ fn document(params: &impl serde::Serialize) -> Map<String, Value> {
 mod tests {
     //! The contract every operator keeps.
     use super::*;
+    use crate::elementary;
+    use crate::program::{Machine, Program};
 
     fn examples() -> impl Iterator<Item = Arc<dyn Hysteresis>> {
         OPERATORS.iter().map(|o| (o.example)(5e-4).unwrap())
@@ -242,6 +253,26 @@ mod tests {
             let off = z.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             if example.operator().wipes_out {
                 assert_eq!(off, 0.0, "{example:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
+        for example in examples() {
+            if !matches!(example.operator().name, "prandtl-ishlinskii" | "bouc-wen") { continue; }
+            let Some(block) = example.block() else { continue };
+            let name = example.operator().name;
+            let program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            let mut x = example.initial();
+            assert_eq!(machine.state(), x, "{name}");
+            for (t, u) in wander(1500).into_iter().enumerate() {
+                // Now and then the input stands.
+                let u = if t % 7 == 6 { x[0] } else { u };
+                let z = example.step(&mut x, u);
+                assert_eq!(machine.call("hysteresis", &[u]).unwrap()[0].to_bits(), z.to_bits(), "{name} at {t}");
+                assert_eq!(machine.state(), x, "{name} at {t}");
             }
         }
     }

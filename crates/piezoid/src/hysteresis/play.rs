@@ -18,6 +18,7 @@ use super::law::{Input, Law, Weighted};
 use super::real::{Dual, Real};
 use super::thresholds::{self, ELEMENTS};
 use crate::error::Error;
+use crate::program::Block;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
@@ -82,10 +83,37 @@ impl Law for Play {
         Dual { value, slope: u.slope * slope }
     }
 
+    fn block(&self, block: Block, _: Input) -> Block {
+        let n = self.thresholds.len();
+        block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).count("lanes", LANES).text(STEP)
+    }
+
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }
 }
+
+/// [`sum_of_plays`] for one input.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    x.last = u;
+    // Summed in lanes, and these in pairs.
+    let sums = [0.0; lanes];
+    for lane in 0..lanes {
+        let sum = 0.0;
+        let k = lane;
+        while k < n {
+            x.play[k] = clamp(x.play[k], u - r[k], u + r[k]);
+            sum += w[k + 1] * x.play[k];
+            k += lanes;
+        }
+        sums[lane] = sum;
+    }
+    let even = (sums[0] + sums[4]) + (sums[2] + sums[6]);
+    let odd = (sums[1] + sums[5]) + (sums[3] + sums[7]);
+    return w[0] * u + (even + odd);
+}
+";
 
 /// Plays side by side in the vector unit. Their sums are added up in one order, whatever its width.
 const LANES: usize = 8;

@@ -17,6 +17,7 @@ use super::nodes::Nodes;
 use super::real::Dual;
 use super::two_branch::{example, read, read_slope};
 use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
+use crate::elementary::ln;
 use crate::error::{Error, positive};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
@@ -113,7 +114,7 @@ impl RateScheduled {
             return [(nearest, 1.0), (nearest, 0.0)];
         }
         let (low, high) = (pairs[above - 1].frequency_hz, pairs[above].frequency_hz);
-        let share = (frequency / low).ln() / (high / low).ln();
+        let share = ln(frequency / low) / ln(high / low);
         [(above - 1, 1.0 - share), (above, share)]
     }
 

@@ -8,6 +8,7 @@
 //!
 //! R. E. Wengert, "A simple automatic derivative evaluation program", Commun. ACM 7 (1964), DOI 10.1145/355586.364791.
 
+use crate::elementary;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// What the laws compute with.
@@ -22,34 +23,31 @@ pub(super) trait Real:
     + Div<Output = Self>
 {
     fn value(self) -> f64;
-    /// f(self), given f and its derivative there.
-    fn map(self, f: f64, slope: f64) -> Self;
+    /// f(self), given f and its derivative there, which is worked out where it is wanted.
+    fn map(self, f: f64, slope: impl FnOnce() -> f64) -> Self;
 
     fn exp(self) -> Self {
-        let e = self.value().exp();
-        self.map(e, e)
+        let e = elementary::exp(self.value());
+        self.map(e, || e)
+    }
+    /// For self > 0.
+    fn ln(self) -> Self {
+        let x = self.value();
+        self.map(elementary::ln(x), || 1.0 / x)
     }
     /// (e^x - 1) / x, and 1 at 0: what an exponential has grown, over how far.
     fn growth(self) -> Self {
         let x = self.value();
-        let y = if x == 0.0 { 1.0 } else { x.exp_m1() / x };
-        let near = polynomial(x, [1.0 / 2.0, 1.0 / 3.0, 1.0 / 8.0, 1.0 / 30.0, 1.0 / 144.0]);
-        self.map(y, if x.abs() < SMALL { near } else { (x.exp() - y) / x })
+        self.map(elementary::growth(x), || elementary::growth_slope(x))
     }
     /// ln(1 + x) / x, and 1 at 0: how far, for what has grown.
     fn log_growth(self) -> Self {
         let x = self.value();
-        let y = if x == 0.0 { 1.0 } else { x.ln_1p() / x };
-        let near = polynomial(x, [-1.0 / 2.0, 2.0 / 3.0, -3.0 / 4.0, 4.0 / 5.0, -5.0 / 6.0]);
-        self.map(y, if x.abs() < SMALL { near } else { (1.0 / (1.0 + x) - y) / x })
+        self.map(elementary::log_growth(x), || elementary::log_growth_slope(x))
     }
-    /// For self > 0, and for 0 with a power of at least 1.
+    /// For self > 0.
     fn powf(self, power: Self) -> Self {
-        let (x, p) = (self.value(), power.value());
-        let y = x.powf(p);
-        let by_base = self.map(y, p * x.powf(p - 1.0));
-        let by_power = power.map(0.0, if x > 0.0 { y * x.ln() } else { 0.0 });
-        by_base + by_power
+        (power * self.ln()).exp()
     }
     /// max(low, min(high, self)): where the limits cross, the lower one holds.
     fn clamp(self, low: Self, high: Self) -> Self {
@@ -58,19 +56,11 @@ pub(super) trait Real:
     }
 }
 
-/// Below it the derivatives of the growths would cancel, and the first terms of their series are exact to 1e-9.
-const SMALL: f64 = 0.01;
-
-/// c0 + c1 x + c2 x^2 + ...
-fn polynomial(x: f64, c: [f64; 5]) -> f64 {
-    c.iter().rev().fold(0.0, |sum, c| sum * x + c)
-}
-
 impl Real for f64 {
     fn value(self) -> f64 {
         self
     }
-    fn map(self, f: f64, _: f64) -> f64 {
+    fn map(self, f: f64, _: impl FnOnce() -> f64) -> f64 {
         f
     }
 }
@@ -134,8 +124,8 @@ impl Real for Dual {
     fn value(self) -> f64 {
         self.value
     }
-    fn map(self, f: f64, slope: f64) -> Self {
-        Dual { value: f, slope: slope * self.slope }
+    fn map(self, f: f64, slope: impl FnOnce() -> f64) -> Self {
+        Dual { value: f, slope: slope() * self.slope }
     }
 }
 

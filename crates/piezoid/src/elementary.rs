@@ -1,0 +1,316 @@
+//! Exponential and logarithm out of sums, products and quotients alone: the same bits on every machine and in every language.
+//!
+//! ```text
+//! e^x = 2^n e^r,    r = x - n ln 2 in -ln 2 / 2 .. ln 2 / 2        e^r - 1 by its series, to r^13
+//! ln x = k ln 2 + ln m,    m in 1 / sqrt 2 .. sqrt 2               ln m = 2 artanh((m - 1) / (m + 1)) by its series
+//! ```
+//! Libraries of C differ in the last digits of both, and small machines have none. What a model computes in every step it computes with
+//! these, and [`block`] is the same for programs. ln 2 is split so that n times its larger part is exact (W. J. Cody & W. Waite,
+//! "Software Manual for the Elementary Functions", Prentice-Hall 1980). Errors are of one or two units in the last place.
+
+use crate::program::Block;
+
+/// ln 2 in two parts, the first of nine bits.
+const LN_2: (f64, f64) = (0.693359375, -2.121944400546905827679e-4);
+
+/// What to reduce an argument by, is known up to here.
+const FAR: f64 = 800.0;
+
+/// e^r - 1 and 2^n of e^x = 2^n e^r.
+fn parts(x: f64) -> (f64, f64) {
+    let x = if x > FAR { FAR } else { x };
+    let x = if x < -FAR { -FAR } else { x };
+    let size = if x < 0.0 { -x } else { x };
+    // Not so where x is no number.
+    let n = if size > 0.34657359027997264 { (size * std::f64::consts::LOG2_E + 0.5) as usize } else { 0 };
+    let whole = if x < 0.0 { -(n as f64) } else { n as f64 };
+    let r = (x - whole * LN_2.0) - whole * LN_2.1;
+    let square = r * r;
+    let fourth = square * square;
+    let a = 1.0 / 2.0 + r * (1.0 / 6.0);
+    let b = 1.0 / 24.0 + r * (1.0 / 120.0);
+    let c = 1.0 / 720.0 + r * (1.0 / 5040.0);
+    let d = 1.0 / 40320.0 + r * (1.0 / 362880.0);
+    let e = 1.0 / 3628800.0 + r * (1.0 / 39916800.0);
+    let f = 1.0 / 479001600.0 + r * (1.0 / 6227020800.0);
+    let bend = (a + square * b) + fourth * ((c + square * d) + fourth * (e + square * f));
+    let base = if x < 0.0 { 0.5 } else { 2.0 };
+    (r + square * bend, power(base, n))
+}
+
+/// base^n, exact for powers of two.
+fn power(base: f64, n: usize) -> f64 {
+    let (mut result, mut factor, mut left) = (1.0, base, n);
+    while left > 0 {
+        if left % 2 == 1 {
+            result *= factor;
+        }
+        factor *= factor;
+        left /= 2;
+    }
+    result
+}
+
+/// e^x.
+pub(crate) fn exp(x: f64) -> f64 {
+    let (more, scale) = parts(x);
+    scale * (1.0 + more)
+}
+
+/// e^x - 1, exact for small x too.
+pub(crate) fn exp_m1(x: f64) -> f64 {
+    let (more, scale) = parts(x);
+    // Where the 1 no longer counts, and infinity is not to be taken from itself.
+    if scale > 1e18 { scale * (1.0 + more) } else { scale * more + (scale - 1.0) }
+}
+
+/// ln x, for x > 0.
+pub(crate) fn ln(x: f64) -> f64 {
+    let (mut m, mut k) = (x, 0.0);
+    while m > std::f64::consts::SQRT_2 && m <= f64::MAX {
+        (m, k) = (m * 0.5, k + 1.0);
+    }
+    while m < std::f64::consts::FRAC_1_SQRT_2 && m > 0.0 {
+        (m, k) = (m * 2.0, k - 1.0);
+    }
+    let s = (m - 1.0) / (m + 1.0);
+    let square = s * s;
+    let fourth = square * square;
+    let a = 1.0 / 3.0 + square * (1.0 / 5.0);
+    let b = 1.0 / 7.0 + square * (1.0 / 9.0);
+    let c = 1.0 / 11.0 + square * (1.0 / 13.0);
+    let d = 1.0 / 15.0 + square * (1.0 / 17.0);
+    let e = 1.0 / 19.0 + square * (1.0 / 21.0);
+    let bend = square * ((a + fourth * b) + fourth * fourth * ((c + fourth * d) + fourth * fourth * e));
+    let twice = 2.0 * s;
+    k * LN_2.0 + (k * LN_2.1 + (twice + twice * bend))
+}
+
+/// ln(1 + x), for x > -1, exact for small x too.
+pub(crate) fn ln_1p(x: f64) -> f64 {
+    let y = 1.0 + x;
+    // What y lost of x by rounding is made up for.
+    if y == 1.0 { x } else { ln(y) * (x / (y - 1.0)) }
+}
+
+/// (e^x - 1) / x, and 1 at 0: what an exponential has grown, over how far.
+pub(crate) fn growth(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { exp_m1(x) / x }
+}
+
+/// The slope of [`growth`].
+pub(crate) fn growth_slope(x: f64) -> f64 {
+    let near = 1.0 / 2.0 + x * (1.0 / 3.0 + x * (1.0 / 8.0 + x * (1.0 / 30.0 + x * (1.0 / 144.0))));
+    if x.abs() < SMALL { near } else { (exp(x) - growth(x)) / x }
+}
+
+/// ln(1 + x) / x, and 1 at 0: how far, for what has grown.
+pub(crate) fn log_growth(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { ln_1p(x) / x }
+}
+
+/// The slope of [`log_growth`].
+pub(crate) fn log_growth_slope(x: f64) -> f64 {
+    let near = -1.0 / 2.0 + x * (2.0 / 3.0 + x * (-3.0 / 4.0 + x * (4.0 / 5.0 + x * (-5.0 / 6.0))));
+    if x.abs() < SMALL { near } else { (1.0 / (1.0 + x) - log_growth(x)) / x }
+}
+
+/// Below it the slopes of the growths would cancel, and the first terms of their series are exact to 1e-9.
+const SMALL: f64 = 0.01;
+
+/// The same for programs, and what else every language can do but not in the same way.
+pub(crate) fn block() -> Block {
+    Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
+}
+
+const TEXT: &str = "
+// The size of v.
+fn magnitude(v) {
+    let size = v;
+    if v < 0.0 { size = -v; }
+    return size;
+}
+
+// Which way v points: 1, -1, or 0.
+fn way(v) {
+    let points = 0.0;
+    if v > 0.0 { points = 1.0; }
+    if v < 0.0 { points = -1.0; }
+    return points;
+}
+
+// v, held between low and high; where they cross, low holds.
+fn clamp(v, low, high) {
+    let held = v;
+    if held > high { held = high; }
+    if held < low { held = low; }
+    return held;
+}
+
+// base^n, exact for powers of two.
+fn power(base, n: whole) {
+    let result = 1.0;
+    let factor = base;
+    let left = n;
+    while left > 0 {
+        if left % 2 == 1 { result = result * factor; }
+        factor = factor * factor;
+        left = left / 2;
+    }
+    return result;
+}
+
+// e^r - 1 and 2^n of e^x = 2^n e^r.
+fn exponential_parts(v) {
+    let x = clamp(v, -800.0, 800.0);
+    let n = 0;
+    // Not so where x is no number.
+    if magnitude(x) > 0.34657359027997264 { n = whole(magnitude(x) * 1.4426950408889634 + 0.5); }
+    let reduced = real(n);
+    let base = 2.0;
+    if x < 0.0 { reduced = -reduced; base = 0.5; }
+    let r = (x - reduced * 0.693359375) - reduced * -2.121944400546905827679e-4;
+    let square = r * r;
+    let fourth = square * square;
+    let a = 1.0 / 2.0 + r * (1.0 / 6.0);
+    let b = 1.0 / 24.0 + r * (1.0 / 120.0);
+    let c = 1.0 / 720.0 + r * (1.0 / 5040.0);
+    let d = 1.0 / 40320.0 + r * (1.0 / 362880.0);
+    let e = 1.0 / 3628800.0 + r * (1.0 / 39916800.0);
+    let f = 1.0 / 479001600.0 + r * (1.0 / 6227020800.0);
+    let bend = (a + square * b) + fourth * ((c + square * d) + fourth * (e + square * f));
+    return r + square * bend, power(base, n);
+}
+
+// e^x.
+fn exponential(x) {
+    let more, scale = exponential_parts(x);
+    return scale * (1.0 + more);
+}
+
+// Its slope.
+fn exponential_derivative(x) {
+    return exponential(x);
+}
+
+// e^x - 1, exact for small x too.
+fn exponential_less_1(x) {
+    let more, scale = exponential_parts(x);
+    let result = scale * (1.0 + more);
+    if scale <= 1e18 { result = scale * more + (scale - 1.0); }
+    return result;
+}
+
+// The natural logarithm of x > 0.
+fn logarithm(x) {
+    let m = x;
+    let k = 0.0;
+    while m > 1.4142135623730951 && m <= most { m = m * 0.5; k = k + 1.0; }
+    while m < 0.7071067811865476 && m > 0.0 { m = m * 2.0; k = k - 1.0; }
+    let s = (m - 1.0) / (m + 1.0);
+    let square = s * s;
+    let fourth = square * square;
+    let a = 1.0 / 3.0 + square * (1.0 / 5.0);
+    let b = 1.0 / 7.0 + square * (1.0 / 9.0);
+    let c = 1.0 / 11.0 + square * (1.0 / 13.0);
+    let d = 1.0 / 15.0 + square * (1.0 / 17.0);
+    let e = 1.0 / 19.0 + square * (1.0 / 21.0);
+    let bend = square * ((a + fourth * b) + fourth * fourth * ((c + fourth * d) + fourth * fourth * e));
+    let twice = 2.0 * s;
+    return k * 0.693359375 + (k * -2.121944400546905827679e-4 + (twice + twice * bend));
+}
+
+// Its slope.
+fn logarithm_derivative(x) {
+    return 1.0 / x;
+}
+
+// ln(1 + x), for x > -1, exact for small x too.
+fn logarithm_of_1_and(x) {
+    let y = 1.0 + x;
+    let result = x;
+    // What y lost of x by rounding is made up for.
+    if y != 1.0 { result = logarithm(y) * (x / (y - 1.0)); }
+    return result;
+}
+
+// (e^x - 1) / x, and 1 at 0.
+fn growth(x) {
+    let result = 1.0;
+    if x != 0.0 { result = exponential_less_1(x) / x; }
+    return result;
+}
+
+// Its slope, near 0 by its series.
+fn growth_derivative(x) {
+    let slope = 1.0 / 2.0 + x * (1.0 / 3.0 + x * (1.0 / 8.0 + x * (1.0 / 30.0 + x * (1.0 / 144.0))));
+    if magnitude(x) >= 0.01 { slope = (exponential(x) - growth(x)) / x; }
+    return slope;
+}
+
+// ln(1 + x) / x, and 1 at 0.
+fn log_growth(x) {
+    let result = 1.0;
+    if x != 0.0 { result = logarithm_of_1_and(x) / x; }
+    return result;
+}
+
+// Its slope, near 0 by its series.
+fn log_growth_derivative(x) {
+    let slope = -1.0 / 2.0 + x * (2.0 / 3.0 + x * (-3.0 / 4.0 + x * (4.0 / 5.0 + x * (-5.0 / 6.0))));
+    if magnitude(x) >= 0.01 { slope = (1.0 / (1.0 + x) - log_growth(x)) / x; }
+    return slope;
+}
+";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::{Machine, Program};
+    use proptest::prelude::*;
+
+    /// How many units in the last place `found` is off.
+    fn ulps(found: f64, known: f64) -> f64 {
+        (found - known).abs() / (f64::EPSILON * known.abs()).max(f64::MIN_POSITIVE)
+    }
+
+    proptest! {
+        #[test]
+        fn they_are_those_of_the_c_library_to_some_units_in_the_last_place(x in -700.0..700.0f64, small in -1.0..1.0f64, e in -300.0..300.0f64) {
+            for x in [x, 0.01 * x, small, 1e-6 * small] {
+                prop_assert!(ulps(exp(x), x.exp()) < 3.0, "exp {x}");
+                prop_assert!(ulps(exp_m1(x), x.exp_m1()) < 4.0, "exp_m1 {x}");
+            }
+            let y = 10f64.powf(e);
+            for y in [y, 1.0 + 0.3 * small, 1.5 + 0.5 * small] {
+                prop_assert!(ulps(ln(y), y.ln()) < 4.0, "ln {y}");
+            }
+            for y in [y, 0.99 * small, 1e-6 * small] {
+                prop_assert!(ulps(ln_1p(y), y.ln_1p()) < 4.0, "ln_1p {y}");
+            }
+        }
+
+        #[test]
+        fn programs_have_the_same_to_the_bit(x in -750.0..750.0f64, small in -0.9..0.9f64) {
+            let program = Program::new(vec![block()]).unwrap();
+            let mut machine = Machine::new(&program, "", false);
+            let mut of = |name: &str, x: f64| machine.call(name, &[x]).unwrap()[0];
+            for x in [x, small, 0.01 * small, 0.0] {
+                prop_assert_eq!(of("exponential", x).to_bits(), exp(x).to_bits());
+                prop_assert_eq!(of("growth", x).to_bits(), growth(x).to_bits());
+                prop_assert_eq!(of("growth_derivative", x).to_bits(), growth_slope(x).to_bits());
+                prop_assert_eq!(of("logarithm", 1e-6 + x.abs()).to_bits(), ln(1e-6 + x.abs()).to_bits());
+            }
+            prop_assert_eq!(of("log_growth", small).to_bits(), log_growth(small).to_bits());
+            prop_assert_eq!(of("log_growth_derivative", small).to_bits(), log_growth_slope(small).to_bits());
+        }
+    }
+
+    #[test]
+    fn ends_are_what_they_are_elsewhere() {
+        assert_eq!([exp(f64::INFINITY), exp(-800.0), exp_m1(-800.0), exp_m1(1e9)], [f64::INFINITY, 0.0, -1.0, f64::INFINITY]);
+        assert!(exp(f64::NAN).is_nan() && ln(f64::NAN).is_nan() && exp_m1(f64::NAN).is_nan());
+        assert_eq!([exp(0.0), exp_m1(0.0), ln(1.0), ln_1p(0.0)], [1.0, 0.0, 0.0, 0.0]);
+        assert!(ulps(ln(5e-324), 5e-324f64.ln()) < 2.0);
+    }
+}

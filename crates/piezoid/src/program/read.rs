@@ -1,0 +1,494 @@
+//! Reading functions: words, then steps, each name known before it is used.
+
+use super::{Expr, Function, Holds, Kind, Limit, Op, Parameter, Place, Program, Step};
+use crate::error::Error;
+
+/// Reads `text` into the last block of `program`.
+pub(super) fn functions(program: &mut Program, text: &str) -> Result<(), Error> {
+    let words = words(text)?;
+    let mut at = 0;
+    while at < words.len() {
+        let mut reader = Reader { program, words: &words, at, names: Vec::new(), changed: Vec::new(), within: String::new() };
+        let function = reader.function()?;
+        at = reader.at;
+        program.functions.push(function);
+    }
+    Ok(())
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Word {
+    Name(String),
+    Real(f64),
+    Whole(usize),
+    Sign(&'static str),
+    Note(String),
+}
+
+/// Longer signs first, so that `<=` is not `<`.
+const SIGNS: [&str; 28] = [
+    "..", "+=", "-=", "*=", "/=", "<=", ">=", "==", "!=", "&&", "||", "(", ")", "{", "}", "[", "]", ",", ";", ":", "=", "+", "-",
+    "*", "/", "%", "<", ">",
+];
+
+fn words(text: &str) -> Result<Vec<Word>, Error> {
+    let mut words = Vec::new();
+    let mut rest = text.trim_start();
+    while let Some(first) = rest.chars().next() {
+        let length = |ends: &dyn Fn(char) -> bool| rest.find(|c| !ends(c)).unwrap_or(rest.len());
+        let taken = if let Some(note) = rest.strip_prefix("//") {
+            let note = note.lines().next().unwrap_or_default();
+            words.push(Word::Note(note.trim().into()));
+            2 + note.len()
+        } else if first.is_ascii_alphabetic() {
+            let n = length(&|c| c.is_ascii_alphanumeric() || c == '_');
+            words.push(Word::Name(rest[..n].into()));
+            n
+        } else if first.is_ascii_digit() {
+            let (number, n) = number(rest)?;
+            words.push(number);
+            n
+        } else if rest.starts_with('.') && !rest.starts_with("..") {
+            words.push(Word::Sign("."));
+            1
+        } else if let Some(sign) = SIGNS.iter().find(|sign| rest.starts_with(**sign)) {
+            words.push(Word::Sign(sign));
+            sign.len()
+        } else {
+            return Err(Error::Content(format!("a program has no sign `{first}`")));
+        };
+        rest = rest[taken..].trim_start();
+    }
+    Ok(words)
+}
+
+/// The number that `text` begins with and how long it is: real where it has a point or an exponent.
+fn number(text: &str) -> Result<(Word, usize), Error> {
+    let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let mut n = digits(text);
+    let whole = n;
+    if text[n..].starts_with('.') && !text[n..].starts_with("..") {
+        n += 1 + digits(&text[n + 1..]);
+    }
+    if let Some(exponent) = text[n..].strip_prefix('e') {
+        let sign = usize::from(exponent.starts_with(['-', '+']));
+        n += 1 + sign + digits(&exponent[sign..]);
+    }
+    let bad = || Error::Content(format!("`{}` in a program is no number", &text[..n]));
+    let number = if n == whole {
+        Word::Whole(text[..n].parse().map_err(|_| bad())?)
+    } else {
+        Word::Real(text[..n].parse().map_err(|_| bad())?)
+    };
+    Ok((number, n))
+}
+
+struct Reader<'r> {
+    program: &'r Program,
+    words: &'r [Word],
+    at: usize,
+    /// What names stand for, the innermost last.
+    names: Vec<(String, Kind)>,
+    /// Names of states that are changed.
+    changed: Vec<String>,
+    /// The function being read.
+    within: String,
+}
+
+type Read<T> = Result<T, Error>;
+
+impl Reader<'_> {
+    fn wrong<T>(&self, what: impl std::fmt::Display) -> Read<T> {
+        let near: Vec<String> = self.words[self.at.saturating_sub(3)..].iter().take(6).map(|w| format!("{w:?}")).collect();
+        Err(Error::Content(format!("program, fn {}: {what}, near {}", self.within, near.join(" "))))
+    }
+
+    fn is(&self, sign: &str) -> bool {
+        match self.words.get(self.at) {
+            Some(Word::Sign(s)) => *s == sign,
+            Some(Word::Name(name)) => name == sign,
+            _ => false,
+        }
+    }
+
+    /// Passes `sign` if it comes next.
+    fn pass(&mut self, sign: &str) -> bool {
+        let is = self.is(sign);
+        self.at += usize::from(is);
+        is
+    }
+
+    fn expect(&mut self, sign: &str) -> Read<()> {
+        if self.pass(sign) { Ok(()) } else { self.wrong(format!("`{sign}` is missing")) }
+    }
+
+    fn name(&mut self) -> Read<String> {
+        match self.words.get(self.at) {
+            Some(Word::Name(name)) => {
+                self.at += 1;
+                Ok(name.clone())
+            }
+            _ => self.wrong("a name is missing"),
+        }
+    }
+
+    fn kind(&self, name: &str) -> Option<&Kind> {
+        self.names.iter().find(|(known, _)| known == name).map(|(_, kind)| kind)
+    }
+
+    fn introduce(&mut self, name: &str, kind: Kind) -> Read<()> {
+        if self.kind(name).is_some() {
+            return self.wrong(format!("`{name}` hides what has that name"));
+        }
+        self.names.push((name.into(), kind));
+        Ok(())
+    }
+
+    fn function(&mut self) -> Read<Function> {
+        let mut about = Vec::new();
+        while let Some(Word::Note(note)) = self.words.get(self.at) {
+            about.push(note.clone());
+            self.at += 1;
+        }
+        self.expect("fn")?;
+        let name = self.name()?;
+        self.within = name.clone();
+        if self.program.function(&name).is_some() {
+            return self.wrong("there is another one of that name");
+        }
+        self.expect("(")?;
+        let mut takes = Vec::new();
+        while !self.pass(")") {
+            let name = self.name()?;
+            let kind = match self.pass(":").then(|| self.name()).transpose()? {
+                None => Kind::Real,
+                Some(whole) if whole == "whole" => Kind::Whole,
+                Some(block) if self.program.block(&block).is_some() => Kind::Part(block),
+                Some(block) => return self.wrong(format!("there is no block `{block}`")),
+            };
+            self.introduce(&name, kind.clone())?;
+            takes.push(Parameter { name, kind, changed: false });
+            if !self.is(")") {
+                self.expect(",")?;
+            }
+        }
+        self.expect("{")?;
+        let mut steps = Vec::new();
+        while !self.is("return") && !self.is("}") {
+            steps.push(self.step()?);
+        }
+        let mut returns = Vec::new();
+        if self.pass("return") {
+            returns.push(self.expr()?);
+            while self.pass(",") {
+                returns.push(self.expr()?);
+            }
+            self.expect(";")?;
+        }
+        self.expect("}")?;
+        for parameter in &mut takes {
+            parameter.changed = self.changed.contains(&parameter.name);
+        }
+        Ok(Function { block: self.program.blocks.len() - 1, about, name, takes, steps, returns })
+    }
+
+    fn steps(&mut self) -> Read<Vec<Step>> {
+        self.expect("{")?;
+        let known = self.names.len();
+        let mut steps = Vec::new();
+        while !self.pass("}") {
+            steps.push(self.step()?);
+        }
+        self.names.truncate(known);
+        Ok(steps)
+    }
+
+    fn step(&mut self) -> Read<Step> {
+        if let Some(Word::Note(note)) = self.words.get(self.at) {
+            self.at += 1;
+            return Ok(Step::Note(note.clone()));
+        }
+        if self.pass("let") {
+            return self.new_names();
+        }
+        if self.is("if") {
+            return self.choice();
+        }
+        if self.pass("while") {
+            return Ok(Step::While(self.expr()?, self.steps()?));
+        }
+        if self.pass("for") {
+            let name = self.name()?;
+            self.expect("in")?;
+            let (from, _, to) = (self.expr()?, self.expect("..")?, self.expr()?);
+            if !from.whole() || !to.whole() {
+                return self.wrong("the ends of a loop must be whole");
+            }
+            let down = self.pass("down");
+            let known = self.names.len();
+            self.introduce(&name, Kind::Whole)?;
+            let steps = self.steps()?;
+            self.names.truncate(known);
+            return Ok(Step::For { name, from, to, down, steps });
+        }
+        if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) {
+            let call = self.expr()?;
+            self.expect(";")?;
+            return Ok(Step::Do(call));
+        }
+        self.change()
+    }
+
+    fn new_names(&mut self) -> Read<Step> {
+        let mut names = vec![self.name()?];
+        while self.pass(",") {
+            names.push(self.name()?);
+        }
+        self.expect("=")?;
+        if self.pass("[") {
+            self.expr()?;
+            self.expect(";")?;
+            let Expr::Whole(n) = self.expr()? else { return self.wrong("room is for a known number of numbers") };
+            self.expect("]")?;
+            self.expect(";")?;
+            self.introduce(&names[0], Kind::Room(n))?;
+            return Ok(Step::Room(names[0].clone(), n));
+        }
+        for (word, zero) in [("copy", false), ("zero", true)] {
+            if self.is(word) {
+                self.at += 1;
+                self.expect("(")?;
+                let of = self.place()?;
+                self.expect(")")?;
+                self.expect(";")?;
+                let Kind::Part(block) = self.kind_at(&of)? else { return self.wrong("only a state is copied") };
+                let name = names[0].clone();
+                self.introduce(&name, Kind::Part(block.clone()))?;
+                return Ok(Step::Copy { name, of, block, zero });
+            }
+        }
+        let value = self.expr()?;
+        self.expect(";")?;
+        let kind = if value.whole() { Kind::Whole } else { Kind::Real };
+        for name in &names {
+            self.introduce(name, kind.clone())?;
+        }
+        let gives = match &value {
+            Expr::Call(name, _) => self.program.function(name).map_or(1, |f| f.returns.len()),
+            _ => 1,
+        };
+        if gives != names.len() {
+            return self.wrong(format!("{} names for {gives} numbers", names.len()));
+        }
+        Ok(Step::Let(names, value))
+    }
+
+    fn choice(&mut self) -> Read<Step> {
+        self.expect("if")?;
+        let (holds, yes) = (self.expr()?, self.steps()?);
+        let no = match self.pass("else") {
+            false => Vec::new(),
+            true if self.is("if") => vec![self.choice()?],
+            true => self.steps()?,
+        };
+        Ok(Step::If(holds, yes, no))
+    }
+
+    fn change(&mut self) -> Read<Step> {
+        let place = self.place()?;
+        let kind = self.kind_at(&place)?;
+        let now = match &kind {
+            Kind::Whole => Expr::Variable(place.root.clone(), true),
+            Kind::Real if place.path.is_empty() && place.index.is_none() => Expr::Variable(place.root.clone(), false),
+            Kind::Real => Expr::At(place.clone()),
+            _ => return self.wrong("only numbers are changed"),
+        };
+        let op = [("+=", Op::Add), ("-=", Op::Subtract), ("*=", Op::Multiply), ("/=", Op::Divide)];
+        let op = op.into_iter().find(|(sign, _)| self.pass(sign));
+        if op.is_none() {
+            self.expect("=")?;
+        }
+        let value = self.expr()?;
+        self.expect(";")?;
+        if value.whole() != (kind == Kind::Whole) {
+            return self.wrong(format!("`{}` is whole where the other is not", place.root));
+        }
+        self.changed.push(place.root.clone());
+        let value = match op {
+            None => value,
+            Some((_, op)) => Expr::Binary(op, Box::new(now), Box::new(value)),
+        };
+        Ok(Step::Set(place, value))
+    }
+
+    fn place(&mut self) -> Read<Place> {
+        let root = self.name()?;
+        let mut path = Vec::new();
+        while self.pass(".") {
+            path.push(self.name()?);
+        }
+        let index = if self.pass("[") {
+            let index = self.expr()?;
+            self.expect("]")?;
+            Some(Box::new(index))
+        } else {
+            None
+        };
+        Ok(Place { root, path, index })
+    }
+
+    /// What stands at a place.
+    fn kind_at(&self, place: &Place) -> Read<Kind> {
+        let Some(mut kind) = self.kind(&place.root).cloned() else {
+            return self.wrong(format!("`{}` is not known", place.root));
+        };
+        for name in &place.path {
+            let Kind::Part(block) = &kind else { return self.wrong(format!("`{name}` is no field")) };
+            let field = self.program.block(block).and_then(|b| b.fields.iter().find(|f| f.name == *name));
+            kind = match field.map(|f| &f.holds) {
+                None => return self.wrong(format!("block `{block}` has no field `{name}`")),
+                Some(Holds::Number(_)) => Kind::Real,
+                Some(Holds::Numbers(values)) => Kind::Room(values.len()),
+                Some(Holds::Block(name)) => Kind::Part(name.clone()),
+            };
+        }
+        match (&place.index, kind) {
+            (None, kind) => Ok(kind),
+            (Some(index), Kind::Room(_)) if index.whole() => Ok(Kind::Real),
+            (Some(_), kind) => self.wrong(format!("{kind:?} is counted off by what is not whole")),
+        }
+    }
+
+    fn expr(&mut self) -> Read<Expr> {
+        self.binary(1)
+    }
+
+    fn binary(&mut self, least: u8) -> Read<Expr> {
+        const OPS: [(&str, Op); 13] = [
+            ("+", Op::Add),
+            ("-", Op::Subtract),
+            ("*", Op::Multiply),
+            ("/", Op::Divide),
+            ("%", Op::Remainder),
+            ("<", Op::Less),
+            ("<=", Op::AtMost),
+            (">", Op::More),
+            (">=", Op::AtLeast),
+            ("==", Op::Equal),
+            ("!=", Op::Unequal),
+            ("&&", Op::And),
+            ("||", Op::Or),
+        ];
+        let mut left = self.unary()?;
+        while let Some((sign, op)) = OPS.into_iter().find(|(sign, op)| op.binds() >= least && self.is(sign)) {
+            self.expect(sign)?;
+            let right = self.binary(op.binds() + 1)?;
+            if op.binds() > Op::And.binds() && left.whole() != right.whole() {
+                return self.wrong(format!("`{sign}` joins a whole number to one that is not"));
+            }
+            left = match (op, &left, &right) {
+                (Op::Divide, Expr::Real(a), Expr::Real(b)) => Expr::Real(a / b),
+                _ => Expr::Binary(op, Box::new(left), Box::new(right)),
+            };
+        }
+        Ok(left)
+    }
+
+    fn unary(&mut self) -> Read<Expr> {
+        if self.pass("-") {
+            return Ok(match self.unary()? {
+                Expr::Real(value) => Expr::Real(-value),
+                inner => Expr::Negative(Box::new(inner)),
+            });
+        }
+        if self.pass("(") {
+            let inner = self.expr()?;
+            self.expect(")")?;
+            return Ok(inner);
+        }
+        match self.words.get(self.at) {
+            Some(Word::Real(value)) => {
+                self.at += 1;
+                Ok(Expr::Real(*value))
+            }
+            Some(Word::Whole(value)) => {
+                self.at += 1;
+                Ok(Expr::Whole(*value))
+            }
+            Some(Word::Name(name)) if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) => {
+                let name = name.clone();
+                self.at += 2;
+                self.call(name)
+            }
+            Some(Word::Name(_)) => self.named(),
+            _ => self.wrong("a number is missing"),
+        }
+    }
+
+    fn call(&mut self, name: String) -> Read<Expr> {
+        let mut arguments = Vec::new();
+        while !self.pass(")") {
+            arguments.push(self.expr()?);
+            if !self.is(")") {
+                self.expect(",")?;
+            }
+        }
+        if name == "real" || name == "whole" {
+            if arguments.len() != 1 || arguments[0].whole() != (name == "real") {
+                return self.wrong(format!("`{name}` converts one number of the other kind"));
+            }
+            return Ok(Expr::Call(name, arguments));
+        }
+        let Some(function) = self.program.function(&name) else {
+            return self.wrong(format!("there is no function `{name}` before this one"));
+        };
+        if function.takes.len() != arguments.len() {
+            return self.wrong(format!("`{name}` takes {} arguments", function.takes.len()));
+        }
+        for (parameter, argument) in function.takes.iter().zip(&arguments) {
+            let fits = match (&parameter.kind, argument) {
+                (Kind::Part(block), Expr::Part(place)) => self.kind_at(place)? == Kind::Part(block.clone()),
+                (kind, argument) => argument.whole() == (*kind == Kind::Whole),
+            };
+            if !fits {
+                return self.wrong(format!("`{name}` takes another {}", parameter.name));
+            }
+            if let (true, Expr::Part(place)) = (parameter.changed, argument) {
+                self.changed.push(place.root.clone());
+            }
+        }
+        Ok(Expr::Call(name, arguments))
+    }
+
+    /// A variable, a field, a constant, a count, or a property of numbers.
+    fn named(&mut self) -> Read<Expr> {
+        let place = self.place()?;
+        let name = &place.root;
+        if self.kind(name).is_some() {
+            return match self.kind_at(&place)? {
+                Kind::Whole => Ok(Expr::Variable(place.root, true)),
+                Kind::Real if place.path.is_empty() && place.index.is_none() => Ok(Expr::Variable(place.root, false)),
+                Kind::Real => Ok(Expr::At(place)),
+                Kind::Part(_) => Ok(Expr::Part(place)),
+                Kind::Room(_) => self.wrong(format!("`{name}` is several numbers")),
+            };
+        }
+        let number = self.program.blocks.len() - 1;
+        let block = &self.program.blocks[number];
+        if let Some((_, value)) = block.counts.iter().find(|(known, _)| known == name) {
+            return Ok(Expr::Whole(*value));
+        }
+        if let Some(constant) = block.constants.iter().find(|c| c.name == *name) {
+            return match constant.table == place.index.is_some() {
+                true => Ok(Expr::Constant(number, place.root, place.index)),
+                false => self.wrong(format!("`{name}` is a table, or is none")),
+            };
+        }
+        match name.as_str() {
+            "epsilon" => Ok(Expr::Limit(Limit::Epsilon)),
+            "least" => Ok(Expr::Limit(Limit::Least)),
+            "most" => Ok(Expr::Limit(Limit::Most)),
+            _ => self.wrong(format!("`{name}` is not known")),
+        }
+    }
+}
