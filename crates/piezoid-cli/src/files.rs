@@ -193,6 +193,30 @@ fn replace(path: &Path, text: &str) -> io::Result<()> {
     Ok(())
 }
 
+/// Writes files into a folder, which is made if it is not there: all of them, or none.
+pub(crate) fn write_all(folder: &Path, files: &[piezoid::export::File]) -> Result<()> {
+    let new = !folder.exists();
+    let staged = || {
+        let stage = |file: &piezoid::export::File| {
+            let path = folder.join(&file.path);
+            std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
+            let mut staged = beside(&path)?;
+            staged.write_all(&file.bytes)?;
+            Ok((staged, path))
+        };
+        files.iter().map(stage).collect::<io::Result<Vec<_>>>()
+    };
+    let written = staged().and_then(|staged| {
+        staged.into_iter().try_for_each(|(file, path)| file.persist(path).map(drop).map_err(|failed| failed.error))
+    });
+    written.map_err(|error| {
+        if new {
+            drop(std::fs::remove_dir_all(folder));
+        }
+        unwritable(&folder.join("-"), &error)
+    })
+}
+
 /// Writes a machine-readable result where `--json` says.
 pub(crate) fn write_json(path: Option<&Path>, value: &Value, console: &crate::console::Console) -> Result<()> {
     match path {

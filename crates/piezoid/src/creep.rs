@@ -11,6 +11,7 @@
 //! amplitude or direction.
 
 use crate::error::{Error, positive};
+use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 
@@ -105,6 +106,43 @@ impl Creep {
         (y - held) / share
     }
 }
+
+impl Creep {
+    /// The same for programs: a block `creep`, with functions for the step and back.
+    pub(crate) fn block(&self) -> Block {
+        let gains: Vec<f64> = self.lags.iter().map(|lag| lag.gain).collect();
+        let held: Vec<f64> = gains.iter().zip(&self.rates).map(|(gain, rate)| gain * (1.0 - rate)).collect();
+        let share = gains.iter().zip(&self.rates).fold(1.0, |share, (gain, rate)| share + gain * rate);
+        Block::new("creep", "creep: a ladder of first-order lags beside the direct path")
+            .numbers("lag", vec![0.0; gains.len()])
+            .table("rate", &self.rates)
+            .table("gain", &gains)
+            .table("held", &held)
+            .constant("share", share)
+            .count("rungs", gains.len())
+            .text(PROGRAM)
+    }
+}
+
+const PROGRAM: &str = "
+fn creep(x: creep, z) {
+    let y = z;
+    for k in 0..rungs {
+        x.lag[k] += rate[k] * (z - x.lag[k]);
+        y += gain[k] * x.lag[k];
+    }
+    return y;
+}
+
+// The z that the next step answers with y.
+fn creep_inverse(x: creep, y) {
+    let sum = 0.0;
+    for k in 0..rungs {
+        sum += held[k] * x.lag[k];
+    }
+    return (y - sum) / share;
+}
+";
 
 impl System for Creep {
     fn ts(&self) -> f64 {

@@ -12,6 +12,7 @@
 use crate::elementary::exp;
 use crate::error::{Error, positive};
 use crate::plant::DriverSpec;
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 
 /// Instants a sample at which the hysteresis block sees the voltage.
@@ -72,10 +73,60 @@ impl Driver {
         self.approach(u - away.signum() * near, u, h - limited)
     }
 
+    /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block through a sample of `ts` [s].
+    pub(crate) fn block(&self, ts: f64) -> Block {
+        let h = ts / SUBSTEPS as f64;
+        let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit").number("v", 0.0).number("z", 0.0);
+        let approach = if self.lag_s == 0.0 {
+            "fn approach(v, u, s) { return u; }"
+        } else {
+            "fn approach(v, u, s) { return u - (u - v) * exponential(-s / lag); }"
+        };
+        let advance = if self.slew.is_some() { SLEWING } else { "fn advance(v, u) { return approach(v, u, h); }" };
+        let slew = self.slew.unwrap_or(f64::MAX);
+        let block = block.constant("h", h).constant("lag", self.lag_s).constant("slew", slew).constant("near", slew * self.lag_s);
+        block.constant("twice_substeps", (2 * SUBSTEPS) as f64).count("substeps", SUBSTEPS).text(approach).text(advance).text(HIDDEN)
+    }
+
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {
         if self.lag_s == 0.0 { u } else { u - (u - v) * exp(-h / self.lag_s) }
     }
 }
+
+/// [`Driver::advance`], where the slew is limited.
+const SLEWING: &str = "
+fn advance(v, u) {
+    let away = u - v;
+    let points = way(away);
+    let after = 0.0;
+    // Within near of u the lag asks for less than the limit.
+    if magnitude(away) > near {
+        let limited = (magnitude(away) - near) / slew;
+        if limited >= h {
+            after = v + points * slew * h;
+        } else {
+            after = approach(u - points * near, u, h - limited);
+        }
+    } else {
+        after = approach(v, u, h);
+    }
+    return after;
+}
+";
+
+const HIDDEN: &str = "
+// z in the sample of u: the mean over its substeps.
+fn hidden(x: hysteresis, d: driver, u) {
+    let twice = 0.0;
+    for k in 0..substeps {
+        d.v = advance(d.v, u);
+        let after = hysteresis(x, d.v);
+        twice += d.z + after;
+        d.z = after;
+    }
+    return twice / twice_substeps;
+}
+";
 
 #[cfg(test)]
 mod tests {

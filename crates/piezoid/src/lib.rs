@@ -10,6 +10,7 @@ pub mod driver;
 mod elementary;
 pub mod error;
 pub mod excitation;
+pub mod export;
 pub mod formats;
 mod fourier;
 pub mod hammerstein;

@@ -6,6 +6,7 @@ use crate::values::Misused;
 use anyhow::{Context, Result};
 use clap::Args;
 use piezoid::control::{CONTROLLERS, FEEDS};
+use piezoid::export::TARGETS;
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
@@ -35,6 +36,10 @@ pub(crate) fn drivers() -> Vec<Row> {
 pub(crate) fn controllers() -> Vec<Row> {
     let feeds = FEEDS.iter().map(|f| (f.name, f.summary, f.reference));
     feeds.chain(CONTROLLERS.iter().map(|c| (c.name, c.summary, c.reference))).collect()
+}
+
+pub(crate) fn targets() -> Vec<Row> {
+    TARGETS.iter().map(|t| (t.name, t.summary, t.reference)).collect()
 }
 
 fn plants() -> Vec<Row> {

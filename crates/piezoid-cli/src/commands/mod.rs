@@ -4,6 +4,7 @@ mod compensate;
 mod control;
 mod driver;
 mod excite;
+mod export;
 mod identified;
 mod identify;
 mod lists;
@@ -36,6 +37,8 @@ pub(crate) enum Verb {
     Compensate(compensate::Compensate),
     /// Close the loop on a simulated actuator and compare controllers.
     Control(Box<control::Control>),
+    /// Write a model and its inverse in the language of another machine.
+    Export(export::Export),
     /// Write a self-contained page on a model and how it meets records.
     Report(report::Report),
     /// List the hysteresis operators.
@@ -50,6 +53,8 @@ pub(crate) enum Verb {
     Drivers(lists::List),
     /// List the controllers, feed-forwards first.
     Controllers(lists::List),
+    /// List what models can be exported to.
+    Targets(lists::List),
     /// Print a completion script for a shell.
     Completions(shell::Completions),
     /// Print the manual page.
@@ -66,6 +71,7 @@ impl Verb {
             Verb::Validate(verb) => verb.run(console),
             Verb::Compensate(verb) => verb.run(console),
             Verb::Control(verb) => verb.run(console),
+            Verb::Export(verb) => verb.run(console),
             Verb::Report(verb) => verb.run(console),
             Verb::Operators(verb) => verb.run(&lists::operators(), console),
             Verb::Plants(verb) => verb.run(console),
@@ -73,6 +79,7 @@ impl Verb {
             Verb::Estimators(verb) => verb.run(&lists::estimators(), console),
             Verb::Drivers(verb) => verb.run(&lists::drivers(), console),
             Verb::Controllers(verb) => verb.run(&lists::controllers(), console),
+            Verb::Targets(verb) => verb.run(&lists::targets(), console),
             Verb::Completions(verb) => verb.run(console),
             Verb::Man(verb) => verb.run(console),
         }

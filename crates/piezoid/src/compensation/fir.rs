@@ -7,6 +7,7 @@
 
 use crate::error::{Error, finite, positive};
 use crate::linear::Response;
+use crate::program::Block;
 use crate::system::System;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -96,6 +97,32 @@ impl Fir {
         self.taps.iter().map(|f| f * f).sum::<f64>().sqrt()
     }
 }
+
+impl Fir {
+    /// The same for programs, sample by sample: a block called `preview` with a function of that name, before which its input stood at `at_rest`.
+    pub(crate) fn block(&self, at_rest: f64) -> Block {
+        let block = Block::new("preview", "the inverse of the linear block: a filter of finite impulse response");
+        let block = block.numbers("past", vec![at_rest; self.order()]).table("taps", &self.taps);
+        match self.order() {
+            0 => block.text("fn preview(u) { return taps[0] * u; }"),
+            n => block.count("kept", n).text(PROGRAM),
+        }
+    }
+}
+
+const PROGRAM: &str = "
+fn preview(x: preview, u) {
+    let sum = -0.0;
+    let newer = u;
+    for k in 0..kept {
+        let older = x.past[k];
+        sum += taps[k + 1] * older;
+        x.past[k] = newer;
+        newer = older;
+    }
+    return taps[0] * u + sum;
+}
+";
 
 impl System for Fir {
     fn ts(&self) -> f64 {

@@ -15,6 +15,7 @@
 mod fir;
 mod learning;
 mod preview;
+mod program;
 mod sample;
 pub mod shaping;
 

@@ -32,7 +32,7 @@ use crate::system::System;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Causal {
-    inverse: FeedForward,
+    pub(super) inverse: FeedForward,
 }
 
 /// The latest: with it the filter has as many taps as can be solved for.
@@ -65,7 +65,7 @@ impl Causal {
     }
 
     /// The reference that the model answers at rest [output unit].
-    fn resting(&self) -> f64 {
+    pub(super) fn resting(&self) -> f64 {
         let model = self.inverse.model();
         model.offset() + model.linear().dc_gain() * model.step_crept(&mut model.initial(), 0.0)
     }

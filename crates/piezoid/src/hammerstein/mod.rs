@@ -10,6 +10,7 @@ mod domain;
 mod joint;
 mod loops;
 mod paper;
+mod program;
 mod rich;
 mod start;
 

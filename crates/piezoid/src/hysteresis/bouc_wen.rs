@@ -135,13 +135,14 @@ impl Law for BoucWen {
 
     fn block(&self, block: Block, _: Input) -> Block {
         let gamma = self.beta * self.gamma_over_beta;
-        block.number("h", 0.0).constant("gamma", gamma).text(CLIMB).text(
+        let block = block.number("h", 0.0).constant("loading", self.beta + gamma).constant("unloading", self.beta - gamma);
+        block.text(CLIMB).text(
             "
 fn hysteresis(x: hysteresis, u) {
     let path = u - x.last;
     let points = way(path);
     if points != 0.0 {
-        x.h = points * climb(points * x.h, path * points, beta + gamma, beta - gamma);
+        x.h = points * climb(points * x.h, path * points, loading, unloading);
     }
     x.last = u;
     return w[0] * u + w[1] * -x.h;

@@ -27,7 +27,7 @@ mod two_branch;
 pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
 pub use inverse::{Inverted, falls};
-pub(crate) use inverse::{between, in_room};
+pub(crate) use inverse::{between, in_room, inverse_program};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
 pub use tellinen::Tellinen;

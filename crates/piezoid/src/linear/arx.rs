@@ -8,6 +8,7 @@
 //! is minus the `a` of scipy's and MATLAB's filters. A delay of d samples is d leading zeros in `b`.
 
 use crate::error::{Error, finite, positive};
+use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 
@@ -147,6 +148,46 @@ impl System for Arx {
         filter(1.0, &self.a, outputs, signal, |_, y| y);
     }
 }
+
+impl Arx {
+    /// The same for programs: a block called `name`, with a function of that name for the step.
+    pub(crate) fn block(&self, name: &str, about: &str) -> Block {
+        let (outputs, inputs) = (self.a.len(), self.b.len() - 1);
+        let takes = if self.order() == 0 { String::new() } else { format!("x: {name}, ") };
+        Block::new(name, about)
+            .numbers("outputs", vec![0.0; outputs])
+            .numbers("inputs", vec![0.0; inputs])
+            .table("a", &self.a)
+            .table("b", &self.b)
+            .text(&format!("fn {name}({takes}u) {{\n    // The oldest first.\n    let sum = b[0] * u;\n"))
+            .text(&remembering("inputs", inputs, "b", 1, "u"))
+            .text(&remembering("outputs", outputs, "a", 0, "sum"))
+            .text("    return sum;\n}\n")
+    }
+}
+
+/// Adds the `n` numbers remembered as `past` with the coefficients from that number on, and then remembers `newest` too.
+fn remembering(past: &str, n: usize, coefficients: &str, from: usize, newest: &str) -> String {
+    if n == 0 {
+        return String::new();
+    }
+    let mut text = String::new();
+    if n <= SHORT {
+        for k in (0..n).rev() {
+            text += &format!("    sum += {coefficients}[{}] * x.{past}[{k}];\n", k + from);
+        }
+        for k in (1..n).rev() {
+            text += &format!("    x.{past}[{k}] = x.{past}[{}];\n", k - 1);
+        }
+    } else {
+        text += &format!("    for k in 0..{n} down {{ sum += {coefficients}[k + {from}] * x.{past}[k]; }}\n");
+        text += &format!("    for k in 1..{n} down {{ x.{past}[k] = x.{past}[k - 1]; }}\n");
+    }
+    text + &format!("    x.{past}[0] = {newest};\n")
+}
+
+/// The longest memory of a program that is written out.
+const SHORT: usize = 4;
 
 /// Replaces v by gain v + c_1 p_1 + c_2 p_2 + ... along the signal. Of the old v and the new one, `newest` says which is
 /// p_1 next.

@@ -403,6 +403,16 @@ impl Program {
 }
 
 impl Function {
+    /// Whether it gives the variable of this name another value later.
+    pub fn changes(&self, name: &str) -> bool {
+        let mut changes = false;
+        let mut look = |step: &Step| {
+            changes |= matches!(step, Step::Set(place, _) if place.root == name && place.path.is_empty());
+        };
+        self.steps.iter().for_each(|step| step.all(&mut look));
+        changes
+    }
+
     /// Hands the name of every function it calls to `see`.
     pub fn calls(&self, see: &mut impl FnMut(&str)) {
         self.expressions(&mut |expr| {

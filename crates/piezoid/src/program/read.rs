@@ -388,6 +388,8 @@ impl Reader<'_> {
             }
             left = match (op, &left, &right) {
                 (Op::Divide, Expr::Real(a), Expr::Real(b)) => Expr::Real(a / b),
+                (Op::Add, Expr::Variable(..), Expr::Whole(0)) => left,
+                (Op::Add, Expr::Whole(a), Expr::Whole(b)) => Expr::Whole(a + b),
                 _ => Expr::Binary(op, Box::new(left), Box::new(right)),
             };
         }

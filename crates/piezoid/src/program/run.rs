@@ -40,6 +40,13 @@ pub struct Counts {
     pub comparisons: usize,
 }
 
+impl Counts {
+    /// All together.
+    pub fn total(&self) -> usize {
+        self.sums + self.products + self.quotients + self.comparisons
+    }
+}
+
 /// What a name stands for.
 #[derive(Debug, Clone)]
 enum Value<'p> {

@@ -1,0 +1,456 @@
+//! C99: a header and a source file without a heap, a library, or recursion.
+//!
+//! Every function is static but those of the interface; states are structs, which the caller owns; tables are constant. Arithmetic is
+//! that of the model here, in the same order, so that in double precision and without contraction the bits are the same.
+
+use super::language::{Begun, Language, Words, less_one};
+use super::readme::readme;
+use super::whole::{Entry, Vectors, Whole};
+use super::{File, Made, Target, Wanted, named};
+use crate::error::Error;
+use crate::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Op, Place, Program};
+use crate::system::System;
+
+pub(super) const TARGET: Target = Target {
+    name: "c",
+    summary: "a header and a source file in C99, in double or single precision, with a self-test",
+    reference: "ISO/IEC 9899:1999; MISRA C:2012",
+    make: |wanted| {
+        let whole = checked(wanted)?;
+        let vectors = whole.vectors(wanted)?;
+        let c = C::of(&whole, wanted);
+        let name = wanted.name;
+        let files = vec![
+            File::text(format!("{name}.h"), c.header(&whole, wanted)),
+            File::text(format!("{name}.c"), c.source(&whole)),
+            File::text(format!("{name}_test.c"), c.test(&whole, &vectors)),
+            File::text("README.md", readme(wanted, &whole, &vectors)),
+        ];
+        Ok(Made { files, notes: whole.notes })
+    },
+};
+
+/// What may not be a name: the words of the language, and what its functions would clash with.
+const RESERVED: &[&str] = &[
+    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float", "for", "goto",
+    "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
+    "typedef", "union", "unsigned", "void", "volatile", "while", "main",
+];
+
+/// What is exported, under a name that C has not taken.
+pub(super) fn checked(wanted: &Wanted) -> Result<Whole, Error> {
+    named(wanted.name, RESERVED)?;
+    Whole::new(wanted)
+}
+
+/// The language.
+pub(super) struct C<'c> {
+    pub(super) program: &'c Program,
+    pub(super) name: &'c str,
+    pub(super) single: bool,
+}
+
+impl<'c> C<'c> {
+    pub(super) fn of(whole: &'c Whole, wanted: &'c Wanted) -> Self {
+        C { program: &whole.program, name: wanted.name, single: wanted.single }
+    }
+}
+
+impl C<'_> {
+    /// The header: types and functions that are called from outside.
+    pub(super) fn header(&self, whole: &Whole, wanted: &Wanted) -> String {
+        let (name, guard, number) = (self.name, self.name.to_uppercase(), self.number());
+        let mut out = String::new();
+        let mut about = vec![format!("{name}.h: a piezo actuator and what drives it, as identified by piezoid.")];
+        about.push(format!("One call of a step function is one sample of {} s.", shortest(wanted.model.ts(), false)));
+        about.extend(whole.notes.iter().cloned());
+        out += &comment(&about, "");
+        out += &format!("#ifndef {guard}_H\n#define {guard}_H\n\n");
+        out += &format!("#define {guard}_TS {} /* sampling period [s] */\n\n", self.real(wanted.model.ts()));
+        out += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
+        for block in whole.program.blocks.iter().filter(|b| !b.fields.is_empty() && self.used(b)) {
+            out += &comment(&[format!("State of {}.", block.about)], "");
+            out += "typedef struct {\n";
+            for field in &block.fields {
+                out += &match &field.holds {
+                    Holds::Number(_) => format!("    {number} {};\n", field.name),
+                    Holds::Numbers(values) => format!("    {number} {}[{}];\n", field.name, values.len()),
+                    Holds::Block(inner) => format!("    {} {};\n", self.state(inner), field.name),
+                };
+            }
+            out += &format!("}} {};\n\n", self.state(&block.name));
+        }
+        for entry in &whole.entries {
+            let inputs = entry.inputs.iter().map(|i| format!("{} [{}]: {}", i.name, i.unit, i.about));
+            let mut about = vec![format!("One sample of {}.", entry.about)];
+            about.extend(inputs);
+            about.push(format!("Returns {} [{}]: {}.", entry.output.name, entry.output.unit, entry.output.about));
+            out += &comment(&["Begins anew: all that went before is forgotten.".into()], "");
+            out += &format!("void {}({} *s);\n\n", self.own(entry.reset), self.state(entry.state));
+            out += &comment(&about, "");
+            out += &format!("{};\n\n", self.prototype(entry));
+        }
+        out + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
+    }
+
+    /// Whether the state of a block is that of an entry, or within one.
+    fn used(&self, block: &Block) -> bool {
+        let holds = |outer: &Block| outer.fields.iter().any(|f| f.holds == Holds::Block(block.name.clone()));
+        ["state", "ff_state", "control_state"].contains(&block.name.as_str()) || self.program.blocks.iter().any(holds)
+    }
+
+    fn prototype(&self, entry: &Entry) -> String {
+        let inputs: String = entry.inputs.iter().map(|i| format!(", {} {}", self.number(), i.name)).collect();
+        format!("{} {}({} *s{inputs})", self.number(), self.own(entry.step), self.state(entry.state))
+    }
+
+    /// The source: constants and functions.
+    pub(super) fn source(&self, whole: &Whole) -> String {
+        let mut out = comment(&[format!("{}.c: see {}.h", self.name, self.name)], "");
+        out += &format!("#include \"{}.h\"\n\n", self.name);
+        out += "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF /* the same bits on every machine */\n#endif\n\n";
+        for (number, block) in self.program.blocks.iter().enumerate() {
+            let constants: Vec<String> = self.constants(number, block);
+            let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
+            if constants.is_empty() && functions.is_empty() {
+                continue;
+            }
+            out += &comment(&[titled(&block.about)], "");
+            out += "\n";
+            out += &constants.concat();
+            out += if constants.is_empty() { "" } else { "\n" };
+            for function in functions {
+                out += &self.function(function, whole);
+            }
+        }
+        for entry in &whole.entries {
+            out += &format!("void {}({} *s)\n{{\n{}}}\n\n", self.own(entry.reset), self.state(entry.state), self.rest(entry.state, "s->"));
+        }
+        out.truncate(out.trim_end().len());
+        out + "\n"
+    }
+
+    /// The constants of a block that its functions read.
+    fn constants(&self, number: usize, block: &Block) -> Vec<String> {
+        let mut read = Vec::new();
+        for function in &self.program.functions {
+            function.expressions(&mut |expr| {
+                if let Expr::Constant(of, name, _) = expr
+                    && *of == number
+                {
+                    read.push(name.clone());
+                }
+            });
+        }
+        let line = |c: &Constant| {
+            let (name, number) = (self.own(&format!("{}_{}", block.name, c.name)), self.number());
+            let values: Vec<String> = c.values.iter().map(|v| self.real(*v)).collect();
+            match c.table {
+                false => format!("static const {number} {name} = {};\n", values[0]),
+                true => format!("static const {number} {name}[{}] = {{\n{}}};\n", values.len(), wrapped(&values)),
+            }
+        };
+        block.constants.iter().filter(|c| read.contains(&c.name)).map(line).collect()
+    }
+
+    fn function(&self, function: &Function, whole: &Whole) -> String {
+        let number = self.number();
+        let outside = whole.entries.iter().any(|entry| entry.step == function.name);
+        let gives = if function.returns.is_empty() { "void" } else { number };
+        let mut takes: Vec<String> = function
+            .takes
+            .iter()
+            .map(|p| match &p.kind {
+                Kind::Whole => format!("int {}", p.name),
+                Kind::Part(block) => format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name),
+                _ => format!("{number} {}", p.name),
+            })
+            .collect();
+        let also = function.returns.iter().skip(1);
+        takes.extend(also.clone().map(|_| format!("{number} *also")));
+        let words = Words { program: self.program, function, language: self };
+        let mut out = if function.about.is_empty() { String::new() } else { comment(&function.about, "") };
+        let visible = if outside { "" } else { "static " };
+        out += &format!("{visible}{gives} {}({})\n{{\n", self.own(&function.name), takes.join(", "));
+        out += &words.steps(&function.steps, 1);
+        for expr in also {
+            out += &format!("    *also = {};\n", words.expr(expr));
+        }
+        if let Some(first) = function.returns.first() {
+            out += &format!("    return {};\n", words.expr(first));
+        }
+        out + "}\n\n"
+    }
+
+    /// What puts the state of a block at rest, field by field after `prefix`.
+    fn rest(&self, block: &str, prefix: &str) -> String {
+        let mut out = String::new();
+        for field in self.program.block(block).map_or(&[][..], |b| &b.fields) {
+            let name = format!("{prefix}{}", field.name);
+            match &field.holds {
+                Holds::Number(value) => out += &format!("    {name} = {};\n", self.real(*value)),
+                Holds::Block(inner) => out += &self.rest(inner, &format!("{name}.")),
+                // All alike are set in a loop.
+                Holds::Numbers(values) if values.iter().all(|v| v.to_bits() == values[0].to_bits()) => {
+                    let (n, value) = (values.len(), self.real(values[0]));
+                    out += &format!("    for (int k = 0; k < {n}; k++) {{\n        {name}[k] = {value};\n    }}\n");
+                }
+                Holds::Numbers(values) => {
+                    for (k, value) in values.iter().enumerate() {
+                        out += &format!("    {name}[{k}] = {};\n", self.real(*value));
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// What makes the state of a block zero, line by line.
+    fn cleared(&self, block: &str, prefix: &str) -> Vec<String> {
+        let zero = self.real(0.0);
+        let fields = self.program.block(block).map_or(&[][..], |b| &b.fields);
+        let clear = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
+            (Holds::Number(_), name) => vec![format!("{name} = {zero};")],
+            (Holds::Numbers(values), name) => vec![
+                format!("for (int k = 0; k < {}; k++) {{", values.len()),
+                format!("    {name}[k] = {zero};"),
+                "}".into(),
+            ],
+            (Holds::Block(inner), name) => self.cleared(inner, &format!("{name}.")),
+        };
+        fields.iter().flat_map(clear).collect()
+    }
+
+    /// A program that runs the vectors and says how far off it is.
+    pub(super) fn test(&self, whole: &Whole, vectors: &[Vectors]) -> String {
+        let (name, number) = (self.name, self.number());
+        let about = [
+            format!("Runs {name} on recorded inputs and compares bit by bit with what piezoid computes."),
+            "Ends with status 0 where all are equal, else with 1 and the largest difference.".into(),
+        ];
+        let mut out = comment(&about, "");
+        out += &format!("#include \"{name}.h\"\n#include <stdio.h>\n\n");
+        let mut main = String::new();
+        for (entry, vectors) in whole.entries.iter().zip(vectors) {
+            let (step, n) = (entry.step, vectors.outputs.len());
+            for (k, input) in entry.inputs.iter().enumerate() {
+                let values: Vec<String> = vectors.inputs.iter().map(|row| self.real(row[k])).collect();
+                out += &format!("static const {number} {step}_{}[{n}] = {{\n{}}};\n", input.name, wrapped(&values));
+            }
+            let values: Vec<String> = vectors.outputs.iter().map(|v| self.real(*v)).collect();
+            out += &format!("static const {number} {step}_gives[{n}] = {{\n{}}};\n\n", wrapped(&values));
+            let inputs: String = entry.inputs.iter().map(|i| format!(", {step}_{}[k]", i.name)).collect();
+            out += &format!(
+                "static int {step}_differs(void)\n{{\n    {} s;\n    int differs = 0;\n    double most = 0.0;\n    {}(&s);\n    \
+                 for (int k = 0; k < {n}; k++) {{\n        const {number} off = {}(&s{inputs}) - {step}_gives[k];\n        \
+                 const double size = (off < {zero}) ? -(double)off : (double)off;\n        if (!(size == 0.0)) {{\n            \
+                 differs++;\n        }}\n        if (size > most) {{\n            most = size;\n        }}\n    }}\n    \
+                 printf(\"{name}_{step}: %d of {n} differ, by %g {} at most\\n\", differs, most);\n    return differs;\n}}\n\n",
+                self.state(entry.state),
+                self.own(entry.reset),
+                self.own(step),
+                entry.output.unit.replace(['%', '\\', '"'], ""),
+                zero = self.real(0.0),
+            );
+            main += &format!("    differs += {step}_differs();\n");
+        }
+        out + &format!("int main(void)\n{{\n    int differs = 0;\n{main}    return (differs == 0) ? 0 : 1;\n}}\n")
+    }
+
+    fn number(&self) -> &'static str {
+        if self.single { "float" } else { "double" }
+    }
+
+    /// A name of this file, which no other file has.
+    fn own(&self, name: &str) -> String {
+        format!("{}_{name}", self.name)
+    }
+
+    /// The type of the state of a block.
+    fn state(&self, block: &str) -> String {
+        self.own(&if block.ends_with("state") { block.into() } else { format!("{block}_state") })
+    }
+
+    fn pointed(&self, function: &Function, root: &str) -> bool {
+        function.takes.iter().any(|p| p.name == root)
+    }
+
+    fn kind(&self, function: &Function, place: &Place) -> bool {
+        // Only states are handed by address.
+        self.pointed(function, &place.root) && place.path.is_empty()
+    }
+
+    fn arguments(&self, arguments: &[Expr], words: &Words) -> Vec<String> {
+        let argument = |a: &Expr| match a {
+            Expr::Part(place) if self.kind(words.function, place) => place.root.clone(),
+            Expr::Part(place) => format!("&{}", self.place(place, words)),
+            a => words.expr(a),
+        };
+        arguments.iter().map(argument).collect()
+    }
+}
+
+/// `text` as the beginning of a page has it.
+fn titled(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// Lines of a comment.
+fn comment(lines: &[String], indent: &str) -> String {
+    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /")).collect();
+    format!("{indent}/* {} */\n", lines.join(&format!("\n{indent}   ")))
+}
+
+/// Numbers in lines of a readable length.
+pub(super) fn wrapped(values: &[String]) -> String {
+    let mut out = String::new();
+    let mut line = String::from("   ");
+    for value in values {
+        if line.len() + value.len() > 115 {
+            out += &format!("{line}\n");
+            line = "   ".into();
+        }
+        line += &format!(" {value},");
+    }
+    out + &line + "\n"
+}
+
+/// The shortest text that is read back as this number.
+pub(super) fn shortest(value: f64, single: bool) -> String {
+    if single { format!("{:?}", value as f32) } else { format!("{value:?}") }
+}
+
+impl Language for C<'_> {
+    fn single(&self) -> bool {
+        self.single
+    }
+
+    fn real(&self, value: f64) -> String {
+        format!("{}{}", shortest(value, self.single), if self.single { "f" } else { "" })
+    }
+
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+        let name = self.own(&format!("{}_{name}", block.name));
+        index.map_or(name.clone(), |index| format!("{name}[{}]", words.expr(index)))
+    }
+
+    fn place(&self, place: &Place, words: &Words) -> String {
+        let mut text = place.root.clone();
+        for (k, field) in place.path.iter().enumerate() {
+            text += if k == 0 && self.pointed(words.function, &place.root) { "->" } else { "." };
+            text += field;
+        }
+        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
+        text
+    }
+
+    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+        format!("{}({})", self.own(name), self.arguments(arguments, words).join(", "))
+    }
+
+    fn to_real(&self, value: String) -> String {
+        format!("({})({value})", self.number())
+    }
+
+    fn to_whole(&self, value: String) -> String {
+        format!("(int)({value})")
+    }
+
+    fn between(&self, op: Op, _: bool) -> &'static str {
+        match op {
+            Op::Add => "+",
+            Op::Subtract => "-",
+            Op::Multiply => "*",
+            Op::Divide => "/",
+            Op::Remainder => "%",
+            Op::Less => "<",
+            Op::AtMost => "<=",
+            Op::More => ">",
+            Op::AtLeast => ">=",
+            Op::Equal => "==",
+            Op::Unequal => "!=",
+            Op::And => "&&",
+            Op::Or => "||",
+        }
+    }
+
+    fn note(&self, text: &str) -> String {
+        format!("/* {} */", text.replace("*/", "* /"))
+    }
+
+    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+        let (Some((first, rest)), kind) = (names.split_first(), if value.whole() { "int" } else { self.number() }) else {
+            return Vec::new();
+        };
+        let zero = self.real(0.0);
+        let mut lines: Vec<String> = rest.iter().map(|name| format!("{kind} {name} = {zero};")).collect();
+        let value = match value {
+            Expr::Call(function, arguments) if !rest.is_empty() => {
+                let given = self.arguments(arguments, words);
+                let given: Vec<String> = given.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
+                format!("{}({})", self.own(function), given.join(", "))
+            }
+            value => words.expr(value),
+        };
+        // C99 knows no constants among its variables, but who reads it should.
+        let changed = words.function.changes(first);
+        lines.push(format!("{}{kind} {first} = {value};", if changed { "" } else { "const " }));
+        lines
+    }
+
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
+        let from = if self.kind(words.function, of) { format!("*{}", of.root) } else { self.place(of, words) };
+        let copy = format!("{} {name} = {from};", self.state(block));
+        if !zero {
+            return vec![copy];
+        }
+        // No aggregate is initialised: compilers disagree on the braces.
+        let clear = self.cleared(block, &format!("{name}."));
+        std::iter::once(format!("{} {name};", self.state(block))).chain(clear).collect()
+    }
+
+    fn room(&self, name: &str, n: usize) -> Vec<String> {
+        vec![format!("{} {name}[{n}] = {{{}}};", self.number(), self.real(0.0))]
+    }
+
+    fn set(&self, place: String, value: String) -> String {
+        format!("{place} = {value};")
+    }
+
+    fn done(&self, call: &Expr, words: &Words) -> String {
+        let gives = match call {
+            Expr::Call(name, _) => words.program.function(name).is_some_and(|f| !f.returns.is_empty()),
+            _ => true,
+        };
+        format!("{}{};", if gives { "(void)" } else { "" }, words.expr(call))
+    }
+
+    fn if_holds(&self, holds: String) -> String {
+        format!("if ({holds}) {{")
+    }
+
+    fn else_if(&self, holds: String) -> String {
+        format!("}} else if ({holds}) {{")
+    }
+
+    fn or_else(&self) -> String {
+        "} else {".into()
+    }
+
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
+        let (first, last, to) = (words.expr(from), words.expr(&less_one(to)), words.expr(to));
+        match down {
+            false => format!("for (int {name} = {first}; {name} < {to}; {name}++) {{"),
+            true => format!("for (int {name} = {last}; {name} >= {first}; {name}--) {{"),
+        }
+    }
+
+    fn as_long_as(&self, holds: String) -> String {
+        format!("while ({holds}) {{")
+    }
+
+    fn end(&self, _: Begun) -> &'static str {
+        "}"
+    }
+}

@@ -1,0 +1,128 @@
+//! Export: the model, its inverse and its controller in the languages of the machines that drive actuators.
+//!
+//! What is exported is put together once, as a [`Program`](crate::program::Program), and every target prints it: same arithmetic, same
+//! order, same bits. Nothing that is written holds a date or a path.
+
+mod c;
+mod language;
+mod readme;
+mod whole;
+
+pub use whole::{Entry, Signal, Whole};
+
+use crate::compensation::How;
+use crate::control::Drive;
+use crate::error::Error;
+use crate::hammerstein::Model;
+
+/// What to export.
+#[derive(Debug, Clone)]
+pub struct Wanted<'w> {
+    /// The model.
+    pub model: &'w Model,
+    /// What functions, types and files are called after: a letter, then letters, digits and underscores.
+    pub name: &'w str,
+    /// Whether numbers are of single precision.
+    pub single: bool,
+    /// Limits of the feed-forward.
+    pub how: How,
+    /// Samples by which the feed-forward is late.
+    pub late: usize,
+    /// The controller to go with it, if any.
+    pub controller: Option<&'w Drive>,
+    /// The wanted displacement, for targets that are a table of voltages [output unit].
+    pub reference: Option<&'w [f64]>,
+}
+
+impl<'w> Wanted<'w> {
+    /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
+    pub fn new(model: &'w Model, name: &'w str) -> Self {
+        Wanted { model, name, single: false, how: How::default(), late: 0, controller: None, reference: None }
+    }
+}
+
+/// A file to write.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Its path, with `/` between folders.
+    pub path: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+impl File {
+    fn text(path: impl Into<String>, text: impl Into<String>) -> Self {
+        File { path: path.into(), bytes: text.into().into_bytes() }
+    }
+}
+
+/// What a target made.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Made {
+    /// The files.
+    pub files: Vec<File>,
+    /// What is worth knowing, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// One kind of export: a row of [`TARGETS`].
+#[derive(Clone, Copy)]
+pub struct Target {
+    /// As users write it.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// What the files follow.
+    pub reference: &'static str,
+    /// Makes the files.
+    pub make: fn(&Wanted) -> Result<Made, Error>,
+}
+
+impl std::fmt::Debug for Target {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Target").field(&self.name).finish()
+    }
+}
+
+/// The targets there are.
+pub static TARGETS: &[Target] = &[c::TARGET];
+
+/// The target called `name`.
+///
+/// ```
+/// use piezoid::export::{Wanted, target};
+/// use piezoid::{Model, hysteresis::operator, linear::Arx};
+/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
+/// let made = (target("c")?.make)(&Wanted::new(&model, "bender"))?;
+/// assert_eq!(made.files[0].path, "bender.h");
+/// assert!(target("cpp").unwrap_err().to_string().contains("known are c"));
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub fn target(name: &str) -> Result<&'static Target, Error> {
+    let known = || TARGETS.iter().map(|t| t.name);
+    TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
+}
+
+/// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of their words.
+fn named(name: &str, reserved: &[&str]) -> Result<(), Error> {
+    let fits = name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && name.len() <= LONGEST
+        && !name.ends_with('_')
+        && !name.contains("__");
+    if !fits {
+        let rule = format!("must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it");
+        return Err(Error::parameter("name", format!("`{name}`"), rule));
+    }
+    if reserved.iter().any(|word| word.eq_ignore_ascii_case(name)) {
+        return Err(Error::parameter("name", format!("`{name}`"), "is a word of the language: take another"));
+    }
+    Ok(())
+}
+
+/// The longest name, which leaves room for what functions and types add to it.
+const LONGEST: usize = 40;

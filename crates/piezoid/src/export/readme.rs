@@ -1,0 +1,97 @@
+//! The page that goes with exported code: what is there, how to use it, what it takes, how it was proved.
+
+use super::Wanted;
+use super::whole::{Vectors, Whole};
+use crate::number::{round, short};
+use crate::program::{Counts, Expr};
+
+/// Bytes of a number.
+fn bytes(single: bool) -> usize {
+    if single { 4 } else { 8 }
+}
+
+pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
+    let (name, model) = (wanted.name, wanted.model);
+    let number = if wanted.single { "float" } else { "double" };
+    let upper = name.to_uppercase();
+    let mut out = format!("# {name}\n\n");
+    let operator = model.hysteresis().operator();
+    out += &format!(
+        "A piezo actuator as C99, identified by piezoid: hysteresis `{}`, {} lags of creep, a linear block of order {}, sampled every {} s. \
+         Numbers are `{number}`.\n\n",
+        operator.name,
+        model.creep().lags().len(),
+        model.linear().a().len(),
+        round(crate::System::ts(model)),
+    );
+    for note in &whole.notes {
+        out += &format!("**Not here**: {note}\n\n");
+    }
+    out += "## Use\n\n```c\n";
+    out += &format!("#include \"{name}.h\"\n\n");
+    for entry in &whole.entries {
+        let s = entry.step.trim_end_matches("step").trim_end_matches('_');
+        let s = if s.is_empty() { "model" } else { s };
+        let inputs: Vec<&str> = entry.inputs.iter().map(|i| i.name).collect();
+        out += &format!(
+            "{name}_{} {s};{pad}/* yours to keep */\n{name}_{}(&{s});\n{} = {name}_{}(&{s}, {}); /* every {upper}_TS seconds: {} */\n",
+            entry.state,
+            entry.reset,
+            entry.output.name,
+            entry.step,
+            inputs.join(", "),
+            entry.about,
+            pad = " ",
+        );
+    }
+    out += "```\n\nNo heap, no globals that change, no recursion, no library: functions may be called from several tasks, each with a state of \
+            its own. Inputs have to be finite numbers; the feed-forward takes one that is not for the one before.\n\n";
+    out += "## What it takes\n\n| function | state | sums | products | quotients | comparisons | all, at most |\n|---|--:|--:|--:|--:|--:|--:|\n";
+    for (entry, vectors) in whole.entries.iter().zip(vectors) {
+        let Counts { sums, products, quotients, comparisons } = vectors.mean;
+        out += &format!(
+            "| `{name}_{}` | {} bytes | {sums} | {products} | {quotients} | {comparisons} | {} |\n",
+            entry.step,
+            whole.program.order(entry.state) * bytes(wanted.single),
+            vectors.most,
+        );
+    }
+    out += &format!(
+        "\nOperations on `{number}` a sample, on average along the vectors of the self-test and at most; constants take {} bytes. On a Cortex-M4F count about \
+         four instructions to an operation.\n\n",
+        constants(whole) * bytes(wanted.single),
+    );
+    out += "## Proof\n\n";
+    out += &format!("```sh\ncc -std=c99 -O2 -ffp-contract=off {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\n");
+    out += "The self-test compares with what piezoid computes, bit by bit. ";
+    if wanted.single {
+        for (entry, vectors) in whole.entries.iter().zip(vectors) {
+            out += &format!("Single precision moves `{name}_{}` by {} of its stroke at most. ", entry.step, short(vectors.off));
+        }
+    }
+    out += "Products and sums that a compiler contracts into one instruction (`-ffp-contract=fast`, the default of GCC without `-std=c99`) give other last digits, \
+            which is harmless; so does `-ffast-math`, which is not: do without it.\n\n";
+    out += "## Rules kept\n\nMISRA C:2012, as it was written with it in mind (no checker certified it): no dynamic memory (21.3), no recursion (17.2), one \
+            return to a function (15.5), braces everywhere (15.6), no jumps (15.1), no unused or hidden names (2.2, 5.3), parameters stay as they \
+            were given (17.8), no octal or implicit-width constants, no macros but the include guard and the sampling period, results of functions used or cast to \
+            void (17.7), every loop ends for every input. Not kept: comparisons of floating-point numbers for equality, which mean what they say.\n";
+    out
+}
+
+/// Constants that are read.
+fn constants(whole: &Whole) -> usize {
+    let mut read = Vec::new();
+    for function in &whole.program.functions {
+        function.expressions(&mut |expr| {
+            if let Expr::Constant(block, name, _) = expr {
+                read.push((*block, name.clone()));
+            }
+        });
+    }
+    let blocks = whole.program.blocks.iter().enumerate();
+    blocks
+        .flat_map(|(number, block)| block.constants.iter().map(move |constant| (number, constant)))
+        .filter(|(number, constant)| read.contains(&(*number, constant.name.clone())))
+        .map(|(_, constant)| constant.values.len())
+        .sum()
+}

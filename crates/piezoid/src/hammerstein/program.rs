@@ -1,0 +1,98 @@
+//! The model as a program.
+
+use super::Model;
+use crate::elementary;
+use crate::error::Error;
+use crate::program::{Block, Program};
+use crate::system::System;
+
+impl Model {
+    /// The model as a program: a block `state` of all its parts, in the order of its state here, and a function `step(s: state, u)`.
+    ///
+    /// ```
+    /// use piezoid::{Model, System, hysteresis::operator, linear::Arx, program::Machine};
+    /// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+    /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
+    /// let program = model.program()?;
+    /// let mut machine = Machine::new(&program, "state", false);
+    /// assert_eq!(machine.call("step", &[20.0])?, model.simulate(&[20.0]));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unsuited`] of an operator that has no program.
+    pub fn program(&self) -> Result<Program, Error> {
+        let mut program = self.before_the_linear_block()?;
+        program.add(self.linear().block("linear", "the linear block: a difference equation"))?;
+        let mut state = self.hidden_parts(Block::new("state", "the model: hysteresis, creep, linear dynamics, offset"));
+        if self.linear().order() > 0 {
+            state = state.part("linear", "linear");
+        }
+        if self.driver().is_some() {
+            state = state.part("driver", "driver");
+        }
+        let state = if state.fields.is_empty() { state.number("unused", 0.0) } else { state };
+        let linear = if self.linear().order() > 0 { "linear(s.linear, crept)" } else { "linear(crept)" };
+        let text = format!(
+            "
+// One sample: the input u to the displacement.
+fn step(s: state, u) {{
+    let z = {};
+    let crept = {};
+    return {linear} + offset;
+}}
+",
+            self.hidden_call("s", "u"),
+            self.creep_call("s", "creep", "z"),
+        );
+        program.add(state.constant("offset", self.offset()).text(&text))?;
+        Ok(program)
+    }
+
+    /// The blocks before the linear one.
+    pub(crate) fn before_the_linear_block(&self) -> Result<Program, Error> {
+        let unsuited = || {
+            let because = format!("its operator, `{}`, has none", self.hysteresis().operator().name);
+            Error::Unsuited { what: "program".into(), because }
+        };
+        let mut program = Program::new(vec![elementary::block(), self.hysteresis().block().ok_or_else(unsuited)?])?;
+        if let Some(driver) = self.driver() {
+            program.add(driver.block(self.ts()))?;
+        }
+        if self.creep().order() > 0 {
+            program.add(self.creep().block())?;
+        }
+        Ok(program)
+    }
+
+    /// `block` with the states of hysteresis and creep, as far as they have any.
+    pub(crate) fn hidden_parts(&self, block: Block) -> Block {
+        let block = if self.hysteresis().order() > 0 { block.part("hysteresis", "hysteresis") } else { block };
+        if self.creep().order() > 0 { block.part("creep", "creep") } else { block }
+    }
+
+    /// What gives z in the sample of `u`, in the state called `x`.
+    pub(crate) fn hidden_call(&self, x: &str, u: &str) -> String {
+        match (self.hysteresis().order() > 0, self.driver().is_some()) {
+            (false, false) => format!("hysteresis({u})"),
+            (true, false) => format!("hysteresis({x}.hysteresis, {u})"),
+            (false, true) => format!("hidden({x}.driver, {u})"),
+            (true, true) => format!("hidden({x}.hysteresis, {x}.driver, {u})"),
+        }
+    }
+
+    /// What gives the input for a z between two ends, in the state called `x`.
+    pub(crate) fn hidden_inverse_call(&self, x: &str, wanted: &str) -> String {
+        match (self.hysteresis().order() > 0, self.driver().is_some()) {
+            (false, false) => format!("hysteresis_inverse({wanted})"),
+            (true, false) => format!("hysteresis_inverse({x}.hysteresis, {wanted})"),
+            (false, true) => format!("hidden_inverse({x}.driver, {wanted})"),
+            (true, true) => format!("hidden_inverse({x}.hysteresis, {x}.driver, {wanted})"),
+        }
+    }
+
+    /// What `function` of the creep block makes of `z`, in the state called `x`; without creep, `z`.
+    pub(crate) fn creep_call(&self, x: &str, function: &str, z: &str) -> String {
+        if self.creep().order() > 0 { format!("{function}({x}.creep, {z})") } else { z.into() }
+    }
+}
