@@ -144,7 +144,7 @@ fn hysteresis(x: hysteresis, u) {
         x.h = points * climb(points * x.h, path * points, beta + gamma, beta - gamma);
     }
     x.last = u;
-    return w[0] * u + w[1] * -x.h;
+    return w[0] * u - w[1] * x.h;
 }
 ",
         )

@@ -66,6 +66,12 @@ pub trait Hysteresis: System {
         None
     }
 
+    /// z and its slope as the next step would answer them, where a law tells.
+    #[cfg(test)]
+    fn ahead(&self, _x: &[f64], _u: f64) -> Option<(f64, f64)> {
+        None
+    }
+
     /// The frequencies it was identified at, from the lowest to the highest [Hz], if its output depends on them.
     fn frequencies(&self) -> Option<(f64, f64)> {
         None
@@ -173,6 +179,43 @@ mod tests {
         (0..n).map(|t| 18.0 * (t as f64 * 0.05).sin() + 11.0 * (t as f64 * 0.173).sin()).collect()
     }
 
+    /// A wandering input that stands now and then, and before and after it all that is rare: zeros of both signs, steps that are tiny or
+    /// huge, turns.
+    fn trying() -> Vec<f64> {
+        let rare = [
+            -0.0,
+            0.0,
+            1e-12,
+            -1e-12,
+            1e-12,
+            1e-300,
+            -1e-300,
+            0.0,
+            -3.0,
+            -3.0 + 1e-12,
+            -3.0,
+            3.0,
+            24.0,
+            24.0 + 1e-12,
+            24.0,
+            -24.0,
+            30.0,
+            -30.0,
+            9.0,
+            1e6,
+            1e6,
+            -1e6,
+            -1e6 + 1e-9,
+            0.0,
+            -0.0,
+            250.0,
+            12.0,
+            12.0,
+        ];
+        let stands = wander(1500).into_iter().enumerate().flat_map(|(t, u)| vec![u; if t % 7 == 6 { 2 } else { 1 }]);
+        rare.into_iter().chain(stands).chain(rare).collect()
+    }
+
     #[test]
     fn every_operator_says_what_it_is_and_where_it_comes_from() {
         for (o, example) in OPERATORS.iter().zip(examples()) {
@@ -260,19 +303,53 @@ mod tests {
     #[test]
     fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
         for example in examples() {
-            if !matches!(example.operator().name, "prandtl-ishlinskii" | "bouc-wen") { continue; }
-            let Some(block) = example.block() else { continue };
             let name = example.operator().name;
+            // Theirs are still to be written.
+            if matches!(name, "proportional" | "two-branch" | "rate-scheduled" | "preisach" | "tellinen") {
+                continue;
+            }
+            let Some(block) = example.block() else { continue };
             let program = Program::new(vec![elementary::block(), block]).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             let mut x = example.initial();
             assert_eq!(machine.state(), x, "{name}");
-            for (t, u) in wander(1500).into_iter().enumerate() {
-                // Now and then the input stands.
-                let u = if t % 7 == 6 { x[0] } else { u };
+            for (t, u) in trying().into_iter().enumerate() {
                 let z = example.step(&mut x, u);
-                assert_eq!(machine.call("hysteresis", &[u]).unwrap()[0].to_bits(), z.to_bits(), "{name} at {t}");
+                let found = machine.call("hysteresis", &[u]).unwrap()[0];
+                assert_eq!(found.to_bits(), z.to_bits(), "{name} at {t}: {found} for {z}");
                 assert_eq!(machine.state(), x, "{name} at {t}");
+            }
+        }
+    }
+
+    /// A step from a copy of the state.
+    const AHEAD: &str = "
+        fn ahead(x: hysteresis, u) {
+            let trial = copy(x);
+            let slopes = zero(x);
+            let z, slope = hysteresis_slope(trial, slopes, u, 1.0);
+            return z, slope;
+        }
+    ";
+
+    #[test]
+    fn a_law_as_a_program_has_the_slope_of_the_law_to_the_bit() {
+        for example in examples() {
+            let (name, mut x) = (example.operator().name, example.initial());
+            let (Some(block), Some(_)) = (example.block(), example.ahead(&x, 0.0)) else { continue };
+            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            program.slope("hysteresis").unwrap();
+            program.extend(AHEAD).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            for (t, u) in trying().into_iter().enumerate() {
+                let (z, slope) = example.ahead(&x, u).unwrap();
+                let found = machine.call("ahead", &[u]).unwrap();
+                assert_eq!(found[0].to_bits(), z.to_bits(), "{name} at {t}, {u}: {found:?} for {z}");
+                // But for the sign of a slope of 0.
+                assert_eq!(found[1], slope, "{name} at {t}, {u}");
+                assert_eq!(machine.state(), x, "a look ahead moves nothing: {name} at {t}");
+                assert_eq!(example.step(&mut x, u).to_bits(), z.to_bits(), "{name} at {t}");
+                machine.call("hysteresis", &[u]).unwrap();
             }
         }
     }
