@@ -66,12 +66,12 @@ fn near<R: Real>(y: R, s: R, exponent: R) -> R {
 const STEP: &str = "
 // y after a path of s breakaways.
 fn nearer(y, s) {
-    let end = 0.0;
+    let reached = 0.0;
     if y > 0.0 {
         let t = s / exponential(q * logarithm(y));
-        if q * t < 1.0 { end = y * exponential(-t * log_growth(-q * t)); }
+        if q * t < 1.0 { reached = y * exponential(-t * log_growth(-q * t)); }
     }
-    return end;
+    return reached;
 }
 
 fn hysteresis(x: hysteresis, u) {

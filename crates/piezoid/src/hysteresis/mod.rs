@@ -184,7 +184,7 @@ mod tests {
     fn trying() -> Vec<f64> {
         let rare = [
             [-0.0, 0.0, 1e-12, -1e-12, 1e-12, 1e-300, -1e-300, 0.0, -3.0, -3.0 + 1e-12, -3.0, 3.0, 24.0, 24.0 + 1e-12],
-            [24.0, -24.0, 30.0, -30.0, 9.0, 1e6, 1e6, 1e6 - 1e-9, -250.0, 0.0, -0.0, 12.0, 12.0],
+            [24.0, -24.0, 30.0, -30.0, 9.0, 1e6, 1e6, 1e6 - 1e-9, -250.0, 0.0, -0.0, 7.0, 12.0, 12.0],
         ]
         .concat();
         let stands = wander(300).into_iter().enumerate().flat_map(|(t, u)| vec![u; if t % 7 == 6 { 2 } else { 1 }]);
@@ -279,7 +279,7 @@ mod tests {
     fn members() -> Vec<Arc<dyn Hysteresis>> {
         let mut members: Vec<_> = examples().collect();
         let mut bare = save(&*(generalised_play::OPERATOR.example)(5e-4).unwrap());
-        (bare["dead_zones"], bare["weights"]) = (serde_json::json!([]), serde_json::json!([0.6; 9]));
+        (bare["dead_zones"], bare["weights"]) = (serde_json::json!([]), serde_json::json!(vec![0.6; 9]));
         members.push(load(&bare, 5e-4).unwrap());
         for (elements, range) in [(1, (-30.0, 30.0)), (3, (0.0, 100.0)), (10, (-30.0, 12.0))] {
             let design = Design { ts: 5e-4, range, elements: Some(elements), frequencies: vec![5.0, 20.0, 80.0] };
