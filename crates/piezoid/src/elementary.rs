@@ -11,7 +11,7 @@
 use crate::program::Block;
 
 /// ln 2 in two parts, the first of nine bits.
-const LN_2: (f64, f64) = (0.693359375, -2.121944400546905827679e-4);
+const LN_2: (f64, f64) = (0.693359375, -2.1219444005469058e-4);
 
 /// What to reduce an argument by, is known up to here.
 const FAR: f64 = 800.0;
@@ -169,7 +169,7 @@ fn exponential_parts(v) {
     let reduced = real(n);
     let base = 2.0;
     if x < 0.0 { reduced = -reduced; base = 0.5; }
-    let r = (x - reduced * 0.693359375) - reduced * -2.121944400546905827679e-4;
+    let r = (x - reduced * 0.693359375) - reduced * -2.1219444005469058e-4;
     let square = r * r;
     let fourth = square * square;
     let a = 1.0 / 2.0 + r * (1.0 / 6.0);
@@ -217,7 +217,7 @@ fn logarithm(x) {
     let e = 1.0 / 19.0 + square * (1.0 / 21.0);
     let bend = square * ((a + fourth * b) + fourth * fourth * ((c + fourth * d) + fourth * fourth * e));
     let twice = 2.0 * s;
-    return k * 0.693359375 + (k * -2.121944400546905827679e-4 + (twice + twice * bend));
+    return k * 0.693359375 + (k * -2.1219444005469058e-4 + (twice + twice * bend));
 }
 
 // Its slope.
