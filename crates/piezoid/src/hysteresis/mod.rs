@@ -27,7 +27,7 @@ mod two_branch;
 pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
 pub use inverse::{Inverted, falls};
-pub(crate) use inverse::{between, in_room};
+pub(crate) use inverse::{between, in_room, inverse};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
 pub use tellinen::Tellinen;
@@ -169,6 +169,13 @@ mod tests {
         OPERATORS.iter().map(|o| (o.example)(5e-4).unwrap())
     }
 
+    /// Those that have a program.
+    fn programs() -> impl Iterator<Item = (Arc<dyn Hysteresis>, Block)> {
+        let written =
+            ["prandtl-ishlinskii", "bouc-wen", "proportional", "two-branch", "rate-scheduled", "tellinen", "preisach"];
+        examples().filter(move |e| written.contains(&e.operator().name)).filter_map(|e| Some((e.clone(), e.block()?)))
+    }
+
     fn wander(n: usize) -> Vec<f64> {
         (0..n).map(|t| 18.0 * (t as f64 * 0.05).sin() + 11.0 * (t as f64 * 0.173).sin()).collect()
     }
@@ -257,23 +264,89 @@ mod tests {
         }
     }
 
+    /// Steps `operator` and its program along `u`.
+    pub(in crate::hysteresis) fn same_as_a_program(operator: &dyn Hysteresis, u: &[f64]) {
+        let program = Program::new(vec![elementary::block(), operator.block().unwrap()]).unwrap();
+        let mut machine = Machine::new(&program, "hysteresis", false);
+        let mut x = operator.initial();
+        assert_eq!(machine.state(), x, "{operator:?}");
+        for (t, &u) in u.iter().enumerate() {
+            let z = operator.step(&mut x, u);
+            assert_eq!(machine.call("hysteresis", &[u]).unwrap()[0].to_bits(), z.to_bits(), "{operator:?} at {t}");
+            assert_eq!(machine.state(), x, "{operator:?} at {t}");
+        }
+    }
+
     #[test]
     fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
-        for example in examples() {
-            if !matches!(example.operator().name, "prandtl-ishlinskii" | "bouc-wen") { continue; }
-            let Some(block) = example.block() else { continue };
+        let mut u = wander(1500);
+        // Now and then the input stands.
+        (6..u.len()).step_by(7).for_each(|t| u[t] = u[t - 1]);
+        for (example, _) in programs() {
+            same_as_a_program(&*example, &u);
+        }
+    }
+
+    /// What is wanted of the next step from the state `x`: within reach of a wandering input, the same as before, hardly another, and far
+    /// beyond what there is.
+    fn wanted(operator: &dyn Hysteresis, x: &[f64], t: usize, before: f64) -> f64 {
+        match t % 17 {
+            3 | 4 => before,
+            7 => before + 1e-9,
+            9 => 1e-12,
+            11 => 1e3,
+            14 => -1e3,
+            _ => operator.step(&mut x.to_vec(), wander(t * t % 2000 + 1)[t * t % 2000]),
+        }
+    }
+
+    #[test]
+    fn every_inverse_as_a_program_gives_the_same_bits() {
+        for (example, block) in programs() {
             let name = example.operator().name;
-            let program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            super::inverse(&mut program).unwrap();
+            let rises = falls(&*example, -30.0, 30.0).is_none();
             let mut machine = Machine::new(&program, "hysteresis", false);
-            let mut x = example.initial();
-            assert_eq!(machine.state(), x, "{name}");
-            for (t, u) in wander(1500).into_iter().enumerate() {
-                // Now and then the input stands.
-                let u = if t % 7 == 6 { x[0] } else { u };
-                let z = example.step(&mut x, u);
-                assert_eq!(machine.call("hysteresis", &[u]).unwrap()[0].to_bits(), z.to_bits(), "{name} at {t}");
+            let mut single = Machine::new(&program, "hysteresis", true);
+            let (mut x, mut z) = (example.initial(), 0.0);
+            for t in 0..500 {
+                z = wanted(&*example, &x, t, z);
+                let u = example.invert(&x, z, (-25.0, 30.0)).u;
+                let found = machine.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap()[0];
+                assert_eq!(found.to_bits(), u.to_bits(), "{name} at {t}: {found} for {u}, wanted {z}");
+                let reached = example.step(&mut x, u);
+                machine.call("hysteresis", &[u]).unwrap();
                 assert_eq!(machine.state(), x, "{name} at {t}");
+
+                let u = single.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap()[0];
+                let back = single.call("hysteresis", &[u]).unwrap()[0];
+                assert!((-25.0..=30.0).contains(&u), "{name} at {t}: {u}");
+                if rises {
+                    assert!(
+                        (back - reached).abs() <= 64.0 * f64::from(f32::EPSILON) * 30.0,
+                        "{name} at {t}: {back} for {reached}, wanted {z}"
+                    );
+                }
             }
+        }
+    }
+
+    #[test]
+    fn programs_bear_what_is_no_number() {
+        for (_, block) in programs() {
+            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            super::inverse(&mut program).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            for u in [1.0, f64::NAN, 2.0, f64::INFINITY, -3.0, f64::NEG_INFINITY, 5.0, -8.0, 1e300, -1e300, 4.0] {
+                for z in [u, 3.0] {
+                    machine.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap();
+                }
+                machine.call("hysteresis", &[u]).unwrap();
+            }
+            machine.state().fill(f64::NAN);
+            machine.call("hysteresis_inverse", &[1.0, -25.0, 30.0]).unwrap();
+            machine.call("hysteresis", &[1.0]).unwrap();
         }
     }
 
