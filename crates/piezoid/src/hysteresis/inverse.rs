@@ -5,7 +5,7 @@
 //! ```
 //! Where the operator rises with its input there is one such u at most. By slopes it is found from the last input
 //! outwards, by Newton's method on the law itself: plays make z of lines, between which the method ends exactly after a few
-//! of them, and on curves it doubles the digits. Where z falls or jumps, copies of the state are tried between the two ends
+//! of them, and on curves it doubles the digits; a law may have a formula of its own. Where z falls or jumps, copies of the state are tried between the two ends
 //! that are allowed, by bisection and inverse quadratic interpolation, until the ends meet. Beyond what the ends give, the
 //! nearer end is all there is, and [`Inverted::z`] says what it reaches.
 //!
@@ -170,7 +170,8 @@ pub(crate) fn inverse(program: &mut Program) -> Result<(), Error> {
     }
     program.extend(&BY_SLOPES.replace("TRIALS", &TRIALS.to_string()))?;
     program.extend(&BY_TRIALS.replace("TRIALS", &TRIALS.to_string()))?;
-    program.extend(INVERSE)
+    let closed = program.function("hysteresis_closed").is_some();
+    program.extend(if closed { CLOSED_INVERSE } else { INVERSE })
 }
 
 const AHEAD: &str = "
@@ -362,6 +363,19 @@ fn hysteresis_inverse(x: hysteresis, z, low, high) {
     let u, found = hysteresis_by_slopes(x, z, low, high);
     let best = u;
     if found < 1.0 { best = hysteresis_by_trials(x, z, low, high); }
+    return best;
+}
+";
+
+const CLOSED_INVERSE: &str = "
+// The input between low and high that the next step answers with z; of what lies beyond, the nearer end.
+fn hysteresis_inverse(x: hysteresis, z, low, high) {
+    let best, closed = hysteresis_closed(x, z, low, high);
+    if closed < 1.0 {
+        let u, found = hysteresis_by_slopes(x, z, low, high);
+        best = u;
+        if found < 1.0 { best = hysteresis_by_trials(x, z, low, high); }
+    }
     return best;
 }
 ";
