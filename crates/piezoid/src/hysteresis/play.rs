@@ -14,7 +14,8 @@
 //! ```text
 //! rising at u = p_k + r_k, falling at u = p_k - r_k;    dz/du = w_0 + w_1 + ... + w_k behind it
 //! ```
-//! In this order, as |p_{k+1} - p_k| <= r_{k+1} - r_k wherever inputs have led; else Newton's method finds the right line.
+//! In this order, as |p_{k+1} - p_k| <= r_{k+1} - r_k wherever inputs have led; else Newton's method finds the right line, and where weights
+//! are negative.
 
 use super::Operator;
 use super::basis::curvature;
@@ -95,8 +96,9 @@ impl Law for Play {
 
     fn block(&self, block: Block, _: Input) -> Block {
         let n = self.thresholds.len();
+        let rises = !block.constants.iter().any(|c| c.name == "w" && negative(&c.values));
         let block = block.numbers("play", vec![0.0; n]).table("r", &self.thresholds);
-        block.count("n", n).count("lanes", LANES).text(STEP).text(CLOSED)
+        block.count("n", n).count("lanes", LANES).text(STEP).text(if rises { CLOSED } else { "" })
     }
 
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
@@ -123,21 +125,14 @@ fn hysteresis(x: hysteresis, u) {
 }
 ";
 
-/// [`outwards`].
+/// [`outwards`], for weights that are not negative.
 const CLOSED: &str = "
 // The input between low and high that the next step answers with z, and 1. From the last input outwards z is a broken line, and one
-// play after another is taken along. 0 as the second where z falls, and of a state that no inputs lead to, where the order is another.
+// play after another is taken along. 0 as the second of a state that no inputs lead to, where the order is another.
 fn hysteresis_closed(x: hysteresis, z, low, high) {
     let closed = 1.0;
     if x.last < low || x.last > high { closed = 0.0; }
     let slack = 8.0 * epsilon * (magnitude(x.last) + r[n - 1]);
-    let p_before = x.last;
-    let r_before = 0.0;
-    for k in 0..n {
-        if magnitude(x.play[k] - p_before) > r[k] - r_before + slack { closed = 0.0; }
-        p_before = x.play[k];
-        r_before = r[k];
-    }
     let here = weighted_sum(x, x.last);
     let toward = -1.0;
     let limit = -low;
@@ -146,33 +141,31 @@ fn hysteresis_closed(x: hysteresis, z, low, high) {
         limit = high;
     }
     let left = magnitude(z - here);
-    let same = magnitude(here);
-    if magnitude(z) > same { same = magnitude(z); }
-    if same > most { same = most; }
-    same = 4.0 * epsilon * same;
+    // On a flat piece rounding is no distance.
+    if w[0] == 0.0 && left < 4.0 * epsilon * magnitude(z) { left = 0.0; }
     // Seen in a mirror where it falls.
     let v = toward * x.last;
+    let behind = v + slack;
     let slope = w[0];
-    let k = 0;
-    let going = 1;
-    while k < n && going > 0 {
-        if slope < 0.0 { closed = 0.0; }
-        let contact = toward * x.play[k] + r[k];
+    for k in 0..n {
+        let p = toward * x.play[k];
+        let contact = p + r[k];
         let gap = contact - v;
-        // On a flat piece rounding is no distance.
-        if left > slope * gap && (slope != 0.0 || left > same) {
+        if gap < -slack || p - r[k] > behind { closed = 0.0; }
+        if left > slope * gap {
             if gap > 0.0 {
                 left -= slope * gap;
                 v = contact;
             }
             slope += w[k + 1];
-            k += 1;
-        } else {
-            going = 0;
+        } else if left > 0.0 {
+            v += left / slope;
+            left = 0.0;
         }
     }
-    if slope < 0.0 { closed = 0.0; }
-    if slope > 0.0 && left > 0.0 { v += left / slope; } else if left > same { v = limit; }
+    if left > 0.0 {
+        if slope > 0.0 { v += left / slope; } else { v = limit; }
+    }
     if v > limit { v = limit; }
     return toward * v, closed;
 }
@@ -266,55 +259,69 @@ fn added([a, b, c, d, e, f, g, h]: Lanes) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-/// The input between `ends` that the next step answers with `z`, taking one play after another along. None where z falls, and of plays
-/// that inputs do not bring about, which are taken along in another order.
+/// The input between `ends` that the next step answers with `z`, taking one play after another along. None of weights that may make z
+/// fall, and of plays that inputs do not bring about, which are taken along in another order.
 fn outwards(w: &[f64], r: &[f64], plays: &[f64], last: f64, z: f64, ends: (f64, f64)) -> Option<f64> {
-    let slack = SLACK * f64::EPSILON * (last.abs() + r[r.len() - 1]);
-    if last < ends.0 || last > ends.1 || apart(r, plays, last, slack) {
+    if last < ends.0 || last > ends.1 {
         return None;
     }
+    let slack = SLACK * f64::EPSILON * (last.abs() + r[r.len() - 1]);
     let here = standing(w, plays, last);
     let (toward, limit) = if here < z { (1.0, ends.1) } else { (-1.0, -ends.0) };
-    let (mut left, same) = ((z - here).abs(), 4.0 * f64::EPSILON * here.abs().max(z.abs()).min(f64::MAX));
+    let mut left = (z - here).abs();
+    // On a flat piece rounding is no distance.
+    if w[0] == 0.0 && left < 4.0 * f64::EPSILON * z.abs() {
+        left = 0.0;
+    }
     // Seen in a mirror where it falls.
-    let (mut v, mut slope) = (toward * last, w[0]);
+    let mut v = toward * last;
+    let behind = v + slack;
+    let (mut slope, mut taken) = (w[0], 0);
     for ((p, r), w) in plays.iter().zip(r).zip(&w[1..]) {
-        if slope < 0.0 {
-            return None;
-        }
         let contact = toward * p + r;
         let gap = contact - v;
-        // On a flat piece rounding is no distance.
-        if left > slope * gap && (slope != 0.0 || left > same) {
+        if gap < -slack {
+            return None;
+        }
+        if left > slope * gap {
             if gap > 0.0 {
                 left -= slope * gap;
                 v = contact;
             }
             slope += w;
+            taken += 1;
         } else {
             break;
         }
     }
-    if slope < 0.0 {
-        return None;
+    if left > 0.0 {
+        v = if slope > 0.0 { v + left / slope } else { limit };
     }
-    if slope > 0.0 && left > 0.0 {
-        v += left / slope;
-    } else if left > same {
-        v = limit;
-    }
-    Some(toward * if v > limit { limit } else { v })
+    let lost = negative(w)
+        || out_of_reach(r, plays, toward, behind)
+        || passed(&r[taken..], &plays[taken..], toward, (v, slack));
+    (!lost).then_some(toward * if v > limit { limit } else { v })
 }
 
-/// What rounding may put neighbouring plays further apart than inputs do, in units of that of the inputs.
+/// What rounding may move a contact by, in units of that of the inputs.
 const SLACK: f64 = 8.0;
 
-/// Whether some plays lie further apart than inputs up to `last` bring them.
+/// Whether a weight is negative.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-fn apart(r: &[f64], plays: &[f64], last: f64, slack: f64) -> bool {
-    let next = plays.iter().zip(r).zip(&plays[1..]).zip(&r[1..]);
-    let first = (plays[0] - last).abs() > r[0] + slack;
-    next.fold(first, |apart, (((p, r), p_next), r_next)| apart | ((p_next - p).abs() > r_next - r + slack))
+fn negative(weights: &[f64]) -> bool {
+    weights.iter().fold(false, |negative, w| negative | (*w < 0.0))
+}
+
+/// Whether a play stands further ahead of the input than its threshold.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn out_of_reach(thresholds: &[f64], plays: &[f64], toward: f64, behind: f64) -> bool {
+    plays.iter().zip(thresholds).fold(false, |out, (p, r)| out | (toward * p - r > behind))
+}
+
+/// Whether a play would have been taken along before `v`.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn passed(thresholds: &[f64], plays: &[f64], toward: f64, (v, slack): (f64, f64)) -> bool {
+    plays.iter().zip(thresholds).fold(false, |passed, (p, r)| passed | (toward * p + r - v < -slack))
 }
 
 /// z at `u` of the plays as they stand, to the bit that of a run that moves none.
