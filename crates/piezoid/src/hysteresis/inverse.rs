@@ -5,9 +5,10 @@
 //! ```
 //! Where the operator rises with its input there is one such u at most. By slopes it is found from the last input
 //! outwards, by Newton's method on the law itself: plays make z of lines, between which the method ends exactly after a few
-//! of them, and on curves it doubles the digits; a law may have a formula of its own. Where z falls or jumps, copies of the state are tried between the two ends
-//! that are allowed, by bisection and inverse quadratic interpolation, until the ends meet. Beyond what the ends give, the
-//! nearer end is all there is, and [`Inverted::z`] says what it reaches.
+//! of them, and on curves it doubles the digits; a law may have a formula of its own. Where z falls or jumps, copies of the
+//! state are tried between the two ends that are allowed, by bisection and inverse quadratic interpolation, until the ends
+//! meet. Beyond what the ends give, the nearer end is all there is, and [`Inverted::z`] says what it reaches. [`inverse`] is
+//! the same for programs.
 //!
 //! References: P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI 10.1049/ip-cta:20010375 (sums of plays
 //! that rise have an inverse); T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997), DOI 10.1016/S0965-9978(96)00051-8

@@ -14,8 +14,8 @@
 //! ```text
 //! rising at u = p_k + r_k, falling at u = p_k - r_k;    dz/du = w_0 + w_1 + ... + w_k behind it
 //! ```
-//! In this order, as |p_{k+1} - p_k| <= r_{k+1} - r_k wherever inputs have led; else Newton's method finds the right line, and where weights
-//! are negative.
+//! In this order, as |p_{k+1} - p_k| <= r_{k+1} - r_k wherever inputs have led. Elsewhere, and where weights are negative, Newton's
+//! method finds the right line.
 
 use super::Operator;
 use super::basis::curvature;
