@@ -18,6 +18,7 @@ mod poor_records;
 mod process;
 mod proof;
 mod quality;
+mod simulink;
 mod study;
 mod usage;
 mod workflow;

@@ -38,6 +38,11 @@ pub(super) trait Language {
     /// What stands between two; whether they are whole.
     fn between(&self, op: Op, whole: bool) -> &'static str;
 
+    /// A quotient of two whole numbers or what it leaves, where nothing stands between them.
+    fn divided(&self, _op: Op, _left: &str, _right: &str) -> Option<String> {
+        None
+    }
+
     /// A comment.
     fn note(&self, text: &str) -> String;
 
@@ -184,6 +189,11 @@ impl Words<'_> {
                 if tightly > 0 { format!("({text})") } else { text }
             }
             Expr::Binary(op, left, right) => {
+                if let (Op::Divide | Op::Remainder, true) = (op, left.whole())
+                    && let Some(text) = l.divided(*op, &self.bound(left, op.binds()), &self.bound(right, TIGHT))
+                {
+                    return text;
+                }
                 // What is compared or joined stands in brackets of its own, whatever binds tighter.
                 let logical = op.binds() < Op::Add.binds();
                 let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_));

@@ -5,7 +5,9 @@
 
 mod c;
 mod language;
+mod matlab;
 mod readme;
+mod simulink;
 mod whole;
 
 pub use whole::{Entry, Signal, Whole};
@@ -85,7 +87,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET];
+pub static TARGETS: &[Target] = &[c::TARGET, simulink::TARGET];
 
 /// The target called `name`.
 ///
