@@ -168,6 +168,16 @@ impl Words<'_> {
         self.bound(expr, 0)
     }
 
+    /// What is divided in words.
+    fn divided(&self, expr: &Expr) -> Option<String> {
+        match expr {
+            Expr::Binary(op @ (Op::Divide | Op::Remainder), left, right) if left.whole() => {
+                self.language.divided(*op, &self.bound(left, op.binds()), &self.bound(right, TIGHT))
+            }
+            _ => None,
+        }
+    }
+
     /// An expression as a part of one that binds so tightly.
     fn bound(&self, expr: &Expr, tightly: u8) -> String {
         let l = self.language;
@@ -189,14 +199,12 @@ impl Words<'_> {
                 if tightly > 0 { format!("({text})") } else { text }
             }
             Expr::Binary(op, left, right) => {
-                if let (Op::Divide | Op::Remainder, true) = (op, left.whole())
-                    && let Some(text) = l.divided(*op, &self.bound(left, op.binds()), &self.bound(right, TIGHT))
-                {
+                if let Some(text) = self.divided(expr) {
                     return text;
                 }
                 // What is compared or joined stands in brackets of its own, whatever binds tighter.
                 let logical = op.binds() < Op::Add.binds();
-                let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_));
+                let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_)) || self.divided(e).is_some();
                 let side = |e: &Expr, least: u8| match (logical, simple(e)) {
                     (true, false) => format!("({})", self.bound(e, 0)),
                     _ => self.bound(e, least),

@@ -5,7 +5,6 @@
 
 mod c;
 mod language;
-mod matlab;
 mod readme;
 mod simulink;
 mod whole;

@@ -1,92 +1,31 @@
-//! MATLAB and GNU Octave: a class that simulates with the same numbers, and what proves it.
+//! MATLAB and GNU Octave, as both read it.
 //!
-//! States are structs that functions take and hand back beside what they give: `[x, y] = bender_creep(x, z)`. A call that changes a state
-//! therefore is a statement of its own, wherever the program has it amid other arithmetic; conditions change nothing, so none is lost.
-//! Functions are local ones, behind the class: Octave 7 knows them there as MATLAB does, they hide nothing on the path, and a call costs
-//! less than one of a static method. They keep constants in a persistent variable each, since a class looks up its own every time anew.
+//! States are structs that functions take and hand back beside what they give: `[x, y] = bender_creep(x, z)`. Functions are
+//! local ones, behind the class: Octave 7 knows them there as MATLAB does, they hide nothing on the path, and a call costs less
+//! than one of a static method (in Octave 7.3 by a sixth). Each keeps its constants in a persistent variable, since a class
+//! looks up a property anew every time.
 //!
-//! Whole numbers are doubles, in single precision too; every other literal is then told to be `single`, as MATLAB's are doubles and two
-//! of them would meet in double precision.
+//! Whole numbers are doubles, in single precision too. There every literal is told to be `single`, as MATLAB's are doubles, and
+//! two of them would meet in double precision.
 
-use super::c::{shortest, titled, wrapped};
-use super::language::{Begun, Language, Words, less_one};
-use super::whole::{Entry, Vectors, Whole};
-use super::{Wanted, named};
+use super::alone::{Alone, fresh, known};
+use super::line;
 use crate::error::Error;
-use crate::number::round;
-use crate::program::{Block, Expr, Field, Function, Holds, Kind, Op, Place, Program, Step};
-use crate::series::ends;
-use crate::system::System;
+use crate::export::c::{shortest, titled, wrapped};
+use crate::export::language::{Begun, Language, Words, less_one};
+use crate::export::whole::Whole;
+use crate::export::{Wanted, named};
+use crate::program::{Block, Expr, Field, Function, Holds, Kind, Op, Place, Program};
 
-/// What may not be a name: the words of the language, and what the class has and calls.
-const RESERVED: &[&str] = &[
-    "break",
-    "case",
-    "catch",
-    "classdef",
-    "continue",
-    "do",
-    "else",
-    "elseif",
-    "end",
-    "endfor",
-    "endfunction",
-    "endif",
-    "endwhile",
-    "enumeration",
-    "events",
-    "for",
-    "function",
-    "global",
-    "if",
-    "methods",
-    "otherwise",
-    "parfor",
-    "persistent",
-    "properties",
-    "return",
-    "ff_reset",
-    "ff_simulate",
-    "ff_state",
-    "ff_step",
-    "spmd",
-    "switch",
-    "try",
-    "unwind_protect",
-    "until",
-    "while",
-    "abs",
-    "add_block",
-    "ans",
-    "any",
-    "double",
-    "error",
-    "exist",
-    "floor",
-    "fprintf",
-    "handle",
-    "isempty",
-    "isscalar",
-    "max",
-    "mex",
-    "mod",
-    "nargin",
-    "numel",
-    "repmat",
-    "reset",
-    "simulate",
-    "single",
-    "size",
-    "state",
-    "step",
-    "strjoin",
-    "struct",
-    "sum",
-    "Ts",
-    "typecast",
-    "units",
-    "zeros",
-];
+/// The words of MATLAB and Octave.
+const KEYWORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile enumeration events for \
+    function global if methods otherwise parfor persistent properties return spmd switch try until unwind_protect while";
+
+/// What the class has, and what it and its functions call.
+const TAKEN: &str = "abs add_block add_line ans close_system control_reset control_simulate control_state control_step double error exist \
+    ff_reset ff_simulate ff_state ff_step fileparts floor fprintf fullfile handle isempty isscalar load_system mat2str max mex mfilename \
+    mod nargin new_system numel onCleanup repmat reset set_param sim simulate single size sprintf state step strjoin struct sum Ts \
+    typecast uint32 uint64 units zeros";
 
 /// The longest name that MATLAB tells from others.
 const LONGEST: usize = 63;
@@ -94,8 +33,8 @@ const LONGEST: usize = 63;
 /// The language, with the functions of a program as it takes them.
 pub(super) struct Matlab<'m> {
     program: Program,
-    name: &'m str,
-    single: bool,
+    pub(super) name: &'m str,
+    pub(super) single: bool,
 }
 
 impl<'m> Matlab<'m> {
@@ -104,14 +43,15 @@ impl<'m> Matlab<'m> {
     /// # Errors
     /// Refuses a name that MATLAB or Octave has taken, and one that its functions would be too long with.
     pub(super) fn of(whole: &Whole, wanted: &'m Wanted) -> Result<Self, Error> {
-        named(wanted.name, RESERVED)?;
+        let reserved: Vec<&str> = KEYWORDS.split_whitespace().chain(TAKEN.split_whitespace()).collect();
+        named(wanted.name, &reserved)?;
         let mut program = whole.program.clone();
         for function in &mut program.functions {
             // What is called from outside hands its state back even where that never changes.
             let outside = whole.entries.iter().any(|entry| entry.step == function.name);
             function.takes.iter_mut().filter(|p| matches!(p.kind, Kind::Part(_))).for_each(|p| p.changed |= outside);
         }
-        program.functions = program.functions.iter().map(|function| Unfolded::of(function, &program)).collect();
+        program.functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
         let constants = program.blocks.iter().map(|block| constants_of(&block.name).len());
         let added = program.functions.iter().map(|f| f.name.len()).chain(constants).max().unwrap_or(0) + 1;
         if wanted.name.len() + added > LONGEST {
@@ -122,29 +62,9 @@ impl<'m> Matlab<'m> {
         Ok(Matlab { program, name: wanted.name, single: wanted.single })
     }
 
-    /// The class and its functions.
-    pub(super) fn class(&self, whole: &Whole, wanted: &Wanted, vectors: &[Vectors]) -> String {
-        let (name, units) = (self.name, wanted.model.units());
-        let mut out = format!("classdef {name} < handle\n");
-        out += &self.help(whole, vectors);
-        out += "    properties (Constant)\n";
-        out += &format!("        Ts = {} % sampling period [s]\n", shortest(wanted.model.ts(), false));
-        out += &format!("        units = struct('u', {}, 'y', {})\n    end\n", quoted(&units.u), quoted(&units.y));
-        out += "    properties (SetAccess = private)\n";
-        for entry in &whole.entries {
-            out += &format!("        {} % of {}\n", entry.state, line(&entry.about));
-        }
-        out += &format!("    end\n    methods\n        function obj = {name}()\n");
-        out += "            % At rest.\n";
-        for entry in &whole.entries {
-            out += &format!("            obj.{}();\n", entry.reset);
-        }
-        out += "        end\n";
-        for entry in &whole.entries {
-            out += "\n";
-            out += &self.methods(entry);
-        }
-        out += "    end\nend\n";
+    /// The functions, block by block, and those that begin anew.
+    pub(super) fn functions(&self, whole: &Whole) -> String {
+        let mut out = String::new();
         for (number, block) in self.program.blocks.iter().enumerate() {
             let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
             if functions.is_empty() {
@@ -162,85 +82,6 @@ impl<'m> Matlab<'m> {
             out += "end\n";
         }
         out
-    }
-
-    /// What `help` says.
-    fn help(&self, whole: &Whole, vectors: &[Vectors]) -> String {
-        let (name, upper) = (self.name, self.name.to_uppercase());
-        let mut about = vec![
-            format!("{upper}  A piezo actuator and what drives it, as identified by piezoid."),
-            format!(
-                "  The numbers are those of {name}.c, bit by bit{}.",
-                if self.single { ", in single precision" } else { "" }
-            ),
-            String::new(),
-            format!("  model = {name}() is at rest. Then, with a sample every {name}.Ts seconds:"),
-            String::new(),
-        ];
-        for entry in &whole.entries {
-            let (inputs, simulate) = (inputs(entry), simulate(entry));
-            let taken: Vec<String> = entry.inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect();
-            about.push(format!(
-                "  {} = model.{}({inputs}) is one sample of {},",
-                entry.output.name, entry.step, entry.about
-            ));
-            about.push(format!("      {} to {} [{}];", taken.join(", "), entry.output.name, entry.output.unit));
-            about.push(format!(
-                "  {} = model.{simulate}({inputs}) is that of a row or column from rest,",
-                entry.output.name
-            ));
-            about.push("      wherever the model itself stands;".into());
-            about.push(format!("  model.{}() begins anew.", entry.reset));
-            about.push(String::new());
-        }
-        about.extend(whole.notes.iter().map(|note| format!("  Not here: {note}")));
-        let (low, high) = ends(vectors.iter().take(1).flat_map(|v| v.inputs.iter().map(|row| row[0])));
-        let (middle, half) = (round(0.5 * (low + high)), round(0.5 * (high - low)));
-        about.push("  Example:".into());
-        about.push(format!("      model = {name}();"));
-        about.push("      k = (0:399)';".into());
-        about.push(format!("      y = model.simulate({middle} + {half} * sin(2 * pi * k / 100));"));
-        about.push(format!("      plot(k * {name}.Ts, y)"));
-        about.iter().map(|text| format!("{}\n", format!("    %{}", line(text)).trim_end())).collect()
-    }
-
-    /// The methods of an entry.
-    fn methods(&self, entry: &Entry) -> String {
-        let (inputs, simulate, number) = (inputs(entry), simulate(entry), self.number());
-        let (state, output, first) = (entry.state, entry.output.name, entry.inputs[0].name);
-        let (reset, step) = (self.own(entry.reset), self.own(entry.step));
-        let given = |at: &str| entry.inputs.iter().map(|i| format!(", {number}({}{at})", i.name)).collect::<String>();
-        let (now, kth) = (given(""), given("(k)"));
-        let single = if self.single { ", 'single'" } else { "" };
-        format!(
-            "        function {}(obj)
-            % Begins anew: all that went before is forgotten.
-            obj.{state} = {reset}();
-        end
-
-        function {output} = {}(obj, {inputs})
-            % One sample of {}.
-            if ~isscalar({first})
-                error('{}:scalar', '{} takes one sample: {simulate} takes a row or column');
-            end
-            [obj.{state}, {output}] = {step}(obj.{state}{now});
-        end
-
-        function {output} = {simulate}(~, {inputs})
-            % A row or column from rest; the state of the object stays what it is.
-            {output} = zeros(size({first}){single});
-            s = {reset}();
-            for k = 1:numel({first})
-                [s, {output}(k)] = {step}(s{kth});
-            end
-        end
-",
-            entry.reset,
-            entry.step,
-            line(&entry.about),
-            self.name,
-            entry.step,
-        )
     }
 
     /// The constants of a block that its functions read.
@@ -297,6 +138,7 @@ impl<'m> Matlab<'m> {
             (Holds::Number(value), name) => vec![format!("{name} = {};", self.real(*value))],
             (Holds::Numbers(_), name) if zero => vec![format!("{name}(:) = 0;")],
             (Holds::Numbers(values), name) => match values.iter().all(|v| v.to_bits() == values[0].to_bits()) {
+                true if values[0].to_bits() == 0 => vec![format!("{name} = {};", self.zeros(values.len()))],
                 true => vec![format!("{name} = repmat({}, {}, 1);", self.real(values[0]), values.len())],
                 false => format!("{name} = {};", self.column(values, "")).lines().map(str::to_owned).collect(),
             },
@@ -304,96 +146,21 @@ impl<'m> Matlab<'m> {
         fields.iter().flat_map(line).collect()
     }
 
-    /// A function that runs the vectors and says how far off the class is, and the S-functions where Simulink has them.
-    pub(super) fn test(&self, whole: &Whole, vectors: &[Vectors]) -> String {
-        let (name, upper) = (self.name, self.name.to_uppercase());
-        let mut out = format!(
-            "function {name}_test()
-    %{upper}_TEST  Runs {name} on recorded inputs and compares bit by bit with what piezoid computes.
-    %   In MATLAB the S-functions too, once {name}_build has compiled them. Ends with an error where anything differs.
-    model = {name}();\n"
-        );
-        for (entry, vectors) in whole.entries.iter().zip(vectors) {
-            let (simulate, inputs, output) = (simulate(entry), inputs(entry), entry.output.name);
-            let values = |name: &str, values: Vec<f64>| format!("    {name} = {};\n", self.column(&values, "    "));
-            out += &format!("\n    % {}.\n", line(&titled(&entry.about)));
-            for (k, input) in entry.inputs.iter().enumerate() {
-                out += &values(input.name, vectors.inputs.iter().map(|row| row[k]).collect());
-            }
-            out += &values("expected", vectors.outputs.clone());
-            let each = |at: &str| entry.inputs.iter().map(|i| format!("{}{at}", i.name)).collect::<Vec<_>>().join(", ");
-            let unit = quoted(&entry.output.unit);
-            out += &format!(
-                "    differs('{simulate}', {unit}, model.{simulate}({inputs}), expected);
-    differs('{simulate} of a row', {unit}, model.{simulate}({row}).', expected(1:9));
-    model.{step}({first});
-    model.{reset}();
-    {output} = expected;
-    for k = 1:numel({output})
-        {output}(k) = model.{step}({kth});
-    end
-    differs('{step}', {unit}, {output}, expected);
-    if exist('{sfun}', 'file') == 3
-        differs('{sfun}', {unit}, {}(through('{sfun}', {{{inputs}}})), expected);
-    end\n",
-                self.number(),
-                row = each("(1:9).'"),
-                first = each("(1)"),
-                kth = each("(k)"),
-                step = entry.step,
-                reset = entry.reset,
-                sfun = sfun(name, entry),
-            );
-        }
-        let whole_numbers = if self.single { "uint32" } else { "uint64" };
-        out + &format!(
-            "end
-
-function differs(what, unit, given, expected)
-    wrong = sum(typecast(given, '{whole_numbers}') ~= typecast(expected, '{whole_numbers}'));
-    most = max(abs(double(given) - double(expected)));
-    fprintf('{name}, %s: %d of %d differ, by %g %s at most\\n', what, wrong, numel(expected), most, unit);
-    if wrong > 0
-        error('{name}:test', 'other numbers than those of piezoid');
-    end
-end
-
-function y = through(block, inputs)
-    % A model of its own: each input from a stair of samples, the output to the workspace.
-    system = 'piezoid_export_test';
-    load_system('simulink');
-    new_system(system);
-    closed = onCleanup(@() close_system(system, 0));
-    set_param(system, 'SolverType', 'Fixed-step', 'Solver', 'FixedStepDiscrete', 'FixedStep', sprintf('%.17g', {name}.Ts));
-    set_param(system, 'StopTime', sprintf('%.17g', (numel(inputs{{1}}) - 1) * {name}.Ts), 'ReturnWorkspaceOutputs', 'on');
-    add_block('simulink/User-Defined Functions/S-Function', [system '/block'], 'FunctionName', block);
-    for k = 1:numel(inputs)
-        port = sprintf('u%d', k);
-        samples = mat2str(double(inputs{{k}}), 17);
-        add_block('simulink/Sources/Repeating Sequence Stair', [system '/' port], 'OutValues', samples);
-        set_param([system '/' port], 'tsamp', sprintf('%.17g', {name}.Ts));
-        add_line(system, [port '/1'], sprintf('block/%d', k));
-    end
-    add_block('simulink/Sinks/To Workspace', [system '/y'], 'VariableName', 'y', 'SaveFormat', 'Array');
-    add_line(system, 'block/1', 'y/1');
-    done = sim(system);
-    y = done.get('y');
-end
-"
-        )
-    }
-
-    fn number(&self) -> &'static str {
+    pub(super) fn number(&self) -> &'static str {
         if self.single { "single" } else { "double" }
     }
 
     /// A name that no other file has.
-    fn own(&self, name: &str) -> String {
+    pub(super) fn own(&self, name: &str) -> String {
         format!("{}_{name}", self.name)
     }
 
+    fn zeros(&self, n: usize) -> String {
+        format!("zeros({n}, 1{})", if self.single { ", 'single'" } else { "" })
+    }
+
     /// Numbers below each other.
-    fn column(&self, values: &[f64], indent: &str) -> String {
+    pub(super) fn column(&self, values: &[f64], indent: &str) -> String {
         let values: Vec<String> = values.iter().map(|v| shortest(*v, self.single)).collect();
         let rows: String = wrapped(&values).replace(',', ";").lines().map(|row| format!("{indent}{row}\n")).collect();
         let column = format!("[\n{rows}{indent}]");
@@ -410,30 +177,6 @@ end
 /// The function that gives the constants of a block.
 fn constants_of(block: &str) -> String {
     format!("{block}_constants")
-}
-
-/// The S-function of an entry.
-pub(super) fn sfun(name: &str, entry: &Entry) -> String {
-    format!("{name}_{}sfun", entry.step.trim_end_matches("step"))
-}
-
-/// The method that takes whole signals through an entry.
-fn simulate(entry: &Entry) -> String {
-    format!("{}simulate", entry.step.trim_end_matches("step"))
-}
-
-fn inputs(entry: &Entry) -> String {
-    entry.inputs.iter().map(|i| i.name).collect::<Vec<_>>().join(", ")
-}
-
-/// `text` in one line.
-pub(super) fn line(text: &str) -> String {
-    text.replace(|c: char| c.is_control(), " ")
-}
-
-/// `text` in quotes.
-pub(super) fn quoted(text: &str) -> String {
-    format!("'{}'", line(text).replace('\'', "''"))
 }
 
 /// What stands before a call for what it hands back.
@@ -454,93 +197,6 @@ fn constants_in(function: &Function) -> Vec<String> {
         }
     });
     names
-}
-
-/// The names that a function has.
-fn known(function: &Function) -> Vec<String> {
-    let mut names: Vec<String> = function.takes.iter().map(|p| p.name.clone()).collect();
-    let mut look = |step: &Step| match step {
-        Step::Let(new, _) => names.extend(new.iter().cloned()),
-        Step::Copy { name, .. } | Step::Room(name, _) | Step::For { name, .. } => names.push(name.clone()),
-        _ => {}
-    };
-    function.steps.iter().for_each(|step| step.all(&mut look));
-    names
-}
-
-/// `wanted`, with a number where that is known already.
-fn fresh(wanted: &str, known: &mut Vec<String>) -> String {
-    let numbered = (2..).map(|k| format!("{wanted}_{k}"));
-    let name =
-        std::iter::once(wanted.to_owned()).chain(numbered).find(|name| !known.contains(name)).unwrap_or_default();
-    known.push(name.clone());
-    name
-}
-
-/// A function on its way to one in which calls that change a state stand alone.
-struct Unfolded<'p> {
-    program: &'p Program,
-    known: Vec<String>,
-}
-
-impl<'p> Unfolded<'p> {
-    fn of(function: &Function, program: &'p Program) -> Function {
-        let mut unfolded = Unfolded { program, known: known(function) };
-        let mut steps = unfolded.steps(&function.steps);
-        let returns = function.returns.iter().map(|expr| unfolded.lifted(expr, &mut steps)).collect();
-        Function { steps, returns, ..function.clone() }
-    }
-
-    fn steps(&mut self, steps: &[Step]) -> Vec<Step> {
-        let mut out = Vec::with_capacity(steps.len());
-        for step in steps {
-            let step = match step {
-                Step::Let(names, value) => Step::Let(names.clone(), self.alone(value, &mut out)),
-                Step::Do(call) => Step::Do(self.alone(call, &mut out)),
-                Step::Set(place, value) => Step::Set(place.clone(), self.lifted(value, &mut out)),
-                Step::If(holds, yes, no) => Step::If(holds.clone(), self.steps(yes), self.steps(no)),
-                Step::For { name, from, to, down, steps } => {
-                    let steps = self.steps(steps);
-                    Step::For { name: name.clone(), from: from.clone(), to: to.clone(), down: *down, steps }
-                }
-                Step::While(holds, steps) => Step::While(holds.clone(), self.steps(steps)),
-                step => step.clone(),
-            };
-            out.push(step);
-        }
-        out
-    }
-
-    /// `expr` with its arguments lifted: a call that stands alone stays.
-    fn alone(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
-        match expr {
-            Expr::Call(name, arguments) => {
-                Expr::Call(name.clone(), arguments.iter().map(|a| self.lifted(a, out)).collect())
-            }
-            expr => self.lifted(expr, out),
-        }
-    }
-
-    /// `expr` with a name for each call in it that changes a state; the call goes before.
-    fn lifted(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
-        match expr {
-            Expr::Call(name, _) => {
-                let call = self.alone(expr, out);
-                if !self.program.function(name).is_some_and(|f| f.takes.iter().any(|p| p.changed)) {
-                    return call;
-                }
-                let given = fresh(&format!("from_{name}"), &mut self.known);
-                out.push(Step::Let(vec![given.clone()], call));
-                Expr::Variable(given, false)
-            }
-            Expr::Negative(inner) => Expr::Negative(Box::new(self.lifted(inner, out))),
-            Expr::Binary(op, left, right) => {
-                let left = self.lifted(left, out);
-                Expr::Binary(*op, Box::new(left), Box::new(self.lifted(right, out)))
-            }
-            expr => expr.clone(),
-        }
-    }
 }
 
 /// The number in MATLAB of what has the number `index` here.
@@ -640,7 +296,7 @@ impl Language for Matlab<'_> {
     }
 
     fn room(&self, name: &str, n: usize) -> Vec<String> {
-        vec![format!("{name} = zeros({n}, 1{});", if self.single { ", 'single'" } else { "" })]
+        vec![format!("{name} = {};", self.zeros(n))]
     }
 
     fn set(&self, place: String, value: String) -> String {
@@ -693,7 +349,7 @@ mod tests {
         let tank =
             Block::new("tank", "a tank").number("level", 0.0).numbers("past", vec![0.0; 3]).table("gain", &[0.5, -2.0]);
         let program = Program::new(vec![tank.text(text)]).unwrap();
-        let functions = program.functions.iter().map(|function| Unfolded::of(function, &program)).collect();
+        let functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
         let matlab = Matlab { program: Program { functions, ..program }, name: "my", single };
         matlab.program.functions.iter().map(|f| matlab.function(f)).collect()
     }
@@ -783,8 +439,7 @@ end
     #[test]
     fn no_program_of_an_operator_hides_what_matlab_is_asked_for() {
         const CALLED: [&str; 8] = ["constants", "double", "floor", "isempty", "mod", "repmat", "single", "zeros"];
-        let keywords = RESERVED.iter().take_while(|word| **word != "abs").chain(&CALLED);
-        let keywords: Vec<&str> = keywords.copied().collect();
+        let keywords: Vec<&str> = KEYWORDS.split_whitespace().chain(CALLED).collect();
         for operator in OPERATORS {
             let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap();
             let model = Model::new((operator.example)(5e-4).unwrap(), linear, 2.0).unwrap();
