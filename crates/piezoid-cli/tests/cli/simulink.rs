@@ -1,14 +1,15 @@
 //! What `export --target simulink` writes: the class in GNU Octave, the S-functions behind a stand-in for Simulink.
 
 use crate::bench::{Bench, Run, skipped};
+use piezoid::Model;
+use piezoid::control::Pi;
 use piezoid::creep::{Creep, Lag};
 use piezoid::driver::Driver;
 use piezoid::export::{Wanted, Whole, target};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::Arx;
-use piezoid::{Error, Model};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 const TS: f64 = 5e-4;
@@ -33,20 +34,31 @@ fn models() -> Vec<(String, Model)> {
     let made = OPERATORS.iter().enumerate().filter_map(|(k, operator)| {
         let b = if k % 2 == 0 { vec![0.0, 0.3, 0.2] } else { vec![0.01, 0.3, 0.2] };
         let linear = Arx::new(TS, vec![1.5, -0.8], b).unwrap();
-        let driver = (k % 3 == 0).then(|| Driver::new(1e-4, Some(6e4)).unwrap());
+        let driver = (k % 3 == 1).then(|| Driver::new(1e-4, Some(6e4)).unwrap());
         // Behind a driver there are four substeps to a sample.
         let hysteresis = (operator.example)(if driver.is_some() { TS / 4.0 } else { TS }).unwrap();
         let model = Model::driven(driver, hysteresis, linear, 2.0).unwrap();
         let model = if k % 2 == 0 { model.with_creep(Creep::new(TS, lags.clone()).unwrap()).unwrap() } else { model };
-        match model.program() {
-            Err(Error::Unsuited { .. }) => None,
-            program => {
-                program.unwrap();
-                Some((operator.name.replace('-', "_"), model))
-            }
-        }
+        model.program().is_ok().then(|| (operator.name.replace('-', "_"), model))
     });
     made.collect()
+}
+
+/// A few of them: with and without a direct path, behind a driver and not.
+fn kinds() -> Vec<(String, Model)> {
+    let mut seen = Vec::new();
+    let kind = |model: &Model| (model.linear().b()[0] == 0.0, model.driver().is_some());
+    let new = |(_, model): &(String, Model)| {
+        let new = !seen.contains(&kind(model));
+        seen.push(kind(model));
+        new
+    };
+    models().into_iter().filter(new).collect()
+}
+
+/// A controller to go with each.
+fn controller() -> Pi {
+    Pi::new(TS, 0.05, 20.0, (-30.0, 30.0)).unwrap()
 }
 
 /// Writes what the target makes of a model.
@@ -65,23 +77,23 @@ fn octave(bench: &Bench, script: &str) -> Run {
 }
 
 #[test]
-fn in_octave_the_class_gives_the_same_bits_for_every_operator_in_either_precision() {
+fn in_octave_the_class_gives_the_same_bits_for_every_operator_and_in_either_precision() {
     if !there_is("octave-cli") {
         return;
     }
     for single in [false, true] {
         let bench = Bench::new();
-        let models = models();
-        assert!(models.len() > 1);
+        let models = if single { kinds() } else { models() };
+        assert!(models.len() >= 4);
         for (name, model) in &models {
-            export(&bench, &Wanted { single, ..Wanted::new(model, name) });
+            export(&bench, &Wanted { single, controller: Some(&controller()), ..Wanted::new(model, name) });
         }
         let script: String = models.iter().map(|(name, _)| format!("{name}_test();\n")).collect();
         let run = octave(&bench, &script).ok();
-        assert_eq!(run.err, "", "{run:#?}");
+        assert!(!run.err.contains("warning"), "{run:#?}");
         for (name, _) in &models {
-            for method in ["simulate", "step"] {
-                assert!(run.out.contains(&format!("{name}, {method}: 0 of 400 differ, by 0 ")), "{name}: {run:#?}");
+            for (method, n) in [("simulate", 400), ("step", 40), ("control_simulate", 400), ("control_step", 40)] {
+                assert!(run.out.contains(&format!("{name}, {method}: 0 of {n} differ, by 0 ")), "{name}: {run:#?}");
             }
         }
     }
@@ -133,28 +145,33 @@ fn the_example_of_the_help_runs_and_signals_keep_their_shape() {
     }
 }
 
-/// Compiles an S-function behind the stand-in and runs it on `inputs`.
-fn simulated(bench: &Bench, name: &str, sfun: &str, inputs: &[Vec<f64>]) -> (Vec<f64>, String) {
-    let stands_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/simulink");
-    let gcc = |words: &[&str]| {
-        let mut command = Command::new("gcc");
-        command.args([
-            "-std=c99",
-            "-pedantic",
-            "-Wall",
-            "-Wextra",
-            "-Wconversion",
-            "-Wshadow",
-            "-Werror",
-            "-ffp-contract=off",
-        ]);
-        command.arg("-I").arg(&stands_in).args(words).current_dir(bench.path(""));
-        Run::of(&format!("{command:?}"), &command.output().unwrap()).ok();
-    };
-    let (source, engine) = (format!("{sfun}.c"), stands_in.join("engine.c"));
-    gcc(&["-c", &source, "-o", "as_for_simulink_coder.o"]);
-    let sanitize = "-fsanitize=address,undefined";
-    gcc(&["-DMATLAB_MEX_FILE", "-g", sanitize, &source, &format!("{name}.c"), engine.to_str().unwrap(), "-o", sfun]);
+/// Where the stand-in for Simulink is.
+fn stand_in() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/simulink")
+}
+
+/// Compiles as strictly as can be.
+fn gcc(bench: &Bench, words: &[&str]) {
+    let mut command = Command::new("gcc");
+    command.args([
+        "-std=c99",
+        "-pedantic",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Wshadow",
+        "-Werror",
+        "-ffp-contract=off",
+    ]);
+    command.args(["-g", "-fsanitize=address,undefined", "-I"]).arg(stand_in()).args(words).current_dir(bench.path(""));
+    Run::of(&format!("{command:?}"), &command.output().unwrap()).ok();
+}
+
+/// Compiles an S-function behind the stand-in and runs it on `inputs`: the outputs, and what it says of itself.
+fn simulated(bench: &Bench, sfun: &str, inputs: &[Vec<f64>]) -> (Vec<f64>, String) {
+    let source = format!("{sfun}.c");
+    gcc(bench, &["-c", &source, "-o", "as_for_simulink_coder.o"]);
+    gcc(bench, &["-DMATLAB_MEX_FILE", &source, "step.o", "engine.o", "-o", sfun]);
     let mut engine = Command::new(bench.path(sfun));
     let mut child = engine.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let bytes: Vec<u8> = inputs.iter().flatten().flat_map(|v| v.to_ne_bytes()).collect();
@@ -170,15 +187,18 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
     if !there_is("gcc") {
         return;
     }
-    for (name, model) in models() {
+    for (name, model) in kinds() {
         for single in [false, true] {
             let bench = Bench::new();
-            let wanted = Wanted { single, ..Wanted::new(&model, &name) };
+            let controller = controller();
+            let wanted = Wanted { single, controller: Some(&controller), ..Wanted::new(&model, &name) };
             export(&bench, &wanted);
+            gcc(&bench, &["-c", &format!("{name}.c"), "-o", "step.o"]);
+            gcc(&bench, &["-c", stand_in().join("engine.c").to_str().unwrap(), "-o", "engine.o"]);
             let whole = Whole::new(&wanted).unwrap();
             for (entry, vectors) in whole.entries.iter().zip(whole.vectors(&wanted).unwrap()) {
                 let sfun = format!("{name}_{}sfun", entry.step.trim_end_matches("step"));
-                let (given, said) = simulated(&bench, &name, &sfun, &vectors.inputs);
+                let (given, said) = simulated(&bench, &sfun, &vectors.inputs);
                 assert!(given == vectors.outputs, "{sfun}, single {single}");
                 let direct = entry.step != "step" || model.linear().b()[0] != 0.0;
                 let says = format!("Ts 0.00050000000000000001, feedthrough {}\n", i32::from(direct));
@@ -186,6 +206,23 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
             }
         }
     }
+}
+
+#[test]
+fn what_compiles_the_s_functions_asks_mex_for_each_and_can_put_them_into_a_model() {
+    if !there_is("octave-cli") {
+        return;
+    }
+    let bench = Bench::new();
+    bench.write("m.json", MODEL);
+    bench.write("mex.m", "function mex(varargin)\n    assert(exist(varargin{3}, 'file') == 2 && exist(varargin{4}, 'file') == 2);\nend\n");
+    bench.write(
+        "add_block.m",
+        "function add_block(kind, place, varargin)\n    disp([place, ' is ', varargin{2}]);\nend\n",
+    );
+    bench.run("export --model m.json --target simulink --name bender --controller pi -o .").ok();
+    let run = octave(&bench, "bender_build();\nbender_build('rig');\n").ok();
+    run.prints(&["bender_sfun", "bender_control_sfun", "rig/bender_sfun is bender_sfun", "give it one of these names"]);
 }
 
 #[test]
