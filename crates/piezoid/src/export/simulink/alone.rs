@@ -28,8 +28,8 @@ impl<'p> Alone<'p> {
         let mut out = Vec::with_capacity(steps.len());
         for step in steps {
             let step = match step {
-                Step::Let(names, value) => Step::Let(names.clone(), self.whole(value, &mut out)),
-                Step::Do(call) => Step::Do(self.whole(call, &mut out)),
+                Step::Let(names, value) => Step::Let(names.clone(), self.kept(value, &mut out)),
+                Step::Do(call) => Step::Do(self.kept(call, &mut out)),
                 Step::Set(place, value) => Step::Set(place.clone(), self.lifted(value, &mut out)),
                 Step::If(holds, yes, no) => Step::If(holds.clone(), self.steps(yes), self.steps(no)),
                 Step::For { name, from, to, down, steps } => {
@@ -45,7 +45,7 @@ impl<'p> Alone<'p> {
     }
 
     /// `expr` with its arguments lifted: a call that stands alone stays.
-    fn whole(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
+    fn kept(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
         match expr {
             Expr::Call(name, arguments) => {
                 Expr::Call(name.clone(), arguments.iter().map(|a| self.lifted(a, out)).collect())
@@ -58,7 +58,7 @@ impl<'p> Alone<'p> {
     fn lifted(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
         match expr {
             Expr::Call(name, _) => {
-                let call = self.whole(expr, out);
+                let call = self.kept(expr, out);
                 if !self.program.function(name).is_some_and(|f| f.takes.iter().any(|p| p.changed)) {
                     return call;
                 }

@@ -18,14 +18,15 @@ use crate::export::{Wanted, named};
 use crate::program::{Block, Expr, Field, Function, Holds, Kind, Op, Place, Program};
 
 /// The words of MATLAB and Octave.
-const KEYWORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile enumeration events for \
-    function global if methods otherwise parfor persistent properties return spmd switch try until unwind_protect while";
+const KEYWORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile \
+    enumeration events for function global if methods otherwise parfor persistent properties return spmd switch try \
+    until unwind_protect while";
 
 /// What the class has, and what it and its functions call.
-const TAKEN: &str = "abs add_block add_line ans close_system control_reset control_simulate control_state control_step double error exist \
-    ff_reset ff_simulate ff_state ff_step fileparts floor fprintf fullfile handle isempty isscalar load_system mat2str max mex mfilename \
-    mod nargin new_system numel onCleanup repmat reset set_param sim simulate single size sprintf state step strjoin struct sum Ts \
-    typecast uint32 uint64 units zeros";
+const TAKEN: &str = "abs add_block add_line ans close_system control_reset control_simulate control_state control_step \
+    double error exist ff_reset ff_simulate ff_state ff_step fileparts floor fprintf fullfile handle isempty isscalar \
+    load_system mat2str max mex mfilename mod nargin new_system numel onCleanup repmat reset set_param sim simulate \
+    single size sprintf state step strjoin struct sum Ts typecast uint32 uint64 units zeros";
 
 /// The longest name that MATLAB tells from others.
 const LONGEST: usize = 63;

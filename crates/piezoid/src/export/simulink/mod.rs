@@ -1,7 +1,8 @@
-//! Simulink and MATLAB: the C of target `c`, a level-2 S-function around each of its entries, and a class that needs neither.
+//! Simulink and MATLAB: the C of target `c`, a level-2 S-function around each of its entries, and a class that needs no
+//! compiler.
 //!
-//! There is no TLC file: Simulink Coder calls the S-function as it is. Nothing here was run in Simulink, which is not free: the tests have
-//! a stand-in for its headers. The class is run in GNU Octave.
+//! There is no TLC file: Simulink Coder calls the S-function as it is. Nothing here was run in Simulink, which is not free: the
+//! tests have a stand-in for its headers. The class is run in GNU Octave.
 
 mod alone;
 mod class;
@@ -11,9 +12,9 @@ mod sfunction;
 use self::matlab::Matlab;
 use self::sfunction::block;
 use super::c::{C, checked};
-use super::whole::{Entry, Whole};
+use super::whole::{Entry, Vectors, Whole};
 use super::{File, Made, Target, Wanted};
-use crate::number::round;
+use crate::number::{round, short};
 use crate::system::System;
 
 pub(super) const TARGET: Target = Target {
@@ -31,7 +32,7 @@ pub(super) const TARGET: Target = Target {
             File::text(format!("{name}.m"), matlab.class(&whole, wanted, &vectors)),
             File::text(format!("{name}_test.m"), matlab.test(&whole, &vectors)),
             File::text(format!("{name}_build.m"), build(name, &whole)),
-            File::text("README.md", readme(wanted, &whole)),
+            File::text("README.md", readme(wanted, &whole, &vectors)),
         ];
         files.extend(
             whole.entries.iter().map(|entry| File::text(format!("{}.c", sfun(name, entry)), block(wanted, entry))),
@@ -90,14 +91,14 @@ end
 }
 
 /// The page that goes with it.
-fn readme(wanted: &Wanted, whole: &Whole) -> String {
+fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
     let (name, model) = (wanted.name, wanted.model);
     let mut out = format!("# {name}\n\n");
     out += &format!(
-        "A piezo actuator for MATLAB, Simulink and GNU Octave, identified by piezoid: hysteresis `{}`, {} lags of creep, a linear block of \
-         order {}, sampled every {} s. Arithmetic is of {} precision.\n\n",
+        "A piezo actuator for MATLAB, Simulink and GNU Octave, identified by piezoid: hysteresis `{}`, creep of order {}, \
+         a linear block of order {}, sampled every {} s. Arithmetic is of {} precision.\n\n",
         model.hysteresis().operator().name,
-        model.creep().lags().len(),
+        model.creep().order(),
         model.linear().a().len(),
         round(model.ts()),
         if wanted.single { "single" } else { "double" },
@@ -107,19 +108,20 @@ fn readme(wanted: &Wanted, whole: &Whole) -> String {
     }
     out += &format!("## MATLAB and Octave\n\n```matlab\nmodel = {name}();\n");
     for entry in &whole.entries {
-        let inputs: Vec<&str> = entry.inputs.iter().map(|i| i.name).collect();
-        let call = format!("{} = model.{}({});", entry.output.name, entry.step, inputs.join(", "));
+        let call = format!("{} = model.{}({});", entry.output.name, entry.step, inputs(entry));
         out += &format!("{call} % every {name}.Ts seconds: {}\n", line(&entry.about));
     }
     out += &format!("y = model.simulate(u); % a row or column, from rest\nhelp {name}\n```\n\n");
     out += "No toolbox is needed. ";
     out += &format!(
-        "`{name}_test` runs the class on recorded inputs and compares with what piezoid computes, bit by bit.\n\n"
+        "`{name}_test` runs the class on recorded inputs and compares with what piezoid computes, bit by bit."
     );
-    out += "## Simulink\n\n";
-    out += &format!(
-        "```matlab\nmex -setup C % once\n{name}_build\n```\n\n| S-function | input | output | direct feedthrough |\n|---|---|---|---|\n"
-    );
+    for (entry, vectors) in whole.entries.iter().zip(vectors).filter(|_| wanted.single) {
+        out += &format!(" Single precision moves `{}` by {} of its stroke at most.", entry.step, short(vectors.off));
+    }
+    out += "\n\n## Simulink\n\n";
+    out += &format!("```matlab\nmex -setup C % once\n{name}_build\n```\n\n");
+    out += "| S-function | input | output | direct feedthrough |\n|---|---|---|---|\n";
     for entry in &whole.entries {
         let cell = |text: &str| line(text).replace('|', "\\|");
         let inputs: Vec<String> = entry.inputs.iter().map(|i| format!("{} [{}]", i.name, cell(&i.unit))).collect();
@@ -133,15 +135,15 @@ fn readme(wanted: &Wanted, whole: &Whole) -> String {
         );
     }
     out += &format!(
-        "\nPut an *S-Function* block into a model and give it one of these names. Ports are scalar and `double`, the sample time is fixed: put \
-         *Rate Transition* blocks around what runs at another. Each block has a state of its own, which saved simulations hold and which a \
-         subsystem that resets its states resets. Once compiled, `{name}_test` runs the S-functions in a model too.\n\n"
+        "\nPut an *S-Function* block into a model and give it one of these names. Ports are scalar and `double`, the sample \
+         time is fixed: put *Rate Transition* blocks around what runs at another. Each block has a state of its own, which \
+         saved simulations hold and which a subsystem that resets its states resets. Once compiled, `{name}_test` runs the \
+         S-functions in a model too.\n\n\
+         Simulink Coder takes the block as it is: enter `{name}` under *S-function modules* of the block, so that \
+         `{name}.c` is compiled with the model, and allow noninlined S-functions where the target asks. To have the step \
+         inlined, a TLC file would include `{name}.h`, and call the reset and step functions on the block's DWork `state`.\n\n\
+         The S-functions were compiled and run behind a stand-in for Simulink's headers, not in Simulink; the class was run \
+         in GNU Octave 7.\n"
     );
-    out += &format!(
-        "Simulink Coder takes the block as it is: enter `{name}` under *S-function modules* of the block, so that `{name}.c` is compiled with the \
-         model, and allow noninlined S-functions where the target asks. To have the step inlined, a TLC file would include `{name}.h`, and call \
-         the reset and step functions on the block's DWork `state`.\n\n"
-    );
-    out += "The S-functions were compiled and run behind a stand-in for Simulink's headers, not in Simulink; the class was run in GNU Octave 7.\n";
     out
 }
