@@ -18,7 +18,6 @@ mod poor_records;
 mod process;
 mod proof;
 mod quality;
-mod simulink;
 mod study;
 mod usage;
 mod workflow;
