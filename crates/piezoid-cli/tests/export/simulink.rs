@@ -103,7 +103,8 @@ fn the_example_of_the_help_runs_and_signals_keep_their_shape() {
             model.step([1, 2]);\n"
         );
         let (said, well) = octave(folder.path(), &script);
-        assert!(!well && said == "error: step takes one sample: simulate takes a row or column\n", "{said}");
+        let refused = said.starts_with("error: step takes one sample: simulate takes a row or column\n");
+        assert!(!well && refused, "{said}");
     }
 }
 
