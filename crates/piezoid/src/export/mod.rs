@@ -6,6 +6,7 @@
 mod c;
 mod language;
 mod readme;
+mod simulink;
 mod whole;
 
 pub use whole::{Entry, Signal, Whole};
@@ -85,7 +86,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET];
+pub static TARGETS: &[Target] = &[c::TARGET, simulink::TARGET];
 
 /// The target called `name`.
 ///

@@ -16,7 +16,7 @@
 //! ```
 //! A block has fields (its state), constants, and functions. Numbers are real or whole; a parameter is real unless it says
 //! `whole` or names the block whose state it is. There are no early returns, no recursion, no names that hide others; a function may
-//! return several numbers. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
+//! return several numbers. Conditions change nothing. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
 //! `real(i)` and `whole(v)` convert, the latter a number that is not negative, towards zero; `epsilon`, `least` and `most` are those of the
 //! precision at hand. A comment before a function or a step goes with it into every language.
 //!
