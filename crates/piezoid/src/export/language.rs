@@ -53,6 +53,11 @@ pub(super) trait Language {
     /// A new value for what has a name.
     fn set(&self, place: String, value: String) -> String;
 
+    /// A new value for what stands at a place.
+    fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
+        self.set(self.place(place, words), words.expr(value))
+    }
+
     /// A call for what it changes.
     fn done(&self, call: &Expr, words: &Words) -> String;
 
@@ -115,7 +120,7 @@ impl Words<'_> {
             Step::Let(names, value) => l.fresh(names, value, self),
             Step::Copy { name, of, block, zero } => l.copy(name, of, block, *zero, self),
             Step::Room(name, n) => l.room(name, *n),
-            Step::Set(place, value) => vec![l.set(l.place(place, self), self.expr(value))],
+            Step::Set(place, value) => vec![l.assign(place, value, self)],
             Step::Do(call) => vec![l.done(call, self)],
             Step::If(..) => {
                 let mut lines = Vec::new();
@@ -172,7 +177,9 @@ impl Words<'_> {
             Expr::Whole(value) => l.whole(*value),
             Expr::Limit(limit) => l.limit(*limit),
             Expr::Variable(name, _) => l.place(&Place { root: name.clone(), path: Vec::new(), index: None }, self),
-            Expr::Constant(block, name, index) => l.constant(&self.program.blocks[*block], name, index.as_deref(), self),
+            Expr::Constant(block, name, index) => {
+                l.constant(&self.program.blocks[*block], name, index.as_deref(), self)
+            }
             Expr::At(place) | Expr::Part(place) => l.place(place, self),
             Expr::Call(name, arguments) if name == "real" => l.to_real(self.expr(&arguments[0])),
             Expr::Call(name, arguments) if name == "whole" => l.to_whole(self.expr(&arguments[0])),

@@ -6,6 +6,8 @@
 mod c;
 mod language;
 mod readme;
+mod rust;
+mod st;
 mod whole;
 
 pub use whole::{Entry, Signal, Whole};
@@ -85,7 +87,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET];
+pub static TARGETS: &[Target] = &[c::TARGET, rust::TARGET, st::TARGET];
 
 /// The target called `name`.
 ///
@@ -115,7 +117,9 @@ fn named(name: &str, reserved: &[&str]) -> Result<(), Error> {
         && !name.ends_with('_')
         && !name.contains("__");
     if !fits {
-        let rule = format!("must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it");
+        let rule = format!(
+            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it"
+        );
         return Err(Error::parameter("name", format!("`{name}`"), rule));
     }
     if reserved.iter().any(|word| word.eq_ignore_ascii_case(name)) {

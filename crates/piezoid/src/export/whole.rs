@@ -62,7 +62,7 @@ pub struct Vectors {
 }
 
 /// Samples of the vectors.
-const SAMPLES: usize = 400;
+pub(super) const SAMPLES: usize = 400;
 
 impl Whole {
     /// The model, its inverse if it has one, and the controller if one is wanted.
@@ -86,7 +86,10 @@ impl Whole {
         match Causal::new(model, wanted.how, wanted.late) {
             Err(error) => whole.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
-                if causal.extend(&mut whole.program).is_err() { whole.program.keep(&["step"]); return Ok(whole); }
+                if causal.extend(&mut whole.program).is_err() {
+                    whole.program.keep(&["step"]);
+                    return Ok(whole);
+                }
                 let late = match wanted.late {
                     0 => String::new(),
                     n => format!(", {n} samples late"),
