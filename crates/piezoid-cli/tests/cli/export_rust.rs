@@ -24,16 +24,17 @@ pub(crate) fn models() -> Vec<(String, Model)> {
 /// A crate of all modules, each in both precisions, and its root.
 fn bench() -> Bench {
     let bench = Bench::new();
-    let mut root = "#![no_std]\n".to_owned();
+    let mut modules = Vec::new();
     for (name, model) in models() {
         for single in [false, true] {
             let name = if single { format!("{name}_single") } else { name.clone() };
             let made = (target("rust").unwrap().make)(&Wanted { single, ..Wanted::new(&model, &name) }).unwrap();
             bench.write(&format!("{name}.rs"), &made.files[0].bytes);
-            root += &format!("pub mod {name};\n");
+            modules.push(format!("pub mod {name};\n"));
         }
     }
-    bench.write("all.rs", root);
+    modules.sort();
+    bench.write("all.rs", format!("#![no_std]\n{}", modules.concat()));
     bench
 }
 

@@ -356,8 +356,8 @@ fn page(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
         out += &format!("let {output} = {own}.step({given}); // every TS seconds: {}\n", entry.about);
     }
     out += "```\n\nNo `std`, no allocation, no `unsafe`, no crate: `core` alone, and no function of it but conversions. States are plain data: \
-            copy one to try a step, compare two, keep one for later. Indices stay within their tables for every input, so that nothing panics. \
-            Inputs have to be finite numbers; the feed-forward takes one that is not for the one before. Rust 1.57 and later, editions 2018 to 2024.\n\n";
+            copy one to try a step, compare two, keep one for later. Indices are written to stay within their tables for every input. \
+            Inputs have to be finite numbers; the feed-forward takes one that is not for the one before. Editions 2018 to 2024.\n\n";
     out += "## Proof\n\n";
     out += &format!("```sh\nrustc --edition 2021 --test {name}.rs -o {name}_test && ./{name}_test\n```\n\n");
     out += &format!(
