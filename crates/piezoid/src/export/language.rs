@@ -58,6 +58,11 @@ pub(super) trait Language {
     /// A new value for what has a name.
     fn set(&self, place: String, value: String) -> String;
 
+    /// A new value for what stands at a place.
+    fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
+        self.set(self.place(place, words), words.expr(value))
+    }
+
     /// A call for what it changes.
     fn done(&self, call: &Expr, words: &Words) -> String;
 
@@ -120,7 +125,7 @@ impl Words<'_> {
             Step::Let(names, value) => l.fresh(names, value, self),
             Step::Copy { name, of, block, zero } => l.copy(name, of, block, *zero, self),
             Step::Room(name, n) => l.room(name, *n),
-            Step::Set(place, value) => vec![l.set(l.place(place, self), self.expr(value))],
+            Step::Set(place, value) => vec![l.assign(place, value, self)],
             Step::Do(call) => vec![l.done(call, self)],
             Step::If(..) => {
                 let mut lines = Vec::new();

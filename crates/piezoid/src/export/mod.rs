@@ -6,7 +6,9 @@
 mod c;
 mod language;
 mod readme;
+mod rust;
 mod simulink;
+mod st;
 mod whole;
 
 pub use whole::{Entry, Signal, Whole};
@@ -86,7 +88,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET, simulink::TARGET];
+pub static TARGETS: &[Target] = &[c::TARGET, simulink::TARGET, st::TARGET, rust::TARGET];
 
 /// The target called `name`.
 ///

@@ -18,7 +18,7 @@
 //! `whole` or names the block whose state it is. There are no early returns, no recursion, no names that hide others; a function may
 //! return several numbers. Conditions change nothing. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
 //! `real(i)` and `whole(v)` convert, the latter a number that is not negative, towards zero; `epsilon`, `least` and `most` are those of the
-//! precision at hand. A comment before a function or a step goes with it into every language.
+//! precision at hand. Some languages look at both sides of `&&` and `||`. A comment before a function or a step goes with it into every language.
 //!
 //! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in either precision, and
 //! printed by [`crate::export`]. It is the same arithmetic in the same order everywhere, so that all give the same bits.
