@@ -1,8 +1,13 @@
 //! Exported code, compiled and run where it is made for: the same numbers as here, to the bit.
 
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 mod c;
 mod cortex;
+mod rust;
 mod simulink;
+mod st;
+mod structured_text;
 
 use piezoid::creep::Creep;
 use piezoid::driver::{Driver, SUBSTEPS};
@@ -45,14 +50,20 @@ fn exported(target_name: &str, wanted: &Wanted, folder: &Path) -> Made {
     made
 }
 
-/// Whether a tool is there; where it is not, says so past the capture of test output, and in CI fails.
+/// Whether a tool is there; where it is not, says so, and in CI fails.
 fn there(tool: &str) -> bool {
     let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     assert!(there || std::env::var_os("CI").is_none(), "{tool} is missing in CI");
     if !there {
-        writeln!(std::io::stderr(), "SKIPPED: no {tool}").unwrap();
+        skipped(tool);
     }
     there
+}
+
+/// Says past the capture of test output what is not there.
+fn skipped(what: &str) {
+    let line = format!("SKIPPED: no {what}\n");
+    std::io::stderr().write_all(line.as_bytes()).unwrap();
 }
 
 /// Runs a command line in a folder; what it prints, if it ends well.

@@ -105,21 +105,38 @@ impl Fir {
         let block = block.numbers("past", vec![at_rest; self.order()]).table("taps", &self.taps);
         match self.order() {
             0 => block.text("fn preview(u) { return taps[0] * u; }"),
-            n => block.count("kept", n).text(PROGRAM),
+            n => block
+                .count("pairs", n / 2)
+                .count("kept", n)
+                .text(PROGRAM)
+                .text(if n % 2 == 1 { ODD } else { "" })
+                .text(END),
         }
     }
 }
 
+/// Two at a time, which saves a machine half of the counting.
 const PROGRAM: &str = "
 fn preview(x: preview, u) {
     let sum = -0.0;
     let newer = u;
-    for k in 0..kept {
-        let older = x.past[k];
-        sum += taps[k + 1] * older;
-        x.past[k] = newer;
+    for k in 0..pairs {
+        let old = x.past[2 * k];
+        let older = x.past[2 * k + 1];
+        sum += taps[2 * k + 1] * old;
+        sum += taps[2 * k + 2] * older;
+        x.past[2 * k] = newer;
+        x.past[2 * k + 1] = old;
         newer = older;
     }
+";
+
+const ODD: &str = "
+    sum += taps[kept] * x.past[kept - 1];
+    x.past[kept - 1] = newer;
+";
+
+const END: &str = "
     return taps[0] * u + sum;
 }
 ";

@@ -29,6 +29,14 @@ impl Causal {
             "let from = low;\n    let to = high;"
         };
         let told = if fir.order() > 0 { "s.preview.past[0]" } else { "0.0" };
+        let (hidden, moves) = (model.hidden_call("s", "u"), program.function("hysteresis_move").is_some());
+        let moves = match (model.creep().order() > 0, model.driver().is_some()) {
+            (true, _) => format!("creep(s.creep, {hidden});"),
+            // Nobody asks what z is.
+            (false, false) if moves => "hysteresis_move(s.hysteresis, u);".into(),
+            (false, false) if model.hysteresis().order() == 0 => String::new(),
+            (false, _) => format!("{hidden};"),
+        };
         let text = format!(
             "
 // One sample: the wanted displacement r to the input.
@@ -43,7 +51,7 @@ fn ff_step(s: ff_state, r) {{
     let z = {back};
     let u = {inverse};
     // The state goes on as the actuator does.
-    {moved}
+    {moves}
     s.before = u;
     return u;
 }}
@@ -51,10 +59,6 @@ fn ff_step(s: ff_state, r) {{
             preview = if fir.order() > 0 { "preview(s.preview, told)" } else { "preview(told)" },
             back = model.creep_call("s", "creep_inverse", "wanted"),
             inverse = model.hidden_inverse_call("s", "z, from, to"),
-            moved = match (model.hidden_call("s", "u"), model.creep().order()) {
-                (hidden, 0) => format!("{hidden};"),
-                (hidden, _) => format!("creep(s.creep, {hidden});"),
-            },
         );
         let at_rest = model.offset() / model.linear().dc_gain();
         let state = state.constant("low", low).constant("high", high).constant("at_rest", at_rest);

@@ -60,8 +60,8 @@ pub trait Hysteresis: System {
 
     /// The same for programs: a block called `hysteresis` whose state is laid out as here, with a function
     /// `hysteresis(x: hysteresis, u)` for the step, and for the inverse either `hysteresis_ahead(x: hysteresis, u)`, which returns z and its slope
-    /// as the next step would, `hysteresis_inverse(x: hysteresis, z, low, high)`, or neither where slopes come from the step itself. None if
-    /// it cannot be exported.
+    /// as the next step would, `hysteresis_inverse(x: hysteresis, z, low, high)`, or neither where slopes come from the step itself. It may
+    /// bring `hysteresis_move(x: hysteresis, u)`, the step without its answer, where that is cheaper. None if it cannot be exported.
     fn block(&self) -> Option<Block> {
         None
     }

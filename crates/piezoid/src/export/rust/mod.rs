@@ -397,7 +397,9 @@ fn broken(line: &str) -> bool {
             ')' | ']' => {
                 let from = open.pop().unwrap_or(k);
                 let called = from > 0 && (letters[from - 1].is_alphanumeric() || letters[from - 1] == '_');
-                let counts = *letter == ']' || called && !code.contains("fn ");
+                // Of the brackets that begin and end a line, a tuple is between.
+                let tuple = from == 0 && k + 1 == letters.len();
+                let counts = *letter == ']' || tuple || called && !code.contains("fn ");
                 wide |= counts && k - from > BETWEEN + 1;
             }
             _ => {}

