@@ -1,6 +1,7 @@
 //! `piezoid export`: the model, its inverse and its controller for other machines.
 
 use super::driver::Amplifier;
+use crate::compiler;
 use crate::console::Console;
 use crate::files;
 use crate::values::argument;
@@ -13,7 +14,9 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   C for a microcontroller, in single precision, its feed-forward within a driver's limits:
-    piezoid export --model model.json --target c --float --driver pl140 --name bender -o bender";
+    piezoid export --model model.json --target c --float --driver pl140 --name bender -o bender
+  An FMU for co-simulation, with a library for this machine where there is a C compiler:
+    piezoid export --model model.json --target fmu2 --name bender -o fmus";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -47,7 +50,13 @@ impl Export {
         let limits = self.amplifier.limits()?.unwrap_or_default();
         let model = files::model(&self.model)?;
         let how = How { limits, ..How::default() };
-        let wanted = Wanted { single: self.float, how, late: self.late, ..Wanted::new(&model, &self.name) };
+        let wanted = Wanted {
+            single: self.float,
+            how,
+            late: self.late,
+            compiler: compiler::here(),
+            ..Wanted::new(&model, &self.name)
+        };
         let made = (target.make)(&wanted).with_context(|| self.model.display().to_string())?;
         files::write_all(&self.output, &made.files)?;
         for note in &made.notes {
