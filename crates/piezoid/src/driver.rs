@@ -76,7 +76,9 @@ impl Driver {
     /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block through a sample of `ts` [s].
     pub(crate) fn block(&self, ts: f64) -> Block {
         let h = ts / SUBSTEPS as f64;
-        let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit").number("v", 0.0).number("z", 0.0);
+        let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit")
+            .number("v", 0.0)
+            .number("z", 0.0);
         let approach = if self.lag_s == 0.0 {
             "fn approach(v, u, s) { return u; }"
         } else {
@@ -84,8 +86,17 @@ impl Driver {
         };
         let advance = if self.slew.is_some() { SLEWING } else { "fn advance(v, u) { return approach(v, u, h); }" };
         let slew = self.slew.unwrap_or(f64::MAX);
-        let block = block.constant("h", h).constant("lag", self.lag_s).constant("slew", slew).constant("near", slew * self.lag_s);
-        block.constant("twice_substeps", (2 * SUBSTEPS) as f64).count("substeps", SUBSTEPS).text(approach).text(advance).text(HIDDEN)
+        let block = block
+            .constant("h", h)
+            .constant("lag", self.lag_s)
+            .constant("slew", slew)
+            .constant("near", slew * self.lag_s);
+        block
+            .constant("twice_substeps", (2 * SUBSTEPS) as f64)
+            .count("substeps", SUBSTEPS)
+            .text(approach)
+            .text(advance)
+            .text(HIDDEN)
     }
 
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {

@@ -308,7 +308,10 @@ mod tests {
 
     #[test]
     fn ends_are_what_they_are_elsewhere() {
-        assert_eq!([exp(f64::INFINITY), exp(-800.0), exp_m1(-800.0), exp_m1(1e9)], [f64::INFINITY, 0.0, -1.0, f64::INFINITY]);
+        assert_eq!(
+            [exp(f64::INFINITY), exp(-800.0), exp_m1(-800.0), exp_m1(1e9)],
+            [f64::INFINITY, 0.0, -1.0, f64::INFINITY]
+        );
         assert!(exp(f64::NAN).is_nan() && ln(f64::NAN).is_nan() && exp_m1(f64::NAN).is_nan());
         assert_eq!([exp(0.0), exp_m1(0.0), ln(1.0), ln_1p(0.0)], [1.0, 0.0, 0.0, 0.0]);
         assert!(ulps(ln(5e-324), 5e-324f64.ln()) < 2.0);

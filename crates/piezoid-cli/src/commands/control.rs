@@ -2,6 +2,7 @@
 
 use super::driver::Amplifier;
 use super::lists;
+use super::tuning::Tuning;
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::layout::table;
@@ -10,7 +11,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::compensation::How;
 use piezoid::control::{
-    Attempt, Comparison, Drive, LATEST, Now, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
+    Attempt, Comparison, Drive, Now, Reference, Run, Scheme, Tolerance, Wanted, compare, reference,
 };
 use piezoid::number::{round, short as number};
 use piezoid::{Model, System};
@@ -85,9 +86,6 @@ pub(crate) struct Control {
     /// Samples of the reference that are known ahead [default: all].
     #[arg(long, value_name = "N")]
     preview: Option<usize>,
-    /// Samples by which readings come late; controllers are tuned for it.
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = late)]
-    late: usize,
     /// Noise of the sensor, rms in the model's output unit [default: the plant's own].
     #[arg(long, value_name = "RMS", value_parser = not_negative, allow_negative_numbers = true)]
     noise: Option<f64>,
@@ -96,14 +94,8 @@ pub(crate) struct Control {
     /// Let feed-forward come as close as the limits allow instead of refusing.
     #[arg(long)]
     clip: bool,
-    /// Gain margin to tune to [dB].
-    #[arg(long, value_name = "DB", default_value_t = Target::default().gain_db, value_parser = positive)]
-    #[arg(allow_negative_numbers = true)]
-    gain_margin: f64,
-    /// Phase margin to tune to [degrees].
-    #[arg(long, value_name = "DEGREES", default_value_t = Target::default().phase_deg, value_parser = positive)]
-    #[arg(allow_negative_numbers = true)]
-    phase_margin: f64,
+    #[command(flatten)]
+    tuning: Tuning,
     /// Also try plants whose values lie within this many percent of these, along the first reference.
     #[arg(long, value_name = "PERCENT", value_parser = percent, allow_negative_numbers = true)]
     tolerance: Option<f64>,
@@ -170,9 +162,10 @@ impl Control {
             spec.sensor.noise_rms_m = noise * factor;
         }
         let how = How { limits, clip: self.clip, ..How::default() };
-        let target = Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() };
+        let target = self.tuning.target();
         let drive = |scheme: Scheme| -> Result<Drive> {
-            let made = Drive::new(scheme, &model, how, self.late, &target).map_err(|e| self.amplifier.advised(e));
+            let made =
+                Drive::new(scheme, &model, how, self.tuning.late, &target).map_err(|e| self.amplifier.advised(e));
             let mut drive = made.with_context(|| format!("{}: {}", self.model.display(), scheme.name()))?;
             drive.ahead = self.preview.unwrap_or(usize::MAX);
             Ok(drive)
@@ -271,11 +264,6 @@ impl Control {
             }
         }
     }
-}
-
-/// Samples that controllers can be tuned for.
-fn late(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= LATEST).ok_or_else(|| format!("it must be a whole number from 0 to {LATEST}"))
 }
 
 /// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.

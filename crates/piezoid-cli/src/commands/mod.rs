@@ -12,6 +12,7 @@ mod report;
 mod shell;
 mod simulate;
 mod study;
+mod tuning;
 mod validate;
 
 pub(crate) use validate::{Proven, figures};

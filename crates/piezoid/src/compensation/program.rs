@@ -16,7 +16,8 @@ impl Causal {
         inverse_program(program, model.driver().is_some())?;
         program.add(fir.block(self.resting()))?;
         let (low, high) = self.inverse.ends;
-        let mut state = Block::new("ff_state", "the feed-forward: back through linear dynamics, creep and hysteresis").number("before", 0.0);
+        let mut state = Block::new("ff_state", "the feed-forward: back through linear dynamics, creep and hysteresis")
+            .number("before", 0.0);
         if fir.order() > 0 {
             state = state.part("preview", "preview");
         }
@@ -58,7 +59,8 @@ fn ff_step(s: ff_state, r) {{
         );
         let at_rest = model.offset() / model.linear().dc_gain();
         let state = state.constant("low", low).constant("high", high).constant("at_rest", at_rest);
-        let state = if self.inverse.step.is_finite() { state.constant("most_change", self.inverse.step) } else { state };
+        let state =
+            if self.inverse.step.is_finite() { state.constant("most_change", self.inverse.step) } else { state };
         program.add(state.text(&text))
     }
 }

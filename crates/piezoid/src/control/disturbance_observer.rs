@@ -14,9 +14,10 @@
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Loop, Now, check};
+use super::{Controller, Law, Loop, Now, check, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
+use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
@@ -76,6 +77,30 @@ impl Controller for DisturbanceObserver {
         past.rotate_right(1);
         past[0] = u - feed;
         u
+    }
+
+    fn blocks(&self) -> Option<Vec<Block>> {
+        let block = program::block("a disturbance observer", self.limits);
+        let block = if self.inverse.order() > 0 { block.part("inverse", "inverse") } else { block };
+        let block =
+            block.part("low_pass", "low_pass").numbers("past", vec![0.0; self.delay]).count("delay", self.delay);
+        let stands_for = if self.inverse.order() > 0 { "inverse(s.inverse, e)" } else { "inverse(e)" };
+        let step = format!(
+            "
+fn control_step(s: control_state, r, y, feed) {{
+    let given = clamp(feed, low, high);
+    let e = missing(r, y);
+    // What the nominal plant does not explain.
+    let unexplained = {stands_for} + s.past[delay - 1];
+    let u = clamp(given + low_pass(s.low_pass, unexplained), low, high);
+    for k in 1..delay down {{ s.past[k] = s.past[k - 1]; }}
+    s.past[0] = u - given;
+    return u;
+}}
+"
+        );
+        let inverse = self.inverse.block("inverse", "the inverse of the nominal plant, but for its delay");
+        Some(vec![inverse, self.q.block("low_pass", "the low-pass of what is undone"), block.text(&step)])
     }
 
     fn law(&self) -> Option<Arx> {

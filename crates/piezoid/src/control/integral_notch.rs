@@ -13,9 +13,10 @@
 
 use super::filters::{notch, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, Now, check, integrating};
+use super::{Controller, Law, Now, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
+use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
@@ -77,6 +78,30 @@ impl Controller for IntegralNotch {
             rest = others;
         }
         integrating(self.limits, now, w, &mut integral[0], gain)
+    }
+
+    fn blocks(&self) -> Option<Vec<Block>> {
+        let block = program::block("integral with notches at the modes", self.limits).number("integral", 0.0);
+        let names: Vec<String> = (1..=self.notches.len()).map(|k| format!("notch_{k}")).collect();
+        let block = names.iter().fold(block, |block, name| block.part(name, name));
+        let through: String = names.iter().map(|name| format!("    w = {name}(s.{name}, w);\n")).collect();
+        let step = format!(
+            "
+fn control_step(s: control_state, r, y, feed) {{
+    let gain = ki_ts * missing(r, y);
+    let w = s.integral + gain;
+{through}    return integrating(s, feed, w, gain);
+}}
+"
+        );
+        let mut blocks: Vec<Block> = self
+            .notches
+            .iter()
+            .zip(&names)
+            .map(|(notch, name)| notch.block(name, "a notch at a mode of the actuator"))
+            .collect();
+        blocks.push(block.constant("ki_ts", self.ki * self.ts).text(program::INTEGRATING).text(&step));
+        Some(blocks)
     }
 
     fn law(&self) -> Option<Arx> {

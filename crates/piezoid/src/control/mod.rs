@@ -25,6 +25,7 @@ mod pi;
 mod pid;
 mod positive_position;
 pub mod predictive;
+mod program;
 mod references;
 mod schemes;
 mod tolerance;
@@ -46,6 +47,7 @@ pub use tune::Target;
 
 use crate::error::Error;
 use crate::linear::Arx;
+use crate::program::Block;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -89,6 +91,12 @@ pub trait Controller: Debug + Send + Sync {
 
     /// One sample: advances the state `x` and returns the voltage u [V]. It allocates nothing.
     fn step(&self, x: &mut [f64], now: &Now) -> f64;
+
+    /// The same for programs: blocks, the last of which is the state, `control_state`, with a function `control_step(s: control_state, r, y, feed)`.
+    /// None if it cannot be exported.
+    fn blocks(&self) -> Option<Vec<Block>> {
+        None
+    }
 
     /// C(q), the law from e to w while no limit is met [V / output unit]; `None` if it is no such law.
     fn law(&self) -> Option<Arx>;
@@ -174,6 +182,8 @@ mod tests {
     use super::margins::tests::path_of;
     use super::*;
     use crate::System;
+    use crate::elementary;
+    use crate::program::{Machine, Program};
     use crate::testing::assert_close;
 
     fn path(late: usize) -> Loop {
@@ -216,6 +226,29 @@ mod tests {
                 assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
                 // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
                 assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn every_controller_with_a_law_gives_the_same_bits_as_a_program() {
+        for late in [0, 3] {
+            for (kind, c) in tuned(late) {
+                assert_eq!(c.blocks().is_some(), c.law().is_some(), "{}", kind.name);
+                let Some(blocks) = c.blocks() else { continue };
+                let program = Program::new([vec![elementary::block()], blocks].concat()).unwrap();
+                let mut machine = Machine::new(&program, "control_state", false);
+                let mut x = c.initial();
+                for t in 0..600 {
+                    // Into the limits and out again, and a reading that is lost.
+                    let r = 900.0 * (0.03 * f64::from(t)).sin();
+                    let y = if t % 50 == 7 { f64::NAN } else { 0.2 * r + f64::from(t % 11) };
+                    let feed = 35.0 * (0.05 * f64::from(t)).cos();
+                    let u = c.step(&mut x, &Now { y, r, feed, ahead: &[] });
+                    let found = machine.call("control_step", &[r, y, feed]).unwrap()[0];
+                    assert_eq!(found.to_bits(), u.to_bits(), "{} at {t}", kind.name);
+                    assert_eq!(machine.state(), x, "{} at {t}", kind.name);
+                }
             }
         }
     }

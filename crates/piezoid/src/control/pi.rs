@@ -10,9 +10,10 @@
 //! DOI 10.23919/ACC.1989.4790464. It does not do: anything about a resonance, which alone bounds its gain.
 
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Now, check};
+use super::{Controller, Law, Now, check, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
+use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
@@ -63,6 +64,26 @@ impl Controller for Pi {
         let share = if ki < self.kp { ki / self.kp } else { 1.0 };
         x[0] += share * (u - v);
         u
+    }
+
+    fn blocks(&self) -> Option<Vec<Block>> {
+        let ki = self.ki * self.ts;
+        let share = if ki < self.kp { ki / self.kp } else { 1.0 };
+        let block = program::block("PI, with anti-windup by back-calculation", self.limits).number("integral", 0.0);
+        let block = block.constant("kp", self.kp).constant("ki_ts", ki).constant("share", share);
+        Some(vec![block.text(
+            "
+fn control_step(s: control_state, r, y, feed) {
+    let e = missing(r, y);
+    s.integral += ki_ts * e;
+    let v = on_top(feed, kp * e) + s.integral;
+    let u = clamp(v, low, high);
+    // While a limit is met the integral tracks what it lets through.
+    s.integral += share * (u - v);
+    return u;
+}
+",
+        )])
     }
 
     fn law(&self) -> Option<Arx> {

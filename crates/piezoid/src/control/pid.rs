@@ -11,9 +11,10 @@
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Now, check, integrating};
+use super::{Controller, Law, Now, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
+use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
@@ -85,6 +86,25 @@ impl Controller for Pid {
         let gain = self.gains.ki * self.ts * e;
         let w = self.gains.kp * e + (x[0] + gain) + x[1];
         integrating(self.limits, now, w, &mut x[0], gain)
+    }
+
+    fn blocks(&self) -> Option<Vec<Block>> {
+        let (keeps, takes) = self.derivative();
+        let block = program::block("PID with a filtered derivative", self.limits);
+        let block = block.number("integral", 0.0).number("derivative", 0.0).number("before", 0.0);
+        let block = block.constant("kp", self.gains.kp).constant("ki_ts", self.gains.ki * self.ts);
+        Some(vec![block.constant("keeps", keeps).constant("takes", takes).text(program::INTEGRATING).text(
+            "
+fn control_step(s: control_state, r, y, feed) {
+    let e = missing(r, y);
+    s.derivative = keeps * s.derivative + takes * (e - s.before);
+    s.before = e;
+    let gain = ki_ts * e;
+    let w = kp * e + (s.integral + gain) + s.derivative;
+    return integrating(s, feed, w, gain);
+}
+",
+        )])
     }
 
     fn law(&self) -> Option<Arx> {

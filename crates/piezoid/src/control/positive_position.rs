@@ -13,9 +13,10 @@
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, Now, check, integrating};
+use super::{Controller, Law, Now, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
+use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
@@ -68,6 +69,23 @@ impl Controller for PositivePosition {
         let p = self.resonator.step(&mut x[1..], e);
         let w = x[0] + gain - self.gain * p;
         integrating(self.limits, now, w, &mut x[0], gain)
+    }
+
+    fn blocks(&self) -> Option<Vec<Block>> {
+        let block = program::block("integral and positive position feedback", self.limits);
+        let block = block.number("integral", 0.0).part("resonator", "resonator");
+        let block = block.constant("ki_ts", self.ki * self.ts).constant("damping", self.gain);
+        let step = "
+fn control_step(s: control_state, r, y, feed) {
+    let e = missing(r, y);
+    let gain = ki_ts * e;
+    let p = resonator(s.resonator, e);
+    let w = s.integral + gain - damping * p;
+    return integrating(s, feed, w, gain);
+}
+";
+        let resonator = self.resonator.block("resonator", "a resonance that takes energy out of the mode");
+        Some(vec![resonator, block.text(program::INTEGRATING).text(step)])
     }
 
     fn law(&self) -> Option<Arx> {

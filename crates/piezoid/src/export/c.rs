@@ -32,9 +32,9 @@ pub(super) const TARGET: Target = Target {
 
 /// What may not be a name: the words of the language, and what its functions would clash with.
 const RESERVED: &[&str] = &[
-    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float", "for", "goto",
-    "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
-    "typedef", "union", "unsigned", "void", "volatile", "while", "main",
+    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float",
+    "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof",
+    "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while", "main",
 ];
 
 /// What is exported, under a name that C has not taken.
@@ -124,7 +124,12 @@ impl C<'_> {
             }
         }
         for entry in &whole.entries {
-            out += &format!("void {}({} *s)\n{{\n{}}}\n\n", self.own(entry.reset), self.state(entry.state), self.rest(entry.state, "s->"));
+            out += &format!(
+                "void {}({} *s)\n{{\n{}}}\n\n",
+                self.own(entry.reset),
+                self.state(entry.state),
+                self.rest(entry.state, "s->")
+            );
         }
         out.truncate(out.trim_end().len());
         out + "\n"
@@ -162,7 +167,9 @@ impl C<'_> {
             .iter()
             .map(|p| match &p.kind {
                 Kind::Whole => format!("int {}", p.name),
-                Kind::Part(block) => format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name),
+                Kind::Part(block) => {
+                    format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name)
+                }
                 _ => format!("{number} {}", p.name),
             })
             .collect();
@@ -380,7 +387,8 @@ impl Language for C<'_> {
     }
 
     fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
-        let (Some((first, rest)), kind) = (names.split_first(), if value.whole() { "int" } else { self.number() }) else {
+        let (Some((first, rest)), kind) = (names.split_first(), if value.whole() { "int" } else { self.number() })
+        else {
             return Vec::new();
         };
         let zero = self.real(0.0);

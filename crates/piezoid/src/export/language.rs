@@ -172,7 +172,9 @@ impl Words<'_> {
             Expr::Whole(value) => l.whole(*value),
             Expr::Limit(limit) => l.limit(*limit),
             Expr::Variable(name, _) => l.place(&Place { root: name.clone(), path: Vec::new(), index: None }, self),
-            Expr::Constant(block, name, index) => l.constant(&self.program.blocks[*block], name, index.as_deref(), self),
+            Expr::Constant(block, name, index) => {
+                l.constant(&self.program.blocks[*block], name, index.as_deref(), self)
+            }
             Expr::At(place) | Expr::Part(place) => l.place(place, self),
             Expr::Call(name, arguments) if name == "real" => l.to_real(self.expr(&arguments[0])),
             Expr::Call(name, arguments) if name == "whole" => l.to_whole(self.expr(&arguments[0])),

@@ -12,7 +12,7 @@ mod whole;
 pub use whole::{Entry, Signal, Whole};
 
 use crate::compensation::How;
-use crate::control::Drive;
+use crate::control::Controller;
 use crate::error::Error;
 use crate::hammerstein::Model;
 
@@ -27,14 +27,22 @@ pub struct Wanted<'w> {
     pub single: bool,
     /// Limits of the feed-forward.
     pub how: How,
-    /// Samples by which the feed-forward is late.
-    pub late: usize,
+    /// Samples by which the feed-forward is late, which it looks ahead.
+    pub preview: usize,
     /// The controller to go with it, if any.
-    pub controller: Option<&'w Drive>,
+    pub controller: Option<&'w dyn Controller>,
     /// The wanted displacement, for targets that are a table of voltages [output unit].
     pub reference: Option<&'w [f64]>,
     /// What compiles C for targets that take a library with them, if there is such a thing.
     pub compiler: Option<Compiler>,
+}
+
+impl<'w> Wanted<'w> {
+    /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
+    pub fn new(model: &'w Model, name: &'w str) -> Self {
+        let how = How::default();
+        Wanted { model, name, single: false, how, preview: 0, controller: None, reference: None, compiler: None }
+    }
 }
 
 /// A C compiler, which only a front end can run.
@@ -44,13 +52,6 @@ pub struct Compiler {
     pub platform: &'static str,
     /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same files.
     pub run: fn(&[File]) -> Result<Vec<u8>, Error>,
-}
-
-impl<'w> Wanted<'w> {
-    /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
-    pub fn new(model: &'w Model, name: &'w str) -> Self {
-        Wanted { model, name, single: false, how: How::default(), late: 0, controller: None, reference: None, compiler: None }
-    }
 }
 
 /// A file to write.
@@ -127,7 +128,9 @@ fn named(name: &str, reserved: &[&str]) -> Result<(), Error> {
         && !name.ends_with('_')
         && !name.contains("__");
     if !fits {
-        let rule = format!("must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it");
+        let rule = format!(
+            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it"
+        );
         return Err(Error::parameter("name", format!("`{name}`"), rule));
     }
     if reserved.iter().any(|word| word.eq_ignore_ascii_case(name)) {

@@ -62,11 +62,17 @@ pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> Str
         constants(whole) * bytes(wanted.single),
     );
     out += "## Proof\n\n";
-    out += &format!("```sh\ncc -std=c99 -O2 -ffp-contract=off {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\n");
+    out += &format!(
+        "```sh\ncc -std=c99 -O2 -ffp-contract=off {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\n"
+    );
     out += "The self-test compares with what piezoid computes, bit by bit. ";
     if wanted.single {
         for (entry, vectors) in whole.entries.iter().zip(vectors) {
-            out += &format!("Single precision moves `{name}_{}` by {} of its stroke at most. ", entry.step, short(vectors.off));
+            out += &format!(
+                "Single precision moves `{name}_{}` by {} of its stroke at most. ",
+                entry.step,
+                short(vectors.off)
+            );
         }
     }
     out += "Products and sums that a compiler contracts into one instruction (`-ffp-contract=fast`, the default of GCC without `-std=c99`) give other last digits, \

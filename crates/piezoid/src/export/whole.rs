@@ -83,11 +83,15 @@ impl Whole {
             output: y.clone(),
         };
         let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
-        match Causal::new(model, wanted.how, wanted.late) {
-            Err(error) => whole.notes.push(format!("there is no feed-forward: {error}")),
+        let base = whole.program.clone();
+        match Causal::new(model, wanted.how, wanted.preview).and_then(|c| c.extend(&mut whole.program).map(|()| c)) {
+            Err(error) => {
+                whole.program = base;
+                whole.notes.push(format!("there is no feed-forward: {error}"))
+            }
             Ok(causal) => {
-                if causal.extend(&mut whole.program).is_err() { whole.program.keep(&["step"]); return Ok(whole); }
-                let late = match wanted.late {
+                drop(causal);
+                let late = match wanted.preview {
                     0 => String::new(),
                     n => format!(", {n} samples late"),
                 };
@@ -96,10 +100,33 @@ impl Whole {
                     reset: "ff_reset",
                     state: "ff_state",
                     about: format!("the feed-forward: wanted displacement to input{late}"),
-                    inputs: vec![Signal { name: "r", unit: metres, about: "wanted displacement" }],
-                    output: u,
+                    inputs: vec![Signal { name: "r", unit: metres.clone(), about: "wanted displacement" }],
+                    output: u.clone(),
                 });
             }
+        }
+        if let Some(controller) = wanted.controller {
+            let unsuited = || {
+                let because =
+                    "it plans anew in every sample, which is not exported; take one with a law, such as pi".into();
+                Error::Unsuited { what: "exported controller".into(), because }
+            };
+            for block in controller.blocks().ok_or_else(unsuited)? {
+                whole.program.add(block)?;
+            }
+            let about = whole.program.blocks.last().map_or(String::new(), |block| block.about.clone());
+            whole.entries.push(Entry {
+                step: "control_step",
+                reset: "control_reset",
+                state: "control_state",
+                about: format!("the controller: {about}"),
+                inputs: vec![
+                    Signal { name: "r", unit: metres.clone(), about: "what was wanted when y was read" },
+                    Signal { name: "y", unit: metres, about: "the last reading of the displacement" },
+                    Signal { name: "feed", unit: volts, about: "the feed-forward of this sample, or 0" },
+                ],
+                output: u,
+            });
         }
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
@@ -118,7 +145,8 @@ impl Whole {
         let inputs = |entry: &Entry| match entry.step {
             "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
             "ff_step" => y.iter().map(|r| vec![*r]).collect(),
-            _ => y.iter().zip(y.iter().skip(1)).map(|(r, y)| vec![*r, *y, 0.0]).collect(),
+            // As if the actuator followed a fifth too far, and the feed-forward were the input.
+            _ => y.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
         };
         self.entries.iter().map(|entry| self.answers(entry, inputs(entry), wanted.single)).collect()
     }

@@ -135,7 +135,8 @@ impl Law for BoucWen {
 
     fn block(&self, block: Block, _: Input) -> Block {
         let gamma = self.beta * self.gamma_over_beta;
-        let block = block.number("h", 0.0).constant("loading", self.beta + gamma).constant("unloading", self.beta - gamma);
+        let block =
+            block.number("h", 0.0).constant("loading", self.beta + gamma).constant("unloading", self.beta - gamma);
         block.text(CLIMB).text(
             "
 fn hysteresis(x: hysteresis, u) {

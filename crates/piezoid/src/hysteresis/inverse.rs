@@ -304,4 +304,6 @@ mod tests {
     }
 }
 /// placeholder
-pub(crate) fn inverse_program(_p: &mut crate::program::Program, _driver: bool) -> Result<(), crate::Error> { Err(crate::Error::Content("later".into())) }
+pub(crate) fn inverse_program(_p: &mut crate::program::Program, _driver: bool) -> Result<(), crate::Error> {
+    Err(crate::Error::Content("later".into()))
+}

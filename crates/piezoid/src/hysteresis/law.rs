@@ -107,7 +107,9 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
 
     /// The same as [`Law::step`] for programs, as [`Hysteresis::block`]: completes a `block` that has the last input as `last`, the weights as
     /// `w`, and the shape parameters by their names.
-    fn block(&self, _block: Block, _input: Input) -> Block { todo!() }
+    fn block(&self, _block: Block, _input: Input) -> Block {
+        todo!()
+    }
 
     /// Whether weight `k` must not be negative.
     fn non_negative(&self, _k: usize) -> bool {

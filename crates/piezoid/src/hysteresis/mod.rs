@@ -260,7 +260,9 @@ mod tests {
     #[test]
     fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
         for example in examples() {
-            if !matches!(example.operator().name, "prandtl-ishlinskii" | "bouc-wen") { continue; }
+            if !matches!(example.operator().name, "prandtl-ishlinskii" | "bouc-wen") {
+                continue;
+            }
             let Some(block) = example.block() else { continue };
             let name = example.operator().name;
             let program = Program::new(vec![elementary::block(), block]).unwrap();

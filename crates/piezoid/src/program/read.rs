@@ -8,7 +8,8 @@ pub(super) fn functions(program: &mut Program, text: &str) -> Result<(), Error> 
     let words = words(text)?;
     let mut at = 0;
     while at < words.len() {
-        let mut reader = Reader { program, words: &words, at, names: Vec::new(), changed: Vec::new(), within: String::new() };
+        let mut reader =
+            Reader { program, words: &words, at, names: Vec::new(), changed: Vec::new(), within: String::new() };
         let function = reader.function()?;
         at = reader.at;
         program.functions.push(function);
@@ -27,8 +28,8 @@ enum Word {
 
 /// Longer signs first, so that `<=` is not `<`.
 const SIGNS: [&str; 28] = [
-    "..", "+=", "-=", "*=", "/=", "<=", ">=", "==", "!=", "&&", "||", "(", ")", "{", "}", "[", "]", ",", ";", ":", "=", "+", "-",
-    "*", "/", "%", "<", ">",
+    "..", "+=", "-=", "*=", "/=", "<=", ">=", "==", "!=", "&&", "||", "(", ")", "{", "}", "[", "]", ",", ";", ":", "=",
+    "+", "-", "*", "/", "%", "<", ">",
 ];
 
 fn words(text: &str) -> Result<Vec<Word>, Error> {
@@ -99,7 +100,8 @@ type Read<T> = Result<T, Error>;
 
 impl Reader<'_> {
     fn wrong<T>(&self, what: impl std::fmt::Display) -> Read<T> {
-        let near: Vec<String> = self.words[self.at.saturating_sub(3)..].iter().take(6).map(|w| format!("{w:?}")).collect();
+        let near: Vec<String> =
+            self.words[self.at.saturating_sub(3)..].iter().take(6).map(|w| format!("{w:?}")).collect();
         Err(Error::Content(format!("program, fn {}: {what}, near {}", self.within, near.join(" "))))
     }
 
@@ -390,6 +392,7 @@ impl Reader<'_> {
                 (Op::Divide, Expr::Real(a), Expr::Real(b)) => Expr::Real(a / b),
                 (Op::Add, Expr::Variable(..), Expr::Whole(0)) => left,
                 (Op::Add, Expr::Whole(a), Expr::Whole(b)) => Expr::Whole(a + b),
+                (Op::Subtract, Expr::Whole(a), Expr::Whole(b)) if a >= b => Expr::Whole(a - b),
                 _ => Expr::Binary(op, Box::new(left), Box::new(right)),
             };
         }

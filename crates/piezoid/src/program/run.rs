@@ -77,7 +77,9 @@ impl<'p> Machine<'p> {
     /// # Errors
     /// [`Error::Content`] where there is no such function, or it counts beyond what there is.
     pub fn call(&mut self, name: &str, numbers: &[f64]) -> Result<Vec<f64>, Error> {
-        let Some(function) = self.program.function(name) else { return wrong(format!("there is no function `{name}`")) };
+        let Some(function) = self.program.function(name) else {
+            return wrong(format!("there is no function `{name}`"));
+        };
         let block = self.program.block(&self.block).map_or("", |b| &b.name);
         let mut numbers = numbers.iter().map(|v| self.round(*v));
         let given = |takes: &super::Parameter| match takes.kind {
@@ -246,7 +248,8 @@ impl<'p> Machine<'p> {
                     Op::Remainder => a.checked_rem(b),
                     _ => None,
                 };
-                result.map_or_else(|| wrong(format!("{op:?} of {a} and {b} is no whole number")), |i| Ok(Value::Whole(i)))
+                result
+                    .map_or_else(|| wrong(format!("{op:?} of {a} and {b} is no whole number")), |i| Ok(Value::Whole(i)))
             }
             (left, right) => wrong(format!("{op:?} of {left:?} and {right:?}")),
         }

@@ -113,10 +113,8 @@ impl Moving {
                 left || right
             }
             Expr::Call(name, arguments) => {
-                let moves: Vec<bool> = arguments
-                    .iter()
-                    .map(|a| matches!(a, Expr::Part(_)) || self.expr(program, function, a))
-                    .collect();
+                let moves: Vec<bool> =
+                    arguments.iter().map(|a| matches!(a, Expr::Part(_)) || self.expr(program, function, a)).collect();
                 if program.known(name) || name == "real" || name == "whole" {
                     return moves.contains(&true) && name != "real" && name != "whole";
                 }
