@@ -1,10 +1,11 @@
-//! FMUs in an importer: FMPy validates, simulates and misuses them, see `fmu.py`.
+//! FMUs in importers: FMPy validates, simulates and misuses them, and libcosim runs them, see `fmu.py`.
 
 use crate::bench::{Bench, Run, skipped};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
 use std::process::Command;
+use std::sync::OnceLock;
 
 const BOUC_WEN: &str = r#"{"piezoid": 1, "ts": 0.0005, "units": {"u": "V", "y": "um"},
     "hysteresis": {"operator": "bouc-wen", "range": [-30, 30], "beta": 0.02, "gamma_over_beta": 0.25, "weights": [1.4, 0.5]},
@@ -30,8 +31,20 @@ fn fmpy() -> bool {
     there("python3", &["-c", "import fmpy, numpy"], "FMPy") && there("cc", &["--version"], "cc")
 }
 
+/// What [`exported`] gives without options, made once.
+static EXPORTED: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
+
 /// Both models with what they answer to a drive, and their FMUs of both versions: `<model>.csv`, `<version>/<model>.fmu`.
-fn exported(options: &str) -> Bench {
+fn exported() -> Bench {
+    let bench = Bench::new();
+    for (name, bytes) in EXPORTED.get_or_init(|| exported_with("").files()) {
+        std::fs::create_dir_all(bench.path(name).parent().unwrap()).unwrap();
+        bench.write(name, bytes);
+    }
+    bench
+}
+
+fn exported_with(options: &str) -> Bench {
     let bench = Bench::new();
     for (name, model, ts) in [("bouc_wen", BOUC_WEN, 5e-4), ("plays", PLAYS, 1e-3)] {
         bench.write(&format!("{name}.json"), model);
@@ -91,35 +104,45 @@ fn unpack(bench: &Bench, fmu: &str, folder: &str) {
 #[test]
 fn an_importer_finds_nothing_wrong_with_the_descriptions() {
     if fmpy() {
-        holds(&exported(""), "validates", false);
+        holds(&exported(), "validates", false);
     }
 }
 
 #[test]
 fn an_importer_simulates_what_piezoid_simulates_bit_for_bit() {
     if fmpy() {
-        holds(&exported(""), "simulates", true);
+        holds(&exported(), "simulates", true);
     }
 }
 
 #[test]
 fn inputs_are_held_and_scaled_and_instances_know_nothing_of_each_other() {
     if fmpy() {
-        holds(&exported(""), "steps", true);
+        holds(&exported(), "steps", true);
     }
 }
 
 #[test]
 fn states_are_kept_brought_back_and_written_down() {
     if fmpy() {
-        holds(&exported(""), "states", true);
+        holds(&exported(), "states", true);
     }
 }
 
 #[test]
 fn what_makes_no_sense_is_refused_with_the_reason() {
     if fmpy() {
-        holds(&exported(""), "refusals", true);
+        holds(&exported(), "refusals", true);
+    }
+}
+
+#[test]
+fn an_importer_in_cpp_simulates_the_same_bits() {
+    if fmpy() && there("python3", &["-c", "import libcosimpy"], "libcosimpy") {
+        let bench = exported();
+        for name in ["bouc_wen", "plays"] {
+            python(&bench, &format!("cosimulates fmu2/{name}.fmu {name}.csv")).ok();
+        }
     }
 }
 
@@ -128,7 +151,7 @@ fn sources_compiled_by_hand_give_the_same_bits() {
     if !fmpy() {
         return;
     }
-    let bench = exported("");
+    let bench = exported();
     for (version, folder) in [("fmu2", "linux64"), ("fmu3", "x86_64-linux")] {
         unpack(&bench, &format!("{version}/plays.fmu"), "rebuilt");
         let library = bench.path("rebuilt/binaries").join(folder).join("plays.so");
@@ -152,7 +175,7 @@ fn sources_compiled_by_hand_give_the_same_bits() {
 fn the_sources_compile_without_a_warning_in_either_precision() {
     let compilers = ["gcc", "clang"].into_iter().filter(|cc| there(cc, &["--version"], cc)).collect::<Vec<_>>();
     for options in ["", "--float"] {
-        let bench = exported(options);
+        let bench = exported_with(options);
         for fmu in ["fmu2/bouc_wen.fmu", "fmu3/plays.fmu", "fmu3/plays_ff.fmu"]
             .into_iter()
             .filter(|fmu| bench.path(fmu).exists())
@@ -184,8 +207,34 @@ fn the_sources_compile_without_a_warning_in_either_precision() {
 }
 
 #[test]
+fn several_fmus_fit_into_one_program() {
+    if !there("cc", &["--version"], "cc") {
+        return;
+    }
+    let bench = exported();
+    let mut cc = Command::new("cc");
+    cc.current_dir(bench.path("")).args(["-std=c99", "-ffp-contract=off", "main.c"]);
+    for name in ["plays", "bouc_wen"] {
+        unpack(&bench, &format!("fmu3/{name}.fmu"), name);
+        let mut one = Command::new("cc");
+        one.current_dir(bench.path(&format!("{name}/sources"))).args([
+            "-std=c99",
+            "-c",
+            &format!("-DFMI3_FUNCTION_PREFIX={name}_"),
+        ]);
+        Run::of("cc", &one.args([format!("{name}.c"), format!("{name}_fmu.c")]).output().unwrap()).ok();
+        cc.args([format!("{name}/sources/{name}.o"), format!("{name}/sources/{name}_fmu.o")]);
+    }
+    let main = "extern const char *plays_fmi3GetVersion(void);\nextern const char *bouc_wen_fmi3GetVersion(void);\n\
+                int main(void)\n{\n    return plays_fmi3GetVersion()[0] - bouc_wen_fmi3GetVersion()[0];\n}\n";
+    bench.write("main.c", main);
+    Run::of("cc", &cc.args(["-o", "both"]).output().unwrap()).ok();
+    assert!(Command::new(bench.path("both")).status().unwrap().success());
+}
+
+#[test]
 fn the_same_model_gives_the_same_bytes() {
-    let (one, two) = (exported(""), exported(""));
+    let (one, two) = (exported(), exported_with(""));
     for fmu in ["fmu2/bouc_wen.fmu", "fmu3/plays.fmu"] {
         assert!(one.bytes(fmu) == two.bytes(fmu), "{fmu}");
         let text = String::from_utf8_lossy(&one.bytes(fmu)).into_owned();

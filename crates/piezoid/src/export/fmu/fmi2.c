@@ -47,9 +47,10 @@ EXPORT const char *FMI(fmi2GetVersion)(void)
     return "2.0";
 }
 
+/* Errors are no debugging: they are told until their category is put off by name. */
 EXPORT fmi2Status FMI(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean loggingOn, size_t n, const fmi2String categories[])
 {
-    return (fmi2Status)set_logging(c, "fmi2SetDebugLogging", loggingOn != 0, n, categories);
+    return (fmi2Status)set_logging(c, "fmi2SetDebugLogging", loggingOn != 0, n, categories, (loggingOn != 0) ? ALL : EVENTS);
 }
 
 EXPORT fmi2Component FMI(fmi2Instantiate)(fmi2String instanceName, fmi2Type type, fmi2String guid, fmi2String resources,
@@ -69,7 +70,7 @@ EXPORT fmi2Component FMI(fmi2Instantiate)(fmi2String instanceName, fmi2Type type
     } else if ((guid == NULL) || (strcmp(guid, TOKEN) != 0)) {
         why = "fmi2Instantiate: the guid is not that of this binary: take modelDescription.xml from the same FMU";
     } else {
-        made = instance(name, loggingOn != 0, environment, (void (*)(void))logger);
+        made = instance(name, (loggingOn != 0) ? ALL : ERRORS, environment, (void (*)(void))logger);
         why = (made == NULL) ? "fmi2Instantiate: there is no memory left" : NULL;
     }
     if ((why != NULL) && (logger != NULL)) {

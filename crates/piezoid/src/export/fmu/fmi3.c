@@ -53,7 +53,7 @@ EXPORT const char *FMI(fmi3GetVersion)(void)
 
 EXPORT fmi3Status FMI(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean loggingOn, size_t n, const fmi3String categories[])
 {
-    return (fmi3Status)set_logging(instance, "fmi3SetDebugLogging", loggingOn, n, categories);
+    return (fmi3Status)set_logging(instance, "fmi3SetDebugLogging", loggingOn, n, categories, ALL);
 }
 
 EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fmi3String token, fmi3String resourcePath,
@@ -78,19 +78,19 @@ EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fm
     } else if ((token == NULL) || (strcmp(token, TOKEN) != 0)) {
         why = "fmi3InstantiateCoSimulation: the token is not that of this binary: take modelDescription.xml from the same FMU";
     } else {
-        made = instance(name, loggingOn, environment, (void (*)(void))logMessage);
+        made = instance(name, loggingOn ? ALL : NOTHING, environment, (void (*)(void))logMessage);
         why = (made == NULL) ? "fmi3InstantiateCoSimulation: there is no memory left" : NULL;
     }
-    if ((why != NULL) && (logMessage != NULL)) {
+    if ((why != NULL) && loggingOn && (logMessage != NULL)) {
         logMessage(environment, fmi3Error, error_category, why);
     }
     return made;
 }
 
 /* Of a kind that this FMU is not. */
-static fmi3Instance not_made(fmi3InstanceEnvironment environment, Logger logMessage)
+static fmi3Instance not_made(fmi3Boolean loggingOn, fmi3InstanceEnvironment environment, Logger logMessage)
 {
-    if (logMessage != NULL) {
+    if (loggingOn && (logMessage != NULL)) {
         logMessage(environment, fmi3Error, error_category, "this FMU is for co-simulation alone: call fmi3InstantiateCoSimulation");
     }
     return NULL;
@@ -104,8 +104,7 @@ EXPORT fmi3Instance FMI(fmi3InstantiateModelExchange)(fmi3String instanceName, f
     (void)token;
     (void)resourcePath;
     (void)visible;
-    (void)loggingOn;
-    return not_made(environment, logMessage);
+    return not_made(loggingOn, environment, logMessage);
 }
 
 EXPORT fmi3Instance FMI(fmi3InstantiateScheduledExecution)(fmi3String instanceName, fmi3String token, fmi3String resourcePath,
@@ -117,11 +116,10 @@ EXPORT fmi3Instance FMI(fmi3InstantiateScheduledExecution)(fmi3String instanceNa
     (void)token;
     (void)resourcePath;
     (void)visible;
-    (void)loggingOn;
     (void)clockUpdate;
     (void)lockPreemption;
     (void)unlockPreemption;
-    return not_made(environment, logMessage);
+    return not_made(loggingOn, environment, logMessage);
 }
 
 EXPORT void FMI(fmi3FreeInstance)(fmi3Instance instance)

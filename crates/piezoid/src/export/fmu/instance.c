@@ -24,7 +24,7 @@ enum { ANY_TIME = 15, NOT_OVER = 7 };
 enum { DONE = 0, REFUSED = 3 };
 
 /* What is told to the logger. */
-enum { ERRORS = 1, EVENTS = 2 };
+enum { NOTHING = 0, ERRORS = 1, EVENTS = 2, ALL = 3 };
 
 static const char *const error_category = "logStatusError";
 static const char *const event_category = "logEvents";
@@ -111,13 +111,13 @@ static void begin(Course *now)
     rest(&now->state);
 }
 
-static Instance *instance(const char *name, int logging, void *environment, void (*logger)(void))
+static Instance *instance(const char *name, int told, void *environment, void (*logger)(void))
 {
     const size_t length = strlen(name) + 1u;
     Instance *m = calloc(1u, sizeof(Instance) + length);
     if (m != NULL) {
         memcpy(m->name, name, length);
-        m->told = ERRORS | (logging ? EVENTS : 0);
+        m->told = told;
         m->environment = environment;
         m->logger = logger;
         begin(&m->now);
@@ -126,26 +126,24 @@ static Instance *instance(const char *name, int logging, void *environment, void
     return m;
 }
 
-/* Which categories are told from now on; none named are all. Errors are told until they are named. */
-static int set_logging(Instance *m, const char *call, int on, size_t n, const char *const categories[])
+/* Which categories are told from now on; where none is named, `unnamed` are meant. */
+static int set_logging(Instance *m, const char *call, int on, size_t n, const char *const categories[], int unnamed)
 {
     int status = expect(m, ANY_TIME, call);
-    int meant = on ? (ERRORS | EVENTS) : EVENTS;
-    if ((status == DONE) && (n > 0u)) {
-        meant = 0;
-        for (size_t k = 0; k < n; k++) {
-            const char *category = (categories != NULL) ? categories[k] : NULL;
-            if ((category != NULL) && (strcmp(category, error_category) == 0)) {
-                meant |= ERRORS;
-            } else if ((category != NULL) && (strcmp(category, event_category) == 0)) {
-                meant |= EVENTS;
-            } else {
-                status = REFUSED;
-            }
+    int meant = (n == 0u) ? unnamed : NOTHING;
+    int known = 1;
+    for (size_t k = 0; k < n; k++) {
+        const char *category = (categories != NULL) ? categories[k] : NULL;
+        if ((category != NULL) && (strcmp(category, error_category) == 0)) {
+            meant |= ERRORS;
+        } else if ((category != NULL) && (strcmp(category, event_category) == 0)) {
+            meant |= EVENTS;
+        } else {
+            known = 0;
         }
-        if (status != DONE) {
-            status = refuse(m, call, "no such category: known are logStatusError and logEvents");
-        }
+    }
+    if ((status == DONE) && !known) {
+        status = refuse(m, call, "no such category: known are logStatusError and logEvents");
     }
     if (status == DONE) {
         m->told = on ? (m->told | meant) : (m->told & ~meant);
@@ -339,108 +337,6 @@ static int no_variables(const Instance *m, const char *call, size_t n)
     int status = expect(m, ANY_TIME, call);
     if ((status == DONE) && (n > 0u)) {
         status = refuse(m, call, "there are no variables of this type: all are real numbers");
-    }
-    return status;
-}
-
-/* Whether these bytes are a state of this very FMU. */
-static int is_course(const Course *kept)
-{
-    const int phase = (int)kept->phase;
-    const int known = (phase == INSTANTIATED) || (phase == INITIALISING) || (phase == STEPPING) || (phase == TERMINATED);
-    return known && (memcmp(kept->token, TOKEN, sizeof(TOKEN)) == 0);
-}
-
-/* Keeps a course in *state, which is made if it is not there yet. */
-static int keep(const Instance *m, const char *call, const Course *course, void **state)
-{
-    int status = DONE;
-    if (state == NULL) {
-        status = refuse(m, call, "there is no place for the state");
-    } else {
-        if (*state == NULL) {
-            *state = calloc(1u, sizeof(Course));
-        }
-        if (*state == NULL) {
-            status = refuse(m, call, "there is no memory left");
-        } else {
-            memcpy(*state, course, sizeof(Course));
-        }
-    }
-    return status;
-}
-
-static int get_state(const Instance *m, const char *call, void **state)
-{
-    int status = expect(m, ANY_TIME, call);
-    if (status == DONE) {
-        status = keep(m, call, &m->now, state);
-    }
-    return status;
-}
-
-static int set_state(Instance *m, const char *call, const void *state)
-{
-    int status = expect(m, ANY_TIME, call);
-    if ((status == DONE) && ((state == NULL) || !is_course(state))) {
-        status = refuse(m, call, "this is no state of this FMU");
-    }
-    if (status == DONE) {
-        memcpy(&m->now, state, sizeof(Course));
-    }
-    return status;
-}
-
-static int free_state(const Instance *m, const char *call, void **state)
-{
-    int status = expect(m, ANY_TIME, call);
-    if ((status == DONE) && (state != NULL)) {
-        free(*state);
-        *state = NULL;
-    }
-    return status;
-}
-
-static int state_size(const Instance *m, const char *call, const void *state, size_t *size)
-{
-    int status = expect(m, ANY_TIME, call);
-    if ((status == DONE) && ((state == NULL) || (size == NULL))) {
-        status = refuse(m, call, "there is no state, or no place for its size");
-    }
-    if (status == DONE) {
-        *size = sizeof(Course);
-    }
-    return status;
-}
-
-static int serialise(const Instance *m, const char *call, const void *state, void *bytes, size_t size)
-{
-    int status = expect(m, ANY_TIME, call);
-    if ((status == DONE) && ((state == NULL) || !is_course(state) || (bytes == NULL) || (size < sizeof(Course)))) {
-        char why[160];
-        (void)snprintf(why, sizeof(why), "there is no state, or less room than its %lu bytes", (unsigned long)sizeof(Course));
-        status = refuse(m, call, why);
-    }
-    if (status == DONE) {
-        memcpy(bytes, state, sizeof(Course));
-    }
-    return status;
-}
-
-static int deserialise(const Instance *m, const char *call, const void *bytes, size_t size, void **state)
-{
-    int status = expect(m, ANY_TIME, call);
-    if (status == DONE) {
-        Course kept;
-        const int fits = (bytes != NULL) && (size == sizeof(Course));
-        if (fits) {
-            memcpy(&kept, bytes, sizeof(Course));
-        }
-        if (fits && is_course(&kept)) {
-            status = keep(m, call, &kept, state);
-        } else {
-            status = refuse(m, call, "these bytes are no state of this FMU: serialise one with the same FMU on the same kind of machine");
-        }
     }
     return status;
 }

@@ -9,6 +9,8 @@
 //! sources/                  NAME.h, NAME.c as of the target `c`, and NAME_fmu.c around them
 //! binaries/                 the shared library
 //! ```
+//! All of it is bytes, the same whenever they are made; what compiles the sources is handed in ([`Compiler`](super::Compiler)).
+//!
 //! A step is a whole number of samples, the input held: what is set at t_k and answered after the step to t_k + Ts is the sample that
 //! `simulate` gives at t_k. States can be set before the run, kept, serialised and brought back. There are no derivatives, no events,
 //! no interpolation of inputs, and no model exchange: the model is a difference equation.
@@ -31,6 +33,7 @@ use crate::error::Error;
 use std::io::{Cursor, Write};
 use variables::Variable;
 use zip::write::{SimpleFileOptions, ZipWriter};
+use zip::{CompressionMethod, DateTime};
 
 /// What differs between the versions of the standard.
 struct Version {
@@ -162,7 +165,10 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
     let unpacked = |error: &dyn std::fmt::Display| Error::Content(format!("the FMU cannot be packed: {error}"));
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for file in files {
-        let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(0o644);
         zip.start_file(file.path.as_str(), options).map_err(|error| unpacked(&error))?;
         zip.write_all(&file.bytes).map_err(|error| unpacked(&error))?;
     }
@@ -200,7 +206,7 @@ mod tests {
 
     fn names(file: &File) -> Vec<String> {
         let archive = zip::ZipArchive::new(Cursor::new(&file.bytes[..])).unwrap();
-        archive.file_names().map(String::from).collect()
+        archive.file_names().map(|name| name.unwrap().into_owned()).collect()
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::variables::parts;
 use crate::system::System;
 
 /// What every FMU has in common.
-const INSTANCE: &str = include_str!("instance.c");
+const COMMON: [&str; 2] = [include_str!("instance.c"), include_str!("kept.c")];
 
 pub(super) fn source(fmu: &Fmu, token: &str) -> String {
     let (entry, name, single) = (fmu.entry(), fmu.wanted.name, fmu.wanted.single);
@@ -76,7 +76,6 @@ static number *place(State *s, unsigned int k)
 {places}    }}
     return place;
 }}
-
 ",
         fmu_name = fmu.name,
         about = entry.about,
@@ -92,5 +91,5 @@ static number *place(State *s, unsigned int k)
         reset = entry.reset,
         step = entry.step,
     );
-    head + INSTANCE + "\n" + fmu.version.functions
+    [&head, COMMON[0], COMMON[1], fmu.version.functions].join("\n")
 }
