@@ -108,15 +108,15 @@ def validates(path):
     assert not problems, problems
 
 
-def simulates(path, run):
-    """The importer's own loop gives the run bit for bit."""
+def simulates(path, run, tolerance="0"):
+    """The importer's own loop gives the run bit for bit, or to this part of its stroke."""
     u, y = series(run)
     ts = float(next(v.start for v in fmpy.read_model_description(path).modelVariables if v.name == "ts"))
     given = np.array([(k * ts, v) for k, v in enumerate(u)], dtype=[("time", float), ("u", float)])
     result = fmpy.simulate_fmu(path, validate=True, stop_time=len(u) * ts, output_interval=ts, input=given, output=["y"])
     assert len(result) == len(u) + 1, len(result)
-    differ = np.flatnonzero(result["y"][1:] != y)
-    assert differ.size == 0, f"{differ.size} of {len(y)} differ, the first at {differ[0]}"
+    off = abs(result["y"][1:] - y) / np.ptp(y)
+    assert off.max() <= float(tolerance), f"off by {off.max()} of the stroke at {off.argmax()}"
 
 
 def steps(path, run):
@@ -182,7 +182,7 @@ def refusals(path, run):
         for k in range(20):
             one.run(k, u[k])
         half = lambda: one.fmu.doStep(currentCommunicationPoint=20 * one.ts, communicationStepSize=1.5 * one.ts)
-        one.refuses(f"make it a multiple of {one.ts:.17g} s", half)
+        one.refuses(f"make it a multiple of {one.ts:.12g} s", half)
         one.refuses("no whole number of samples", lambda: one.step(20, 0))
         one.refuses("no whole number of samples", lambda: one.step(20, -1))
         one.refuses("no whole number of samples", lambda: one.step(20, float("nan")))

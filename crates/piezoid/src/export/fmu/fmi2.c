@@ -157,17 +157,17 @@ NO_VARIABLES(String)
 
 EXPORT fmi2Status FMI(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
-    return (fmi2Status)get_state(c, "fmi2GetFMUstate", state);
+    return (fmi2Status)get_whole(c, "fmi2GetFMUstate", state);
 }
 
 EXPORT fmi2Status FMI(fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state)
 {
-    return (fmi2Status)set_state(c, "fmi2SetFMUstate", state);
+    return (fmi2Status)set_whole(c, "fmi2SetFMUstate", state);
 }
 
 EXPORT fmi2Status FMI(fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
-    return (fmi2Status)free_state(c, "fmi2FreeFMUstate", state);
+    return (fmi2Status)free_whole(c, "fmi2FreeFMUstate", state);
 }
 
 EXPORT fmi2Status FMI(fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size)

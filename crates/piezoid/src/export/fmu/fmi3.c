@@ -235,17 +235,17 @@ NO_VARIABLES(String)
 
 EXPORT fmi3Status FMI(fmi3GetFMUState)(fmi3Instance instance, fmi3FMUState *state)
 {
-    return (fmi3Status)get_state(instance, "fmi3GetFMUState", state);
+    return (fmi3Status)get_whole(instance, "fmi3GetFMUState", state);
 }
 
 EXPORT fmi3Status FMI(fmi3SetFMUState)(fmi3Instance instance, fmi3FMUState state)
 {
-    return (fmi3Status)set_state(instance, "fmi3SetFMUState", state);
+    return (fmi3Status)set_whole(instance, "fmi3SetFMUState", state);
 }
 
 EXPORT fmi3Status FMI(fmi3FreeFMUState)(fmi3Instance instance, fmi3FMUState *state)
 {
-    return (fmi3Status)free_state(instance, "fmi3FreeFMUState", state);
+    return (fmi3Status)free_whole(instance, "fmi3FreeFMUState", state);
 }
 
 EXPORT fmi3Status FMI(fmi3SerializedFMUStateSize)(fmi3Instance instance, fmi3FMUState state, size_t *size)

@@ -27,7 +27,7 @@ static int keep(const Instance *m, const char *call, const Course *course, void 
     return status;
 }
 
-static int get_state(const Instance *m, const char *call, void **state)
+static int get_whole(const Instance *m, const char *call, void **state)
 {
     int status = expect(m, ANY_TIME, call);
     if (status == DONE) {
@@ -36,7 +36,7 @@ static int get_state(const Instance *m, const char *call, void **state)
     return status;
 }
 
-static int set_state(Instance *m, const char *call, const void *state)
+static int set_whole(Instance *m, const char *call, const void *state)
 {
     int status = expect(m, ANY_TIME, call);
     if ((status == DONE) && ((state == NULL) || !is_course(state))) {
@@ -48,7 +48,7 @@ static int set_state(Instance *m, const char *call, const void *state)
     return status;
 }
 
-static int free_state(const Instance *m, const char *call, void **state)
+static int free_whole(const Instance *m, const char *call, void **state)
 {
     int status = expect(m, ANY_TIME, call);
     if ((status == DONE) && (state != NULL)) {

@@ -28,7 +28,7 @@ pub(super) use {fmi2::TARGET as FMI2, fmi3::TARGET as FMI3};
 
 use super::c::{C, checked};
 use super::whole::{Entry, Whole};
-use super::{File, Made, Wanted};
+use super::{File, Made, Wanted, named};
 use crate::error::Error;
 use std::io::{Cursor, Write};
 use variables::Variable;
@@ -60,24 +60,19 @@ struct Fmu<'f> {
     variables: Vec<Variable>,
 }
 
+/// Headers of C, which that of the model would stand before.
+const HEADERS: &[&str] = &["float", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string"];
+
 fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
+    named(wanted.name, HEADERS)?;
     let whole = checked(wanted)?;
     let mut made = Made { files: Vec::new(), notes: whole.notes.clone() };
     for entry in &whole.entries {
-        let fmu = Fmu::new(wanted, version, &whole, entry)?;
+        let fmu = Fmu::new(wanted, version, &whole, entry);
         let mut files = fmu.files();
-        if let Some(compiler) = wanted.compiler {
-            let sources: Vec<File> = files.iter().filter(|file| file.path.starts_with(SOURCES)).cloned().collect();
-            let sources = sources.into_iter().map(|file| File { path: file.path[SOURCES.len()..].into(), ..file });
-            match (compiler.run)(&sources.collect::<Vec<_>>()) {
-                Ok(bytes) => files.push(File { path: fmu.library(compiler.platform), bytes }),
-                Err(error) => made.notes.push(format!("{}.fmu has sources alone: {error}", fmu.name)),
-            }
-        } else {
-            made.notes.push(format!(
-                "{}.fmu has sources alone, as no C compiler is at hand: who imports it compiles them",
-                fmu.name
-            ));
+        match fmu.library(&files) {
+            Ok(library) => files.push(library),
+            Err(why) => made.notes.push(format!("{}.fmu has sources alone: {why}", fmu.name)),
         }
         made.files.push(File { path: format!("{}.fmu", fmu.name), bytes: packed(&files)? });
     }
@@ -95,7 +90,7 @@ const CATEGORIES: &[(&str, &str)] =
 const SOURCES: &str = "sources/";
 
 impl<'f> Fmu<'f> {
-    fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Result<Self, Error> {
+    fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Self {
         let mut whole = Whole { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
         whole.program.keep(&[entry.step]);
         let name = match entry.step.strip_suffix("_step") {
@@ -103,7 +98,7 @@ impl<'f> Fmu<'f> {
             None => wanted.name.into(),
         };
         let variables = variables::of(wanted, &whole.program, entry);
-        Ok(Fmu { wanted, version, whole, name, variables })
+        Fmu { wanted, version, whole, name, variables }
     }
 
     fn entry(&self) -> &Entry {
@@ -133,14 +128,22 @@ impl<'f> Fmu<'f> {
         [format!("{name}.h"), format!("{name}.c"), format!("{}_fmu.c", self.name)]
     }
 
-    /// Where the library stands.
-    fn library(&self, platform: &str) -> String {
-        let extension = match platform.rsplit('-').next() {
+    /// The library of the sources among these files.
+    fn library(&self, files: &[File]) -> Result<File, Error> {
+        let none = "no C compiler is at hand; who imports it has to compile them";
+        let compiler = self.wanted.compiler.ok_or_else(|| Error::Content(none.into()))?;
+        let source = |file: &File| {
+            let name = file.path.strip_prefix(SOURCES)?;
+            Some(File { path: name.into(), bytes: file.bytes.clone() })
+        };
+        let bytes = (compiler.run)(&files.iter().filter_map(source).collect::<Vec<_>>())?;
+        let extension = match compiler.platform.rsplit('-').next() {
             Some("windows") => "dll",
             Some("darwin") => "dylib",
             _ => "so",
         };
-        format!("binaries/{}/{}.{extension}", (self.version.folder)(platform), self.name)
+        let folder = (self.version.folder)(compiler.platform);
+        Ok(File { path: format!("binaries/{folder}/{}.{extension}", self.name), bytes })
     }
 
     /// What description and library know each other by: a hash of all they are made from (FNV-1a of 128 bits).
@@ -192,9 +195,12 @@ mod tests {
         model.with_units(Units { u: "V".into(), y: unit.into() })
     }
 
-    fn made(version: &str, model: &Model, run: Option<fn(&[File]) -> Result<Vec<u8>, Error>>) -> Made {
-        let compiler = run.map(|run| Compiler { platform: "x86_64-linux", run });
+    fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Made {
         (target(version).unwrap().make)(&Wanted { compiler, ..Wanted::new(model, "bender") }).unwrap()
+    }
+
+    fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
+        Some(Compiler { platform: "x86_64-linux", run })
     }
 
     fn text(file: &File, name: &str) -> String {
@@ -211,12 +217,9 @@ mod tests {
 
     #[test]
     fn the_library_goes_where_the_version_looks_for_it_and_is_made_of_the_sources() {
+        let listed = by(|files| Ok(files.iter().map(|file| file.path.clone() + ";").collect::<String>().into()));
         for (version, path) in [("fmu2", "binaries/linux64/bender.so"), ("fmu3", "binaries/x86_64-linux/bender.so")] {
-            let made = made(
-                version,
-                &model("um"),
-                Some(|files| Ok(files.iter().map(|f| f.path.clone() + ";").collect::<String>().into())),
-            );
+            let made = made(version, &model("um"), listed);
             assert_eq!(made.files[0].path, "bender.fmu");
             assert!(text(&made.files[0], path).starts_with("bender.h;bender.c;bender_fmu.c;"));
         }
@@ -226,7 +229,7 @@ mod tests {
     fn without_a_library_a_note_says_why() {
         let none = made("fmu3", &model("um"), None);
         assert!(none.notes.iter().any(|note| note.contains("no C compiler")), "{:?}", none.notes);
-        let failed = made("fmu3", &model("um"), Some(|_| Err(Error::Content("the disk is full".into()))));
+        let failed = made("fmu3", &model("um"), by(|_| Err(Error::Content("the disk is full".into()))));
         assert!(failed.notes.iter().any(|note| note.contains("the disk is full")), "{:?}", failed.notes);
         assert_eq!(failed.files, none.files);
         assert!(!names(&none.files[0]).iter().any(|name| name.starts_with("binaries")));
@@ -278,6 +281,13 @@ mod tests {
         ] {
             assert!(wrapper.contains(line), "{line}");
         }
+    }
+
+    #[test]
+    fn names_of_headers_are_refused() {
+        let model = model("um");
+        let error = (target("fmu2").unwrap().make)(&Wanted::new(&model, "stdio")).unwrap_err();
+        assert!(error.to_string().contains("take another"), "{error}");
     }
 
     #[test]
