@@ -73,30 +73,31 @@ impl Driver {
         self.approach(u - away.signum() * near, u, h - limited)
     }
 
-    /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block through a sample of `ts` [s].
-    pub(crate) fn block(&self, ts: f64) -> Block {
+    /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block, which remembers something or not,
+    /// through a sample of `ts` [s].
+    pub(crate) fn block(&self, ts: f64, remembers: bool) -> Block {
         let h = ts / SUBSTEPS as f64;
         let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit")
             .number("v", 0.0)
             .number("z", 0.0);
-        let approach = if self.lag_s == 0.0 {
-            "fn approach(v, u, s) { return u; }"
-        } else {
-            "fn approach(v, u, s) { return u - (u - v) * exponential(-s / lag); }"
+        let block =
+            block.constant("h", h).constant("lag", self.lag_s).constant("twice_substeps", (2 * SUBSTEPS) as f64);
+        let lags = self.lag_s > 0.0;
+        let block = if lags { block.text(LAGGING) } else { block };
+        // Without a lag u is there at once, and nothing is said of how it got there.
+        let after = |from: &str, s: &str| if lags { format!("lagging({from}, u, {s})") } else { "u".into() };
+        let (block, driven) = match self.slew {
+            None => (block, after("d.v", "h")),
+            Some(slew) => {
+                let text = SLEWING
+                    .replace("NEAR", &after("u - points * near", "h - limited"))
+                    .replace("AFTER", &after("v", "h"));
+                (block.constant("slew", slew).constant("near", slew * self.lag_s).text(&text), "driven(d.v, u)".into())
+            }
         };
-        let advance = if self.slew.is_some() { SLEWING } else { "fn advance(v, u) { return approach(v, u, h); }" };
-        let slew = self.slew.unwrap_or(f64::MAX);
-        let block = block
-            .constant("h", h)
-            .constant("lag", self.lag_s)
-            .constant("slew", slew)
-            .constant("near", slew * self.lag_s);
-        block
-            .constant("twice_substeps", (2 * SUBSTEPS) as f64)
-            .count("substeps", SUBSTEPS)
-            .text(approach)
-            .text(advance)
-            .text(HIDDEN)
+        let text = HIDDEN.replace("DRIVEN", &driven);
+        let text = if remembers { text } else { text.replace("x: hysteresis, ", "").replace("(x, ", "(") };
+        block.count("substeps", SUBSTEPS).text(&text)
     }
 
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {
@@ -104,9 +105,17 @@ impl Driver {
     }
 }
 
+const LAGGING: &str = "
+// The voltage after s seconds of u, from v.
+fn lagging(v, u, s) {
+    return u - (u - v) * exponential(-s / lag);
+}
+";
+
 /// [`Driver::advance`], where the slew is limited.
 const SLEWING: &str = "
-fn advance(v, u) {
+// The voltage after a substep of u, from v.
+fn driven(v, u) {
     let away = u - v;
     let points = way(away);
     let after = 0.0;
@@ -116,10 +125,10 @@ fn advance(v, u) {
         if limited >= h {
             after = v + points * slew * h;
         } else {
-            after = approach(u - points * near, u, h - limited);
+            after = NEAR;
         }
     } else {
-        after = approach(v, u, h);
+        after = AFTER;
     }
     return after;
 }
@@ -130,7 +139,7 @@ const HIDDEN: &str = "
 fn hidden(x: hysteresis, d: driver, u) {
     let twice = 0.0;
     for k in 0..substeps {
-        d.v = advance(d.v, u);
+        d.v = DRIVEN;
         let after = hysteresis(x, d.v);
         twice += d.z + after;
         d.z = after;

@@ -85,6 +85,14 @@ impl Preview {
         if !(g.is_finite() && g != 0.0) {
             return none(format!("its gain at 0 Hz is {g}: a displacement that is held has no one input"));
         }
+        if let ([], [late]) = (block.a(), &nonzero(block.b())[..])
+            && *late <= ahead
+        {
+            // A gain has an exact inverse, which waits for the rest of what it is asked to be late.
+            let mut f = vec![0.0; ahead - late];
+            f.push(1.0 / g);
+            return Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() });
+        }
         // Correlations of the weighted response make the normal equations; the last row keeps the gain at 0 Hz.
         let mut own = vec![0.0; taps];
         let mut wanted = DVector::zeros(taps + 1);
@@ -129,6 +137,11 @@ impl Preview {
     }
 }
 
+/// Where numbers stand that are not 0.
+fn nonzero(numbers: &[f64]) -> Vec<usize> {
+    numbers.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(k, _)| k).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,6 +150,17 @@ mod tests {
     /// Poles of a beam, a late input, a sampling zero near -1 and one outside the circle.
     fn beam() -> Arx {
         Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.05, 0.149, 0.0976]).unwrap()
+    }
+
+    #[test]
+    fn a_gain_however_late_has_an_exact_inverse_of_one_tap() {
+        for (late, ahead) in [(0, 0), (0, 3), (2, 3)] {
+            let block = Arx::new(1e-3, Vec::new(), [vec![0.0; late], vec![4.0]].concat()).unwrap();
+            let fir = Preview::new(&block, Design::late(ahead)).unwrap().fir().clone();
+            assert_eq!((fir.taps().len(), fir.ahead()), (ahead - late + 1, ahead));
+            let x = fir.whole(&[1.0, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0]);
+            assert_eq!(block.resume(&mut block.settled(x[0]), &x)[late..4], [1.0, 2.0, 5.0, 5.0][late..]);
+        }
     }
 
     #[test]

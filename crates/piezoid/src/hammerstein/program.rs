@@ -57,7 +57,7 @@ fn step(s: state, u) {{
         };
         let mut program = Program::new(vec![elementary::block(), self.hysteresis().block().ok_or_else(unsuited)?])?;
         if let Some(driver) = self.driver() {
-            program.add(driver.block(self.ts()))?;
+            program.add(driver.block(self.ts(), self.hysteresis().order() > 0))?;
         }
         if self.creep().order() > 0 {
             program.add(self.creep().block())?;
@@ -94,5 +94,47 @@ fn step(s: state, u) {{
     /// What `function` of the creep block makes of `z`, in the state called `x`; without creep, `z`.
     pub(crate) fn creep_call(&self, x: &str, function: &str, z: &str) -> String {
         if self.creep().order() > 0 { format!("{function}({x}.creep, {z})") } else { z.into() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::creep::Creep;
+    use crate::driver::{Driver, SUBSTEPS};
+    use crate::hysteresis::OPERATORS;
+    use crate::linear::Arx;
+    use crate::program::Machine;
+
+    /// A model of an operator behind each kind of driver, or none, with blocks of these many coefficients.
+    fn model(operator: usize, driver: Option<Driver>, (na, nb): (usize, usize)) -> Model {
+        let ts = if driver.is_some() { 5e-4 / SUBSTEPS as f64 } else { 5e-4 };
+        let coefficient = |k: usize| 0.5 * (-0.5f64).powi(k as i32);
+        let (a, b) = ((0..na).map(coefficient).collect(), (0..nb).map(|k| coefficient(k) + 1.0).collect());
+        let hysteresis = (OPERATORS[operator].example)(ts).unwrap();
+        let model = Model::driven(driver, hysteresis, Arx::new(5e-4, a, b).unwrap(), -0.7).unwrap();
+        if na % 2 == 0 { model } else { model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap() }
+    }
+
+    #[test]
+    fn a_program_is_the_model_to_the_bit_whatever_it_is_made_of() {
+        let drivers = [(1e-4, Some(2e4)), (0.0, Some(2e4)), (1e-4, None), (0.0, None)];
+        let drivers = drivers.map(|(lag, slew)| Some(Driver::new(lag, slew).unwrap()));
+        for operator in 0..OPERATORS.len() {
+            for (k, driver) in drivers.into_iter().chain([None]).enumerate() {
+                let model = model(operator, driver, [(0, 1), (2, 3), (1, 7), (5, 2), (6, 6)][(k + operator) % 5]);
+                let program = model.program().unwrap();
+                let mut machine = Machine::new(&program, "state", false);
+                let mut x = model.initial();
+                if !x.is_empty() {
+                    assert_eq!(machine.state(), x);
+                }
+                for t in 0..300 {
+                    let u = 25.0 * (0.07 * f64::from(t / 2)).sin();
+                    let y = model.step(&mut x, u);
+                    assert_eq!(machine.call("step", &[u]).unwrap()[0].to_bits(), y.to_bits(), "{model:?} at {t}");
+                }
+            }
+        }
     }
 }

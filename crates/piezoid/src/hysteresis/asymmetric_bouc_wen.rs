@@ -17,10 +17,11 @@
 
 use super::Operator;
 use super::basis::Shape;
-use super::bouc_wen::{bends, climb};
+use super::bouc_wen::{CLIMB, bends, climb};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -92,6 +93,15 @@ impl Law for AsymmetricBoucWen {
         phi(1, -x[0]);
     }
 
+    fn block(&self, block: Block, _: Input) -> Block {
+        let (grow, relax) = (self.beta * (1.0 + self.gamma_over_beta), self.beta * (1.0 - self.gamma_over_beta));
+        let block = block.number("h", 0.0);
+        let block = block.constant("grow_rising", grow * (1.0 + self.loading_skew));
+        let block = block.constant("relax_rising", relax * (1.0 + self.unloading_skew));
+        let block = block.constant("grow_falling", grow * (1.0 - self.loading_skew));
+        block.constant("relax_falling", relax * (1.0 - self.unloading_skew)).text(CLIMB).text(STEP)
+    }
+
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
         let (low, high) = bends(half);
         vec![
@@ -111,6 +121,17 @@ impl Law for AsymmetricBoucWen {
         }
     }
 }
+
+/// [`Law::step`], weighted.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    if path > 0.0 { x.h = climb(x.h, path, grow_rising, relax_rising); }
+    if path < 0.0 { x.h = -climb(-x.h, -path, grow_falling, relax_falling); }
+    x.last = u;
+    return w[0] * u - w[1] * x.h;
+}
+";
 
 #[cfg(test)]
 mod tests {

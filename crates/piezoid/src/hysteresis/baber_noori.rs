@@ -19,10 +19,11 @@
 
 use super::Operator;
 use super::basis::Shape;
-use super::bouc_wen::{bends, climb};
+use super::bouc_wen::{CLIMB, bends, climb};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -91,6 +92,51 @@ fn advance<R: Real>(shape: &[R], h: R, (middle, e): (R, R), s: R) -> R {
     climb(h, path * (one - pinch * (-v * v).exp()), grow, relax)
 }
 
+/// [`advance`] and [`Law::step`], weighted.
+const STEP: &str = "
+// H after a short path of s, with pinching and wear as they are at middle with this energy.
+fn advance(h, middle, energy, s) {
+    let taken = 0.0;
+    if energy > 0.0 { taken = energy; }
+    let nu = 1.0 + strength_loss * taken;
+    let eta = 1.0 + stiffness_loss * taken;
+    let grow = nu * beta * grow_share;
+    let relax = nu * beta * relax_share;
+    let v = middle * (grow / pinch_width);
+    let path = s / eta;
+    return climb(h, path * (1.0 - pinch * exponential(-v * v)), grow, relax);
+}
+
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    let points = way(path);
+    if points != 0.0 {
+        let length = path * points;
+        // Steps of at most a share of the range, and not more of them than there may be.
+        let wanted = length * pieces / span;
+        let steps = 1;
+        if wanted > real(most_steps) {
+            steps = most_steps;
+        } else if wanted > 1.0 {
+            steps = whole(wanted);
+            if real(steps) < wanted { steps += 1; }
+        }
+        let s = length / real(steps);
+        let brief = 0.5 * s;
+        let h = points * x.h;
+        for k in 0..steps {
+            let middle = advance(h, h, x.energy, brief);
+            let next = advance(h, middle, x.energy + brief * 0.5 * (h + middle), s);
+            x.energy += brief * (h + next);
+            h = next;
+        }
+        x.h = points * h;
+    }
+    x.last = u;
+    return w[0] * u - w[1] * x.h;
+}
+";
+
 impl Law for BaberNoori {
     fn row() -> &'static Operator {
         &OPERATOR
@@ -132,6 +178,14 @@ impl Law for BaberNoori {
         }
         phi(0, input.u);
         phi(1, -x[0]);
+    }
+
+    fn block(&self, block: Block, input: Input) -> Block {
+        let ratio = self.gamma_over_beta;
+        let block = block.number("h", 0.0).number("energy", 0.0);
+        let block = block.constant("grow_share", 1.0 + ratio).constant("relax_share", 1.0 - ratio);
+        let block = block.constant("span", 2.0 * input.half()).constant("pieces", STEPS);
+        block.count("most_steps", MOST as usize).text(CLIMB).text(STEP)
     }
 
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {

@@ -87,18 +87,18 @@ fn piece(h, s, rate) {
 
 // H after a path of s: dH/ds = 1 - grow H where it is positive, 1 - relax H where it is negative.
 fn climb(h, s, grow, relax) {
-    let end = 0.0;
+    let reached = 0.0;
     if h >= 0.0 {
-        end = piece(h, s, grow);
+        reached = piece(h, s, grow);
     } else {
-        end = piece(h, s, relax);
-        if end > 0.0 {
+        reached = piece(h, s, relax);
+        if reached > 0.0 {
             // H is 0 after a path of zero.
             let zero = -h * log_growth(-relax * h);
-            end = piece(0.0, clamp(s - zero, 0.0, s), grow);
+            reached = piece(0.0, clamp(s - zero, 0.0, s), grow);
         }
     }
-    return end;
+    return reached;
 }
 ";
 
@@ -146,7 +146,7 @@ fn hysteresis(x: hysteresis, u) {
         x.h = points * climb(points * x.h, path * points, loading, unloading);
     }
     x.last = u;
-    return w[0] * u + w[1] * -x.h;
+    return w[0] * u - w[1] * x.h;
 }
 ",
         )

@@ -22,6 +22,7 @@ use super::basis::Shape;
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -61,6 +62,30 @@ fn near<R: Real>(y: R, s: R, exponent: R) -> R {
     if (q * t).value() >= 1.0 { 0.0.into() } else { y * (-t * (-q * t).log_growth()).exp() }
 }
 
+/// [`near`] and [`Law::step`], weighted.
+const STEP: &str = "
+// y after a path of s breakaways.
+fn nearer(y, s) {
+    let reached = 0.0;
+    if y > 0.0 {
+        let t = s / exponential(q * logarithm(y));
+        if q * t < 1.0 { reached = y * exponential(-t * log_growth(-q * t)); }
+    }
+    return reached;
+}
+
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    let points = way(path);
+    if points != 0.0 {
+        let y = 1.0 - points * x.h / breakaway;
+        x.h = points * breakaway * (1.0 - nearer(y, path * points / breakaway));
+    }
+    x.last = u;
+    return w[0] * u - w[1] * x.h;
+}
+";
+
 impl Law for Dahl {
     fn row() -> &'static Operator {
         &OPERATOR
@@ -89,6 +114,10 @@ impl Law for Dahl {
         }
         phi(0, input.u);
         phi(1, -x[0]);
+    }
+
+    fn block(&self, block: Block, _: Input) -> Block {
+        block.number("h", 0.0).constant("q", 1.0 - self.exponent).text(STEP)
     }
 
     fn shape(&self, half: f64, _: f64) -> Vec<Shape> {

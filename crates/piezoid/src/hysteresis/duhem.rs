@@ -26,6 +26,7 @@ use super::bouc_wen::bends;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -82,7 +83,7 @@ impl Law for Duhem {
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
-        let scale = input.range.0.abs().max(input.range.1.abs());
+        let scale = scale(&input);
         let v = input.u / scale.into();
         if input.way() != 0.0 {
             let length = shape[0] * input.length();
@@ -108,6 +109,12 @@ impl Law for Duhem {
         }
     }
 
+    fn block(&self, block: Block, input: Input) -> Block {
+        let block = block.numbers("psi", vec![0.0; self.degree]).count("n", self.degree);
+        let block = block.constant("scale", scale(&input)).constant("long_path", MOST as f64);
+        block.table("reciprocal", &RECIPROCALS).count("terms", RECIPROCALS.len()).text(STEP)
+    }
+
     /// f and k rise at rest: the first coefficients of both.
     fn non_negative(&self, k: usize) -> bool {
         k == 0 || k == self.degree
@@ -121,6 +128,11 @@ impl Law for Duhem {
     fn reshaped(&self, shape: &[f64]) -> Self {
         Duhem { alpha: shape[0], ..self.clone() }
     }
+}
+
+/// S: the largest |u| of the range [input unit].
+fn scale<R>(input: &Input<R>) -> f64 {
+    input.range.0.abs().max(input.range.1.abs())
 }
 
 /// m_i = int_0^1 e^(-x r) r^i dr for i = 0..n, given e^-x, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1), which loses
@@ -140,7 +152,7 @@ fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
     for reciprocal in &RECIPROCALS[n..] {
         term = term * x * (*reciprocal).into();
         sum = sum + term;
-        if term.value() < 1e-17 * sum.value() {
+        if term.value() < 0.05 * f64::EPSILON * sum.value() {
             break;
         }
     }
@@ -160,6 +172,59 @@ const RECIPROCALS: [f64; 60 + MOST] = {
     }
     r
 };
+
+/// [`moments`] and [`Law::step`], weighted.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    let points = way(path);
+    let v = u / scale;
+    if points != 0.0 {
+        let length = alpha * (path * points);
+        let kept = exponential(-length);
+        // The integrals of exp(-length t) t^i for t from 0 to 1, upwards where the path is long, else downwards.
+        let integral = [0.0; n];
+        if length > long_path {
+            integral[0] = growth(-length);
+            for i in 1..n {
+                integral[i] = (real(i) * integral[i - 1] - kept) / length;
+            }
+        } else {
+            let term = reciprocal[n - 1];
+            let sum = term;
+            let k = n;
+            while k < terms && term >= 0.05 * epsilon * sum {
+                term = term * length * reciprocal[k];
+                sum += term;
+                k += 1;
+            }
+            integral[n - 1] = kept * sum;
+            for i in 0..n - 1 down {
+                integral[i] = (kept + length * integral[i + 1]) * reciprocal[i];
+            }
+        }
+        // Then with v^j in place of 1, for one j after the other.
+        let back = -path / scale;
+        for j in 0..n {
+            x.psi[j] = kept * x.psi[j] + path * integral[0];
+            for i in 0..n - 1 - j {
+                integral[i] = v * integral[i] + back * integral[i + 1];
+            }
+        }
+    }
+    let power_of_v = scale * v;
+    let z = w[0] * power_of_v;
+    for i in 1..n {
+        power_of_v *= v;
+        z += w[i] * power_of_v;
+    }
+    for j in 0..n {
+        z -= w[n + j] * x.psi[j];
+    }
+    x.last = u;
+    return z;
+}
+";
 
 #[cfg(test)]
 mod tests {

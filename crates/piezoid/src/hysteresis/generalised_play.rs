@@ -22,6 +22,7 @@ use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
 use crate::error::{Error, finite};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -140,6 +141,17 @@ impl Law for GeneralisedPlay {
         }
     }
 
+    fn block(&self, block: Block, input: Input) -> Block {
+        let (half, middle) = (input.half(), input.middle());
+        let (square, cube) = bent(0.0, half, middle);
+        let block = block.constant("half", half).constant("middle", middle);
+        let block = block.constant("square_at_rest", square).constant("cube_at_rest", cube);
+        let (n, zones) = (self.thresholds.len(), self.dead_zones.len());
+        let block = block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n);
+        let block = block.table("d", &self.dead_zones).count("zones", zones).text(PLAYS);
+        block.text(if zones > 0 { DEAD_ZONES } else { "" }).text("    return z;\n}\n")
+    }
+
     fn non_negative(&self, k: usize) -> bool {
         k <= self.thresholds.len()
     }
@@ -161,15 +173,48 @@ impl Law for GeneralisedPlay {
 
 /// What `quadratic` and `cubic` add to an envelope at `u`, each 0 at 0 and constant beyond the range [input unit].
 fn bulges<R: Real>(input: &Input<R>) -> (R, R) {
-    let (half, middle) = (R::from(input.half()), R::from(0.5 * (input.range.0 + input.range.1)));
-    let at = |u: R| {
-        let one = R::from(1.0);
-        let v = ((u - middle) / half).clamp(-one, one);
-        (half * (one - v * v), half * (v - v * v * v))
-    };
+    let at = |u: R| bent(u, input.half(), input.middle());
     let (here, rest) = (at(input.u), at(0.0.into()));
     (here.0 - rest.0, here.1 - rest.1)
 }
+
+/// The same, 0 at the ends of the range and beyond.
+fn bent<R: Real>(u: R, half: f64, middle: f64) -> (R, R) {
+    let (one, half) = (R::from(1.0), R::from(half));
+    let v = ((u - middle.into()) / half).clamp(-one, one);
+    (half * (one - v * v), half * (v - v * v * v))
+}
+
+/// [`Law::step`], weighted, but for dead zones.
+const PLAYS: &str = "
+fn hysteresis(x: hysteresis, u) {
+    // What bends the envelopes, constant beyond the range.
+    let v = clamp((u - middle) / half, -1.0, 1.0);
+    let square = half * (1.0 - v * v) - square_at_rest;
+    let cube = half * (v - v * v * v) - cube_at_rest;
+    let ascending = u + square * ascending_quadratic + cube * ascending_cubic;
+    let descending = u + square * descending_quadratic + cube * descending_cubic;
+    let z = w[0] * u;
+    for k in 0..n {
+        x.play[k] = clamp(x.play[k], ascending - r[k], descending + r[k]);
+        z += w[k + 1] * x.play[k];
+    }
+    x.last = u;
+";
+
+/// What dead zones add.
+const DEAD_ZONES: &str = "
+    // How far the input is beyond each dead zone.
+    for j in 0..zones {
+        let beyond = u - d[j];
+        if d[j] > 0.0 {
+            if beyond <= 0.0 { beyond = 0.0; }
+        } else if beyond > 0.0 {
+            beyond = 0.0;
+        }
+        z += w[n + 1 + j] * beyond;
+    }
+";
 
 #[cfg(test)]
 mod tests {

@@ -20,6 +20,7 @@ use super::basis::{Design, Shape};
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use crate::error::{Error, finite, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -68,6 +69,18 @@ impl Krasnoselskii {
         let cell = 2.0 * design.half() / n as f64;
         Krasnoselskii { levels: (0..n).map(|i| design.range.0 + cell * (i as f64 + 0.5)).collect(), ridge: cell }
     }
+
+    /// What the kernels are at rest.
+    fn at_rest(&self) -> Vec<f64> {
+        let ramps: Vec<f64> = self.levels.iter().map(|s| ramp(-s, self.ridge)).collect();
+        let row = |j: usize| ramps[..=j].iter().map(move |fall| (j, *fall));
+        (0..ramps.len()).flat_map(row).map(|(j, fall)| 0.5.clamp(ramps[j], fall)).collect()
+    }
+}
+
+/// The ramp r(v).
+fn ramp<R: Real>(v: R, ridge: R) -> R {
+    (R::from(0.5) + v / ridge).clamp(0.0.into(), 1.0.into())
 }
 
 impl Law for Krasnoselskii {
@@ -100,11 +113,10 @@ impl Law for Krasnoselskii {
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
-        let ridge = |v: R| (R::from(0.5) + v / shape[0]).clamp(0.0.into(), 1.0.into());
         // The ramp of each level, now and at rest: what pairs rise by and fall by.
         let (mut now, mut at_rest) = ([R::from(0.0); MOST], [R::from(0.0); MOST]);
         for ((now, at_rest), &s) in now.iter_mut().zip(&mut at_rest).zip(&self.levels) {
-            (*now, *at_rest) = (ridge(u - s.into()), ridge((-s).into()));
+            (*now, *at_rest) = (ramp(u - s.into(), shape[0]), ramp((-s).into(), shape[0]));
         }
         let mut kernels = &mut x[..];
         for j in 0..self.levels.len() {
@@ -116,6 +128,11 @@ impl Law for Krasnoselskii {
             kernels = next;
         }
         x.iter().enumerate().for_each(|(k, kernel)| phi(k, *kernel));
+    }
+
+    fn block(&self, block: Block, _: Input) -> Block {
+        let block = block.numbers("kernel", vec![0.0; self.responses()]).table("rest", &self.at_rest());
+        block.table("level", &self.levels).count("n", self.levels.len()).text(STEP)
     }
 
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
@@ -137,6 +154,28 @@ impl Law for Krasnoselskii {
         Krasnoselskii { ridge: shape[0], ..self.clone() }
     }
 }
+
+/// [`Law::step`], weighted.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    x.last = u;
+    // The ramp of each level: what pairs rise by and fall by.
+    let ramp = [0.0; n];
+    for i in 0..n {
+        ramp[i] = clamp(0.5 + (u - level[i]) / ridge, 0.0, 1.0);
+    }
+    let z = -0.0;
+    let k = 0;
+    for j in 0..n {
+        for i in 0..j + 1 {
+            x.kernel[k] = clamp(x.kernel[k], ramp[j] - rest[k], ramp[i] - rest[k]);
+            z += w[k] * x.kernel[k];
+            k += 1;
+        }
+    }
+    return z;
+}
+";
 
 #[cfg(test)]
 mod tests {

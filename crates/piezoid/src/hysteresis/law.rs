@@ -60,6 +60,11 @@ impl<R: Real> Input<R> {
     pub(super) fn half(&self) -> f64 {
         0.5 * (self.range.1 - self.range.0)
     }
+
+    /// The middle of the range [input unit].
+    pub(super) fn middle(&self) -> f64 {
+        0.5 * (self.range.0 + self.range.1)
+    }
 }
 
 /// Refuses a field for which the rule does not hold.
@@ -90,7 +95,8 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         let mut input = last;
         for v in signal {
             input = input.then(*v);
-            *v = 0.0;
+            // What leaves every sum as it is, -0 included: programs begin with the first product.
+            *v = -0.0;
             self.step(shape, x, input, |k, phi| *v += weights[k] * phi);
         }
     }
@@ -100,16 +106,14 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     fn ahead(&self, weights: &[f64], shape: &[f64], x: &[f64], trial: &mut [Dual], input: Input<Dual>) -> Dual {
         trial.iter_mut().zip(shape.iter().chain(x)).for_each(|(copy, value)| *copy = Dual::from(*value));
         let (shape, x) = trial.split_at_mut(shape.len());
-        let mut z = Dual::from(0.0);
+        let mut z = -Dual::from(0.0);
         self.step(shape, x, input, |k, phi| z = z + Dual::from(weights[k]) * phi);
         z
     }
 
     /// The same as [`Law::step`] for programs, as [`Hysteresis::block`]: completes a `block` that has the last input as `last`, the weights as
     /// `w`, and the shape parameters by their names.
-    fn block(&self, _block: Block, _input: Input) -> Block {
-        todo!()
-    }
+    fn block(&self, block: Block, input: Input) -> Block;
 
     /// Whether weight `k` must not be negative.
     fn non_negative(&self, _k: usize) -> bool {
@@ -252,6 +256,14 @@ impl<L: Law> Hysteresis for Weighted<L> {
         let block = block.number("last", 0.0).table("w", &self.params.weights);
         let block = Basis::shape(self).iter().fold(block, |block, shape| block.constant(shape.name, shape.value));
         Some(self.params.law.block(block, self.last(&[0.0])))
+    }
+
+    #[cfg(test)]
+    fn ahead(&self, x: &[f64], u: f64) -> Option<(f64, f64)> {
+        let (law, input) = (&self.params.law, self.last(x).then(Dual { value: u, slope: 1.0 }));
+        let mut trial = vec![Dual::from(0.0); self.shape.len() + x.len() - 1];
+        let z = law.ahead(&self.params.weights, &self.shape, &x[1..], &mut trial, input);
+        Some((z.value, z.slope))
     }
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {

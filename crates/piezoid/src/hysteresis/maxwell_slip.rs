@@ -24,6 +24,7 @@ use super::rate_play::speeds;
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -110,6 +111,14 @@ impl Law for MaxwellSlip {
         sliders.iter().enumerate().for_each(|(k, e)| phi(k + 1, -*e));
     }
 
+    fn block(&self, block: Block, input: Input) -> Block {
+        let n = self.thresholds.len();
+        let left = Real::exp(-input.ts / self.attraction);
+        let block = block.numbers("slider", vec![0.0; n]).numbers("sliding", vec![0.0; n]);
+        let block = block.table("r", &self.thresholds).count("n", n).constant("ts", input.ts);
+        block.constant("left_over", left).text(STEP)
+    }
+
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }
@@ -127,6 +136,40 @@ impl Law for MaxwellSlip {
         MaxwellSlip { rise: shape[0], rate: shape[1], attraction: shape[2], ..self.clone() }
     }
 }
+
+/// [`Law::step`], weighted.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    let points = way(path);
+    let length = path * points;
+    let gain = 1.0;
+    if points != 0.0 { gain = 1.0 + rise * (1.0 - exponential(-length / ts / rate)); }
+    let z = w[0] * u;
+    for k in 0..n {
+        if points == 0.0 {
+            x.sliding[k] = 0.0;
+        } else {
+            // Seen in the direction of the movement, everything rises.
+            let force = x.slider[k] * points;
+            let breakaway = gain * r[k];
+            if x.sliding[k] != points && force + length < breakaway {
+                x.slider[k] = (force + length) * points;
+                x.sliding[k] = 0.0;
+            } else {
+                // What breaks away within the sample stands at its breakaway, which then draws it no further.
+                let late = 0.0;
+                if x.sliding[k] == points || force > breakaway { late = (force - breakaway) * left_over; }
+                x.slider[k] = (breakaway + late) * points;
+                x.sliding[k] = points;
+            }
+        }
+        z -= w[k + 1] * x.slider[k];
+    }
+    x.last = u;
+    return z;
+}
+";
 
 #[cfg(test)]
 mod tests {

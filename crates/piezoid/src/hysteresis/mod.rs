@@ -66,6 +66,12 @@ pub trait Hysteresis: System {
         None
     }
 
+    /// z and its slope as the next step would answer them, where a law tells.
+    #[cfg(test)]
+    fn ahead(&self, _x: &[f64], _u: f64) -> Option<(f64, f64)> {
+        None
+    }
+
     /// The frequencies it was identified at, from the lowest to the highest [Hz], if its output depends on them.
     fn frequencies(&self) -> Option<(f64, f64)> {
         None
@@ -173,6 +179,18 @@ mod tests {
         (0..n).map(|t| 18.0 * (t as f64 * 0.05).sin() + 11.0 * (t as f64 * 0.173).sin()).collect()
     }
 
+    /// A wandering input that stands now and then, and before it all that is rare: zeros of both signs, steps that are tiny or huge,
+    /// turns.
+    fn trying() -> Vec<f64> {
+        let rare = [
+            [-0.0, 0.0, 1e-12, -1e-12, 1e-12, 1e-300, -1e-300, 0.0, -3.0, -3.0 + 1e-12, -3.0, 3.0, 24.0, 24.0 + 1e-12],
+            [24.0, -24.0, 30.0, -30.0, 9.0, 1e6, 1e6, 1e6 - 1e-9, -250.0, 0.0, -0.0, 7.0, 12.0, 12.0],
+        ]
+        .concat();
+        let stands = wander(300).into_iter().enumerate().flat_map(|(t, u)| vec![u; if t % 7 == 6 { 2 } else { 1 }]);
+        rare.into_iter().chain(stands).collect()
+    }
+
     #[test]
     fn every_operator_says_what_it_is_and_where_it_comes_from() {
         for (o, example) in OPERATORS.iter().zip(examples()) {
@@ -257,24 +275,71 @@ mod tests {
         }
     }
 
+    /// The examples, and members with few and more elements, on other ranges, with shape parameters at their ends and weights of both signs.
+    fn members() -> Vec<Arc<dyn Hysteresis>> {
+        let mut members: Vec<_> = examples().collect();
+        let mut bare = save(&*(generalised_play::OPERATOR.example)(5e-4).unwrap());
+        (bare["dead_zones"], bare["weights"]) = (serde_json::json!([]), serde_json::json!(vec![0.6; 9]));
+        members.push(load(&bare, 5e-4).unwrap());
+        for (elements, range) in [(1, (-30.0, 30.0)), (3, (0.0, 100.0)), (10, (-30.0, 12.0))] {
+            let design = Design { ts: 5e-4, range, elements: Some(elements), frequencies: vec![5.0, 20.0, 80.0] };
+            for basis in OPERATORS.iter().map(|o| (o.basis)(&design).unwrap()) {
+                let weights: Vec<f64> = (0..basis.len()).map(|k| 0.4 * (1.3 * k as f64 - 1.0).cos()).collect();
+                for end in [|s: &Shape| s.low, |s: &Shape| s.high] {
+                    let shape: Vec<f64> = basis.shape().iter().map(end).collect();
+                    members.extend(basis.reshaped(&shape).and_then(|b| b.operator(&weights)));
+                }
+            }
+        }
+        members
+    }
+
     #[test]
     fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
-        for example in examples() {
-            if !matches!(example.operator().name, "prandtl-ishlinskii" | "bouc-wen") {
-                continue;
-            }
-            let Some(block) = example.block() else { continue };
+        for example in members() {
             let name = example.operator().name;
+            let Some(block) = example.block() else { continue };
             let program = Program::new(vec![elementary::block(), block]).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             let mut x = example.initial();
             assert_eq!(machine.state(), x, "{name}");
-            for (t, u) in wander(1500).into_iter().enumerate() {
-                // Now and then the input stands.
-                let u = if t % 7 == 6 { x[0] } else { u };
+            for (t, u) in trying().into_iter().enumerate() {
                 let z = example.step(&mut x, u);
-                assert_eq!(machine.call("hysteresis", &[u]).unwrap()[0].to_bits(), z.to_bits(), "{name} at {t}");
-                assert_eq!(machine.state(), x, "{name} at {t}");
+                let found = machine.call("hysteresis", &[u]).unwrap()[0];
+                assert_eq!(found.to_bits(), z.to_bits(), "{example:?} at {t}: {found} for {z}");
+                assert_eq!(machine.state(), x, "{example:?} at {t}");
+            }
+        }
+    }
+
+    /// A step from a copy of the state.
+    const AHEAD: &str = "
+        fn ahead(x: hysteresis, u) {
+            let trial = copy(x);
+            let slopes = zero(x);
+            let z, slope = hysteresis_slope(trial, slopes, u, 1.0);
+            return z, slope;
+        }
+    ";
+
+    #[test]
+    fn a_law_as_a_program_has_the_slope_of_the_law_to_the_bit() {
+        for example in members() {
+            let (name, mut x) = (example.operator().name, example.initial());
+            let (Some(block), Some(_)) = (example.block(), example.ahead(&x, 0.0)) else { continue };
+            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            program.slope("hysteresis").unwrap();
+            program.extend(AHEAD).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            for (t, u) in trying().into_iter().enumerate() {
+                let (z, slope) = example.ahead(&x, u).unwrap();
+                let found = machine.call("ahead", &[u]).unwrap();
+                assert_eq!(found[0].to_bits(), z.to_bits(), "{example:?} at {t}, {u}: {found:?} for {z}");
+                // But for the sign of a slope of 0.
+                assert_eq!(found[1], slope, "{example:?} at {t}, {u}");
+                assert_eq!(machine.state(), x, "a look ahead moves nothing: {name} at {t}");
+                assert_eq!(example.step(&mut x, u).to_bits(), z.to_bits(), "{name} at {t}");
+                machine.call("hysteresis", &[u]).unwrap();
             }
         }
     }

@@ -21,6 +21,7 @@ use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
 use crate::error::{Error, positive};
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -95,6 +96,13 @@ impl Law for RatePlay {
         }
     }
 
+    fn block(&self, block: Block, input: Input) -> Block {
+        let n = self.thresholds.len();
+        // Not called growth, as a function is.
+        let block = block.constant("ts", input.ts).constant("widening", self.growth);
+        block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).text(STEP)
+    }
+
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }
@@ -111,6 +119,24 @@ impl Law for RatePlay {
         RatePlay { growth: shape[0], rate: shape[1], ..self.clone() }
     }
 }
+
+/// [`Law::step`], weighted.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    let path = u - x.last;
+    let relative = path * way(path) / ts / rate;
+    // What all thresholds grow by at this speed.
+    let more = widening * relative * log_growth(relative);
+    let z = w[0] * u;
+    for k in 0..n {
+        let threshold = more + r[k];
+        x.play[k] = clamp(x.play[k], u - threshold, u + threshold);
+        z += w[k + 1] * x.play[k];
+    }
+    x.last = u;
+    return z;
+}
+";
 
 #[cfg(test)]
 mod tests {

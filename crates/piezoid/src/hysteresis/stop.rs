@@ -20,6 +20,7 @@ use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
 use crate::error::Error;
+use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -75,7 +76,25 @@ impl Law for Stop {
         }
     }
 
+    fn block(&self, block: Block, _: Input) -> Block {
+        let n = self.thresholds.len();
+        block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).text(STEP)
+    }
+
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         curvature(1, self.responses())
     }
 }
+
+/// [`Law::step`], weighted.
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    x.last = u;
+    let z = w[0] * u;
+    for k in 0..n {
+        x.play[k] = clamp(x.play[k], u - r[k], u + r[k]);
+        z += w[k + 1] * (x.play[k] - u);
+    }
+    return z;
+}
+";

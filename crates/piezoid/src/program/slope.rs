@@ -4,7 +4,8 @@
 //! (a + b)' = a' + b'    (a b)' = a' b + a b'    (a / b)' = (a' - (a / b) b') / b    f(a)' = f_derivative(a) a'
 //! ```
 //! The rules, and the order of the arithmetic, are those of the numbers that laws of hysteresis run on here. A function `f` for which there
-//! is an `f_derivative` is not looked into. Comparisons see the values alone: where there is a kink the slope is that of the side taken.
+//! is an `f_derivative` is not looked into; where that takes a `value`, it is f(a), which need not be worked out again. Comparisons see the
+//! values alone: where there is a kink the slope is that of the side taken.
 //!
 //! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. It does not do: states that are copied on the way.
 
@@ -15,6 +16,11 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What the slope of `name` is called.
 fn slope_of(name: &str) -> String {
     format!("{name}_slope")
+}
+
+/// What the derivative of `name` is called, where it is given.
+fn derivative_of(name: &str) -> String {
+    format!("{name}_derivative")
 }
 
 impl Program {
@@ -56,7 +62,7 @@ impl Program {
 
     /// Whether `name` is not looked into.
     fn known(&self, name: &str) -> bool {
-        self.function(&format!("{name}_derivative")).is_some()
+        self.function(&derivative_of(name)).is_some()
     }
 }
 
@@ -273,8 +279,12 @@ impl Slopes<'_> {
                 let (argument, slope) = self.dual(&arguments[0], out)?;
                 let Some(slope) = slope else { return Ok((Expr::Call(name.clone(), vec![argument]), None)) };
                 let argument = self.once(argument, out);
-                let derivative = Expr::Call(format!("{name}_derivative"), vec![argument.clone()]);
-                (Expr::Call(name.clone(), vec![argument]), Some(binary(Op::Multiply, derivative, slope)))
+                let value = self.once(Expr::Call(name.clone(), vec![argument.clone()]), out);
+                let derivative = derivative_of(name);
+                let takes = self.program.function(&derivative).map_or(&[][..], |f| &f.takes);
+                let given = |p: &Parameter| if p.name == "value" { value.clone() } else { argument.clone() };
+                let derivative = Expr::Call(derivative, takes.iter().map(given).collect());
+                (value, Some(binary(Op::Multiply, derivative, slope)))
             }
             Expr::Call(name, arguments) if self.moves_along(name, arguments) => {
                 let mut given = Vec::new();

@@ -1,0 +1,50 @@
+//! C by two compilers, unoptimised and optimised, watched by sanitizers.
+
+use crate::{exported, models, run, there};
+use piezoid::export::Wanted;
+
+const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow -ffp-contract=off";
+const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
+
+#[test]
+fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sanitizer_speaks() {
+    let builds = [
+        ("gcc", format!("-O0 {WATCHED}")),
+        ("gcc", "-O3".into()),
+        ("clang", "-O0".into()),
+        ("clang", format!("-O3 {WATCHED}")),
+    ];
+    let builds: Vec<_> = builds.into_iter().filter(|(compiler, _)| there(compiler)).collect();
+    for (name, model) in models() {
+        for single in [false, true] {
+            let folder = tempfile::tempdir().unwrap();
+            exported("c", &Wanted { single, ..Wanted::new(&model, &name) }, folder.path());
+            for (compiler, flags) in &builds {
+                run(folder.path(), &format!("{compiler} {STRICT} {flags} {name}.c {name}_test.c -o self_test"));
+                let said = run(folder.path(), "./self_test");
+                assert!(said.contains(": 0 of 400 differ"), "{said}");
+            }
+        }
+    }
+}
+
+#[test]
+fn single_precision_is_within_a_hundred_thousandth_of_the_stroke() {
+    for (name, model) in models() {
+        let wanted = Wanted { single: true, ..Wanted::new(&model, &name) };
+        let whole = piezoid::export::Whole::new(&wanted).unwrap();
+        for (entry, vectors) in whole.entries.iter().zip(whole.vectors(&wanted).unwrap()) {
+            assert!(vectors.off < 1e-5, "{name} {}: {}", entry.step, vectors.off);
+        }
+    }
+}
+
+#[test]
+fn a_header_may_be_read_by_cpp() {
+    let (name, model) = models().swap_remove(0);
+    if there("g++") {
+        let folder = tempfile::tempdir().unwrap();
+        exported("c", &Wanted::new(&model, &name), folder.path());
+        run(folder.path(), &format!("g++ -std=c++11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ {name}.h"));
+    }
+}

@@ -1,0 +1,66 @@
+//! Exported code, compiled and run where it is made for: the same numbers as here, to the bit.
+
+mod c;
+mod cortex;
+
+use piezoid::creep::Creep;
+use piezoid::driver::{Driver, SUBSTEPS};
+use piezoid::export::{File, Made, Wanted, target};
+use piezoid::hysteresis::{OPERATORS, operator};
+use piezoid::linear::Arx;
+use piezoid::{Error, Model};
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Sampling period [s].
+const TS: f64 = 5e-4;
+
+/// A model of every operator, with creep and a resonance; and one behind a driver.
+fn models() -> Vec<(String, Model)> {
+    let named = |name: &str| name.replace('-', "_");
+    let mut models: Vec<(String, Model)> =
+        OPERATORS.iter().map(|o| (named(o.name), model(o.name, None).unwrap())).collect();
+    let driver = Driver::new(1e-4, Some(2e4)).unwrap();
+    models.push(("driven_plays".into(), model("prandtl-ishlinskii", Some(driver)).unwrap()));
+    models
+}
+
+fn model(name: &str, driver: Option<Driver>) -> Result<Model, Error> {
+    let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+    let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
+    let model = Model::driven(driver, (operator(name)?.example)(TS / faster)?, block, 2.0)?;
+    model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
+}
+
+/// What `target` makes of a model, written into a folder.
+fn exported(target_name: &str, wanted: &Wanted, folder: &Path) -> Made {
+    let made = (target(target_name).unwrap().make)(wanted).unwrap();
+    for File { path, bytes } in &made.files {
+        let path = folder.join(path);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+    made
+}
+
+/// Whether a tool is there; where it is not, says so past the capture of test output, and in CI fails.
+fn there(tool: &str) -> bool {
+    let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
+    assert!(there || std::env::var_os("CI").is_none(), "{tool} is missing in CI");
+    if !there {
+        writeln!(std::io::stderr(), "SKIPPED: no {tool}").unwrap();
+    }
+    there
+}
+
+/// Runs a command line in a folder; what it prints, if it ends well.
+fn run(folder: &Path, line: &str) -> String {
+    let mut words = line.split_whitespace();
+    let output = Command::new(words.next().unwrap()).args(words).current_dir(folder).output().unwrap();
+    let Output { status, stdout, stderr } = output;
+    let (out, err) = (String::from_utf8_lossy(&stdout), String::from_utf8_lossy(&stderr));
+    assert!(status.success(), "{line}\n{out}{err}");
+    assert!(err.is_empty(), "{line}\n{err}");
+    out.into_owned()
+}
