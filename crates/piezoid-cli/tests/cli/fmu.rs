@@ -1,6 +1,9 @@
 //! FMUs in importers: FMPy validates, simulates and misuses them, and libcosim runs them, see `fmu.py`.
 
 use crate::bench::{Bench, Run, skipped};
+use piezoid::Model;
+use piezoid::hysteresis::OPERATORS;
+use piezoid::linear::Arx;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -34,6 +37,15 @@ fn fmpy() -> bool {
 /// What [`exported`] gives without options, made once.
 static EXPORTED: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
 
+/// Writes a drive of 600 samples.
+fn drive(bench: &Bench, ts: f64) {
+    let row = |k: u32| {
+        let t = f64::from(k);
+        format!("{:?},{:?}\n", t * ts, 20.0 * (0.05 * t).sin() + 9.0 * (0.013 * t).cos())
+    };
+    bench.write("drive.csv", format!("t_s,u_V\n{}", (0..600).map(row).collect::<String>()));
+}
+
 /// Both models with what they answer to a drive, and their FMUs of both versions: `<model>.csv`, `<version>/<model>.fmu`.
 fn exported() -> Bench {
     let bench = Bench::new();
@@ -48,11 +60,7 @@ fn exported_with(options: &str) -> Bench {
     let bench = Bench::new();
     for (name, model, ts) in [("bouc_wen", BOUC_WEN, 5e-4), ("plays", PLAYS, 1e-3)] {
         bench.write(&format!("{name}.json"), model);
-        let row = |k: u32| {
-            let t = f64::from(k);
-            format!("{:?},{:?}\n", t * ts, 20.0 * (0.05 * t).sin() + 9.0 * (0.013 * t).cos())
-        };
-        bench.write("drive.csv", format!("t_s,u_V\n{}", (0..600).map(row).collect::<String>()));
+        drive(&bench, ts);
         bench.run(&format!("simulate --model {name}.json --input drive.csv -o {name}.csv")).ok();
         for version in ["fmu2", "fmu3"] {
             bench
@@ -117,6 +125,27 @@ fn an_importer_finds_nothing_wrong_with_the_descriptions() {
 fn an_importer_simulates_what_piezoid_simulates_bit_for_bit() {
     if fmpy() {
         holds(&exported(), "simulates", true);
+    }
+}
+
+#[test]
+fn every_operator_is_simulated_bit_for_bit() {
+    if !fmpy() {
+        return;
+    }
+    let bench = Bench::new();
+    drive(&bench, 5e-4);
+    for (operator, version) in OPERATORS.iter().zip(["fmu2", "fmu3"].into_iter().cycle()) {
+        let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
+        let model = Model::new((operator.example)(5e-4).unwrap(), block, 2.0).unwrap();
+        if let Err(error) = model.program() {
+            skipped(&error.to_string());
+            continue;
+        }
+        bench.write("m.json", model.to_json());
+        bench.run("simulate --model m.json --input drive.csv -o m.csv").ok();
+        bench.run(&format!("export --model m.json --target {version} --name m -o out")).ok();
+        python(&bench, "simulates out/m.fmu m.csv").ok();
     }
 }
 
