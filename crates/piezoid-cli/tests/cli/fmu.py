@@ -1,4 +1,7 @@
-"""Imports an FMU with FMPy or libcosim: `fmu.py CHECK FMU [RUN.csv]`, where the run is what piezoid simulates. Ends with status 0 where all is well."""
+"""Imports an FMU with FMPy or libcosim: `fmu.py CHECK FMU [RUN.csv]`, where the run is what piezoid simulates.
+
+Ends with status 0 where all is well.
+"""
 
 import shutil
 import sys
@@ -14,7 +17,7 @@ from fmpy.validation import validate_fmu
 class Instance:
     """An instance of either version."""
 
-    # What was told to the logger, which FMPy has one of for all instances: that of the latest, which therefore has to stay.
+    # What was told to the logger. FMPy has one for all instances, that of the latest, so all of them have to stay.
     texts = []
     alive = []
 
@@ -113,14 +116,14 @@ def simulates(path, run, tolerance="0"):
     u, y = series(run)
     ts = float(next(v.start for v in fmpy.read_model_description(path).modelVariables if v.name == "ts"))
     given = np.array([(k * ts, v) for k, v in enumerate(u)], dtype=[("time", float), ("u", float)])
-    result = fmpy.simulate_fmu(path, validate=True, stop_time=len(u) * ts, output_interval=ts, input=given, output=["y"])
+    result = fmpy.simulate_fmu(path, stop_time=len(u) * ts, output_interval=ts, input=given, output=["y"])
     assert len(result) == len(u) + 1, len(result)
     off = abs(result["y"][1:] - y) / np.ptp(y)
     assert off.max() <= float(tolerance), f"off by {off.max()} of the stroke at {off.argmax()}"
 
 
 def steps(path, run):
-    """Held inputs may be stepped over at once; inputs are scaled before they enter; instances know nothing of each other."""
+    """Held inputs may be stepped over at once, inputs are scaled before they enter, instances are apart."""
     u, y = series(run)
     with imported(path) as new:
         whole, scaled, other = new().begin(), new(), new().begin()
@@ -191,7 +194,8 @@ def refusals(path, run):
         one.refuses("not finite", lambda: one.set("u", float("inf")))
         one.refuses("cannot be set", lambda: one.set("y", 1.0))
         one.refuses("cannot be set", lambda: one.set("ts", 1.0))
-        one.refuses("before the initialisation ends", lambda: one.set(next(n for n in starts if n.startswith("state.")), 1.0))
+        state = next(name for name in starts if name.startswith("state."))
+        one.refuses("before the initialisation ends", lambda: one.set(state, 1.0))
         one.refuses("initialised already", lambda: one.fmu.enterInitializationMode())
         one.refuses("no such category", lambda: one.fmu.setDebugLogging(True, ["nonsense"]))
         get, put = (one.fmu.getReal, one.fmu.setReal) if one.second else (one.fmu.getFloat64, one.fmu.setFloat64)

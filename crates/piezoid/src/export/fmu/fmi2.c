@@ -48,13 +48,16 @@ EXPORT const char *FMI(fmi2GetVersion)(void)
 }
 
 /* Errors are no debugging: they are told until their category is put off by name. */
-EXPORT fmi2Status FMI(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean loggingOn, size_t n, const fmi2String categories[])
+EXPORT fmi2Status FMI(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean loggingOn, size_t n,
+                                           const fmi2String categories[])
 {
-    return (fmi2Status)set_logging(c, "fmi2SetDebugLogging", loggingOn != 0, n, categories, (loggingOn != 0) ? ALL : EVENTS);
+    return (fmi2Status)set_logging(c, "fmi2SetDebugLogging", loggingOn != 0, n, categories,
+                                   (loggingOn != 0) ? ALL : EVENTS);
 }
 
 EXPORT fmi2Component FMI(fmi2Instantiate)(fmi2String instanceName, fmi2Type type, fmi2String guid, fmi2String resources,
-                                          const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
+                                          const fmi2CallbackFunctions *functions, fmi2Boolean visible,
+                                          fmi2Boolean loggingOn)
 {
     fmi2Component made = NULL;
     const char *name = (instanceName != NULL) ? instanceName : "";
@@ -84,8 +87,8 @@ EXPORT void FMI(fmi2FreeInstance)(fmi2Component c)
     free(c);
 }
 
-EXPORT fmi2Status FMI(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
-                                           fmi2Boolean stopTimeDefined, fmi2Real stopTime)
+EXPORT fmi2Status FMI(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
+                                           fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
     Instance *m = c;
     int status = expect(m, INSTANTIATED, "fmi2SetupExperiment");
@@ -135,18 +138,19 @@ EXPORT fmi2Status FMI(fmi2SetReal)(fmi2Component c, const fmi2ValueReference vr[
     return (fmi2Status)set_reals(c, "fmi2SetReal", vr, n, value);
 }
 
-#define NO_VARIABLES(type)                                                                                                   \
-    EXPORT fmi2Status FMI(fmi2Get##type)(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2##type value[])       \
-    {                                                                                                                        \
-        (void)vr;                                                                                                            \
-        (void)value;                                                                                                         \
-        return (fmi2Status)no_variables(c, "fmi2Get" #type, n);                                                              \
-    }                                                                                                                        \
-    EXPORT fmi2Status FMI(fmi2Set##type)(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2##type value[]) \
-    {                                                                                                                        \
-        (void)vr;                                                                                                            \
-        (void)value;                                                                                                         \
-        return (fmi2Status)no_variables(c, "fmi2Set" #type, n);                                                              \
+#define NO_VARIABLES(type)                                                                                             \
+    EXPORT fmi2Status FMI(fmi2Get##type)(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2##type value[]) \
+    {                                                                                                                  \
+        (void)vr;                                                                                                      \
+        (void)value;                                                                                                   \
+        return (fmi2Status)no_variables(c, "fmi2Get" #type, n);                                                        \
+    }                                                                                                                  \
+    EXPORT fmi2Status FMI(fmi2Set##type)(fmi2Component c, const fmi2ValueReference vr[], size_t n,                     \
+                                         const fmi2##type value[])                                                     \
+    {                                                                                                                  \
+        (void)vr;                                                                                                      \
+        (void)value;                                                                                                   \
+        return (fmi2Status)no_variables(c, "fmi2Set" #type, n);                                                        \
     }
 
 NO_VARIABLES(Integer)
@@ -180,7 +184,8 @@ EXPORT fmi2Status FMI(fmi2SerializeFMUstate)(fmi2Component c, fmi2FMUstate state
     return (fmi2Status)serialise(c, "fmi2SerializeFMUstate", state, bytes, size);
 }
 
-EXPORT fmi2Status FMI(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
+EXPORT fmi2Status FMI(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size,
+                                               fmi2FMUstate *state)
 {
     return (fmi2Status)deserialise(c, "fmi2DeSerializeFMUstate", bytes, size, state);
 }
@@ -252,18 +257,19 @@ EXPORT fmi2Status FMI(fmi2GetStringStatus)(fmi2Component c, const fmi2StatusKind
 
 /* What this FMU says it cannot do */
 
-EXPORT fmi2Status FMI(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-                                                   const fmi2Real value[])
+EXPORT fmi2Status FMI(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t n,
+                                                   const fmi2Integer order[], const fmi2Real value[])
 {
     (void)vr;
     (void)n;
     (void)order;
     (void)value;
-    return (fmi2Status)refuse(c, "fmi2SetRealInputDerivatives", "inputs are held from sample to sample, not interpolated");
+    return (fmi2Status)refuse(c, "fmi2SetRealInputDerivatives",
+                              "inputs are held from sample to sample, not interpolated");
 }
 
-EXPORT fmi2Status FMI(fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-                                                    fmi2Real value[])
+EXPORT fmi2Status FMI(fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference vr[], size_t n,
+                                                    const fmi2Integer order[], fmi2Real value[])
 {
     (void)vr;
     (void)n;
@@ -272,9 +278,9 @@ EXPORT fmi2Status FMI(fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2V
     return (fmi2Status)refuse(c, "fmi2GetRealOutputDerivatives", "outputs are samples and have no derivatives");
 }
 
-EXPORT fmi2Status FMI(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknown[], size_t nUnknown,
-                                                    const fmi2ValueReference known[], size_t nKnown, const fmi2Real change[],
-                                                    fmi2Real derivative[])
+EXPORT fmi2Status FMI(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknown[],
+                                                    size_t nUnknown, const fmi2ValueReference known[], size_t nKnown,
+                                                    const fmi2Real change[], fmi2Real derivative[])
 {
     (void)unknown;
     (void)nUnknown;

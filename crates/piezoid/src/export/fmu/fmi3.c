@@ -35,8 +35,8 @@ typedef enum { fmi3IntervalNotYetKnown, fmi3IntervalUnchanged, fmi3IntervalChang
 
 typedef void (*Logger)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
 typedef void (*ClockUpdate)(fmi3InstanceEnvironment);
-typedef void (*IntermediateUpdate)(fmi3InstanceEnvironment, fmi3Float64, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean,
-                                   fmi3Boolean *, fmi3Float64 *);
+typedef void (*IntermediateUpdate)(fmi3InstanceEnvironment, fmi3Float64, fmi3Boolean, fmi3Boolean, fmi3Boolean,
+                                   fmi3Boolean, fmi3Boolean *, fmi3Float64 *);
 typedef void (*Lock)(void);
 
 static void tell(const Instance *m, int status, const char *category, const char *text)
@@ -51,15 +51,17 @@ EXPORT const char *FMI(fmi3GetVersion)(void)
     return "3.0";
 }
 
-EXPORT fmi3Status FMI(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean loggingOn, size_t n, const fmi3String categories[])
+EXPORT fmi3Status FMI(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean loggingOn, size_t n,
+                                           const fmi3String categories[])
 {
     return (fmi3Status)set_logging(instance, "fmi3SetDebugLogging", loggingOn, n, categories, ALL);
 }
 
 EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fmi3String token, fmi3String resourcePath,
-                                                     fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
-                                                     fmi3Boolean earlyReturnAllowed, const fmi3ValueReference intermediate[],
-                                                     size_t nIntermediate, fmi3InstanceEnvironment environment, Logger logMessage,
+                                                     fmi3Boolean visible, fmi3Boolean loggingOn,
+                                                     fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+                                                     const fmi3ValueReference intermediate[], size_t nIntermediate,
+                                                     fmi3InstanceEnvironment environment, Logger logMessage,
                                                      IntermediateUpdate intermediateUpdate)
 {
     fmi3Instance made = NULL;
@@ -76,7 +78,8 @@ EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fm
     } else if (eventModeUsed) {
         why = "fmi3InstantiateCoSimulation: this FMU has no event mode: do without it";
     } else if ((token == NULL) || (strcmp(token, TOKEN) != 0)) {
-        why = "fmi3InstantiateCoSimulation: the token is not that of this binary: take modelDescription.xml from the same FMU";
+        why = "fmi3InstantiateCoSimulation: the token is not that of this binary: take modelDescription.xml from the "
+              "same FMU";
     } else {
         made = instance(name, loggingOn ? ALL : NOTHING, environment, (void (*)(void))logMessage);
         why = (made == NULL) ? "fmi3InstantiateCoSimulation: there is no memory left" : NULL;
@@ -91,14 +94,16 @@ EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fm
 static fmi3Instance not_made(fmi3Boolean loggingOn, fmi3InstanceEnvironment environment, Logger logMessage)
 {
     if (loggingOn && (logMessage != NULL)) {
-        logMessage(environment, fmi3Error, error_category, "this FMU is for co-simulation alone: call fmi3InstantiateCoSimulation");
+        logMessage(environment, fmi3Error, error_category,
+                   "this FMU is for co-simulation alone: call fmi3InstantiateCoSimulation");
     }
     return NULL;
 }
 
-EXPORT fmi3Instance FMI(fmi3InstantiateModelExchange)(fmi3String instanceName, fmi3String token, fmi3String resourcePath,
-                                                      fmi3Boolean visible, fmi3Boolean loggingOn,
-                                                      fmi3InstanceEnvironment environment, Logger logMessage)
+EXPORT fmi3Instance FMI(fmi3InstantiateModelExchange)(fmi3String instanceName, fmi3String token,
+                                                      fmi3String resourcePath, fmi3Boolean visible,
+                                                      fmi3Boolean loggingOn, fmi3InstanceEnvironment environment,
+                                                      Logger logMessage)
 {
     (void)instanceName;
     (void)token;
@@ -107,10 +112,11 @@ EXPORT fmi3Instance FMI(fmi3InstantiateModelExchange)(fmi3String instanceName, f
     return not_made(loggingOn, environment, logMessage);
 }
 
-EXPORT fmi3Instance FMI(fmi3InstantiateScheduledExecution)(fmi3String instanceName, fmi3String token, fmi3String resourcePath,
-                                                           fmi3Boolean visible, fmi3Boolean loggingOn,
-                                                           fmi3InstanceEnvironment environment, Logger logMessage,
-                                                           ClockUpdate clockUpdate, Lock lockPreemption, Lock unlockPreemption)
+EXPORT fmi3Instance FMI(fmi3InstantiateScheduledExecution)(fmi3String instanceName, fmi3String token,
+                                                           fmi3String resourcePath, fmi3Boolean visible,
+                                                           fmi3Boolean loggingOn, fmi3InstanceEnvironment environment,
+                                                           Logger logMessage, ClockUpdate clockUpdate,
+                                                           Lock lockPreemption, Lock unlockPreemption)
 {
     (void)instanceName;
     (void)token;
@@ -127,8 +133,9 @@ EXPORT void FMI(fmi3FreeInstance)(fmi3Instance instance)
     free(instance);
 }
 
-EXPORT fmi3Status FMI(fmi3EnterInitializationMode)(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
-                                                   fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
+EXPORT fmi3Status FMI(fmi3EnterInitializationMode)(fmi3Instance instance, fmi3Boolean toleranceDefined,
+                                                   fmi3Float64 tolerance, fmi3Float64 startTime,
+                                                   fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
     (void)toleranceDefined;
     (void)tolerance;
@@ -154,12 +161,14 @@ EXPORT fmi3Status FMI(fmi3Reset)(fmi3Instance instance)
 
 /* Steps */
 
-EXPORT fmi3Status FMI(fmi3DoStep)(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
-                                  fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
-                                  fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+EXPORT fmi3Status FMI(fmi3DoStep)(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
+                                  fmi3Float64 communicationStepSize, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                  fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
+                                  fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     const Instance *m = instance;
-    const fmi3Status status = (fmi3Status)step(instance, "fmi3DoStep", currentCommunicationPoint, communicationStepSize);
+    const fmi3Status status =
+        (fmi3Status)step(instance, "fmi3DoStep", currentCommunicationPoint, communicationStepSize);
     (void)noSetFMUStatePriorToCurrentPoint;
     if (eventHandlingNeeded != NULL) {
         *eventHandlingNeeded = false;
@@ -178,7 +187,8 @@ EXPORT fmi3Status FMI(fmi3DoStep)(fmi3Instance instance, fmi3Float64 currentComm
 
 /* Values */
 
-EXPORT fmi3Status FMI(fmi3GetFloat64)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n, fmi3Float64 values[], size_t nValues)
+EXPORT fmi3Status FMI(fmi3GetFloat64)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n,
+                                      fmi3Float64 values[], size_t nValues)
 {
     int status = REFUSED;
     if (nValues == n) {
@@ -189,8 +199,8 @@ EXPORT fmi3Status FMI(fmi3GetFloat64)(fmi3Instance instance, const fmi3ValueRefe
     return (fmi3Status)status;
 }
 
-EXPORT fmi3Status FMI(fmi3SetFloat64)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n, const fmi3Float64 values[],
-                                      size_t nValues)
+EXPORT fmi3Status FMI(fmi3SetFloat64)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n,
+                                      const fmi3Float64 values[], size_t nValues)
 {
     int status = REFUSED;
     if (nValues == n) {
@@ -201,22 +211,22 @@ EXPORT fmi3Status FMI(fmi3SetFloat64)(fmi3Instance instance, const fmi3ValueRefe
     return (fmi3Status)status;
 }
 
-#define NO_VARIABLES(type)                                                                                                       \
-    EXPORT fmi3Status FMI(fmi3Get##type)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n, fmi3##type values[],    \
-                                         size_t nValues)                                                                         \
-    {                                                                                                                            \
-        (void)vr;                                                                                                                \
-        (void)values;                                                                                                            \
-        (void)nValues;                                                                                                           \
-        return (fmi3Status)no_variables(instance, "fmi3Get" #type, n);                                                           \
-    }                                                                                                                            \
-    EXPORT fmi3Status FMI(fmi3Set##type)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n,                         \
-                                         const fmi3##type values[], size_t nValues)                                              \
-    {                                                                                                                            \
-        (void)vr;                                                                                                                \
-        (void)values;                                                                                                            \
-        (void)nValues;                                                                                                           \
-        return (fmi3Status)no_variables(instance, "fmi3Set" #type, n);                                                           \
+#define NO_VARIABLES(type)                                                                                             \
+    EXPORT fmi3Status FMI(fmi3Get##type)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n,               \
+                                         fmi3##type values[], size_t nValues)                                          \
+    {                                                                                                                  \
+        (void)vr;                                                                                                      \
+        (void)values;                                                                                                  \
+        (void)nValues;                                                                                                 \
+        return (fmi3Status)no_variables(instance, "fmi3Get" #type, n);                                                 \
+    }                                                                                                                  \
+    EXPORT fmi3Status FMI(fmi3Set##type)(fmi3Instance instance, const fmi3ValueReference vr[], size_t n,               \
+                                         const fmi3##type values[], size_t nValues)                                    \
+    {                                                                                                                  \
+        (void)vr;                                                                                                      \
+        (void)values;                                                                                                  \
+        (void)nValues;                                                                                                 \
+        return (fmi3Status)no_variables(instance, "fmi3Set" #type, n);                                                 \
     }
 
 NO_VARIABLES(Float32)
@@ -258,7 +268,8 @@ EXPORT fmi3Status FMI(fmi3SerializeFMUState)(fmi3Instance instance, fmi3FMUState
     return (fmi3Status)serialise(instance, "fmi3SerializeFMUState", state, bytes, size);
 }
 
-EXPORT fmi3Status FMI(fmi3DeserializeFMUState)(fmi3Instance instance, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
+EXPORT fmi3Status FMI(fmi3DeserializeFMUState)(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
+                                               fmi3FMUState *state)
 {
     return (fmi3Status)deserialise(instance, "fmi3DeserializeFMUState", bytes, size, state);
 }

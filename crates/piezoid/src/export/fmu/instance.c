@@ -234,9 +234,13 @@ static int step(Instance *m, const char *call, double from, double length)
         }
         const double off = ratio - (double)samples;
         if ((samples == 0) || (off > TOLERANCE) || (off < -TOLERANCE)) {
-            (void)snprintf(why, sizeof(why), "a step of %.12g s is no whole number of samples: make it a multiple of %.12g s", length, TS);
+            (void)snprintf(why, sizeof(why),
+                           "a step of %.12g s is no whole number of samples: make it a multiple of %.12g s", length,
+                           TS);
         } else if (!((ahead <= 0.5 * TS) && (ahead >= -0.5 * TS))) {
-            (void)snprintf(why, sizeof(why), "the step begins at %.12g s but the instance stands at %.12g s: go on from there", from, now->time);
+            (void)snprintf(why, sizeof(why),
+                           "the step begins at %.12g s but the instance stands at %.12g s: go on from there", from,
+                           now->time);
         } else if (!entering(now, enters)) {
             (void)snprintf(why, sizeof(why), "gain times input plus offset is no finite number: make them smaller");
         } else {
@@ -245,7 +249,8 @@ static int step(Instance *m, const char *call, double from, double length)
             }
             now->time = from + length;
             if (!is_number(now->output)) {
-                (void)snprintf(why, sizeof(why), "the output has grown beyond all numbers: reset, or set an earlier state");
+                (void)snprintf(why, sizeof(why),
+                               "the output has grown beyond all numbers: reset, or set an earlier state");
             }
         }
     }

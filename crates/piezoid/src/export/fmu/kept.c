@@ -4,7 +4,8 @@
 static int is_course(const Course *kept)
 {
     const int phase = (int)kept->phase;
-    const int known = (phase == INSTANTIATED) || (phase == INITIALISING) || (phase == STEPPING) || (phase == TERMINATED);
+    const int known =
+        (phase == INSTANTIATED) || (phase == INITIALISING) || (phase == STEPPING) || (phase == TERMINATED);
     return known && (memcmp(kept->token, TOKEN, sizeof(TOKEN)) == 0);
 }
 
@@ -75,7 +76,8 @@ static int serialise(const Instance *m, const char *call, const void *state, voi
     int status = expect(m, ANY_TIME, call);
     if ((status == DONE) && ((state == NULL) || !is_course(state) || (bytes == NULL) || (size < sizeof(Course)))) {
         char why[160];
-        (void)snprintf(why, sizeof(why), "there is no state, or less room than its %lu bytes", (unsigned long)sizeof(Course));
+        (void)snprintf(why, sizeof(why), "there is no state, or less room than its %lu bytes",
+                       (unsigned long)sizeof(Course));
         status = refuse(m, call, why);
     }
     if (status == DONE) {
@@ -96,7 +98,9 @@ static int deserialise(const Instance *m, const char *call, const void *bytes, s
         if (fits && is_course(&kept)) {
             status = keep(m, call, &kept, state);
         } else {
-            status = refuse(m, call, "these bytes are no state of this FMU: serialise one with the same FMU on the same kind of machine");
+            status = refuse(
+                m, call,
+                "these bytes are no state of this FMU: serialise one with the same FMU on the same kind of machine");
         }
     }
     return status;
