@@ -55,6 +55,11 @@ impl Intervals {
         before + self.inner()[before..before + within].partition_point(|edge| *edge <= u)
     }
 
+    /// The same for programs: a function that finds among the edges from `first` to `last` of `table` the interval that holds u.
+    pub(crate) fn text(function: &str, table: &str) -> String {
+        TEXT.replace("FUNCTION", function).replace("TABLE", table)
+    }
+
     pub(crate) fn edges(&self) -> &[f64] {
         &self.edges
     }
@@ -71,9 +76,23 @@ impl Intervals {
     }
 }
 
+const TEXT: &str = "
+// The number of the interval that holds u, of those between edges first and last; the outermost for what lies beyond.
+fn FUNCTION(first: whole, last: whole, u) {
+    let below = first;
+    let above = last;
+    while above > below + 1 {
+        let middle = (below + above) / 2;
+        if TABLE[middle] <= u { below = middle; } else { above = middle; }
+    }
+    return real(below);
+}
+";
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::program::{Block, Machine, Program};
 
     #[test]
     fn every_number_is_found_where_a_search_finds_it() {
@@ -82,10 +101,15 @@ mod tests {
         for edges in [even, crowded, vec![-1.0, 2.0], vec![3.0], vec![0.0, 5e-324, 1e-323], vec![-1e308, 0.0, 1e308]] {
             let intervals = Intervals::new(edges.clone());
             let last = edges.len().max(2) - 2;
+            let text =
+                format!("{}fn found(u) {{ return search(0, {}, u); }}", Intervals::text("search", "edges"), last + 1);
+            let program = Program::new(vec![Block::new("even", "").table("edges", &edges).text(&text)]).unwrap();
+            let mut machine = Machine::new(&program, "", false);
             let near = edges.iter().flat_map(|e| [e.next_down(), *e, e.next_up(), e + 0.03, 0.7 * e]);
             for u in near.chain([f64::NEG_INFINITY, f64::INFINITY, f64::NAN]) {
                 let found = edges.partition_point(|edge| *edge <= u).max(1) - 1;
                 assert_eq!(intervals.of(u), found.min(last), "{u} in {edges:?}");
+                assert_eq!(machine.call("found", &[u]).unwrap(), [found.min(last) as f64], "{u} in {edges:?}");
             }
         }
     }

@@ -92,6 +92,11 @@ impl Spline {
         c1 + t * (2.0 * c2 + t * (3.0 * c3))
     }
 
+    /// Of each piece the coefficients of 1, t, t^2 and t^3, t being how far into it.
+    pub(crate) fn pieces(&self) -> &[[f64; 4]] {
+        &self.pieces
+    }
+
     /// The knots, rising.
     pub fn knots(&self) -> &[f64] {
         self.knots.edges()

@@ -2,7 +2,6 @@
 
 use super::Causal;
 use crate::error::Error;
-use crate::hysteresis::inverse_program;
 use crate::program::{Block, Program};
 use crate::system::System;
 
@@ -13,7 +12,6 @@ impl Causal {
     /// [`Error::Content`] of another program than that of its model.
     pub fn extend(&self, program: &mut Program) -> Result<(), Error> {
         let (model, fir) = (self.inverse.model(), self.preview().fir());
-        inverse_program(program, model.driver().is_some())?;
         program.add(fir.block(self.resting()))?;
         let (low, high) = self.inverse.ends;
         let mut state = Block::new("ff_state", "the feed-forward: back through linear dynamics, creep and hysteresis")
@@ -62,5 +60,49 @@ fn ff_step(s: ff_state, r) {{
         let state =
             if self.inverse.step.is_finite() { state.constant("most_change", self.inverse.step) } else { state };
         program.add(state.text(&text))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensation::How;
+    use crate::creep::Creep;
+    use crate::driver::{Driver, SUBSTEPS};
+    use crate::excitation::Limits;
+    use crate::hammerstein::Model;
+    use crate::hysteresis::OPERATORS;
+    use crate::linear::Arx;
+    use crate::program::Machine;
+
+    #[test]
+    fn a_program_is_the_causal_feed_forward_to_the_bit_for_every_operator() {
+        let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
+        let slewing = Limits { slew: Some(4000.0), ..limits };
+        for o in OPERATORS {
+            for (driver, limits) in
+                [(None, limits), (None, slewing), (Some(Driver::new(1e-4, Some(2e4)).unwrap()), limits)]
+            {
+                let ts = if driver.is_some() { 5e-4 / SUBSTEPS as f64 } else { 5e-4 };
+                let block = if limits == slewing {
+                    Arx::gain(5e-4, 40.0)
+                } else {
+                    Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])
+                };
+                let model = Model::driven(driver, (o.example)(ts).unwrap(), block.unwrap(), 2.0).unwrap();
+                let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
+                let causal = Causal::new(&model, How { limits, ..How::default() }, 2).unwrap();
+                let mut program = model.program().unwrap();
+                causal.extend(&mut program).unwrap();
+                let mut machine = Machine::new(&program, "ff_state", false);
+                let mut x = causal.initial();
+                for t in 0..120 {
+                    let r =
+                        if t == 50 { f64::NAN } else { 700.0 * (0.05 * f64::from(t)).sin() + 300.0 * f64::from(t % 5) };
+                    let (u, found) = (causal.step(&mut x, r), machine.call("ff_step", &[r]).unwrap()[0]);
+                    assert_eq!(found.to_bits(), u.to_bits(), "{}, {driver:?}, at {t}: {found} for {u}", o.name);
+                }
+            }
+        }
     }
 }

@@ -83,14 +83,10 @@ impl Whole {
             output: y.clone(),
         };
         let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
-        let base = whole.program.clone();
-        match Causal::new(model, wanted.how, wanted.preview).and_then(|c| c.extend(&mut whole.program).map(|()| c)) {
-            Err(error) => {
-                whole.program = base;
-                whole.notes.push(format!("there is no feed-forward: {error}"))
-            }
+        match Causal::new(model, wanted.how, wanted.preview) {
+            Err(error) => whole.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
-                drop(causal);
+                causal.extend(&mut whole.program)?;
                 let late = match wanted.preview {
                     0 => String::new(),
                     n => format!(", {n} samples late"),

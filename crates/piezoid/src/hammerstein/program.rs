@@ -3,6 +3,7 @@
 use super::Model;
 use crate::elementary;
 use crate::error::Error;
+use crate::hysteresis::{inverse, inverse_behind_a_driver};
 use crate::program::{Block, Program};
 use crate::system::System;
 
@@ -49,15 +50,18 @@ fn step(s: state, u) {{
         Ok(program)
     }
 
-    /// The blocks before the linear one.
+    /// The blocks before the linear one, and back through them.
     pub(crate) fn before_the_linear_block(&self) -> Result<Program, Error> {
         let unsuited = || {
             let because = format!("its operator, `{}`, has none", self.hysteresis().operator().name);
             Error::Unsuited { what: "program".into(), because }
         };
         let mut program = Program::new(vec![elementary::block(), self.hysteresis().block().ok_or_else(unsuited)?])?;
+        inverse(&mut program)?;
         if let Some(driver) = self.driver() {
-            program.add(driver.block(self.ts(), self.hysteresis().order() > 0))?;
+            let remembers = self.hysteresis().order() > 0;
+            program.add(driver.block(self.ts(), remembers))?;
+            inverse_behind_a_driver(&mut program, remembers)?;
         }
         if self.creep().order() > 0 {
             program.add(self.creep().block())?;

@@ -8,6 +8,8 @@
 
 use super::real::Dual;
 use crate::error::Error;
+use crate::intervals::Intervals;
+use crate::program::Block;
 use crate::series::ends;
 use crate::spline::Spline;
 use serde::{Deserialize, Serialize};
@@ -109,6 +111,23 @@ struct Sides {
     descending: Knots,
 }
 
+const BRANCH: &str = "
+// z at u on branch b, and the slope there. Beyond its knots a branch goes on along a line.
+fn branch(b: whole, u) {
+    let first = whole(starts[b]);
+    let last = whole(starts[b + 1]) - 1;
+    let inside = clamp(u, knots[first], knots[last]);
+    let i = whole(knot_before(first, last, inside));
+    let t = inside - knots[i];
+    // Four coefficients a piece; a branch has one piece less than knots.
+    let k = 4 * (i - b);
+    let z = cubics[k] + t * (cubics[k + 1] + t * (cubics[k + 2] + t * cubics[k + 3])) + beyond[b] * (u - inside);
+    let slope = beyond[b];
+    if u == inside { slope = cubics[k + 1] + t * (2.0 * cubics[k + 2] + t * (3.0 * cubics[k + 3])); }
+    return z, slope;
+}
+";
+
 impl TryFrom<Sides> for Branches {
     type Error = Error;
     fn try_from(Sides { ascending, descending }: Sides) -> Result<Self, Error> {
@@ -166,6 +185,20 @@ impl Branches {
     #[inline]
     pub(super) fn slopes(&self, u: f64) -> (Dual, Dual) {
         (self.ascending.rising(u), self.descending.rising(u))
+    }
+
+    /// For programs: `block` with the branches of `pairs`, the ascending one of pair k as number 2 k and the descending one as
+    /// 2 k + 1, and a function `branch(b: whole, u)` for z and its slope.
+    pub(super) fn block<'b>(block: Block, pairs: impl Iterator<Item = &'b Branches>) -> Block {
+        let (mut starts, mut knots, mut cubics, mut beyond) = (vec![0.0], Vec::new(), Vec::new(), Vec::new());
+        for branch in pairs.flat_map(|pair| [&pair.ascending, &pair.descending]) {
+            knots.extend(&branch.knots.u);
+            starts.push(knots.len() as f64);
+            cubics.extend(branch.spline.pieces().iter().flatten());
+            beyond.push(branch.beyond);
+        }
+        let block = block.table("starts", &starts).table("knots", &knots).table("cubics", &cubics);
+        block.table("beyond", &beyond).text(&Intervals::text("knot_before", "knots")).text(BRANCH)
     }
 
     /// The inputs between the turning points.

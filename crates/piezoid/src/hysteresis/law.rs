@@ -111,8 +111,14 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         z
     }
 
+    /// As [`Hysteresis::invert`], from the `last` input and the state `x`, where there is a formula and that state allows it.
+    fn closed(&self, _weights: &[f64], _x: &[f64], _last: f64, _z: f64, _ends: (f64, f64)) -> Option<Inverted> {
+        None
+    }
+
     /// The same as [`Law::step`] for programs, as [`Hysteresis::block`]: completes a `block` that has the last input as `last`, the weights as
-    /// `w`, and the shape parameters by their names.
+    /// `w`, and the shape parameters by their names. For [`Law::closed`] it may bring `hysteresis_closed(x: hysteresis, z, low, high)`, which
+    /// returns u and 1, or 0 as the second where there is none.
     fn block(&self, block: Block, input: Input) -> Block;
 
     /// Whether weight `k` must not be negative.
@@ -268,6 +274,9 @@ impl<L: Law> Hysteresis for Weighted<L> {
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
         let (last, Params { law, weights, .. }) = (self.last(x), &self.params);
+        if let Some(found) = law.closed(weights, &x[1..], last.u, z, ends) {
+            return found;
+        }
         let found = in_room(self.shape.len() + x.len() - 1, |trial| {
             let ahead = |u| law.ahead(weights, &self.shape, &x[1..], trial, last.then(Dual { value: u, slope: 1.0 }));
             by_slopes(last.u, z, ends, ahead)

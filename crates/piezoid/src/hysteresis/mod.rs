@@ -27,7 +27,7 @@ mod two_branch;
 pub use basis::{Basis, Design, Shape};
 pub use branches::{Branches, Loop, Split};
 pub use inverse::{Inverted, falls};
-pub(crate) use inverse::{between, in_room, inverse_program};
+pub(crate) use inverse::{between, in_room, inverse, inverse_behind_a_driver};
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
 pub use tellinen::Tellinen;
@@ -175,6 +175,11 @@ mod tests {
         OPERATORS.iter().map(|o| (o.example)(5e-4).unwrap())
     }
 
+    /// Those that have a program.
+    fn programs() -> impl Iterator<Item = (Arc<dyn Hysteresis>, Block)> {
+        examples().map(|e| (e.clone(), e.block().unwrap()))
+    }
+
     fn wander(n: usize) -> Vec<f64> {
         (0..n).map(|t| 18.0 * (t as f64 * 0.05).sin() + 11.0 * (t as f64 * 0.173).sin()).collect()
     }
@@ -294,21 +299,23 @@ mod tests {
         members
     }
 
+    /// Steps `operator` and its program along `u`.
+    pub(in crate::hysteresis) fn same_as_a_program(operator: &dyn Hysteresis, u: &[f64]) {
+        let program = Program::new(vec![elementary::block(), operator.block().unwrap()]).unwrap();
+        let mut machine = Machine::new(&program, "hysteresis", false);
+        let mut x = operator.initial();
+        assert_eq!(machine.state(), x, "{operator:?}");
+        for (t, &u) in u.iter().enumerate() {
+            let z = operator.step(&mut x, u);
+            assert_eq!(machine.call("hysteresis", &[u]).unwrap()[0].to_bits(), z.to_bits(), "{operator:?} at {t}");
+            assert_eq!(machine.state(), x, "{operator:?} at {t}");
+        }
+    }
+
     #[test]
     fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
         for example in members() {
-            let name = example.operator().name;
-            let Some(block) = example.block() else { continue };
-            let program = Program::new(vec![elementary::block(), block]).unwrap();
-            let mut machine = Machine::new(&program, "hysteresis", false);
-            let mut x = example.initial();
-            assert_eq!(machine.state(), x, "{name}");
-            for (t, u) in trying().into_iter().enumerate() {
-                let z = example.step(&mut x, u);
-                let found = machine.call("hysteresis", &[u]).unwrap()[0];
-                assert_eq!(found.to_bits(), z.to_bits(), "{example:?} at {t}: {found} for {z}");
-                assert_eq!(machine.state(), x, "{example:?} at {t}");
-            }
+            same_as_a_program(&*example, &trying());
         }
     }
 
@@ -341,6 +348,69 @@ mod tests {
                 assert_eq!(example.step(&mut x, u).to_bits(), z.to_bits(), "{name} at {t}");
                 machine.call("hysteresis", &[u]).unwrap();
             }
+        }
+    }
+
+    /// What is wanted of the next step from the state `x`: within reach of a wandering input, the same as before, hardly another, and far
+    /// beyond what there is.
+    fn wanted(operator: &dyn Hysteresis, x: &[f64], t: usize, before: f64) -> f64 {
+        match t % 17 {
+            3 | 4 => before,
+            7 => before + 1e-9,
+            9 => 1e-12,
+            11 => 1e3,
+            14 => -1e3,
+            _ => operator.step(&mut x.to_vec(), wander(t * t % 2000 + 1)[t * t % 2000]),
+        }
+    }
+
+    #[test]
+    fn every_inverse_as_a_program_gives_the_same_bits() {
+        for (example, block) in programs() {
+            let name = example.operator().name;
+            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            super::inverse(&mut program).unwrap();
+            let rises = falls(&*example, -30.0, 30.0).is_none();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            let mut single = Machine::new(&program, "hysteresis", true);
+            let (mut x, mut z) = (example.initial(), 0.0);
+            for t in 0..500 {
+                z = wanted(&*example, &x, t, z);
+                let u = example.invert(&x, z, (-25.0, 30.0)).u;
+                let found = machine.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap()[0];
+                assert_eq!(found.to_bits(), u.to_bits(), "{name} at {t}: {found} for {u}, wanted {z}");
+                let reached = example.step(&mut x, u);
+                machine.call("hysteresis", &[u]).unwrap();
+                assert_eq!(machine.state(), x, "{name} at {t}");
+
+                let u = single.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap()[0];
+                let back = single.call("hysteresis", &[u]).unwrap()[0];
+                assert!((-25.0..=30.0).contains(&u), "{name} at {t}: {u}");
+                if rises {
+                    assert!(
+                        (back - reached).abs() <= 64.0 * f64::from(f32::EPSILON) * 30.0,
+                        "{name} at {t}: {back} for {reached}, wanted {z}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn programs_bear_what_is_no_number() {
+        for (_, block) in programs() {
+            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            super::inverse(&mut program).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            for u in [1.0, f64::NAN, 2.0, f64::INFINITY, -3.0, f64::NEG_INFINITY, 5.0, -8.0, 1e300, -1e300, 4.0] {
+                for z in [u, 3.0] {
+                    machine.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap();
+                }
+                machine.call("hysteresis", &[u]).unwrap();
+            }
+            machine.state().fill(f64::NAN);
+            machine.call("hysteresis_inverse", &[1.0, -25.0, 30.0]).unwrap();
+            machine.call("hysteresis", &[1.0]).unwrap();
         }
     }
 

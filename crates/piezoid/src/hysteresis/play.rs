@@ -10,10 +10,16 @@
 //! 10.1007/978-1-4612-4048-8; for piezo actuators P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI
 //! 10.1049/ip-cta:20010375. It does not do: asymmetric loops, saturation, rate.
 //!
-//! Inverse: exact. From a state z(u) is made of lines that rise, and Newton's method ends on the right one.
+//! Inverse: exact. From the last input outwards z(u) is a broken line, and one play after another is taken along:
+//! ```text
+//! rising at u = p_k + r_k, falling at u = p_k - r_k;    dz/du = w_0 + w_1 + ... + w_k behind it
+//! ```
+//! In this order, as |p_{k+1} - p_k| <= r_{k+1} - r_k wherever inputs have led. Elsewhere, and where weights are negative, Newton's
+//! method finds the right line.
 
 use super::Operator;
 use super::basis::curvature;
+use super::inverse::Inverted;
 use super::law::{Input, Law, Weighted};
 use super::real::{Dual, Real};
 use super::thresholds::{self, ELEMENTS};
@@ -83,9 +89,16 @@ impl Law for Play {
         Dual { value, slope: u.slope * slope }
     }
 
+    fn closed(&self, weights: &[f64], plays: &[f64], last: f64, z: f64, ends: (f64, f64)) -> Option<Inverted> {
+        let u = outwards(weights, &self.thresholds, plays, last, z, ends)?;
+        Some(Inverted { u, z: sum_ahead(weights, &self.thresholds, plays, u).0 })
+    }
+
     fn block(&self, block: Block, _: Input) -> Block {
         let n = self.thresholds.len();
-        block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).count("lanes", LANES).text(STEP)
+        let rises = !block.constants.iter().any(|c| c.name == "w" && negative(&c.values));
+        let block = block.numbers("play", vec![0.0; n]).table("r", &self.thresholds);
+        block.count("n", n).count("lanes", LANES).text(STEP).text(if rises { CLOSED } else { "" })
     }
 
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
@@ -95,23 +108,66 @@ impl Law for Play {
 
 /// [`sum_of_plays`] for one input.
 const STEP: &str = "
-fn hysteresis(x: hysteresis, u) {
-    x.last = u;
+// z at u for the plays as they stand.
+fn weighted_sum(x: hysteresis, u) {
     // Summed in lanes, and these in pairs.
     let sums = [0.0; lanes];
-    for lane in 0..lanes {
-        let sum = 0.0;
-        let k = lane;
-        while k < n {
-            x.play[k] = clamp(x.play[k], u - r[k], u + r[k]);
-            sum += w[k + 1] * x.play[k];
-            k += lanes;
-        }
-        sums[lane] = sum;
-    }
+    for k in 0..n { sums[k % lanes] += w[k + 1] * x.play[k]; }
     let even = (sums[0] + sums[4]) + (sums[2] + sums[6]);
     let odd = (sums[1] + sums[5]) + (sums[3] + sums[7]);
     return w[0] * u + (even + odd);
+}
+
+fn hysteresis(x: hysteresis, u) {
+    for k in 0..n { x.play[k] = clamp(x.play[k], u - r[k], u + r[k]); }
+    x.last = u;
+    return weighted_sum(x, u);
+}
+";
+
+/// [`outwards`], for weights that are not negative.
+const CLOSED: &str = "
+// The input between low and high that the next step answers with z, and 1. From the last input outwards z is a broken line, and one
+// play after another is taken along. 0 as the second of a state that no inputs lead to, where the order is another.
+fn hysteresis_closed(x: hysteresis, z, low, high) {
+    let closed = 1.0;
+    if x.last < low || x.last > high { closed = 0.0; }
+    let slack = 8.0 * epsilon * (magnitude(x.last) + r[n - 1]);
+    let here = weighted_sum(x, x.last);
+    let toward = -1.0;
+    let limit = -low;
+    if here < z {
+        toward = 1.0;
+        limit = high;
+    }
+    let left = magnitude(z - here);
+    // On a flat piece rounding is no distance.
+    if w[0] == 0.0 && left < 4.0 * epsilon * magnitude(z) { left = 0.0; }
+    // Seen in a mirror where it falls.
+    let v = toward * x.last;
+    let behind = v + slack;
+    let slope = w[0];
+    for k in 0..n {
+        let p = toward * x.play[k];
+        let contact = p + r[k];
+        let gap = contact - v;
+        if gap < -slack || p - r[k] > behind { closed = 0.0; }
+        if left > slope * gap {
+            if gap > 0.0 {
+                left -= slope * gap;
+                v = contact;
+            }
+            slope += w[k + 1];
+        } else if left > 0.0 {
+            v += left / slope;
+            left = 0.0;
+        }
+    }
+    if left > 0.0 {
+        if slope > 0.0 { v += left / slope; } else { v = limit; }
+    }
+    if v > limit { v = limit; }
+    return toward * v, closed;
 }
 ";
 
@@ -203,6 +259,87 @@ fn added([a, b, c, d, e, f, g, h]: Lanes) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
+/// The input between `ends` that the next step answers with `z`, taking one play after another along. None of weights that may make z
+/// fall, and of plays that inputs do not bring about, which are taken along in another order.
+fn outwards(w: &[f64], r: &[f64], plays: &[f64], last: f64, z: f64, ends: (f64, f64)) -> Option<f64> {
+    if last < ends.0 || last > ends.1 {
+        return None;
+    }
+    let slack = SLACK * f64::EPSILON * (last.abs() + r[r.len() - 1]);
+    let here = standing(w, plays, last);
+    let (toward, limit) = if here < z { (1.0, ends.1) } else { (-1.0, -ends.0) };
+    let mut left = (z - here).abs();
+    // On a flat piece rounding is no distance.
+    if w[0] == 0.0 && left < 4.0 * f64::EPSILON * z.abs() {
+        left = 0.0;
+    }
+    // Seen in a mirror where it falls.
+    let mut v = toward * last;
+    let behind = v + slack;
+    let (mut slope, mut taken) = (w[0], 0);
+    for ((p, r), w) in plays.iter().zip(r).zip(&w[1..]) {
+        let contact = toward * p + r;
+        let gap = contact - v;
+        if gap < -slack {
+            return None;
+        }
+        if left > slope * gap {
+            if gap > 0.0 {
+                left -= slope * gap;
+                v = contact;
+            }
+            slope += w;
+            taken += 1;
+        } else {
+            break;
+        }
+    }
+    if left > 0.0 {
+        v = if slope > 0.0 { v + left / slope } else { limit };
+    }
+    let lost = negative(w)
+        || out_of_reach(r, plays, toward, behind)
+        || passed(&r[taken..], &plays[taken..], toward, (v, slack));
+    (!lost).then_some(toward * if v > limit { limit } else { v })
+}
+
+/// What rounding may move a contact by, in units of that of the inputs.
+const SLACK: f64 = 8.0;
+
+/// Whether a weight is negative.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn negative(weights: &[f64]) -> bool {
+    weights.iter().fold(false, |negative, w| negative | (*w < 0.0))
+}
+
+/// Whether a play stands further ahead of the input than its threshold.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn out_of_reach(thresholds: &[f64], plays: &[f64], toward: f64, behind: f64) -> bool {
+    plays.iter().zip(thresholds).fold(false, |out, (p, r)| out | (toward * p - r > behind))
+}
+
+/// Whether a play would have been taken along before `v`.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn passed(thresholds: &[f64], plays: &[f64], toward: f64, (v, slack): (f64, f64)) -> bool {
+    plays.iter().zip(thresholds).fold(false, |passed, (p, r)| passed | (toward * p + r - v < -slack))
+}
+
+/// z at `u` of the plays as they stand, to the bit that of a run that moves none.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn standing(weights: &[f64], plays: &[f64], u: f64) -> f64 {
+    let [w0, weights @ ..] = weights else { return 0.0 };
+    let (w, w_rest) = weights.as_chunks::<LANES>();
+    let (p, p_rest) = plays.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (p, w) in p.iter().zip(w) {
+        (0..LANES).for_each(|lane| sums[lane] += w[lane] * p[lane]);
+    }
+    for (lane, (p, w)) in p_rest.iter().zip(w_rest).enumerate() {
+        sums[lane] += w * p;
+    }
+    w0 * u + added(sums)
+}
+
 /// Lanes that begin with `rest`, and zeros.
 fn filled(rest: &[f64]) -> Lanes {
     let mut lanes = [0.0; LANES];
@@ -212,7 +349,11 @@ fn filled(rest: &[f64]) -> Lanes {
 
 #[cfg(test)]
 mod tests {
+    use super::super::inverse::by_slopes;
+    use super::super::{Hysteresis, inverse};
     use super::*;
+    use crate::elementary;
+    use crate::program::{Machine, Program};
     use crate::system::System;
     use crate::testing::assert_close;
 
@@ -237,6 +378,66 @@ mod tests {
                 weights[0] * u + plays.iter().zip(&weights[1..]).map(|(p, w)| p * w).sum::<f64>()
             });
             assert_close(&whole, &defined.collect::<Vec<_>>(), 1e-12, 1e-12);
+        }
+    }
+
+    /// `n` plays up to 20, some of no weight.
+    fn company(n: u32, w0: f64) -> (Play, Vec<f64>, Weighted<Play>) {
+        let law = Play { thresholds: (1..=n).map(|k| 20.0 * f64::from(k) / f64::from(n)).collect() };
+        let weights: Vec<f64> =
+            (0..=n).map(|k| if k == 0 { w0 } else { 0.3 * f64::from(k % 3) / f64::from(n) }).collect();
+        (law.clone(), weights.clone(), Weighted::new(1.0, (-30.0, 30.0), law, weights).unwrap())
+    }
+
+    /// An input that turns everywhere, for some thousand samples.
+    fn wander(t: u32) -> f64 {
+        17.0 * (0.31 * f64::from(t)).sin() + 12.0 * (0.0173 * f64::from(t)).sin()
+    }
+
+    #[test]
+    fn wherever_inputs_lead_the_broken_line_ends_where_newtons_method_does_and_as_close() {
+        for (n, w0) in [(1, 0.6), (8, 1e-3), (15, 0.5), (30, 0.1)] {
+            let (law, weights, block) = company(n, w0);
+            let mut x = block.initial();
+            let mut worst = [0.0f64; 2];
+            for t in 0..4000 {
+                let z = block.step(&mut x.clone(), wander(t));
+                let own = law.closed(&weights, &x[1..], x[0], z, (-30.0, 30.0)).unwrap();
+                let ahead = |u| {
+                    let (value, slope) = sum_ahead(&weights, &law.thresholds, &x[1..], u);
+                    Dual { value, slope }
+                };
+                let newton = by_slopes(x[0], z, (-30.0, 30.0), ahead).unwrap();
+                for (worst, found) in worst.iter_mut().zip([own, newton]) {
+                    *worst = worst.max((found.z - z).abs());
+                }
+                assert_close(&[own.u], &[newton.u], 0.0, 1e-12 / w0);
+                block.step(&mut x, wander(t));
+            }
+            assert!(worst[0] <= 2.0 * worst[1] + 1e-14, "{worst:?}");
+        }
+    }
+
+    #[test]
+    fn states_and_weights_of_any_kind_are_inverted_by_the_program_to_the_bit() {
+        let falling = Play { thresholds: vec![2.0, 5.0, 9.0] };
+        let falling = Weighted::new(1.0, (-30.0, 30.0), falling, vec![0.5, 0.3, -1.1, 0.9]).unwrap();
+        for block in [company(9, 0.4).2, company(9, 0.0).2, falling] {
+            let mut program = Program::new(vec![elementary::block(), block.block().unwrap()]).unwrap();
+            inverse(&mut program).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            for t in 0..300 {
+                // One half of them from where inputs lead.
+                let mut x: Vec<f64> = (0..block.order() as u32).map(|k| wander(37 * k + t)).collect();
+                if t % 2 == 0 {
+                    block.step(&mut x, wander(7 * t));
+                }
+                machine.state().copy_from_slice(&x);
+                for z in [wander(3 * t), 0.3 * wander(5 * t), block.step(&mut x.clone(), wander(t))] {
+                    let found = machine.call("hysteresis_inverse", &[z, -25.0, 31.0]).unwrap()[0];
+                    assert_eq!(found.to_bits(), block.invert(&x, z, (-25.0, 31.0)).u.to_bits(), "{block:?} at {t}");
+                }
+            }
         }
     }
 }

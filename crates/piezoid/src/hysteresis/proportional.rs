@@ -3,10 +3,10 @@
 //! Inverse: u = z / k, exact. It does not saturate.
 
 use super::basis::counted;
-use super::inverse::{Inverted, by_slopes, by_trials};
-use super::real::Dual;
+use super::inverse::Inverted;
 use super::{Basis, Hysteresis, Operator, document, parse};
 use crate::error::{finite, positive};
+use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -75,12 +75,34 @@ impl Hysteresis for Proportional {
         document(&self.params)
     }
 
-    fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
+    fn invert(&self, _: &[f64], z: f64, (low, high): (f64, f64)) -> Inverted {
         let k = self.params.gain;
-        let ahead = |u| Dual { value: k * u, slope: k };
-        by_slopes(0.0, z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
+        // No gain has the input 0 for no z, and else an end.
+        let u = if z == 0.0 { 0.0 } else { z / k };
+        // Of what is no number nothing is within the ends.
+        let u = if u > low { u.min(high) } else { low };
+        Inverted { u, z: k * u }
+    }
+
+    fn block(&self) -> Option<Block> {
+        let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
+        Some(block.constant("gain", self.params.gain).text(TEXT))
     }
 }
+
+const TEXT: &str = "
+fn hysteresis(u) {
+    return gain * u;
+}
+
+fn hysteresis_inverse(z, low, high) {
+    let free = 0.0;
+    if z != 0.0 { free = z / gain; }
+    let u = low;
+    if free > low { u = clamp(free, low, high); }
+    return u;
+}
+";
 
 impl Basis for Proportional {
     fn len(&self) -> usize {

@@ -15,10 +15,12 @@ use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::Dual;
-use super::two_branch::{example, read, read_slope};
+use super::two_branch::{READ, example, read, read_slope};
 use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
 use crate::elementary::ln;
 use crate::error::{Error, positive};
+use crate::intervals::Intervals;
+use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -212,6 +214,18 @@ impl Hysteresis for RateScheduled {
         by_slopes(x[0], z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 
+    fn block(&self) -> Option<Block> {
+        let Params { reading, pairs } = &self.params;
+        let hertz: Vec<f64> = pairs.iter().map(|p| p.frequency_hz).collect();
+        let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
+        let state = ["last", "direction", "trend", "extreme", "since_extreme", "since_turn", "half", "half_before"];
+        let block = state.iter().fold(block, |block, name| block.number(name, 0.0));
+        let block = block.constant("ts", self.ts).constant("turn", TURN * self.widest());
+        let block = Branches::block(block, pairs.iter().map(|p| &p.branches)).table("hertz", &hertz);
+        let block = block.count("pairs", pairs.len()).text(READ).text(&Intervals::text("pair_below", "hertz"));
+        Some(block.text(&STEP.replace("HELD", reading.held())))
+    }
+
     fn frequencies(&self) -> Option<(f64, f64)> {
         let pairs = &self.params.pairs;
         Some((pairs[0].frequency_hz, pairs[pairs.len() - 1].frequency_hz))
@@ -225,6 +239,81 @@ impl Hysteresis for RateScheduled {
         ))
     }
 }
+
+const STEP: &str = "
+// Advances the turning points by one input.
+fn watch(x: hysteresis, u) {
+    x.since_extreme += 1.0;
+    x.since_turn += 1.0;
+    if x.trend == 0.0 { x.trend = x.direction; }
+    if (u - x.extreme) * x.trend >= 0.0 {
+        // A held extreme lasts until it is left: its last sample is the turn.
+        x.extreme = u;
+        x.since_extreme = 0.0;
+    } else if (x.extreme - u) * x.trend > turn {
+        x.half_before = x.half;
+        x.half = x.since_turn - x.since_extreme;
+        x.since_turn = x.since_extreme;
+        x.extreme = u;
+        x.since_extreme = 0.0;
+        x.trend = -x.trend;
+    }
+}
+
+// The frequency the state speaks of [Hz]: the lowest until two turns have been seen.
+fn frequency(x: hysteresis) {
+    let f = hertz[0];
+    if x.half_before != 0.0 {
+        let period = x.half + x.half_before;
+        if x.since_turn > period { period = x.since_turn; }
+        f = 1.0 / (ts * period);
+    }
+    return f;
+}
+
+// z at u between the pairs on either side of frequency f, and the slope; outside them all the nearest one alone.
+fn interpolated(u, direction, f) {
+    let nearest = whole(pair_below(0, pairs, f));
+    let share = 0.0;
+    if f >= hertz[0] && nearest + 1 < pairs {
+        share = logarithm(f / hertz[nearest]) / logarithm(hertz[nearest + 1] / hertz[nearest]);
+    }
+    let z = 0.0;
+    let slope = 0.0;
+    let part = 1.0 - share;
+    for pair in nearest..nearest + 2 {
+        if part != 0.0 {
+            let on_pair, rises = read_pair(pair, u, direction);
+            z += part * on_pair;
+            slope += part * rises;
+        }
+        part = share;
+    }
+    return z, slope;
+}
+
+// Advances the state by one input; returns z, and the slope.
+fn advanced(x: hysteresis, u) {
+    let direction = heading(x.last, u, HELD);
+    x.direction = heading(x.last, u, x.direction);
+    x.last = u;
+    watch(x, u);
+    let z, slope = interpolated(u, direction, frequency(x));
+    return z, slope;
+}
+
+fn hysteresis(x: hysteresis, u) {
+    let z, slope = advanced(x, u);
+    return z;
+}
+
+// What the next step would give, and the slope.
+fn hysteresis_ahead(x: hysteresis, u) {
+    let trial = copy(x);
+    let z, slope = advanced(trial, u);
+    return z, slope;
+}
+";
 
 /// The basis: the branches of every frequency by their values at even knots, the direction held.
 #[derive(Debug, Clone)]
@@ -301,6 +390,7 @@ impl Basis for Values {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::same_as_a_program;
     use super::*;
     use crate::testing::assert_close;
 
@@ -336,6 +426,18 @@ mod tests {
             1e-12,
             0.0,
         );
+    }
+
+    #[test]
+    fn as_a_program_it_reads_all_its_pairs_by_either_rule() {
+        let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
+        let u: Vec<f64> =
+            (0..4000).map(|t| 28.0 * (2e-6 * f64::from(t * t)).sin()).map(|u| (4.0 * u).round() / 4.0).collect();
+        for reading in [Reading::Held, Reading::Printed] {
+            for pairs in [vec![pair(5.0, 1.0), pair(20.0, 2.5), pair(80.0, 3.0)], vec![pair(20.0, 2.0)]] {
+                same_as_a_program(&RateScheduled::new(5e-4, pairs, reading).unwrap(), &u);
+            }
+        }
     }
 
     #[test]

@@ -25,6 +25,7 @@ use super::real::{Dual, Real};
 use super::two_branch::example;
 use super::{Basis, Branches, Design, Hysteresis, Operator, Shape, document, parse};
 use crate::error::{Error, positive};
+use crate::program::Block;
 use crate::system::System;
 use serde_json::{Map, Value};
 use std::sync::Arc;
@@ -194,7 +195,78 @@ impl Hysteresis for Tellinen {
         };
         by_slopes(before, z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
+
+    fn block(&self) -> Option<Block> {
+        let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
+        let block = block.number("last", 0.0).number("side", 0.0);
+        let Decay { low, cell, rising, falling } = &self.decay;
+        let block = block.constant("lowest", *low).constant("cell", *cell).count("cells", CELLS);
+        let block = block.table("decay", &[&rising[..], falling].concat());
+        Some(Branches::block(block, std::iter::once(&self.branches)).text(STEP))
+    }
 }
+
+const STEP: &str = "
+// The integral up to u, of the table that begins at `first`, and what the cell of u adds to it; nothing beyond the ends.
+fn decayed(first: whole, u) {
+    let place = clamp((u - lowest) / cell, 0.0, real(cells));
+    let i = 0;
+    // Not so where it is no number.
+    if place >= 1.0 { i = whole(place); }
+    if i == cells { i = cells - 1; }
+    let more = decay[first + i + 1] - decay[first + i];
+    let integral = decay[first + i] + more * (place - real(i));
+    if place <= 0.0 || place >= real(cells) { more = 0.0; }
+    return integral, more;
+}
+
+// The side, from -1 (ascending) to 1 (descending), after a path from `before` to u, and its slope.
+fn side_after(side, before, u) {
+    let after = side;
+    let slope = 0.0;
+    let first = 0;
+    if u < before { first = cells + 1; }
+    let begun, less = decayed(first, before);
+    let ended, more = decayed(first, u);
+    if u > before {
+        after = (1.0 + side) * exponential(-(ended - begun)) - 1.0;
+        slope = -((1.0 + after) * more) / cell;
+    } else if u < before {
+        after = 1.0 - (1.0 - side) * exponential(-(begun - ended));
+        slope = -((after - 1.0) * more) / cell;
+    }
+    return after, slope;
+}
+
+// z at u between the branches, and the slope; where they touch or cross the loop is closed.
+fn between_branches(u, side, side_slope) {
+    let ascending, ascending_slope = branch(0, u);
+    let descending, descending_slope = branch(1, u);
+    let z = 0.5 * (descending + ascending);
+    let slope = 0.5 * (descending_slope + ascending_slope);
+    let half = 0.5 * (descending - ascending);
+    if half > 0.0 {
+        z += side * half;
+        slope += side_slope * half + side * (0.5 * (descending_slope - ascending_slope));
+    }
+    return z, slope;
+}
+
+fn hysteresis(x: hysteresis, u) {
+    let side, side_slope = side_after(x.side, x.last, u);
+    x.side = side;
+    x.last = u;
+    let z, slope = between_branches(u, side, side_slope);
+    return z;
+}
+
+// What the next step would give, and the slope.
+fn hysteresis_ahead(x: hysteresis, u) {
+    let side, side_slope = side_after(x.side, x.last, u);
+    let z, slope = between_branches(u, side, side_slope);
+    return z, slope;
+}
+";
 
 /// The basis: one weight, and as shape the values of m and v at knots, relative to half the range. m is u and a bend.
 #[derive(Debug, Clone)]

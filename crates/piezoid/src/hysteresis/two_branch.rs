@@ -17,6 +17,7 @@ use super::nodes::Nodes;
 use super::real::{Dual, Real};
 use super::{Basis, Branches, Hysteresis, Operator, document, parse};
 use crate::error::{Error, positive};
+use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -43,6 +44,14 @@ impl Reading {
             -1.0
         } else {
             direction
+        }
+    }
+
+    /// For programs: the direction that a held input counts as moving in.
+    pub(super) fn held(self) -> &'static str {
+        match self {
+            Reading::Held => "x.direction",
+            Reading::Printed => "-1.0",
         }
     }
 }
@@ -126,6 +135,52 @@ fn choose<R: Real>(ascending: impl FnOnce() -> R, descending: impl FnOnce() -> R
     }
 }
 
+/// [`Reading::direction`], and [`read`] with [`read_slope`], for programs with the branches of several pairs.
+pub(super) const READ: &str = "
+// The direction in which the input counts as moving, 1, -1 or 0 while it is not known; held where it stands.
+fn heading(before, u, held) {
+    let direction = held;
+    if u > before { direction = 1.0; }
+    if u < before { direction = -1.0; }
+    return direction;
+}
+
+// z at u when it moves in this direction, and the slope; midway between both branches of the pair while that is not known.
+fn read_pair(pair: whole, u, direction) {
+    let first = 2 * pair;
+    let last = first + 1;
+    if direction > 0.0 { last = first; }
+    if direction < 0.0 { first = last; }
+    let z = 0.0;
+    let slope = 0.0;
+    for b in first..last + 1 {
+        let on_branch, rises = branch(b, u);
+        z += on_branch;
+        slope += rises;
+    }
+    if direction == 0.0 {
+        z = 0.5 * z;
+        slope = 0.5 * slope;
+    }
+    return z, slope;
+}
+";
+
+const STEP: &str = "
+fn hysteresis(x: hysteresis, u) {
+    x.direction = heading(x.last, u, HELD);
+    x.last = u;
+    let z, slope = read_pair(0, u, x.direction);
+    return z;
+}
+
+// What the next step would give, and the slope.
+fn hysteresis_ahead(x: hysteresis, u) {
+    let z, slope = read_pair(0, u, heading(x.last, u, HELD));
+    return z, slope;
+}
+";
+
 impl System for TwoBranch {
     fn ts(&self) -> f64 {
         self.ts
@@ -174,6 +229,14 @@ impl Hysteresis for TwoBranch {
         let Params { reading, branches } = &self.params;
         let ahead = |u| read_slope(branches, u, reading.direction(x[0], u, x[1]));
         by_slopes(x[0], z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
+    }
+
+    fn block(&self) -> Option<Block> {
+        let Params { reading, branches } = &self.params;
+        let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
+        let block = block.number("last", 0.0).number("direction", 0.0);
+        let block = Branches::block(block, std::iter::once(branches));
+        Some(block.text(READ).text(&STEP.replace("HELD", reading.held())))
     }
 }
 

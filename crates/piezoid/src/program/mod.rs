@@ -373,7 +373,16 @@ impl Program {
 
     /// Numbers in the state of the block of this name.
     pub fn order(&self, block: &str) -> usize {
-        self.at_rest(block).len()
+        self.block(block).map_or(0, |b| b.fields.iter().map(|f| self.length(&f.holds)).sum())
+    }
+
+    /// Numbers in a field.
+    fn length(&self, holds: &Holds) -> usize {
+        match holds {
+            Holds::Number(_) => 1,
+            Holds::Numbers(values) => values.len(),
+            Holds::Block(name) => self.order(name),
+        }
     }
 
     /// The state of the block of this name at rest, as one vector.

@@ -296,7 +296,7 @@ impl<'p> Machine<'p> {
             if field.name == name {
                 return Ok((before, field));
             }
-            before += self.program.held(&field.holds).len();
+            before += self.program.length(&field.holds);
         }
         wrong(format!("block `{block}` has no field `{name}`"))
     }
@@ -313,7 +313,7 @@ impl<'p> Machine<'p> {
         let outer = Place { root: place.root.clone(), path: path.to_vec(), index: None };
         let (state, from, block) = self.part(&outer, names)?;
         let (offset, field) = self.field(block, last)?;
-        if k >= self.program.held(&field.holds).len() {
+        if k >= self.program.length(&field.holds) {
             return Err(beyond());
         }
         self.states[state].get_mut(from + offset + k).ok_or_else(beyond)

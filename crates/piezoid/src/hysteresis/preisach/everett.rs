@@ -12,6 +12,7 @@
 use super::grid::{Grid, cell, share};
 use crate::hysteresis::real::Real;
 use crate::intervals::Intervals;
+use crate::program::Block;
 
 /// E and V, tabulated.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,6 +57,17 @@ impl Everett {
         Everett { grid, nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
     }
 
+    /// For programs: `block` with the tables and both functions, which return their slopes too.
+    pub(super) fn block(&self, block: Block) -> Block {
+        let n = self.grid.levels().len();
+        let block = block.table("levels", self.grid.levels()).table("nodes", &self.nodes).count("rows", n - 1);
+        let block = block.table("diagonal", &self.diagonal).table("diagonal_below", &self.diagonal_below);
+        let breaks = self.breaks.edges();
+        let block =
+            block.table("breaks", breaks).table("virgin", self.virgin.as_flattened()).count("pieces", breaks.len() - 1);
+        block.text(&Intervals::text("row", "levels")).text(&Intervals::text("piece", "breaks")).text(TEXT)
+    }
+
     /// E between `m` and `M`, m <= M.
     pub(super) fn between<R: Real>(&self, m: R, high: R) -> R {
         let ((i, a), (j, b)) = (self.grid.place(high), self.grid.place(m));
@@ -81,6 +93,64 @@ impl Everett {
         R::from(start) + s * (R::from(rise) + R::from(2.0) * s * bend.into())
     }
 }
+
+const TEXT: &str = "
+// The share of what lies from low to high that is below v, 0 to 1, and its slope.
+fn share_below(v, v_slope, low, high) {
+    let share = (v - low) / (high - low);
+    let slope = v_slope / (high - low);
+    if share > 1.0 {
+        share = 1.0;
+        slope = 0.0;
+    }
+    if share < 0.0 {
+        share = 0.0;
+        slope = 0.0;
+    }
+    return share, slope;
+}
+
+// Everett's function at M = l_i, for m at a share b of the way from l_j to l_j+1, and its slope.
+fn everett_at(i: whole, j: whole, b, b_slope) {
+    let k = i * (rows + 1) + j;
+    return b * nodes[k + 1] + (1.0 - b) * nodes[k], b_slope * nodes[k + 1] - b_slope * nodes[k];
+}
+
+// Everett's function: the weights of the relays that turn between low and high, and its slope by those of the two.
+fn everett(low, high, low_slope, high_slope) {
+    let i = whole(row(0, rows, high));
+    let j = whole(row(0, rows, low));
+    let a, a_slope = share_below(high, high_slope, levels[i], levels[i + 1]);
+    let b, b_slope = share_below(low, low_slope, levels[j], levels[j + 1]);
+    let sum = diagonal[i] * (a - b) * (a - b);
+    let slope = diagonal[i] * (a_slope - b_slope) * (a - b) + diagonal[i] * (a - b) * (a_slope - b_slope);
+    if i != j {
+        let before, before_slope = everett_at(i, j, b, b_slope);
+        let after, after_slope = everett_at(i + 1, j, b, b_slope);
+        let c = 1.0 - b;
+        sum = (1.0 - a) * before + a * after + (diagonal_below[i] - diagonal_below[j + 1]);
+        sum = sum + diagonal[i] * a * a + diagonal[j] * c * c;
+        slope = (-a_slope * before + (1.0 - a) * before_slope) + (a_slope * after + a * after_slope);
+        slope = slope + (diagonal[i] * a_slope * a + diagonal[i] * a * a_slope);
+        slope = slope + (diagonal[j] * -b_slope * c + diagonal[j] * c * -b_slope);
+    }
+    return sum, slope;
+}
+
+// The weights of the relays that turn from rest to u, negative for negative u, and the slope.
+fn since_rest(u) {
+    let i = whole(piece(0, pieces, u));
+    let s, s_slope = share_below(u, 1.0, breaks[i], breaks[i + 1]);
+    // At the start of a piece, halfway, and at its end.
+    let start = virgin[3 * i];
+    let middle = virgin[3 * i + 1];
+    let stop = virgin[3 * i + 2];
+    let rise = 4.0 * middle - 3.0 * start - stop;
+    let bend = start + stop - 2.0 * middle;
+    let steep = rise + 2.0 * s * bend;
+    return start + s * steep, s_slope * steep + s * (2.0 * s_slope * bend);
+}
+";
 
 #[cfg(test)]
 mod tests {

@@ -8,6 +8,8 @@
 //! as many numbers as the caller likes. When the list is full, the two neighbours that hold the fewest relays between
 //! them are forgotten; values stay, so nothing jumps.
 
+use crate::program::Block;
+
 /// Reversals remembered: with each at least a hundredth of the range inside the one before, more never happen.
 pub(super) const CAPACITY: usize = 64;
 
@@ -118,6 +120,74 @@ impl Memory {
         1 + (1 + self.value) * (1 + i)
     }
 }
+
+/// For programs: `block` with the memory of a value of one number, and what it does.
+pub(super) fn block(block: Block) -> Block {
+    let block = block.number("count", 0.0).number("last", 0.0).number("sum", 0.0);
+    block.numbers("reversal", vec![0.0; 2 * CAPACITY]).count("capacity", CAPACITY).text(TEXT)
+}
+
+const TEXT: &str = "
+// How many reversals are remembered: inputs and sums by turns, the oldest first.
+fn stored(x: hysteresis) {
+    let n = 0.0;
+    // Not so of what is no number.
+    if x.count > 0.0 { n = clamp(x.count, 0.0, real(capacity)); }
+    return n;
+}
+
+// 1 where moving to u turns the input round, else 0.
+fn turns(x: hysteresis, u) {
+    let n = whole(stored(x));
+    let so_far = x.last;
+    if n > 0 { so_far = x.last - x.reversal[2 * (n - 1)]; }
+    let round = 0.0;
+    if (so_far > 0.0 && u < x.last) || (so_far < 0.0 && u > x.last) { round = 1.0; }
+    return round;
+}
+
+// How many of n reversals are left when the input has gone to u; the one after those that are stored is where the input is.
+fn kept(x: hysteresis, n: whole, u) {
+    let left = n;
+    let closes = 1;
+    while left > 0 && closes > 0 {
+        let older = 0;
+        if left > 1 { older = left - 2; }
+        let limit = x.last;
+        if older < whole(stored(x)) { limit = x.reversal[2 * older]; }
+        // Before the first reversal stands its mirror image.
+        if left == 1 { limit = -limit; }
+        if (u > x.last && u >= limit) || (u < x.last && u <= limit) { left = older; } else { closes = 0; }
+    }
+    return real(left);
+}
+
+// Makes room for two: forgets the neighbours between which the fewest relays lie, in the rectangle that their own neighbours span.
+fn forget(x: hysteresis) {
+    let fewest = most;
+    let chosen = 1;
+    for i in 1..capacity - 1 {
+        let after = x.last;
+        if i + 2 < capacity { after = x.reversal[2 * (i + 2)]; }
+        let relays = magnitude((x.reversal[2 * i] - after) * (x.reversal[2 * (i + 1)] - x.reversal[2 * (i - 1)]));
+        if relays < fewest {
+            fewest = relays;
+            chosen = i;
+        }
+    }
+    for i in 2 * chosen..2 * (capacity - 2) { x.reversal[i] = x.reversal[i + 4]; }
+    x.count = real(capacity - 2);
+}
+
+// Remembers where the input is.
+fn remember(x: hysteresis) {
+    if whole(stored(x)) == capacity { forget(x); }
+    let i = 2 * whole(stored(x));
+    x.reversal[i] = x.last;
+    x.reversal[i + 1] = x.sum;
+    x.count += 1.0;
+}
+";
 
 /// How many of `n` reversals are left when the input has gone from `before` to `u`.
 fn kept(reversal: impl Fn(usize) -> f64, mut n: usize, before: f64, u: f64) -> usize {

@@ -24,6 +24,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
 use crate::error::{Error, finite, positive};
+use crate::program::Block;
 use crate::system::System;
 use everett::Everett;
 use grid::{Grid, cell, cells};
@@ -177,7 +178,81 @@ impl Hysteresis for Preisach {
         let ahead = |u| self.ahead(x, u).unwrap_or(none);
         by_slopes(SUM.input(x), z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
+
+    fn block(&self) -> Option<Block> {
+        let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
+        let block = self.everett.block(memory::block(block)).constant("at_once", self.params.slope);
+        Some(block.text(STEP))
+    }
 }
+
+const STEP: &str = "
+// The sum over the cells at u, and its slope, where the last of so many reversals began the branch; the input now where it is not stored.
+fn on_branch(x: hysteresis, reversals: whole, u) {
+    let sum = 0.0;
+    let slope = 0.0;
+    if reversals == 0 {
+        let turned, rises = since_rest(u);
+        sum = turned;
+        slope = rises;
+    } else {
+        let begun = x.last;
+        let start = x.sum;
+        let i = 2 * (reversals - 1);
+        if reversals <= whole(stored(x)) {
+            begun = x.reversal[i];
+            start = x.reversal[i + 1];
+        }
+        // Going down it is the low end that moves, and what turns is taken away.
+        let up = 0.0;
+        let low = u;
+        let high = begun;
+        if u >= begun {
+            up = 1.0;
+            low = begun;
+            high = u;
+        }
+        let turned, rises = everett(low, high, 1.0 - up, up);
+        sum = start - turned;
+        slope = -rises;
+        if up > 0.0 {
+            sum = start + turned;
+            slope = rises;
+        }
+    }
+    return sum, slope;
+}
+
+fn hysteresis(x: hysteresis, u) {
+    if u != x.last {
+        if turns(x, u) > 0.0 { remember(x); }
+        x.count = kept(x, whole(stored(x)), u);
+        let sum, slope = on_branch(x, whole(stored(x)), u);
+        x.last = u;
+        x.sum = sum;
+    }
+    return at_once * u + x.sum;
+}
+
+// What the next step would give, and the slope. Where something would have to be forgotten first it falls as far as there are numbers,
+// so that nobody goes by it.
+fn hysteresis_ahead(x: hysteresis, u) {
+    let z = at_once * u + x.sum;
+    let slope = at_once;
+    if u != x.last {
+        let reversals = whole(stored(x)) + whole(turns(x, u));
+        if reversals > capacity {
+            z = most;
+            slope = -1.0;
+        } else {
+            let sum, rises = on_branch(x, whole(kept(x, reversals, u)), u);
+            z = at_once * u + sum;
+            slope = at_once + rises;
+        }
+    }
+    return z, slope;
+}
+";
 
 /// The responses of a slope and of each cell alone.
 ///
@@ -277,6 +352,7 @@ impl Basis for Cells {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::same_as_a_program;
     use super::*;
     use crate::testing::assert_close;
     use std::f64::consts::TAU;
@@ -344,6 +420,13 @@ mod tests {
             example.simulate(&u)[n]
         };
         assert_close(&[ring(4000)], &[ring(100)], 0.0, 0.05);
+    }
+
+    #[test]
+    fn as_a_program_it_forgets_what_it_forgets_here() {
+        let shrinking = |t: usize| 29.0 * (1.0 - t as f64 / 700.0) * (TAU * t as f64 / 4.0).sin();
+        let u: Vec<f64> = (0..700).map(shrinking).chain(wander(300)).chain((0..200).map(shrinking)).collect();
+        same_as_a_program(&*(OPERATOR.example)(1e-3).unwrap(), &u);
     }
 
     #[test]
