@@ -43,8 +43,7 @@ fn ff_step(s: ff_state, r) {{
     let z = {back};
     let u = {inverse};
     // The state goes on as the actuator does.
-    let moved = {hidden};
-    {crept}
+    {moved}
     s.before = u;
     return u;
 }}
@@ -52,8 +51,10 @@ fn ff_step(s: ff_state, r) {{
             preview = if fir.order() > 0 { "preview(s.preview, told)" } else { "preview(told)" },
             back = model.creep_call("s", "creep_inverse", "wanted"),
             inverse = model.hidden_inverse_call("s", "z, from, to"),
-            hidden = model.hidden_call("s", "u"),
-            crept = if model.creep().order() > 0 { "creep(s.creep, moved);" } else { "" },
+            moved = match model.hidden_call("s", "u") {
+                hidden if model.creep().order() > 0 => format!("let moved = {hidden};\n    creep(s.creep, moved);"),
+                hidden => format!("{hidden};"),
+            },
         );
         let at_rest = model.offset() / model.linear().dc_gain();
         let state = state.constant("low", low).constant("high", high).constant("at_rest", at_rest);
