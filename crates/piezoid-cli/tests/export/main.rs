@@ -2,6 +2,7 @@
 
 mod c;
 mod cortex;
+mod simulink;
 
 use piezoid::creep::Creep;
 use piezoid::driver::{Driver, SUBSTEPS};

@@ -51,9 +51,9 @@ fn ff_step(s: ff_state, r) {{
             preview = if fir.order() > 0 { "preview(s.preview, told)" } else { "preview(told)" },
             back = model.creep_call("s", "creep_inverse", "wanted"),
             inverse = model.hidden_inverse_call("s", "z, from, to"),
-            moved = match model.hidden_call("s", "u") {
-                hidden if model.creep().order() > 0 => format!("let moved = {hidden};\n    creep(s.creep, moved);"),
-                hidden => format!("{hidden};"),
+            moved = match (model.hidden_call("s", "u"), model.creep().order()) {
+                (hidden, 0) => format!("{hidden};"),
+                (hidden, _) => format!("creep(s.creep, {hidden});"),
             },
         );
         let at_rest = model.offset() / model.linear().dc_gain();

@@ -299,7 +299,7 @@ impl C<'_> {
 }
 
 /// `text` as the beginning of a page has it.
-fn titled(text: &str) -> String {
+pub(super) fn titled(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -38,6 +38,11 @@ pub(super) trait Language {
     /// What stands between two; whether they are whole.
     fn between(&self, op: Op, whole: bool) -> &'static str;
 
+    /// A quotient of two whole numbers or what it leaves, where nothing stands between them.
+    fn divided(&self, _op: Op, _left: &str, _right: &str) -> Option<String> {
+        None
+    }
+
     /// A comment.
     fn note(&self, text: &str) -> String;
 
@@ -52,6 +57,11 @@ pub(super) trait Language {
 
     /// A new value for what has a name.
     fn set(&self, place: String, value: String) -> String;
+
+    /// A new value for what stands at a place.
+    fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
+        self.set(self.place(place, words), words.expr(value))
+    }
 
     /// A call for what it changes.
     fn done(&self, call: &Expr, words: &Words) -> String;
@@ -115,7 +125,7 @@ impl Words<'_> {
             Step::Let(names, value) => l.fresh(names, value, self),
             Step::Copy { name, of, block, zero } => l.copy(name, of, block, *zero, self),
             Step::Room(name, n) => l.room(name, *n),
-            Step::Set(place, value) => vec![l.set(l.place(place, self), self.expr(value))],
+            Step::Set(place, value) => vec![l.assign(place, value, self)],
             Step::Do(call) => vec![l.done(call, self)],
             Step::If(..) => {
                 let mut lines = Vec::new();
@@ -163,6 +173,16 @@ impl Words<'_> {
         self.bound(expr, 0)
     }
 
+    /// What is divided in words.
+    fn divided(&self, expr: &Expr) -> Option<String> {
+        match expr {
+            Expr::Binary(op @ (Op::Divide | Op::Remainder), left, right) if left.whole() => {
+                self.language.divided(*op, &self.bound(left, op.binds()), &self.bound(right, TIGHT))
+            }
+            _ => None,
+        }
+    }
+
     /// An expression as a part of one that binds so tightly.
     fn bound(&self, expr: &Expr, tightly: u8) -> String {
         let l = self.language;
@@ -184,9 +204,12 @@ impl Words<'_> {
                 if tightly > 0 { format!("({text})") } else { text }
             }
             Expr::Binary(op, left, right) => {
+                if let Some(text) = self.divided(expr) {
+                    return text;
+                }
                 // What is compared or joined stands in brackets of its own, whatever binds tighter.
                 let logical = op.binds() < Op::Add.binds();
-                let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_));
+                let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_)) || self.divided(e).is_some();
                 let side = |e: &Expr, least: u8| match (logical, simple(e)) {
                     (true, false) => format!("({})", self.bound(e, 0)),
                     _ => self.bound(e, least),

@@ -7,6 +7,9 @@ mod c;
 mod fmu;
 mod language;
 mod readme;
+mod rust;
+mod simulink;
+mod st;
 mod whole;
 
 pub use whole::{Entry, Signal, Whole};
@@ -98,7 +101,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET, fmu::FMI2, fmu::FMI3];
+pub static TARGETS: &[Target] = &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET];
 
 /// The target called `name`.
 ///

@@ -10,16 +10,14 @@ fn bytes(single: bool) -> usize {
     if single { 4 } else { 8 }
 }
 
-pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
-    let (name, model) = (wanted.name, wanted.model);
-    let number = if wanted.single { "float" } else { "double" };
-    let upper = name.to_uppercase();
-    let mut out = format!("# {name}\n\n");
-    let operator = model.hysteresis().operator();
-    out += &format!(
-        "A piezo actuator as C99, identified by piezoid: hysteresis `{}`, {} lags of creep, a linear block of order {}, sampled every {} s. \
+/// What stands first: what was identified, in which language and numbers, and what is not here.
+pub(super) fn opening(wanted: &Wanted, whole: &Whole, language: &str, number: &str) -> String {
+    let model = wanted.model;
+    let mut out = format!(
+        "# {}\n\nA piezo actuator as {language}, identified by piezoid: hysteresis `{}`, {} lags of creep, a linear block of order {}, sampled every {} s. \
          Numbers are `{number}`.\n\n",
-        operator.name,
+        wanted.name,
+        model.hysteresis().operator().name,
         model.creep().lags().len(),
         model.linear().a().len(),
         round(crate::System::ts(model)),
@@ -27,6 +25,14 @@ pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> Str
     for note in &whole.notes {
         out += &format!("**Not here**: {note}\n\n");
     }
+    out
+}
+
+pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
+    let name = wanted.name;
+    let number = if wanted.single { "float" } else { "double" };
+    let upper = name.to_uppercase();
+    let mut out = opening(wanted, whole, "C99", number);
     out += "## Use\n\n```c\n";
     out += &format!("#include \"{name}.h\"\n\n");
     for entry in &whole.entries {

@@ -62,7 +62,7 @@ pub struct Vectors {
 }
 
 /// Samples of the vectors.
-const SAMPLES: usize = 400;
+pub(super) const SAMPLES: usize = 400;
 
 impl Whole {
     /// The model, its inverse if it has one, and the controller if one is wanted.

@@ -16,9 +16,9 @@
 //! ```
 //! A block has fields (its state), constants, and functions. Numbers are real or whole; a parameter is real unless it says
 //! `whole` or names the block whose state it is. There are no early returns, no recursion, no names that hide others; a function may
-//! return several numbers. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
+//! return several numbers. Conditions change nothing. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
 //! `real(i)` and `whole(v)` convert, the latter a number that is not negative, towards zero; `epsilon`, `least` and `most` are those of the
-//! precision at hand. A comment before a function or a step goes with it into every language.
+//! precision at hand. Some languages look at both sides of `&&` and `||`. A comment before a function or a step goes with it into every language.
 //!
 //! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in either precision, and
 //! printed by [`crate::export`]. It is the same arithmetic in the same order everywhere, so that all give the same bits.
@@ -422,6 +422,26 @@ impl Function {
         changes
     }
 
+    /// Leaves out names that are never read, if what they stand for changes nothing. Returns whether there were any.
+    fn forgets_what_nobody_reads(&mut self) -> bool {
+        let mut read = Vec::new();
+        self.expressions(&mut |expr| match expr {
+            Expr::Variable(name, _) => read.push(name.clone()),
+            Expr::At(place) | Expr::Part(place) => read.push(place.root.clone()),
+            _ => {}
+        });
+        let given: Vec<&str> = self.takes.iter().map(|p| &*p.name).collect();
+        let idle = |step: &Step| match step {
+            Step::Let(names, value) => names.iter().all(|name| !read.contains(name)) && value.changes_nothing(),
+            Step::Set(Place { root, .. }, value) => {
+                !read.contains(root) && !given.contains(&&**root) && value.changes_nothing()
+            }
+            Step::Room(name, _) => !read.contains(name),
+            _ => false,
+        };
+        forget(&mut self.steps, &idle)
+    }
+
     /// Hands the name of every function it calls to `see`.
     pub fn calls(&self, see: &mut impl FnMut(&str)) {
         self.expressions(&mut |expr| {
@@ -436,6 +456,21 @@ impl Function {
         self.steps.iter().for_each(|step| step.expressions(see));
         self.returns.iter().for_each(|expr| expr.all(see));
     }
+}
+
+/// Leaves out steps that are `idle`, however deep. Returns whether there were any.
+fn forget(steps: &mut Vec<Step>, idle: &impl Fn(&Step) -> bool) -> bool {
+    let before = steps.len();
+    steps.retain(|step| !idle(step));
+    let mut any = steps.len() < before;
+    for step in steps {
+        match step {
+            Step::If(_, yes, no) => any |= forget(yes, idle) | forget(no, idle),
+            Step::For { steps, .. } | Step::While(_, steps) => any |= forget(steps, idle),
+            _ => {}
+        }
+    }
+    any
 }
 
 impl Step {
@@ -475,6 +510,13 @@ impl Step {
 }
 
 impl Expr {
+    /// Whether no function in it is given a state, which it might change.
+    fn changes_nothing(&self) -> bool {
+        let mut states = 0;
+        self.all(&mut |expr| states += usize::from(matches!(expr, Expr::Part(_))));
+        states == 0
+    }
+
     /// Hands this expression and all its parts to `see`.
     pub fn all(&self, see: &mut impl FnMut(&Expr)) {
         see(self);

@@ -217,7 +217,7 @@ impl Reader<'_> {
             return self.choice();
         }
         if self.pass("while") {
-            return Ok(Step::While(self.expr()?, self.steps()?));
+            return Ok(Step::While(self.asked()?, self.steps()?));
         }
         if self.pass("for") {
             let name = self.name()?;
@@ -285,9 +285,16 @@ impl Reader<'_> {
         Ok(Step::Let(names, value))
     }
 
+    /// What holds or not, and changes nothing by being asked.
+    fn asked(&mut self) -> Read<Expr> {
+        let changed = self.changed.len();
+        let holds = self.expr()?;
+        if self.changed.len() > changed { self.wrong("a condition changes a state") } else { Ok(holds) }
+    }
+
     fn choice(&mut self) -> Read<Step> {
         self.expect("if")?;
-        let (holds, yes) = (self.expr()?, self.steps()?);
+        let (holds, yes) = (self.asked()?, self.steps()?);
         let no = match self.pass("else") {
             false => Vec::new(),
             true if self.is("if") => vec![self.choice()?],

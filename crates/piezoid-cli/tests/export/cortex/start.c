@@ -35,7 +35,7 @@ void start(void)
 
 uint32_t ticks(void)
 {
-    return 0xFFFFFF - *(volatile uint32_t *)0xE000E018;
+    return 0xFFFFFF - *(volatile uint32_t *)0xE000E018; /* of 24 bits */
 }
 
 __attribute__((section(".vectors"), used)) static void (*const vectors[16])(void) = {
