@@ -2,6 +2,7 @@
 
 use super::driver::Amplifier;
 use super::tuning::Tuning;
+use crate::compiler;
 use crate::console::Console;
 use crate::files;
 use crate::values::argument;
@@ -16,7 +17,9 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   C for a microcontroller, in single precision, its feed-forward within a driver's limits:
-    piezoid export --model model.json --target c --float --driver pl140 --name bender -o bender";
+    piezoid export --model model.json --target c --float --driver pl140 --name bender -o bender
+  An FMU for co-simulation, with a library for this machine where there is a C compiler:
+    piezoid export --model model.json --target fmu2 --name bender -o fmus";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -57,8 +60,8 @@ impl Export {
         let how = How { limits, ..How::default() };
         let drive = self.controller.as_deref().map(|name| self.tuned(name, &model, how)).transpose()?;
         let controller = drive.as_ref().map(Drive::controller);
-        let (single, preview) = (self.float, self.preview);
-        let wanted = Wanted { single, how, preview, controller, ..Wanted::new(&model, &self.name) };
+        let (single, preview, compiler) = (self.float, self.preview, compiler::here());
+        let wanted = Wanted { single, how, preview, controller, compiler, ..Wanted::new(&model, &self.name) };
         let made = (target.make)(&wanted).with_context(|| self.model.display().to_string())?;
         files::write_all(&self.output, &made.files)?;
         for note in &made.notes {

@@ -10,6 +10,7 @@ mod compensate;
 mod control;
 mod drive;
 mod files;
+mod fmu;
 mod joint;
 mod lists;
 mod measured;

@@ -68,7 +68,7 @@ impl C<'_> {
         out += &format!("#ifndef {guard}_H\n#define {guard}_H\n\n");
         out += &format!("#define {guard}_TS {} /* sampling period [s] */\n\n", self.real(wanted.model.ts()));
         out += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
-        for block in whole.program.blocks.iter().filter(|b| !b.fields.is_empty() && self.used(b)) {
+        for block in whole.program.blocks.iter().filter(|b| !b.fields.is_empty() && self.used(b, whole)) {
             out += &comment(&[format!("State of {}.", block.about)], "");
             out += "typedef struct {\n";
             for field in &block.fields {
@@ -94,9 +94,10 @@ impl C<'_> {
     }
 
     /// Whether the state of a block is that of an entry, or within one.
-    fn used(&self, block: &Block) -> bool {
-        let holds = |outer: &Block| outer.fields.iter().any(|f| f.holds == Holds::Block(block.name.clone()));
-        ["state", "ff_state", "control_state"].contains(&block.name.as_str()) || self.program.blocks.iter().any(holds)
+    fn used(&self, block: &Block, whole: &Whole) -> bool {
+        let within = Holds::Block(block.name.clone());
+        let holds = |outer: &Block| outer.fields.iter().any(|f| f.holds == within) && self.used(outer, whole);
+        whole.entries.iter().any(|entry| entry.state == block.name) || self.program.blocks.iter().any(holds)
     }
 
     fn prototype(&self, entry: &Entry) -> String {

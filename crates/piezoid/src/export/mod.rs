@@ -4,6 +4,7 @@
 //! order, same bits. Nothing that is written holds a date or a path.
 
 mod c;
+mod fmu;
 mod language;
 mod readme;
 mod rust;
@@ -35,13 +36,25 @@ pub struct Wanted<'w> {
     pub controller: Option<&'w dyn Controller>,
     /// The wanted displacement, for targets that are a table of voltages [output unit].
     pub reference: Option<&'w [f64]>,
+    /// What compiles C for targets that take a library with them, if there is such a thing.
+    pub compiler: Option<Compiler>,
 }
 
 impl<'w> Wanted<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
     pub fn new(model: &'w Model, name: &'w str) -> Self {
-        Wanted { model, name, single: false, how: How::default(), preview: 0, controller: None, reference: None }
+        let how = How::default();
+        Wanted { model, name, single: false, how, preview: 0, controller: None, reference: None, compiler: None }
     }
+}
+
+/// A C compiler, which only a front end can run.
+#[derive(Debug, Clone, Copy)]
+pub struct Compiler {
+    /// For which machines, as FMI 3.0 names them: `x86_64-linux`.
+    pub platform: &'static str,
+    /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same files.
+    pub run: fn(&[File]) -> Result<Vec<u8>, Error>,
 }
 
 /// A file to write.
@@ -88,7 +101,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET, simulink::TARGET, st::TARGET, rust::TARGET];
+pub static TARGETS: &[Target] = &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET];
 
 /// The target called `name`.
 ///

@@ -1,0 +1,42 @@
+//! The C compiler of this machine, for exports that take a library with them.
+
+use piezoid::Error;
+use piezoid::export::{Compiler, File};
+use std::ffi::OsString;
+use std::process::Command;
+
+/// The compiler, where `cc` is one that is known to make the same library of the same sources: on Linux.
+pub(crate) fn here() -> Option<Compiler> {
+    let platform = match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "x86_64") => "x86_64-linux",
+        ("linux", "aarch64") => "aarch64-linux",
+        _ => return None,
+    };
+    let there = Command::new("cc").arg("--version").output().is_ok_and(|told| told.status.success());
+    there.then_some(Compiler { platform, run: library })
+}
+
+/// C99 as it is written, position-independent, with the marked functions alone to be seen.
+const FLAGS: &[&str] = &["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"];
+
+/// No symbols, no identity of the build: nothing that could tell where or when.
+const PLAIN: &[&str] = &["-s", "-Wl,--build-id=none"];
+
+/// Compiles in a folder that goes away, by names without a folder, so that none of it is in the library.
+fn library(files: &[File]) -> Result<Vec<u8>, Error> {
+    let failed = |error: std::io::Error| Error::Content(format!("the C compiler could not be run: {error}"));
+    let folder = tempfile::Builder::new().prefix("piezoid-").tempdir().map_err(failed)?;
+    for file in files {
+        std::fs::write(folder.path().join(&file.path), &file.bytes).map_err(failed)?;
+    }
+    let sources = files.iter().filter(|file| file.path.ends_with(".c")).map(|file| OsString::from(&file.path));
+    let mut cc = Command::new("cc");
+    cc.current_dir(folder.path()).args(FLAGS).args(PLAIN).args(sources).args(["-o", "library"]);
+    let told = cc.output().map_err(failed)?;
+    if !told.status.success() {
+        let why = String::from_utf8_lossy(&told.stderr);
+        let first = why.lines().find(|line| line.contains("error")).unwrap_or("it did not say why");
+        return Err(Error::Content(format!("the C compiler refuses them: {first}")));
+    }
+    std::fs::read(folder.path().join("library")).map_err(failed)
+}
