@@ -20,4 +20,5 @@ mod proof;
 mod quality;
 mod study;
 mod usage;
+mod waveform;
 mod workflow;

@@ -6,8 +6,10 @@
 mod c;
 mod language;
 mod readme;
+mod waveform;
 mod whole;
 
+pub use waveform::Playback;
 pub use whole::{Entry, Signal, Whole};
 
 use crate::compensation::How;
@@ -30,14 +32,17 @@ pub struct Wanted<'w> {
     pub preview: usize,
     /// The controller to go with it, if any.
     pub controller: Option<&'w dyn Controller>,
-    /// The wanted displacement, for targets that are a table of voltages [output unit].
+    /// The wanted displacement, for targets that are a table of voltages [output unit]; others do without.
     pub reference: Option<&'w [f64]>,
+    /// How controllers play such a table.
+    pub playback: Playback,
 }
 
 impl<'w> Wanted<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
     pub fn new(model: &'w Model, name: &'w str) -> Self {
-        Wanted { model, name, single: false, how: How::default(), preview: 0, controller: None, reference: None }
+        let (how, playback) = (How::default(), Playback::default());
+        Wanted { model, name, single: false, how, preview: 0, controller: None, reference: None, playback }
     }
 }
 
@@ -85,7 +90,7 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET];
+pub static TARGETS: &[Target] = &[c::TARGET, waveform::TARGET];
 
 /// The target called `name`.
 ///
