@@ -56,10 +56,12 @@ impl Drive {
         // The plant is the model, so that its inverse is right: no caution.
         let whole_steps = Learning { trials: TRIALS, gain: 1.0, cutoff_hz: None };
         let learned = learn(&mut |u| answer(model, u).y, &inverse, &r, whole_steps)?;
-        let joined = [learned.u.as_slice(), &learned.u[..1]].concat();
+        // A step back to the beginning that is too fast goes on into it.
+        let u = if how.clip { how.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n) } else { learned.u };
+        let joined = [u.as_slice(), &u[..1]].concat();
         how.limits.refuse(&joined, model.ts())?;
         notes.extend(inverse.beyond(&joined));
-        Ok(Drive { r, u: learned.u, notes })
+        Ok(Drive { r, u, notes })
     }
 }
 

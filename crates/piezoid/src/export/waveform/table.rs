@@ -3,8 +3,8 @@
 //! ```text
 //! v_j = mean of u over the time that point j is held,    period = points x cycles a point x cycle
 //! ```
-//! Of all held voltages the mean is nearest to the drive, by least squares; it stays within every limit of voltage, slew and current
-//! that the drive keeps, and rounds alike everywhere. Where a sample of the drive lasts whole cycles and all fit in, the table is
+//! Of all held voltages the mean is nearest to the drive, by least squares; where a point lasts a sample or longer, it stays
+//! within every limit of voltage, slew and current that the drive keeps. Where a sample of the drive lasts whole cycles and all fit in, the table is
 //! the drive. Else the period that is met best decides, then whole samples a point, then the number of points.
 //!
 //! What a model makes of a table is its answer to the mean of the held voltage in each of its samples: exact where points last
@@ -193,8 +193,8 @@ mod tests {
         assert_eq!(ROOM.shape(2000, 5e-4).unwrap(), (1000, 20));
         // 15000 cycles in 1000 points would be 1.5 samples each.
         assert_eq!(ROOM.shape(1500, 5e-4).unwrap(), (750, 20));
-        // A sample of 2.5 cycles: two of them to a point.
-        assert_eq!(ROOM.shape(100, 1.25e-4).unwrap(), (50, 5));
+        // A sample of 2.5 cycles: points are shorter, rather than half as many as there are samples.
+        assert_eq!(ROOM.shape(100, 1.25e-4).unwrap(), (250, 1));
     }
 
     #[test]

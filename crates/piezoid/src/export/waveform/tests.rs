@@ -86,24 +86,24 @@ fn the_errors_stated_are_those_of_the_files_read_back_and_played() {
     for (name, n) in [("prandtl-ishlinskii", 120), ("preisach", 2200), ("prandtl-ishlinskii", 1999)] {
         let (model, r) = (model(name, "um", 1.0), sine(n, 400.0));
         let made = made(&model, &r);
-        // The drive to 0.1 mV, four times in each cycle of 50 us.
+        // The drive to 0.1 mV, forty times in each cycle of 50 us.
         let u = column(text(&made, "scan.csv"), 1);
         let fine =
-            |t: usize, of: f64, points: &[f64]| points[((t as f64 + 0.5) * 1.25e-5 / of) as usize % points.len()];
+            |t: usize, of: f64, points: &[f64]| points[((t as f64 + 0.5) * 1.25e-6 / of) as usize % points.len()];
         for file in ["scan_gcs.txt", "scan_nv200.txt"] {
             let (points, held) = played(text(&made, file));
             let says = stated(&made, file);
             let period = points.len() as f64 * held;
             assert_close(&[says[0]], &[100.0 * (period / (n as f64 * TS) - 1.0)], 1e-3, 1e-9);
             // At the same phase, whatever the period.
-            let samples = n * 40;
+            let samples = n * 400;
             let slower = period / (n as f64 * TS);
             let both: (Vec<f64>, Vec<f64>) =
                 (0..samples).map(|t| (fine(t, held / slower, &points), fine(t, TS, &u))).unzip();
             let lost = share(&both.0, &both.1);
             assert_close(&says[1..3], &lost, 0.02, 1e-3);
             // As the model sees it, from standing still until creep of 10 s is over.
-            let seen: Vec<f64> = both.0.chunks(40).map(|sample| sample.iter().sum::<f64>() / 40.0).collect();
+            let seen: Vec<f64> = both.0.chunks(400).map(|sample| sample.iter().sum::<f64>() / 400.0).collect();
             let mut x = model.settled(seen[0]);
             (0..400_000 / n).for_each(|_| drop(model.resume(&mut x, &seen)));
             assert_close(&says[3..5], &share(&model.resume(&mut x, &seen), &r), 0.05, 2e-4);
