@@ -8,7 +8,8 @@
 //! the drive. Else the period that is met best decides, then whole samples a point, then the number of points.
 //!
 //! What a model makes of a table is its answer to the mean of the held voltage in each of its samples: exact where points last
-//! whole samples; where they do not, what happens within a sample is not told.
+//! whole samples; where they do not, what happens within a sample is not told. Of points that are shorter than a sample, those
+//! wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
 
 use super::drive::{Answer, Drive, answer};
 use crate::error::Error;
@@ -54,7 +55,8 @@ impl Room {
         }
         let cycles = |points: usize| ((all / points as f64).round().max(1.0) as usize).min(self.cycles);
         let missed = |points: usize| ((points * cycles(points)) as f64 / all - 1.0).abs() / NONE;
-        let best = (most.div_ceil(2).max(2)..=most).rev().min_by_key(|&p| (missed(p).round() as u64, n % p != 0));
+        let best =
+            (most.div_ceil(2).max(2)..=most).rev().min_by_key(|&p| (missed(p).round() as u64, !n.is_multiple_of(p)));
         let points = best.unwrap_or(most);
         Ok((points, cycles(points)))
     }
@@ -86,7 +88,7 @@ impl Table {
         // Adding 0 takes the sign from -0.
         let digits = 10f64.powi(decimals as i32);
         let rounded = |v: f64| (digits * (v - zero) / scale).round() / digits + 0.0;
-        let values: Vec<f64> = means(u, points).into_iter().map(rounded).collect();
+        let values: Vec<f64> = fitted(u, points).into_iter().map(rounded).collect();
         Ok(Table {
             written: values.iter().map(|value| format!("{value:.decimals$}")).collect(),
             held: values.iter().map(|value| zero + scale * value).collect(),
@@ -151,6 +153,19 @@ impl Share {
             errors.fold((0.0, 0.0f64), |(sum, most), (e, weight)| (sum + weight * e * e, most.max(e.abs())));
         Share { rms: 100.0 * squares.sqrt() / (high - low), largest: 100.0 * largest / (high - low) }
     }
+}
+
+/// The `n` points for the drive `u`: its means, and where they are shorter than its samples, corrected for these.
+fn fitted(u: &[f64], n: usize) -> Vec<f64> {
+    let mut points = means(u, n);
+    let missing: Vec<f64> = u.iter().zip(means(&points, u.len())).map(|(u, mean)| u - mean).collect();
+    let inside = || overlaps(u.len(), n).filter(|(_, _, length)| *length == u.len());
+    let mut share = vec![0.0; u.len()];
+    inside().for_each(|(i, _, length)| share[i] += length as f64 / n as f64);
+    inside().for_each(|(i, j, _)| points[j] += missing[i] / share[i]);
+    // A turn of the drive is not to be passed, as it may be a limit.
+    let (low, high) = ends(u.iter().copied());
+    points.iter().map(|v| v.clamp(low, high)).collect()
 }
 
 /// The means of `x`, held over equal parts of a period, over `n` equal parts of it.
@@ -226,6 +241,17 @@ mod tests {
             assert!(step(&held) <= step(&u) * (91.0 / n as f64).max(1.0) + 1e-9);
         }
         assert_close(&means(&[1.0, 2.0, 4.0], 2), &[4.0 / 3.0, 10.0 / 3.0], 1e-15, 0.0);
+    }
+
+    #[test]
+    fn points_shorter_than_a_sample_keep_its_mean_but_pass_no_turn() {
+        let u: Vec<f64> = (0..100).map(|t| (std::f64::consts::TAU * f64::from(t) / 100.0).sin()).collect();
+        let off = |points: &[f64]| means(points, 100).iter().zip(&u).map(|(v, u)| (v - u).abs()).fold(0.0, f64::max);
+        let points = fitted(&u, 250);
+        assert!(off(&means(&u, 250)) > 5e-3 && off(&points) < 3e-4, "{}", off(&points));
+        assert_eq!(ends(points), ends(u.iter().copied()));
+        assert_eq!(fitted(&u, 100), u);
+        assert_eq!(fitted(&u, 50), means(&u, 50));
     }
 
     #[test]
