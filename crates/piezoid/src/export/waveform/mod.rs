@@ -6,8 +6,8 @@
 //! The drive is that of the steady state: both it and what the model answers repeat, creep included. Tables are rounded to the
 //! digits that are written, and what this and the holding cost is measured on the numbers in the file and stated.
 //!
-//! Voltages come from Fourier transforms, whose last digits may differ from one machine to another; those that are written do not, unless
-//! one lies on the edge of rounding.
+//! Voltages come from Fourier transforms, whose last digits may differ from one machine to another; those that are written
+//! do not, unless one lies on the edge of rounding.
 //!
 //! Reference: as [`drive`], [`table`], [`gcs`] and [`nv200`]. It does not do: closed loop, and the way from standing still
 //! into the waveform.
@@ -52,7 +52,8 @@ pub(super) const TARGET: Target = Target {
 pub struct Playback {
     /// Servo cycle of the GCS controller [s].
     pub servo_cycle: f64,
-    /// The voltages that are 0 % and 100 % for the NV200 amplifier, in those of the model's input [V]; without them there is no file for it.
+    /// The voltages that are 0 % and 100 % for the NV200 amplifier, counted as the model's input does [V]; without them
+    /// there is no file for it.
     pub range: Option<(f64, f64)>,
 }
 

@@ -11,10 +11,10 @@
 //! modsrc,3              the generator is the setpoint
 //! grun,1                now
 //! ```
-//! In open loop the setpoint is a voltage, of which 0 % and 100 % are the ends that the amplifier answers to `avmin` and `avmax`, and
-//! which belong to the actuator that is plugged in. That these are the ends of the percentage is not said where its commands are
-//! listed; it is so in piezosystem jena's nano box USB, whose generators count in percent of the range of the voltage. The
-//! language has no comments, so that the file has none: every line can be sent as it is, with a carriage return at its end.
+//! In open loop the setpoint is a voltage, of which 0 % and 100 % are taken for the ends that the amplifier answers to `avmin`
+//! and `avmax`, and which belong to the actuator that is plugged in. The list of its commands does not say so; generators in
+//! the nano box USB of the same maker count in percent of the range of the voltage. The language has no comments, so that the
+//! file has none: every line can be sent as it is, with a carriage return at its end.
 //!
 //! Reference: NV200/D NET instruction manual, command list (section 8.5); piezosystem jena's nv200-python-lib (`NV200Device`,
 //! `WaveformGenerator`); nano box USB manual, section 9.1.1.23. It does not do: closed loop, `gparb` in micrometres, which is
@@ -67,7 +67,8 @@ mod tests {
         let table = table(&[-20.0, 55.0, 130.0], 1e-3, (-20.0, 130.0)).unwrap();
         assert_eq!(
             commands(&table),
-            "cl,0\ngtarb,20\ngbarb,0,0.0000\ngbarb,1,50.0000\ngbarb,2,100.0000\ngsarb,0\ngearb,2\ngoarb,0\ngcarb,0\nmodsrc,3\ngrun,1\n"
+            "cl,0\ngtarb,20\ngbarb,0,0.0000\ngbarb,1,50.0000\ngbarb,2,100.0000\n\
+             gsarb,0\ngearb,2\ngoarb,0\ngcarb,0\nmodsrc,3\ngrun,1\n"
         );
         assert_eq!(table.held, [-20.0, 55.0, 130.0]);
     }

@@ -3,13 +3,14 @@
 //! ```text
 //! v_j = mean of u over the time that point j is held,    period = points x cycles a point x cycle
 //! ```
-//! Of all held voltages the mean is nearest to the drive, by least squares; where a point lasts a sample or longer, it stays
-//! within every limit of voltage, slew and current that the drive keeps. Where a sample of the drive lasts whole cycles and all fit in, the table is
-//! the drive. Else the period that is met best decides, then whole samples a point, then the number of points.
+//! Of all held voltages the mean is nearest to the drive, by least squares; where a point lasts a sample or longer, it
+//! stays within every limit of voltage, slew and current that the drive keeps. Where a sample of the drive lasts whole
+//! cycles and all fit in, the table is the drive. Else the period that is met best decides, then whole samples a point,
+//! then the number of points.
 //!
-//! What a model makes of a table is its answer to the mean of the held voltage in each of its samples: exact where points last
-//! whole samples; where they do not, what happens within a sample is not told. Of points that are shorter than a sample, those
-//! wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
+//! What a model makes of a table is its answer to the mean of the held voltage in each of its samples: exact where points
+//! last whole samples; where they do not, what happens within a sample is not told. Of points that are shorter than a
+//! sample, those wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
 
 use super::drive::{Answer, Drive, answer};
 use crate::error::Error;
@@ -75,8 +76,11 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// The drive `u` [V], every `ts` [s], as a controller with this room holds it: `decimals` digits of what stands for `scale` volts
-    /// each, from `zero` volts on.
+    /// The drive `u` [V], every `ts` [s], as a controller with this room holds it: numbers with so many decimals, of which
+    /// 0 stands for `zero` volts and 1 for `scale` volts more.
+    ///
+    /// # Errors
+    /// As [`Room::shape`].
     pub(super) fn new(
         room: Room,
         u: &[f64],
