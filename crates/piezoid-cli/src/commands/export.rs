@@ -4,14 +4,14 @@ use super::driver::Amplifier;
 use super::tuning::Tuning;
 use crate::compiler;
 use crate::console::Console;
-use crate::files;
-use crate::values::argument;
-use anyhow::{Context, Result};
+use crate::files::{self, Columns};
+use crate::values::{Misused, argument, period};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::Model;
 use piezoid::compensation::How;
 use piezoid::control::{Drive, Scheme, controller};
-use piezoid::export::{Wanted, target};
+use piezoid::export::{Playback, Wanted, target};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -19,7 +19,10 @@ Examples:
   C for a microcontroller, in single precision, its feed-forward within a driver's limits:
     piezoid export --model model.json --target c --float --driver pl140 --name bender -o bender
   An FMU for co-simulation, with a library for this machine where there is a C compiler:
-    piezoid export --model model.json --target fmu2 --name bender -o fmus";
+    piezoid export --model model.json --target fmu2 --name bender -o fmus
+  One period of a path as a wave table for controllers:
+    piezoid export --model model.json --target waveform --reference r.csv --range -20 130 \\
+        --name scan -o scan";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -47,27 +50,74 @@ pub(crate) struct Export {
     controller: Option<String>,
     #[command(flatten)]
     tuning: Tuning,
+    /// One period of the wanted displacement, for the target waveform.
+    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Waveforms")]
+    reference: Option<PathBuf>,
+    /// Come as close to it as the limits allow instead of refusing.
+    #[arg(long, requires = "reference")]
+    #[arg(help_heading = "Waveforms")]
+    clip: bool,
+    /// Servo cycle of the GCS controller [default: 5e-5].
+    #[arg(long, value_name = "SECONDS", requires = "reference", value_parser = period, allow_negative_numbers = true)]
+    #[arg(help_heading = "Waveforms")]
+    servo_cycle: Option<f64>,
+    /// The voltages that are 0 % and 100 % for the NV200 amplifier: what it answers to avmin and avmax.
+    #[arg(long, num_args = 2, value_names = ["LOW", "HIGH"], requires = "reference", allow_negative_numbers = true)]
+    #[arg(help_heading = "Waveforms")]
+    range: Option<Vec<f64>>,
+    #[command(flatten)]
+    columns: Columns,
     /// The folder to write to; made if it is not there.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
 }
 
+/// The target that is a table of voltages for a reference.
+const WAVEFORM: &str = "waveform";
+
 impl Export {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let target = argument(target(&self.target))?;
+        if self.reference.is_some() != (target.name == WAVEFORM) {
+            bail!(Misused(format!("--reference goes with --target {WAVEFORM}, which needs it, and with no other")));
+        }
         let limits = self.amplifier.limits()?.unwrap_or_default();
         let model = files::model(&self.model)?;
-        let how = How { limits, ..How::default() };
+        let how = How { limits, clip: self.clip, ..How::default() };
+        let reference = self.reference.as_deref().map(|path| self.columns.reference(path, &model)).transpose()?;
         let drive = self.controller.as_deref().map(|name| self.tuned(name, &model, how)).transpose()?;
         let controller = drive.as_ref().map(Drive::controller);
         let (single, preview, compiler) = (self.float, self.preview, compiler::here());
-        let wanted = Wanted { single, how, preview, controller, compiler, ..Wanted::new(&model, &self.name) };
-        let made = (target.make)(&wanted).with_context(|| self.model.display().to_string())?;
+        let (reference, playback) = (reference.as_deref(), self.playback());
+        let wanted = Wanted {
+            single,
+            how,
+            preview,
+            controller,
+            compiler,
+            reference,
+            playback,
+            ..Wanted::new(&model, &self.name)
+        };
+        let made = (target.make)(&wanted).map_err(|e| self.amplifier.advised(e)).with_context(|| self.source())?;
         files::write_all(&self.output, &made.files)?;
         for note in &made.notes {
             console.remark(note);
         }
         Ok(())
+    }
+
+    /// The file that an error is about: of a drive it is the reference that asks too much.
+    fn source(&self) -> String {
+        self.reference.as_ref().unwrap_or(&self.model).display().to_string()
+    }
+
+    /// How controllers play a table.
+    fn playback(&self) -> Playback {
+        let Playback { servo_cycle, .. } = Playback::default();
+        let range = self.range.as_deref().and_then(|range| Some((*range.first()?, *range.last()?)));
+        Playback { servo_cycle: self.servo_cycle.unwrap_or(servo_cycle), range }
     }
 
     /// The controller of this name for the model.

@@ -21,4 +21,5 @@ mod proof;
 mod quality;
 mod study;
 mod usage;
+mod waveform;
 mod workflow;

@@ -336,8 +336,15 @@ impl FeedForward {
                 "at {jumped} of {n} samples the hysteresis block jumps past what is wanted: the nearest is taken"
             ));
         }
+        notes.extend(self.beyond(&run.u));
+        notes
+    }
+
+    /// What the voltages `u` have that the model was not identified on.
+    pub(crate) fn beyond(&self, u: &[f64]) -> Vec<String> {
+        let mut notes = Vec::new();
         if let Some(known) = self.model.identified() {
-            let used = Domain::of_input(&run.u, self.model.ts());
+            let used = Domain::of_input(u, self.model.ts());
             let input = &self.model.units().u;
             let [low, high, known_low, known_high] = [used.u[0], used.u[1], known.u[0], known.u[1]].map(round);
             if used.u[0] < known.u[0] || used.u[1] > known.u[1] {

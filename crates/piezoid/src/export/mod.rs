@@ -10,8 +10,10 @@ mod readme;
 mod rust;
 mod simulink;
 mod st;
+mod waveform;
 mod whole;
 
+pub use waveform::Playback;
 pub use whole::{Entry, Signal, Whole};
 
 use crate::compensation::How;
@@ -34,17 +36,20 @@ pub struct Wanted<'w> {
     pub preview: usize,
     /// The controller to go with it, if any.
     pub controller: Option<&'w dyn Controller>,
-    /// The wanted displacement, for targets that are a table of voltages [output unit].
+    /// The wanted displacement, for targets that are a table of voltages [output unit]; others do without.
     pub reference: Option<&'w [f64]>,
     /// What compiles C for targets that take a library with them, if there is such a thing.
     pub compiler: Option<Compiler>,
+    /// How controllers play such a table.
+    pub playback: Playback,
 }
 
 impl<'w> Wanted<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
     pub fn new(model: &'w Model, name: &'w str) -> Self {
-        let how = How::default();
-        Wanted { model, name, single: false, how, preview: 0, controller: None, reference: None, compiler: None }
+        let (how, playback) = (How::default(), Playback::default());
+        let (single, preview, controller, reference, compiler) = (false, 0, None, None, None);
+        Wanted { model, name, single, how, preview, controller, reference, compiler, playback }
     }
 }
 
@@ -101,7 +106,8 @@ impl std::fmt::Debug for Target {
 }
 
 /// The targets there are.
-pub static TARGETS: &[Target] = &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET];
+pub static TARGETS: &[Target] =
+    &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET, waveform::TARGET];
 
 /// The target called `name`.
 ///
