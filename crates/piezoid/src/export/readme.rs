@@ -63,7 +63,7 @@ pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> Str
         );
     }
     out += &format!(
-        "\nOperations on `{number}` a sample, on average along the vectors of the self-test and at most; constants take {} bytes. On a Cortex-M4F count about \
+        "\nOperations on `{number}` a sample, on average along the vectors of the self-test and at most; constants take {} bytes. On a Cortex-M4F count two to \
          four instructions to an operation.\n\n",
         constants(whole) * bytes(wanted.single),
     );
