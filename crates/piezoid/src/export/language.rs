@@ -35,8 +35,24 @@ pub(super) trait Language {
     /// A real number as a whole one.
     fn to_whole(&self, value: String) -> String;
 
-    /// What stands between two; whether they are whole.
-    fn between(&self, op: Op, whole: bool) -> &'static str;
+    /// What stands between two, which are whole or not; as in C unless it has others.
+    fn between(&self, op: Op, _whole: bool) -> &'static str {
+        match op {
+            Op::Add => "+",
+            Op::Subtract => "-",
+            Op::Multiply => "*",
+            Op::Divide => "/",
+            Op::Remainder => "%",
+            Op::Less => "<",
+            Op::AtMost => "<=",
+            Op::More => ">",
+            Op::AtLeast => ">=",
+            Op::Equal => "==",
+            Op::Unequal => "!=",
+            Op::And => "&&",
+            Op::Or => "||",
+        }
+    }
 
     /// A quotient of two whole numbers or what it leaves, where nothing stands between them.
     fn divided(&self, _op: Op, _left: &str, _right: &str) -> Option<String> {
@@ -56,7 +72,9 @@ pub(super) trait Language {
     fn room(&self, name: &str, n: usize) -> Vec<String>;
 
     /// A new value for what has a name.
-    fn set(&self, place: String, value: String) -> String;
+    fn set(&self, place: String, value: String) -> String {
+        format!("{place} = {value};")
+    }
 
     /// A new value for what stands at a place.
     fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
@@ -81,8 +99,10 @@ pub(super) trait Language {
     /// The beginning of a loop.
     fn as_long_as(&self, holds: String) -> String;
 
-    /// The end of what these begin.
-    fn end(&self, begun: Begun) -> &'static str;
+    /// The end of what these begin; as in C unless it has others.
+    fn end(&self, _begun: Begun) -> &'static str {
+        "}"
+    }
 
     /// The spaces of a level.
     fn indent(&self) -> &'static str {
@@ -106,6 +126,14 @@ pub(super) struct Words<'w> {
 }
 
 impl Words<'_> {
+    /// Whether a call gives something, which then nobody takes.
+    pub(super) fn gives(&self, call: &Expr) -> bool {
+        match call {
+            Expr::Call(name, _) => self.program.function(name).is_some_and(|f| !f.returns.is_empty()),
+            _ => true,
+        }
+    }
+
     /// The steps, one line each, `depth` levels deep.
     pub(super) fn steps(&self, steps: &[Step], depth: usize) -> String {
         let indent = self.language.indent().repeat(depth);

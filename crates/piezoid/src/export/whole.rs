@@ -126,7 +126,24 @@ impl Whole {
         }
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
-        Ok(whole)
+        if wanted.single { whole.held_in_single().map(|()| whole) } else { Ok(whole) }
+    }
+
+    /// Refuses constants that single precision has no number for.
+    fn held_in_single(&self) -> Result<(), Error> {
+        let beyond = |v: &&f64| !(**v as f32).is_finite();
+        for block in &self.program.blocks {
+            for constant in &block.constants {
+                if let Some(value) = constant.values.iter().find(beyond) {
+                    let because = format!(
+                        "{} of its {} is {value}, beyond what a float holds; take double",
+                        constant.name, block.name
+                    );
+                    return Err(Error::Unsuited { what: "export in single precision".into(), because });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// What each entry answers to inputs that wander through what the model knows; in single precision, what that gives.

@@ -2,7 +2,7 @@
 
 use super::{RESERVED, Rust, constant_of, type_of};
 use crate::export::c::shortest;
-use crate::export::language::{Begun, Language, Words};
+use crate::export::language::{Language, Words};
 use crate::program::{Block, Expr, Function, Limit, Op, Place, Step};
 
 /// A function on its way into Rust.
@@ -121,24 +121,6 @@ impl Language for Inside<'_> {
         format!("whole({value})")
     }
 
-    fn between(&self, op: Op, _: bool) -> &'static str {
-        match op {
-            Op::Add => "+",
-            Op::Subtract => "-",
-            Op::Multiply => "*",
-            Op::Divide => "/",
-            Op::Remainder => "%",
-            Op::Less => "<",
-            Op::AtMost => "<=",
-            Op::More => ">",
-            Op::AtLeast => ">=",
-            Op::Equal => "==",
-            Op::Unequal => "!=",
-            Op::And => "&&",
-            Op::Or => "||",
-        }
-    }
-
     fn note(&self, text: &str) -> String {
         format!("// {text}")
     }
@@ -168,10 +150,6 @@ impl Language for Inside<'_> {
 
     fn room(&self, name: &str, n: usize) -> Vec<String> {
         vec![format!("{} = [0.0; {n}];", self.made(name))]
-    }
-
-    fn set(&self, place: String, value: String) -> String {
-        format!("{place} = {value};")
     }
 
     fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
@@ -215,9 +193,5 @@ impl Language for Inside<'_> {
 
     fn as_long_as(&self, holds: String) -> String {
         format!("while {holds} {{")
-    }
-
-    fn end(&self, _: Begun) -> &'static str {
-        "}"
     }
 }

@@ -120,10 +120,7 @@ impl Language for Inside<'_> {
 
     fn done(&self, call: &Expr, words: &Words) -> String {
         // Not every edition has calls whose results nobody takes.
-        let gives = match call {
-            Expr::Call(name, _) => words.program.function(name).is_some_and(|f| !f.returns.is_empty()),
-            _ => true,
-        };
+        let gives = words.gives(call);
         format!("{} := {};", self.names.get(if gives { UNUSED } else { DONE }), words.expr(call))
     }
 

@@ -3,12 +3,14 @@
 //! Every function is static but those of the interface; states are structs, which the caller owns; tables are constant. Arithmetic is
 //! that of the model here, in the same order, so that in double precision and without contraction the bits are the same.
 
-use super::language::{Begun, Language, Words, less_one};
+mod inside;
+
+use super::language::{Language, Words};
 use super::readme::readme;
 use super::whole::{Entry, Vectors, Whole};
 use super::{File, Made, Target, Wanted, named};
 use crate::error::Error;
-use crate::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Op, Place, Program};
+use crate::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Program};
 use crate::system::System;
 
 pub(super) const TARGET: Target = Target {
@@ -278,24 +280,6 @@ impl C<'_> {
     fn state(&self, block: &str) -> String {
         self.own(&if block.ends_with("state") { block.into() } else { format!("{block}_state") })
     }
-
-    fn pointed(&self, function: &Function, root: &str) -> bool {
-        function.takes.iter().any(|p| p.name == root)
-    }
-
-    fn kind(&self, function: &Function, place: &Place) -> bool {
-        // Only states are handed by address.
-        self.pointed(function, &place.root) && place.path.is_empty()
-    }
-
-    fn arguments(&self, arguments: &[Expr], words: &Words) -> Vec<String> {
-        let argument = |a: &Expr| match a {
-            Expr::Part(place) if self.kind(words.function, place) => place.root.clone(),
-            Expr::Part(place) => format!("&{}", self.place(place, words)),
-            a => words.expr(a),
-        };
-        arguments.iter().map(argument).collect()
-    }
 }
 
 /// `text` as the beginning of a page has it.
@@ -327,139 +311,4 @@ pub(super) fn wrapped(values: &[String]) -> String {
 /// The shortest text that is read back as this number.
 pub(super) fn shortest(value: f64, single: bool) -> String {
     if single { format!("{:?}", value as f32) } else { format!("{value:?}") }
-}
-
-impl Language for C<'_> {
-    fn single(&self) -> bool {
-        self.single
-    }
-
-    fn real(&self, value: f64) -> String {
-        format!("{}{}", shortest(value, self.single), if self.single { "f" } else { "" })
-    }
-
-    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
-        let name = self.own(&format!("{}_{name}", block.name));
-        index.map_or(name.clone(), |index| format!("{name}[{}]", words.expr(index)))
-    }
-
-    fn place(&self, place: &Place, words: &Words) -> String {
-        let mut text = place.root.clone();
-        for (k, field) in place.path.iter().enumerate() {
-            text += if k == 0 && self.pointed(words.function, &place.root) { "->" } else { "." };
-            text += field;
-        }
-        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
-        text
-    }
-
-    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
-        format!("{}({})", self.own(name), self.arguments(arguments, words).join(", "))
-    }
-
-    fn to_real(&self, value: String) -> String {
-        format!("({})({value})", self.number())
-    }
-
-    fn to_whole(&self, value: String) -> String {
-        format!("(int)({value})")
-    }
-
-    fn between(&self, op: Op, _: bool) -> &'static str {
-        match op {
-            Op::Add => "+",
-            Op::Subtract => "-",
-            Op::Multiply => "*",
-            Op::Divide => "/",
-            Op::Remainder => "%",
-            Op::Less => "<",
-            Op::AtMost => "<=",
-            Op::More => ">",
-            Op::AtLeast => ">=",
-            Op::Equal => "==",
-            Op::Unequal => "!=",
-            Op::And => "&&",
-            Op::Or => "||",
-        }
-    }
-
-    fn note(&self, text: &str) -> String {
-        format!("/* {} */", text.replace("*/", "* /"))
-    }
-
-    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
-        let (Some((first, rest)), kind) = (names.split_first(), if value.whole() { "int" } else { self.number() })
-        else {
-            return Vec::new();
-        };
-        let zero = self.real(0.0);
-        let mut lines: Vec<String> = rest.iter().map(|name| format!("{kind} {name} = {zero};")).collect();
-        let value = match value {
-            Expr::Call(function, arguments) if !rest.is_empty() => {
-                let given = self.arguments(arguments, words);
-                let given: Vec<String> = given.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
-                format!("{}({})", self.own(function), given.join(", "))
-            }
-            value => words.expr(value),
-        };
-        // C99 knows no constants among its variables, but who reads it should.
-        let changed = words.function.changes(first);
-        lines.push(format!("{}{kind} {first} = {value};", if changed { "" } else { "const " }));
-        lines
-    }
-
-    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
-        let from = if self.kind(words.function, of) { format!("*{}", of.root) } else { self.place(of, words) };
-        let copy = format!("{} {name} = {from};", self.state(block));
-        if !zero {
-            return vec![copy];
-        }
-        // No aggregate is initialised: compilers disagree on the braces.
-        let clear = self.cleared(block, &format!("{name}."));
-        std::iter::once(format!("{} {name};", self.state(block))).chain(clear).collect()
-    }
-
-    fn room(&self, name: &str, n: usize) -> Vec<String> {
-        vec![format!("{} {name}[{n}] = {{{}}};", self.number(), self.real(0.0))]
-    }
-
-    fn set(&self, place: String, value: String) -> String {
-        format!("{place} = {value};")
-    }
-
-    fn done(&self, call: &Expr, words: &Words) -> String {
-        let gives = match call {
-            Expr::Call(name, _) => words.program.function(name).is_some_and(|f| !f.returns.is_empty()),
-            _ => true,
-        };
-        format!("{}{};", if gives { "(void)" } else { "" }, words.expr(call))
-    }
-
-    fn if_holds(&self, holds: String) -> String {
-        format!("if ({holds}) {{")
-    }
-
-    fn else_if(&self, holds: String) -> String {
-        format!("}} else if ({holds}) {{")
-    }
-
-    fn or_else(&self) -> String {
-        "} else {".into()
-    }
-
-    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
-        let (first, last, to) = (words.expr(from), words.expr(&less_one(to)), words.expr(to));
-        match down {
-            false => format!("for (int {name} = {first}; {name} < {to}; {name}++) {{"),
-            true => format!("for (int {name} = {last}; {name} >= {first}; {name}--) {{"),
-        }
-    }
-
-    fn as_long_as(&self, holds: String) -> String {
-        format!("while ({holds}) {{")
-    }
-
-    fn end(&self, _: Begun) -> &'static str {
-        "}"
-    }
 }

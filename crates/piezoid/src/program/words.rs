@@ -1,0 +1,72 @@
+//! The words of a program: names, numbers, signs, comments.
+
+use crate::error::Error;
+
+/// A word.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Word {
+    Name(String),
+    Real(f64),
+    Whole(usize),
+    Sign(&'static str),
+    Note(String),
+}
+
+/// Longer signs first, so that `<=` is not `<`.
+const SIGNS: [&str; 28] = [
+    "..", "+=", "-=", "*=", "/=", "<=", ">=", "==", "!=", "&&", "||", "(", ")", "{", "}", "[", "]", ",", ";", ":", "=",
+    "+", "-", "*", "/", "%", "<", ">",
+];
+
+/// The words of a text, in order.
+pub(super) fn words(text: &str) -> Result<Vec<Word>, Error> {
+    let mut words = Vec::new();
+    let mut rest = text.trim_start();
+    while let Some(first) = rest.chars().next() {
+        let length = |ends: &dyn Fn(char) -> bool| rest.find(|c| !ends(c)).unwrap_or(rest.len());
+        let taken = if let Some(note) = rest.strip_prefix("//") {
+            let note = note.lines().next().unwrap_or_default();
+            words.push(Word::Note(note.trim().into()));
+            2 + note.len()
+        } else if first.is_ascii_alphabetic() {
+            let n = length(&|c| c.is_ascii_alphanumeric() || c == '_');
+            words.push(Word::Name(rest[..n].into()));
+            n
+        } else if first.is_ascii_digit() {
+            let (number, n) = number(rest)?;
+            words.push(number);
+            n
+        } else if rest.starts_with('.') && !rest.starts_with("..") {
+            words.push(Word::Sign("."));
+            1
+        } else if let Some(sign) = SIGNS.iter().find(|sign| rest.starts_with(**sign)) {
+            words.push(Word::Sign(sign));
+            sign.len()
+        } else {
+            return Err(Error::Content(format!("a program has no sign `{first}`")));
+        };
+        rest = rest[taken..].trim_start();
+    }
+    Ok(words)
+}
+
+/// The number that `text` begins with and how long it is: real where it has a point or an exponent.
+fn number(text: &str) -> Result<(Word, usize), Error> {
+    let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let mut n = digits(text);
+    let whole = n;
+    if text[n..].starts_with('.') && !text[n..].starts_with("..") {
+        n += 1 + digits(&text[n + 1..]);
+    }
+    if let Some(exponent) = text[n..].strip_prefix('e') {
+        let sign = usize::from(exponent.starts_with(['-', '+']));
+        n += 1 + sign + digits(&exponent[sign..]);
+    }
+    let bad = || Error::Content(format!("`{}` in a program is no number", &text[..n]));
+    let number = if n == whole {
+        Word::Whole(text[..n].parse().map_err(|_| bad())?)
+    } else {
+        Word::Real(text[..n].parse().map_err(|_| bad())?)
+    };
+    Ok((number, n))
+}
