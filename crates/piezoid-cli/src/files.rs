@@ -54,6 +54,12 @@ impl Columns {
         }
     }
 
+    /// Whether anything is said of columns or parts.
+    pub(crate) fn any(&self) -> bool {
+        let names = [&self.input_col, &self.output_col, &self.time_col];
+        names.iter().any(|name| name.is_some()) || [self.ts, self.from, self.to].iter().any(Option::is_some)
+    }
+
     fn part(&self) -> (f64, f64) {
         (self.from.unwrap_or(0.0), self.to.unwrap_or(f64::INFINITY))
     }
@@ -196,25 +202,29 @@ fn replace(path: &Path, text: &str) -> io::Result<()> {
 /// Writes files into a folder, which is made if it is not there: all of them, or none.
 pub(crate) fn write_all(folder: &Path, files: &[piezoid::export::File]) -> Result<()> {
     let new = !folder.exists();
-    let staged = || {
-        let stage = |file: &piezoid::export::File| {
-            let path = folder.join(&file.path);
-            std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
-            let mut staged = beside(&path)?;
-            staged.write_all(&file.bytes)?;
-            Ok((staged, path))
-        };
-        files.iter().map(stage).collect::<io::Result<Vec<_>>>()
+    if !new && !folder.is_dir() {
+        bail!("cannot write into {}: it is a file: name a folder", named(folder));
+    }
+    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.path)).collect();
+    if let Some(path) = paths.iter().find(|path| path.is_dir()) {
+        bail!("cannot write {}: there is a folder of that name: move it, or name another folder", named(path));
+    }
+    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+    let stage = |(file, path): (&piezoid::export::File, &PathBuf)| {
+        let staged = beside(path).and_then(|mut staged| staged.write_all(&file.bytes).map(|()| staged));
+        staged.map_err(|error| unwritable(path, &error))
     };
-    let written = staged().and_then(|staged| {
-        staged.into_iter().try_for_each(|(file, path)| file.persist(path).map(drop).map_err(|failed| failed.error))
+    let staged: Result<Vec<_>> = files.iter().zip(&paths).map(stage).collect();
+    let written = staged.and_then(|staged| {
+        let place = |(file, path): (tempfile::NamedTempFile, &PathBuf)| {
+            file.persist(path).map(drop).map_err(|failed| unwritable(path, &failed.error))
+        };
+        staged.into_iter().zip(&paths).try_for_each(place)
     });
-    written.map_err(|error| {
-        if new {
-            drop(std::fs::remove_dir_all(folder));
-        }
-        unwritable(&folder.join("-"), &error)
-    })
+    if written.is_err() && new {
+        drop(std::fs::remove_dir_all(folder));
+    }
+    written
 }
 
 /// Writes a machine-readable result where `--json` says.

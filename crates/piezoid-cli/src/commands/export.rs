@@ -6,13 +6,13 @@ use crate::compiler;
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::values::{Misused, argument, period};
-use anyhow::{Context, Result, bail};
+use anyhow::{Error, Result, anyhow, bail};
 use clap::Args;
 use piezoid::Model;
 use piezoid::compensation::How;
 use piezoid::control::{Drive, Scheme, controller};
 use piezoid::export::{Playback, Wanted, target};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -45,7 +45,7 @@ pub(crate) struct Export {
     preview: usize,
     #[command(flatten)]
     amplifier: Amplifier,
-    /// A controller to go with it, tuned to the model (see `piezoid controllers`).
+    /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not predictive.
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
     #[command(flatten)]
@@ -76,12 +76,13 @@ pub(crate) struct Export {
 /// The target that is a table of voltages for a reference.
 const WAVEFORM: &str = "waveform";
 
+/// Settings of the library that are options here, under the same name.
+const OPTIONS: [&str; 4] = ["name", "preview", "controller", "range"];
+
 impl Export {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let target = argument(target(&self.target))?;
-        if self.reference.is_some() != (target.name == WAVEFORM) {
-            bail!(Misused(format!("--reference goes with --target {WAVEFORM}, which needs it, and with no other")));
-        }
+        self.fits(target.name)?;
         let limits = self.amplifier.limits()?.unwrap_or_default();
         let model = files::model(&self.model)?;
         let how = How { limits, clip: self.clip, ..How::default() };
@@ -100,7 +101,7 @@ impl Export {
             playback,
             ..Wanted::new(&model, &self.name)
         };
-        let made = (target.make)(&wanted).map_err(|e| self.amplifier.advised(e)).with_context(|| self.source())?;
+        let made = (target.make)(&wanted).map_err(|e| self.blamed(e))?;
         files::write_all(&self.output, &made.files)?;
         for note in &made.notes {
             console.remark(note);
@@ -108,9 +109,36 @@ impl Export {
         Ok(())
     }
 
-    /// The file that an error is about: of a drive it is the reference that asks too much.
-    fn source(&self) -> String {
-        self.reference.as_ref().unwrap_or(&self.model).display().to_string()
+    /// Refuses options that would count for nothing.
+    fn fits(&self, target: &str) -> Result<()> {
+        let wave = target == WAVEFORM;
+        let wrong = if self.reference.is_some() != wave {
+            format!("--reference goes with --target {WAVEFORM}, which needs it, and with no other")
+        } else if wave && (self.float || self.preview > 0 || self.controller.is_some()) {
+            format!("--float, --preview and --controller are for code: --target {WAVEFORM} is a table")
+        } else if self.controller.is_none() && self.tuning.any() {
+            "--late, --gain-margin and --phase-margin are what a --controller is tuned to: name one".into()
+        } else if self.reference.is_none() && self.columns.any() {
+            "options of data files are for a --reference".into()
+        } else if self.output == Path::new("-") {
+            "-o names a folder: what is written is several files".into()
+        } else {
+            return Ok(());
+        };
+        bail!(Misused(wrong))
+    }
+
+    /// What an error is about: an option, or a file. Of a drive it is the reference that asks too much.
+    fn blamed(&self, error: piezoid::Error) -> Error {
+        match &error {
+            piezoid::Error::Parameter { name, value, rule } if OPTIONS.contains(&name.as_str()) => {
+                anyhow!(Misused(format!("--{name} {value}: {rule}")))
+            }
+            _ => {
+                let file = self.reference.as_ref().unwrap_or(&self.model).display().to_string();
+                self.amplifier.advised(error).context(file)
+            }
+        }
     }
 
     /// How controllers play a table.

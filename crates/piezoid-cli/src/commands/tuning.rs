@@ -21,6 +21,11 @@ pub(crate) struct Tuning {
 }
 
 impl Tuning {
+    /// Whether anything but the usual is asked for.
+    pub(crate) fn any(&self) -> bool {
+        self.late != 0 || self.target() != Target::default()
+    }
+
     /// The target, detuned as usual.
     pub(crate) fn target(&self) -> Target {
         Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() }

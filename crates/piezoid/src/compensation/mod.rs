@@ -23,6 +23,7 @@ pub use fir::Fir;
 pub use learning::{Learned, Learning, learn};
 pub use preview::{Design, Preview};
 pub use sample::Causal;
+pub(crate) use sample::LATEST;
 
 use crate::error::{Error, finite};
 use crate::excitation::{Limits, Usage};

@@ -14,8 +14,11 @@ impl Causal {
         let (model, fir) = (self.inverse.model(), self.preview().fir());
         program.add(fir.block(self.resting()))?;
         let (low, high) = self.inverse.ends;
-        let mut state = Block::new("ff_state", "the feed-forward: back through linear dynamics, creep and hysteresis")
-            .number("before", 0.0);
+        let slews = self.inverse.step.is_finite();
+        let mut state = Block::new("ff_state", "the feed-forward: back through linear dynamics, creep and hysteresis");
+        if slews {
+            state = state.number("before", 0.0);
+        }
         if fir.order() > 0 {
             state = state.part("preview", "preview");
         }
@@ -23,7 +26,10 @@ impl Causal {
         if model.driver().is_some() {
             state = state.part("driver", "driver");
         }
-        let limits = if self.inverse.step.is_finite() {
+        if state.fields.is_empty() {
+            state = state.number("unused", 0.0);
+        }
+        let limits = if slews {
             "let from = clamp(s.before - most_change, low, high);\n    let to = clamp(s.before + most_change, low, high);"
         } else {
             "let from = low;\n    let to = high;"
@@ -37,6 +43,7 @@ impl Causal {
             (false, false) if model.hysteresis().order() == 0 => String::new(),
             (false, _) => format!("{hidden};"),
         };
+        let remembered = if slews { "s.before = u;\n    " } else { "" };
         let text = format!(
             "
 // One sample: the wanted displacement r to the input.
@@ -52,8 +59,7 @@ fn ff_step(s: ff_state, r) {{
     let u = {inverse};
     // The state goes on as the actuator does.
     {moves}
-    s.before = u;
-    return u;
+    {remembered}return u;
 }}
 ",
             preview = if fir.order() > 0 { "preview(s.preview, told)" } else { "preview(told)" },
@@ -62,8 +68,7 @@ fn ff_step(s: ff_state, r) {{
         );
         let at_rest = model.offset() / model.linear().dc_gain();
         let state = state.constant("low", low).constant("high", high).constant("at_rest", at_rest);
-        let state =
-            if self.inverse.step.is_finite() { state.constant("most_change", self.inverse.step) } else { state };
+        let state = if slews { state.constant("most_change", self.inverse.step) } else { state };
         program.add(state.text(&text))
     }
 }

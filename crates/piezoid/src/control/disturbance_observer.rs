@@ -71,7 +71,7 @@ impl Controller for DisturbanceObserver {
         let (low, high) = self.limits;
         let (inverse, rest) = x.split_at_mut(self.inverse.order());
         let (q, past) = rest.split_at_mut(self.q.order());
-        let feed = now.feed.clamp(low, high);
+        let feed = now.fed(self.limits);
         let unexplained = self.inverse.step(inverse, now.error()) + past[self.delay - 1];
         let u = (feed + self.q.step(q, unexplained)).clamp(low, high);
         past.rotate_right(1);
@@ -88,7 +88,7 @@ impl Controller for DisturbanceObserver {
         let step = format!(
             "
 fn control_step(s: control_state, r, y, feed) {{
-    let given = clamp(feed, low, high);
+    let given = fed(feed);
     let e = missing(r, y);
     // What the nominal plant does not explain.
     let unexplained = {stands_for} + s.past[delay - 1];

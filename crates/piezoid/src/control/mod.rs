@@ -65,6 +65,11 @@ pub struct Now<'a> {
 }
 
 impl Now<'_> {
+    /// The feed-forward within the limits; of what is no number, as of 0.
+    fn fed(&self, (low, high): (f64, f64)) -> f64 {
+        Some(self.feed).filter(|feed| feed.is_finite()).unwrap_or(0.0).clamp(low, high)
+    }
+
     /// r - y; none where the reading is no number, so that it leaves the state alone.
     fn error(&self) -> f64 {
         Some(self.r - self.y).filter(|e| e.is_finite()).unwrap_or(0.0)
@@ -155,7 +160,7 @@ pub fn controller(name: &str) -> Result<&'static Law, Error> {
 /// `w` on top of the feed-forward within the limits. The integral takes its `gain` of this sample, but where that would drive
 /// the voltage further beyond a limit.
 fn integrating(limits: (f64, f64), now: &Now, w: f64, integral: &mut f64, gain: f64) -> f64 {
-    let v = now.feed.clamp(limits.0, limits.1) + w;
+    let v = now.fed(limits) + w;
     let u = v.clamp(limits.0, limits.1);
     if u == v || (v - u) * gain < 0.0 {
         *integral += gain;
@@ -243,7 +248,7 @@ mod tests {
                     // Into the limits and out again, and a reading that is lost.
                     let r = 900.0 * (0.03 * f64::from(t)).sin();
                     let y = if t % 50 == 7 { f64::NAN } else { 0.2 * r + f64::from(t % 11) };
-                    let feed = 35.0 * (0.05 * f64::from(t)).cos();
+                    let feed = if t % 70 == 9 { f64::NAN } else { 35.0 * (0.05 * f64::from(t)).cos() };
                     let u = c.step(&mut x, &Now { y, r, feed, ahead: &[] });
                     let found = machine.call("control_step", &[r, y, feed]).unwrap()[0];
                     assert_eq!(found.to_bits(), u.to_bits(), "{} at {t}", kind.name);

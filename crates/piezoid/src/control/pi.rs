@@ -59,7 +59,7 @@ impl Controller for Pi {
         let (low, high) = self.limits;
         let (e, ki) = (now.error(), self.ki * self.ts);
         x[0] += ki * e;
-        let v = now.feed.clamp(low, high) + self.kp * e + x[0];
+        let v = now.fed(self.limits) + self.kp * e + x[0];
         let u = v.clamp(low, high);
         let share = if ki < self.kp { ki / self.kp } else { 1.0 };
         x[0] += share * (u - v);
@@ -76,7 +76,7 @@ impl Controller for Pi {
 fn control_step(s: control_state, r, y, feed) {
     let e = missing(r, y);
     s.integral += ki_ts * e;
-    let v = on_top(feed, kp * e) + s.integral;
+    let v = fed(feed) + kp * e + s.integral;
     let u = clamp(v, low, high);
     // While a limit is met the integral tracks what it lets through.
     s.integral += share * (u - v);

@@ -16,9 +16,11 @@ fn missing(r, y) {
     return answered;
 }
 
-// w on top of the feed-forward.
-fn on_top(feed, w) {
-    return clamp(feed, low, high) + w;
+// The feed-forward within the limits; of what is no number, as of 0.
+fn fed(feed) {
+    let given = 0.0;
+    if magnitude(feed) <= most { given = feed; }
+    return clamp(given, low, high);
 }
 ";
 
@@ -26,7 +28,7 @@ fn on_top(feed, w) {
 pub(super) const INTEGRATING: &str = "
 // w on top of the feed-forward within the limits. The integral takes its gain, but where that would drive the input further beyond a limit.
 fn integrating(s: control_state, feed, w, gain) {
-    let v = on_top(feed, w);
+    let v = fed(feed) + w;
     let u = clamp(v, low, high);
     if u == v || (v - u) * gain < 0.0 { s.integral += gain; }
     return u;

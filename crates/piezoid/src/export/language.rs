@@ -93,6 +93,11 @@ pub(super) trait Language {
     /// The beginning of what is done else.
     fn or_else(&self) -> String;
 
+    /// Word that else nothing is done, where one thing or another was.
+    fn otherwise_nothing(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// The beginning of a loop over whole numbers.
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String;
 
@@ -174,7 +179,10 @@ impl Words<'_> {
         lines.push(if chained { l.else_if(holds) } else { l.if_holds(holds) });
         lines.extend(self.inner(yes));
         match &no[..] {
-            [] => lines.push(l.end(Begun::If).into()),
+            [] => {
+                lines.extend(if chained { l.otherwise_nothing() } else { Vec::new() });
+                lines.push(l.end(Begun::If).into());
+            }
             [next @ Step::If(..)] => self.choice(next, true, lines),
             no => {
                 lines.push(l.or_else());

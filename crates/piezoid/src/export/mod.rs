@@ -10,9 +10,11 @@ mod readme;
 mod rust;
 mod simulink;
 mod st;
+mod vectors;
 mod waveform;
 mod whole;
 
+pub use vectors::Vectors;
 pub use waveform::Playback;
 pub use whole::{Entry, Signal, Whole};
 

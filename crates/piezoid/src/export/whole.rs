@@ -1,11 +1,11 @@
 //! What is exported, put together: the program, what of it is called from outside, and numbers to prove it by.
 
 use super::Wanted;
-use crate::compensation::Causal;
+use super::vectors::{self, Vectors};
+use crate::compensation::{Causal, How, LATEST};
 use crate::error::Error;
-use crate::program::{Counts, Machine, Program};
-use crate::series::ends;
-use crate::system::System;
+use crate::number::short;
+use crate::program::{Holds, Program};
 
 /// A program with its interface.
 #[derive(Debug, Clone)]
@@ -14,7 +14,9 @@ pub struct Whole {
     pub program: Program,
     /// What is called from outside: the model first, then its feed-forward, then the controller.
     pub entries: Vec<Entry>,
-    /// Why something is not there, one sentence each.
+    /// What each of them answers.
+    pub vectors: Vec<Vectors>,
+    /// Why something is not there, and what is worth knowing, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -46,23 +48,11 @@ pub struct Signal {
     pub about: &'static str,
 }
 
-/// What an entry answers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Vectors {
-    /// Its inputs, a row a sample.
-    pub inputs: Vec<Vec<f64>>,
-    /// Its outputs.
-    pub outputs: Vec<f64>,
-    /// What a sample takes, on average and at most.
-    pub mean: Counts,
-    /// The most operations that one sample took.
-    pub most: usize,
-    /// The largest difference to double precision, over the height of the outputs.
-    pub off: f64,
-}
+/// The longest name of a unit.
+const LONGEST_UNIT: usize = 40;
 
-/// Samples of the vectors.
-pub(super) const SAMPLES: usize = 400;
+/// Share of the stroke from which on the error of single precision is told.
+const NOTED: f64 = 1e-5;
 
 impl Whole {
     /// The model, its inverse if it has one, and the controller if one is wanted.
@@ -71,6 +61,12 @@ impl Whole {
     /// [`Error::Unsuited`] of a model or controller that has no program.
     pub fn new(wanted: &Wanted) -> Result<Self, Error> {
         let model = wanted.model;
+        for (name, unit) in [("u", &model.units().u), ("y", &model.units().y)] {
+            if unit.chars().any(char::is_control) || unit.len() > LONGEST_UNIT {
+                let rule = format!("must be {LONGEST_UNIT} letters at most, on one line");
+                return Err(Error::parameter(format!("units.{name}"), format!("{unit:?}"), rule));
+            }
+        }
         let (volts, metres) = (model.units().u.clone(), model.units().y.clone());
         let u = Signal { name: "u", unit: volts.clone(), about: "input" };
         let y = Signal { name: "y", unit: metres.clone(), about: "displacement" };
@@ -82,14 +78,21 @@ impl Whole {
             inputs: vec![u.clone()],
             output: y.clone(),
         };
-        let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
+        let mut whole =
+            Whole { program: model.program()?, entries: vec![step], vectors: Vec::new(), notes: Vec::new() };
+        if wanted.preview > LATEST {
+            let rule = format!("must be at most {LATEST} samples");
+            return Err(Error::parameter("preview", wanted.preview, rule));
+        }
         match Causal::new(model, wanted.how, wanted.preview) {
+            // What was asked for is not left out in silence.
+            Err(error) if wanted.how != How::default() || wanted.preview > 0 => return Err(error),
             Err(error) => whole.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
                 causal.extend(&mut whole.program)?;
                 let late = match wanted.preview {
                     0 => String::new(),
-                    n => format!(", {n} samples late"),
+                    n => format!(", which is to be given {n} samples ahead of time"),
                 };
                 whole.entries.push(Entry {
                     step: "ff_step",
@@ -103,9 +106,9 @@ impl Whole {
         }
         if let Some(controller) = wanted.controller {
             let unsuited = || {
-                let because =
-                    "it plans anew in every sample, which is not exported; take one with a law, such as pi".into();
-                Error::Unsuited { what: "exported controller".into(), because }
+                let rule =
+                    "must have a law to be exported; this one plans anew in every sample: take another, such as pi";
+                Error::parameter("controller", "predictive", rule)
             };
             for block in controller.blocks().ok_or_else(unsuited)? {
                 whole.program.add(block)?;
@@ -126,81 +129,36 @@ impl Whole {
         }
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
-        if wanted.single { whole.held_in_single().map(|()| whole) } else { Ok(whole) }
+        whole.held(wanted.single)?;
+        whole.vectors = vectors::of(&whole, wanted)?;
+        for (entry, vectors) in whole.entries.iter().zip(&whole.vectors).filter(|(_, v)| v.off > NOTED) {
+            let off = short(vectors.off);
+            whole.notes.push(format!("single precision moves {} by {off} of its stroke at most", entry.step));
+        }
+        Ok(whole)
     }
 
-    /// Refuses constants that single precision has no number for.
-    fn held_in_single(&self) -> Result<(), Error> {
-        let beyond = |v: &&f64| !(**v as f32).is_finite();
+    /// Refuses numbers that the precision has no room for.
+    fn held(&self, single: bool) -> Result<(), Error> {
+        let (largest, kind, else_) = match single {
+            true => (f64::from(f32::MAX), "float", "; take double"),
+            false => (f64::MAX, "double", ""),
+        };
         for block in &self.program.blocks {
-            for constant in &block.constants {
-                if let Some(value) = constant.values.iter().find(beyond) {
-                    let because = format!(
-                        "{} of its {} is {value}, beyond what a float holds; take double",
-                        constant.name, block.name
-                    );
-                    return Err(Error::Unsuited { what: "export in single precision".into(), because });
+            let constants = block.constants.iter().map(|c| (&c.name, &c.values[..]));
+            let at_rest = block.fields.iter().filter_map(|f| match &f.holds {
+                Holds::Number(value) => Some((&f.name, std::slice::from_ref(value))),
+                Holds::Numbers(values) => Some((&f.name, &values[..])),
+                Holds::Block(_) => None,
+            });
+            for (name, values) in constants.chain(at_rest) {
+                if let Some(value) = values.iter().find(|v| !(v.abs() <= largest)) {
+                    let because =
+                        format!("`{name}` of its {} is {value:?}, which a {kind} does not hold{else_}", block.name);
+                    return Err(Error::Unsuited { what: "export".into(), because });
                 }
             }
         }
         Ok(())
     }
-
-    /// What each entry answers to inputs that wander through what the model knows; in single precision, what that gives.
-    ///
-    /// # Errors
-    /// What a program cannot do.
-    pub fn vectors(&self, wanted: &Wanted) -> Result<Vec<Vectors>, Error> {
-        let model = wanted.model;
-        let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
-        let u = wander(known.unwrap_or((-1.0, 1.0)), SAMPLES);
-        let y = model.simulate(&u);
-        let inputs = |entry: &Entry| match entry.step {
-            "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
-            "ff_step" => y.iter().map(|r| vec![*r]).collect(),
-            // As if the actuator followed a fifth too far, and the feed-forward were the input.
-            _ => y.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
-        };
-        self.entries.iter().map(|entry| self.answers(entry, inputs(entry), wanted.single)).collect()
-    }
-
-    fn answers(&self, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
-        let run = |single: bool| {
-            let mut machine = Machine::new(&self.program, entry.state, single);
-            let (mut outputs, mut most, mut before) = (Vec::with_capacity(inputs.len()), 0, 0);
-            for input in &inputs {
-                outputs.push(machine.call(entry.step, input)?[0]);
-                let total = machine.counts.total();
-                (most, before) = (most.max(total - before), total);
-            }
-            Ok::<_, Error>((outputs, machine.counts, most))
-        };
-        let (exact, counts, most) = run(false)?;
-        let outputs = if single { run(true)?.0 } else { exact.clone() };
-        let (low, high) = ends(exact.iter().copied());
-        let off = outputs.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / (high - low);
-        let n = inputs.len();
-        let mean = Counts {
-            sums: counts.sums / n,
-            products: counts.products / n,
-            quotients: counts.quotients / n,
-            comparisons: counts.comparisons / n,
-        };
-        Ok(Vectors { inputs, outputs, mean, most, off })
-    }
-}
-
-/// Two turns of different speed, within 95 % of these ends: sums and products alone, for the same bits on every machine.
-fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
-    let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
-    // Steps of 0.13 and 0.0481 rad.
-    let (quick, slow) = ((0.9915618937147881, 0.12963414261969486), (0.9988434179553187, 0.04808145522014453));
-    let (mut a, mut b) = ((1.0, 0.0), (1.0, 0.0));
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    (0..n)
-        .map(|_| {
-            (a, b) = (turned(quick, a), turned(slow, b));
-            middle + half * (0.35 * a.1 + 0.6 * b.1)
-        })
-        .collect()
 }

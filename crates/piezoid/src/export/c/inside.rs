@@ -118,6 +118,10 @@ impl Language for C<'_> {
         "} else {".into()
     }
 
+    fn otherwise_nothing(&self) -> Vec<String> {
+        vec!["} else {".into(), "    /* all stays as it is */".into()]
+    }
+
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
         let (first, last, to) = (words.expr(from), words.expr(&less_one(to)), words.expr(to));
         match down {

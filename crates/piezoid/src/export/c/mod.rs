@@ -7,7 +7,8 @@ mod inside;
 
 use super::language::{Language, Words};
 use super::readme::readme;
-use super::whole::{Entry, Vectors, Whole};
+use super::vectors::Vectors;
+use super::whole::{Entry, Whole};
 use super::{File, Made, Target, Wanted, named};
 use crate::error::Error;
 use crate::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Program};
@@ -19,24 +20,31 @@ pub(super) const TARGET: Target = Target {
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
     make: |wanted| {
         let whole = checked(wanted)?;
-        let vectors = whole.vectors(wanted)?;
+        let vectors = &whole.vectors;
         let c = C::of(&whole, wanted);
         let name = wanted.name;
         let files = vec![
             File::text(format!("{name}.h"), c.header(&whole, wanted)),
             File::text(format!("{name}.c"), c.source(&whole)),
-            File::text(format!("{name}_test.c"), c.test(&whole, &vectors)),
-            File::text("README.md", readme(wanted, &whole, &vectors)),
+            File::text(format!("{name}_test.c"), c.test(&whole, vectors)),
+            File::text(format!("{}.md", wanted.name), readme(wanted, &whole, vectors)),
         ];
-        Ok(Made { files, notes: whole.notes })
+        let mut notes = whole.notes.clone();
+        if name.len() > TOLD_APART {
+            notes.push(format!("C99 promises to tell names apart by 31 letters, which one of more than {TOLD_APART} may leave too few of"));
+        }
+        Ok(Made { files, notes })
     },
 };
+
+/// The longest name after which functions still differ within what C99 promises to look at.
+const TOLD_APART: usize = 31 - "_control_reset".len();
 
 /// What may not be a name: the words of the language, and what its functions would clash with.
 const RESERVED: &[&str] = &[
     "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float",
     "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof",
-    "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while", "main",
+    "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while", "main", "stdio", "math",
 ];
 
 /// What is exported, under a name that C has not taken.
@@ -259,7 +267,7 @@ impl C<'_> {
                 self.state(entry.state),
                 self.own(entry.reset),
                 self.own(step),
-                entry.output.unit.replace(['%', '\\', '"'], ""),
+                entry.output.unit.replace(['%', '\\', '"', '?'], ""),
                 zero = self.real(0.0),
             );
             main += &format!("    differs += {step}_differs();\n");

@@ -9,7 +9,8 @@ mod inside;
 use super::c::{shortest, titled, wrapped};
 use super::language::Words;
 use super::readme::opening;
-use super::whole::{Entry, SAMPLES, Vectors, Whole};
+use super::vectors::{SAMPLES, Vectors};
+use super::whole::{Entry, Whole};
 use super::{File, Made, Target, Wanted, named};
 use crate::error::Error;
 use crate::number::short;
@@ -28,11 +29,11 @@ pub(super) const TARGET: Target = Target {
             return Err(Error::parameter("name", name, "must be in lower case for Rust: it is that of a module"));
         }
         let whole = Whole::new(wanted)?;
-        let vectors = whole.vectors(wanted)?;
+        let vectors = &whole.vectors;
         let rust = Rust { whole: &whole, single: wanted.single };
         let files = vec![
-            File::text(format!("{}.rs", wanted.name), rust.module(wanted, &vectors)),
-            File::text("README.md", page(wanted, &whole, &vectors)),
+            File::text(format!("{}.rs", wanted.name), rust.module(wanted, vectors)),
+            File::text(format!("{}.md", wanted.name), page(wanted, &whole, vectors)),
         ];
         Ok(Made { files, notes: whole.notes })
     },

@@ -12,7 +12,8 @@ mod sfunction;
 use self::matlab::Matlab;
 use self::sfunction::block;
 use super::c::{C, checked};
-use super::whole::{Entry, Vectors, Whole};
+use super::vectors::Vectors;
+use super::whole::{Entry, Whole};
 use super::{File, Made, Target, Wanted};
 use crate::number::{round, short};
 use crate::system::System;
@@ -24,15 +25,15 @@ pub(super) const TARGET: Target = Target {
     make: |wanted| {
         let whole = checked(wanted)?;
         let matlab = Matlab::of(&whole, wanted)?;
-        let vectors = whole.vectors(wanted)?;
+        let vectors = &whole.vectors;
         let (c, name) = (C::of(&whole, wanted), wanted.name);
         let mut files = vec![
             File::text(format!("{name}.h"), c.header(&whole, wanted)),
             File::text(format!("{name}.c"), c.source(&whole)),
-            File::text(format!("{name}.m"), matlab.class(&whole, wanted, &vectors)),
-            File::text(format!("{name}_test.m"), matlab.test(&whole, &vectors)),
+            File::text(format!("{name}.m"), matlab.class(&whole, wanted, vectors)),
+            File::text(format!("{name}_test.m"), matlab.test(&whole, vectors)),
             File::text(format!("{name}_build.m"), build(name, &whole)),
-            File::text("README.md", readme(wanted, &whole, &vectors)),
+            File::text(format!("{}.md", wanted.name), readme(wanted, &whole, vectors)),
         ];
         files.extend(
             whole.entries.iter().map(|entry| File::text(format!("{}.c", sfun(name, entry)), block(wanted, entry))),

@@ -28,12 +28,12 @@ pub(super) const TARGET: Target = Target {
     make: |wanted| {
         named(wanted.name, RESERVED)?;
         let whole = Whole::new(wanted)?;
-        let vectors = whole.vectors(wanted)?;
+        let vectors = &whole.vectors;
         let st = St::new(&whole, wanted)?;
         let files = vec![
             File::text(format!("{}.st", wanted.name), st.library(wanted)),
-            File::text(format!("{}_test.st", wanted.name), st.test(&vectors)),
-            File::text("README.md", page(wanted, &st, &vectors)),
+            File::text(format!("{}_test.st", wanted.name), st.test(vectors)),
+            File::text(format!("{}.md", wanted.name), page(wanted, &st, vectors)),
         ];
         Ok(Made { files, notes: whole.notes })
     },

@@ -4,7 +4,7 @@ use super::{St, comment, section};
 use crate::export::Wanted;
 use crate::export::c::shortest;
 use crate::export::readme::opening;
-use crate::export::whole::{SAMPLES, Vectors};
+use crate::export::vectors::{SAMPLES, Vectors};
 use crate::number::short;
 use crate::system::System;
 

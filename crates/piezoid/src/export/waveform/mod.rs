@@ -45,7 +45,7 @@ pub(super) const TARGET: Target = Target {
 /// let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
 /// let made = (target("waveform")?.make)(&Wanted { reference: Some(&r), playback, ..Wanted::new(&model, "scan") })?;
 /// let paths: Vec<&str> = made.files.iter().map(|file| file.path.as_str()).collect();
-/// assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan_nv200.txt", "README.md"]);
+/// assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan_nv200.txt", "scan.md"]);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,7 +107,7 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
         );
     }
     notes.extend(shown.iter().map(Shown::sentence));
-    files.push(File::text("README.md", readme(wanted, &drive, &shown)));
+    files.push(File::text(format!("{}.md", wanted.name), readme(wanted, &drive, &shown)));
     Ok(Made { files, notes })
 }
 

@@ -69,7 +69,7 @@ fn played(commands: &str) -> (Vec<f64>, f64) {
 
 /// The figures that the page states of a file: period off, u rms and largest, y rms and largest, all in percent.
 fn stated(made: &Made, file: &str) -> Vec<f64> {
-    let row = text(made, "README.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
+    let row = text(made, "scan.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
     row.split('|').skip(5).filter_map(|cell| cell.trim().parse().ok()).collect()
 }
 
@@ -161,9 +161,9 @@ fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
     let made = make(&Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") }).unwrap();
     let paths: Vec<&str> = made.files.iter().map(|f| f.path.as_str()).collect();
-    assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "README.md"]);
+    assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan.md"]);
     assert!(made.notes.iter().any(|note| note.contains("give the voltages of 0 % and 100 %")), "{:?}", made.notes);
-    assert!(!text(&made, "README.md").contains("nv200"));
+    assert!(!text(&made, "scan.md").contains("nv200"));
 }
 
 #[test]
