@@ -29,12 +29,21 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
 }
 
 #[test]
-fn single_precision_is_within_a_hundred_thousandth_of_the_stroke() {
+fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwards_within_a_few_of_them() {
     for (name, model) in models() {
         let wanted = Wanted { single: true, ..Wanted::new(&model, &name) };
         let whole = piezoid::export::Whole::new(&wanted).unwrap();
         for (entry, vectors) in whole.entries.iter().zip(&whole.vectors) {
-            println!("{name} {}: {:.2e}", entry.step, vectors.off);
+            println!("{name} {}: {:.1e}", entry.step, vectors.off);
+            // What jumps from branch to branch may do it a sample earlier or later.
+            let jumps = ["two_branch", "rate_scheduled"].contains(&name.as_str());
+            let within = if entry.step == "step" { 1e-5 } else { 1e-4 };
+            assert!(
+                vectors.off < within || (jumps && entry.step == "ff_step"),
+                "{name} {}: {}",
+                entry.step,
+                vectors.off
+            );
         }
     }
 }

