@@ -174,7 +174,7 @@ impl Whole {
 }
 
 /// Two turns of different speed, within 95 % of these ends: sums and products alone, for the same bits on every machine.
-fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
+pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
     // Steps of 0.13 and 0.0481 rad.
     let (quick, slow) = ((0.9915618937147881, 0.12963414261969486), (0.9988434179553187, 0.04808145522014453));
