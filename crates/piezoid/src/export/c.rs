@@ -3,7 +3,7 @@
 //! Every function is static but those of the interface; states are structs, which the caller owns; tables are constant. Arithmetic is
 //! that of the model here, in the same order, so that in double precision and without contraction the bits are the same.
 
-use super::fixed::{Formats, PLAIN, helpers};
+use super::fixed::{Fixed, PLAIN, helpers};
 use super::language::{Begun, Language, Words, less_one};
 use super::readme::readme;
 use super::whole::{Entry, Vectors, Whole};
@@ -50,7 +50,7 @@ pub(super) struct C<'c> {
     pub(super) name: &'c str,
     pub(super) single: bool,
     /// How numbers are counted, where they are not floating.
-    pub(super) counts: Option<&'c Formats>,
+    pub(super) counts: Option<&'c Fixed>,
 }
 
 impl<'c> C<'c> {
@@ -71,7 +71,7 @@ impl C<'_> {
         out += &format!("#ifndef {guard}_H\n#define {guard}_H\n\n");
         out += &match self.counts {
             None => format!("#define {guard}_TS {} /* sampling period [s] */\n\n", self.real(wanted.model.ts())),
-            Some(formats) => formats.scales(&guard, whole),
+            Some(fixed) => fixed.scales(&guard),
         };
         out += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
         for block in whole.program.blocks.iter().filter(|b| !b.fields.is_empty() && self.used(b, whole)) {
@@ -117,7 +117,9 @@ impl C<'_> {
         let mut out = comment(&[format!("{}.c: see {}.h", self.name, self.name)], "");
         out += &format!("#include \"{}.h\"\n\n", self.name);
         out += &match self.counts {
-            None => "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF /* the same bits on every machine */\n#endif\n\n".into(),
+            None => {
+                "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF /* the same bits on every machine */\n#endif\n\n".into()
+            }
             Some(_) => helpers(self.name, self.program),
         };
         for (number, block) in self.program.blocks.iter().enumerate() {
@@ -291,7 +293,7 @@ impl C<'_> {
 
     /// Numbers in a field.
     fn held(&self, block: &Block, field: &Field) -> &'static str {
-        let long = self.counts.is_some_and(|formats| formats.is_long(&block.name, &field.name));
+        let long = self.counts.is_some_and(|fixed| fixed.is_long(&block.name, &field.name));
         if long { "int64_t" } else { self.number() }
     }
 
@@ -420,7 +422,8 @@ impl Language for C<'_> {
     }
 
     fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
-        let (Some((first, rest)), kind) = (names.split_first(), if value.whole() { "int" } else { self.number_in(words.function) })
+        let (Some((first, rest)), kind) =
+            (names.split_first(), if value.whole() { "int" } else { self.number_in(words.function) })
         else {
             return Vec::new();
         };

@@ -45,9 +45,10 @@ impl Formats {
         let mut formats = Formats::default();
         for function in program.functions.iter().filter(|f| !PLAIN.contains(&f.name.as_str())) {
             function.expressions(&mut |expr| {
-                let seen = machines.iter().filter_map(|m| m.largest(expr)).fold(None, |a: Option<f64>, b| {
-                    Some(a.map_or(b, |a| a.max(b)))
-                });
+                let seen = machines
+                    .iter()
+                    .filter_map(|m| m.largest(expr))
+                    .fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
                 seen.map(|seen| formats.expressions.insert(expr, seen));
             });
         }

@@ -92,7 +92,7 @@ fn power(n: i32) -> f64 {
 }
 
 fn unsuited<T>(because: String) -> Result<T, Error> {
-    Err(Error::Unsuited { what: "fixed point".into(), because })
+    Err(Error::Unsuited { what: "export in fixed point".into(), because })
 }
 
 impl Number {
@@ -276,7 +276,11 @@ impl Lowering<'_> {
         }
         Ok(match expr {
             Expr::Limit(limit) => {
-                return unsuited(format!("`{}` asks for {limit:?} of the numbers there are", self.function.name));
+                let limit = format!("{limit:?}").to_lowercase();
+                return unsuited(format!(
+                    "its `{}` needs the {limit} of the floating-point numbers",
+                    self.function.name
+                ));
             }
             Expr::Variable(name, _) => Number::named(expr.clone(), self.formats.exponent(&self.local(name))),
             Expr::Constant(block, name, index) => {
@@ -295,9 +299,7 @@ impl Lowering<'_> {
                     _ => number,
                 }
             }
-            Expr::Call(name, given) if name == "real" => {
-                Number::named(call(name, vec![self.whole(&given[0])?]), 0)
-            }
+            Expr::Call(name, given) if name == "real" => Number::named(call(name, vec![self.whole(&given[0])?]), 0),
             Expr::Call(name, given) if PLAIN.contains(&name.as_str()) => {
                 let numbers = given.iter().map(|g| self.real(g, wanted)).collect::<Result<Vec<_>, _>>()?;
                 let numbers = aligned(numbers);

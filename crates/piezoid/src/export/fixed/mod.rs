@@ -11,20 +11,24 @@
 //! It does not do: Newton's method, so that there is a feed-forward only where the inverse of the hysteresis is closed.
 
 mod formats;
+mod helpers;
+mod journey;
 mod lower;
 
-pub(super) use formats::{Formats, PLAIN};
+pub(super) use formats::PLAIN;
+pub(super) use helpers::helpers;
 
 use super::c::{C, checked, comment, wrapped};
 use super::readme::opening;
-use super::whole::{Entry, Vectors, Whole, wander};
+use super::whole::{Entry, Vectors, Whole};
 use super::{File, Made, Target, Wanted};
 use crate::error::Error;
 use crate::number::short;
-use crate::program::{Expr, Machine, Program};
+use crate::program::{Counts, Holds, Machine};
 use crate::series::ends;
 use crate::system::System;
-use formats::Key;
+use formats::{Formats, Key};
+use journey::journeys;
 use lower::{counts, lowered};
 
 pub(super) const TARGET: Target = Target {
@@ -48,7 +52,7 @@ pub(super) const TARGET: Target = Target {
 const MOST: f64 = 1e-4;
 
 /// What is exported, in counts.
-struct Fixed {
+pub(super) struct Fixed {
     whole: Whole,
     formats: Formats,
     proofs: Vec<Proof>,
@@ -126,7 +130,7 @@ impl Fixed {
     }
 
     fn c<'c>(&'c self, wanted: &'c Wanted) -> C<'c> {
-        C { counts: Some(&self.formats), ..C::of(&self.whole, wanted) }
+        C { counts: Some(self), ..C::of(&self.whole, wanted) }
     }
 
     /// A program that runs the vectors and says how many differ.
@@ -163,12 +167,117 @@ impl Fixed {
         out + &format!("int main(void)\n{{\n    int differs = 0;\n{main}    return (differs == 0) ? 0 : 1;\n}}\n")
     }
 
-    fn readme(&self, wanted: &Wanted) -> String {
-        let mut out = opening(wanted, &self.whole, "C99 in fixed point", "int32_t");
-        for (entry, proof) in self.whole.entries.iter().zip(&self.proofs) {
-            out += &format!("| `{}_{}` | {} | {} |\n", wanted.name, entry.step, short(proof.rms), short(proof.most));
+    /// Whether a field has 64 bits.
+    pub(super) fn is_long(&self, block: &str, field: &str) -> bool {
+        self.formats.is_long(block, field)
+    }
+
+    /// Names of signals, and how many bits of a count of theirs are fractions of the unit.
+    fn ports(&self) -> Vec<(&'static str, i32)> {
+        let mut ports = Vec::new();
+        for entry in &self.whole.entries {
+            ports.extend(entry.inputs.iter().map(|i| (i.name, -self.formats.exponent(&outside(entry, i.name)))));
+            ports.push((entry.output.name, -self.formats.exponent(&Key::Gives(entry.step.into(), 0))));
         }
+        ports.sort_unstable();
+        ports.dedup();
+        ports
+    }
+
+    /// What a count is worth and how far off counts are, for the header.
+    pub(super) fn scales(&self, guard: &str) -> String {
+        let errors = self.whole.entries.iter().zip(&self.proofs).map(|(entry, proof)| {
+            format!(
+                "{} is off by {} of the stroke, rms, and {} at most.",
+                entry.step,
+                short(proof.rms),
+                short(proof.most)
+            )
+        });
+        let about: Vec<String> =
+            ["Counts are held within -(2^31 - 1) .. 2^31 - 1. Against double precision:".to_owned()]
+                .into_iter()
+                .chain(errors)
+                .collect();
+        let line = |(name, bits): (&str, i32)| {
+            let macro_name = format!("{guard}_{}_BITS", name.to_uppercase());
+            format!("#define {macro_name} ({bits}) /* the value of {name} is its count / 2^{bits} */\n")
+        };
+        let lines: String = self.ports().into_iter().map(line).collect();
+        format!("#include <stdint.h>\n\n{}{lines}\n", comment(&about, ""))
+    }
+
+    fn readme(&self, wanted: &Wanted) -> String {
+        let (name, upper) = (wanted.name, wanted.name.to_uppercase());
+        let mut out = opening(wanted, &self.whole, "C99 in fixed point", "int32_t");
+        out += "## Use\n\n```c\n";
+        out += &format!("#include \"{name}.h\"\n\n");
+        for entry in &self.whole.entries {
+            let s = entry.step.trim_end_matches("step").trim_end_matches('_');
+            let s = if s.is_empty() { "model" } else { s };
+            let inputs: Vec<&str> = entry.inputs.iter().map(|i| i.name).collect();
+            out += &format!(
+                "{name}_{} {s}; /* yours to keep */\n{name}_{}(&{s});\n{} = {name}_{}(&{s}, {}); /* every {} s: {} */\n",
+                entry.state,
+                entry.reset,
+                entry.output.name,
+                entry.step,
+                inputs.join(", "),
+                wanted.model.ts(),
+                entry.about,
+            );
+        }
+        out += "```\n\nNo floating point anywhere, no heap, no globals that change, no recursion, no library but what the compiler brings for \
+                products and quotients of 64 bits.\n\n## Counts\n\n| signal | a count is worth | from | to |\n|---|--:|--:|--:|\n";
+        for (signal, bits) in self.ports() {
+            let end = short(2f64.powi(31 - bits));
+            out += &format!(
+                "| `{signal}` | 2^{} (`{upper}_{}_BITS` is {bits}) | -{end} | {end} |\n",
+                -bits,
+                signal.to_uppercase()
+            );
+        }
+        out += "\nEvery number with a name has such a worth of its own, a power of two: by the largest it came to while the model ran in double precision \
+                along inputs that wandered, jumped and swept to half the sampling rate over 105 % of the known range, and at least as much again is left \
+                above that. Beyond, numbers are held at the ends of 32 bits, so that no input whatever makes anything overflow. Sums are formed \
+                in 64 bits, products rounded once to the nearest; states that add to themselves, as those of creep, have 52 bits. Negative numbers are \
+                never shifted, as C99 leaves open what that does.\n\n";
+        out += "## Error\n\nAgainst double precision along the same inputs, over the stroke:\n\n| function | rms | at most |\n|---|--:|--:|\n";
+        for (entry, proof) in self.whole.entries.iter().zip(&self.proofs) {
+            out += &format!("| `{name}_{}` | {} | {} |\n", entry.step, short(proof.rms), short(proof.most));
+        }
+        out += &format!(
+            "\nThe rounding of inputs is in it. What is off by more than {} is not exported.\n\n## What it takes\n\n| function | state | sums \
+             | products | quotients | comparisons | all, at most |\n|---|--:|--:|--:|--:|--:|--:|\n",
+            short(MOST)
+        );
+        for (entry, Proof { vectors, .. }) in self.whole.entries.iter().zip(&self.proofs) {
+            let Counts { sums, products, quotients, comparisons } = vectors.mean;
+            let bytes = self.bytes(entry.state);
+            out += &format!(
+                "| `{name}_{}` | {bytes} bytes | {sums} | {products} | {quotients} | {comparisons} | {} |\n",
+                entry.step, vectors.most,
+            );
+        }
+        out += &format!(
+            "\nOperations of the model a sample, on average along the vectors of the self-test and at most; shifts and the holding of ends come on \
+             top.\n\n## Proof\n\n```sh\ncc -std=c99 -O2 {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\nThe self-test compares with what \
+             piezoid counts in the same arithmetic: no count may differ, on any machine, with any compiler, at any level. The tables in \
+             `{name}_test.c` check a circuit as well.\n"
+        );
         out
+    }
+
+    /// Bytes of the state of a block.
+    fn bytes(&self, block: &str) -> usize {
+        let fields = self.whole.program.block(block).map_or(&[][..], |b| &b.fields);
+        let size = |field: &str| if self.formats.is_long(block, field) { 8 } else { 4 };
+        let held = fields.iter().map(|f| match &f.holds {
+            Holds::Number(_) => size(&f.name),
+            Holds::Numbers(values) => size(&f.name) * values.len(),
+            Holds::Block(inner) => self.bytes(inner),
+        });
+        held.sum()
     }
 }
 
@@ -202,61 +311,6 @@ fn keep(whole: &mut Whole) {
     whole.program.keep(&kept);
 }
 
-/// Samples of each part of a journey.
-const PART: usize = 1000;
-
-/// Inputs of each entry over all that the model knows and a tenth more: they wander, jump, and sweep from slow to fast.
-fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Vec<Vec<f64>>> {
-    let model = wanted.model;
-    let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
-    let (low, high) = known.unwrap_or((-1.0, 1.0));
-    let more = 0.05 * (high - low);
-    let (slow, quick) = (wander((low - more, high + more), PART), jumping((low - more, high + more), PART));
-    let u = [&slow[..], &quick, &sweep((low - more, high + more), PART)].concat();
-    let still = model.simulate(&slow);
-    let (least, most) = ends(still.iter().copied());
-    let r = [&still[..], &jumping((least, most), PART)].concat();
-    let inputs = |entry: &Entry| match entry.step {
-        "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
-        "ff_step" => r.iter().map(|r| vec![*r]).collect(),
-        _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
-    };
-    whole.entries.iter().map(inputs).collect()
-}
-
-/// Jumps to anywhere, and to the ends, each kept for up to 16 samples.
-fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
-    let (mut state, mut level, mut left) = (1u64, low, 0);
-    (0..n)
-        .map(|_| {
-            if left == 0 {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let share = (state >> 40) as f64 / (1u64 << 24) as f64;
-                level = low + (high - low) * (1.5 * share - 0.25).clamp(0.0, 1.0);
-                left = (state >> 20) % 16 + 1;
-            }
-            left -= 1;
-            level
-        })
-        .collect()
-}
-
-/// A sine that goes from standing still to half the sampling rate: sums and products alone, for the same bits on every machine.
-fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
-    let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
-    // Of pi / 1000 more in each sample.
-    let faster = (0.9999950652018582, 0.0031415874858795635);
-    let (mut turn, mut at) = ((1.0, 0.0), (1.0, 0.0));
-    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    (0..n)
-        .map(|_| {
-            turn = turned(faster, turn);
-            at = turned(turn, at);
-            middle + half * at.1
-        })
-        .collect()
-}
-
 impl Formats {
     /// One format for all that has the unit of the input, and one for all that has that of the output.
     fn join(&mut self, whole: &Whole, journeys: &[Vec<Vec<f64>>]) {
@@ -274,118 +328,4 @@ impl Formats {
             self.raise(key.clone(), alike.fold(0.0, f64::max));
         }
     }
-
-    /// What a count is worth, for the header.
-    pub(super) fn scales(&self, guard: &str, whole: &Whole) -> String {
-        let mut out = String::new();
-        let mut told = Vec::new();
-        for entry in &whole.entries {
-            let inputs = entry.inputs.iter().map(|i| (i, self.exponent(&outside(entry, i.name))));
-            let output = (&entry.output, self.exponent(&Key::Gives(entry.step.into(), 0)));
-            for (signal, exponent) in inputs.chain([output]) {
-                if !told.contains(&signal.name) {
-                    told.push(signal.name);
-                    let name = signal.name.to_uppercase();
-                    out += &format!("#define {guard}_{name}_BITS {} /* {} = 2^{} counts */\n", -exponent, signal.name, -exponent);
-                }
-            }
-        }
-        out + "\n"
-    }
 }
-
-/// What C has no operators for.
-pub(super) fn helpers(name: &str, program: &Program) -> String {
-    let mut called: Vec<String> = Vec::new();
-    for function in &program.functions {
-        function.expressions(&mut |expr| {
-            if let Expr::Call(name, _) = expr {
-                called.push(name.clone());
-            }
-        });
-    }
-    if called.iter().any(|c| c == "product") {
-        called.push("shift".into());
-    }
-    let needed = HELPERS.iter().filter(|(helper, _)| called.iter().any(|c| c == helper));
-    needed.map(|(_, text)| text.replace("NAME", name)).collect()
-}
-
-const HELPERS: &[(&str, &str)] = &[
-    (
-        "narrow",
-        "/* v in 32 bits, held at the ends. */
-static int32_t NAME_narrow(int64_t v)
-{
-    int64_t held = v;
-    if (held > INT32_MAX) {
-        held = INT32_MAX;
-    }
-    if (held < -INT32_MAX) {
-        held = -INT32_MAX;
-    }
-    return (int32_t)held;
-}
-
-",
-    ),
-    (
-        "keep",
-        "/* v in 52 bits, held at the ends, which leaves room for a sum. */
-static int64_t NAME_keep(int64_t v)
-{
-    const int64_t end = (int64_t)1 << 51;
-    int64_t held = v;
-    if (held > end) {
-        held = end;
-    }
-    if (held < -end) {
-        held = -end;
-    }
-    return held;
-}
-
-",
-    ),
-    (
-        "shift",
-        "/* v / 2^n to the nearest, halves away from zero. C99 leaves open what shifts do to negative numbers: none is shifted here. */
-static int64_t NAME_shift(int64_t v, int n)
-{
-    const uint64_t size = (uint64_t)((v < 0) ? -v : v);
-    const int64_t nearest = (int64_t)((size + ((uint64_t)1 << (n - 1))) >> n);
-    return (v < 0) ? -nearest : nearest;
-}
-
-",
-    ),
-    (
-        "product",
-        "/* a b / 2^n to the nearest. */
-static int64_t NAME_product(int32_t a, int32_t b, int n)
-{
-    return NAME_shift((int64_t)a * b, n);
-}
-
-",
-    ),
-    (
-        "quotient",
-        "/* 2^n a / b to the nearest, n < 32, in 32 bits; what is divided by nothing is as far as can be. */
-static int32_t NAME_quotient(int32_t a, int32_t b, int n)
-{
-    const uint64_t size = (uint64_t)((a < 0) ? -(int64_t)a : (int64_t)a) << n;
-    const uint64_t by = (uint64_t)((b < 0) ? -(int64_t)b : (int64_t)b);
-    uint64_t nearest = (size == 0U) ? 0U : (uint64_t)INT32_MAX;
-    if (by > 0U) {
-        nearest = (size + (by / 2U)) / by;
-        if (nearest > (uint64_t)INT32_MAX) {
-            nearest = (uint64_t)INT32_MAX;
-        }
-    }
-    return ((a < 0) == (b < 0)) ? (int32_t)nearest : -(int32_t)nearest;
-}
-
-",
-    ),
-];
