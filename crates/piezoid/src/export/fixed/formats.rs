@@ -20,7 +20,7 @@ pub(crate) struct Formats {
     largest: HashMap<Key, f64>,
     expressions: HashMap<*const Expr, f64>,
     /// Fields that add to themselves, of 64 bits: what they gain in a sample may be far less than a count.
-    pub(crate) long: Vec<(String, String)>,
+    long: Vec<(String, String)>,
 }
 
 /// Functions that compare and pass on, whatever a count of theirs is worth.
@@ -42,7 +42,7 @@ pub(crate) fn above(v: f64) -> i32 {
 impl Formats {
     /// Of what machines have seen at work.
     pub(crate) fn of(program: &Program, machines: &[Machine]) -> Self {
-        let mut formats = Formats::default();
+        let mut formats = Formats { long: adding(program), ..Formats::default() };
         for function in program.functions.iter().filter(|f| !PLAIN.contains(&f.name.as_str())) {
             function.expressions(&mut |expr| {
                 let seen = machines
@@ -85,14 +85,7 @@ impl Formats {
             }
             Step::Let(names, expr) if !expr.whole() => self.raise(local(&names[0]), self.seen(expr)),
             Step::Set(place, expr) if !expr.whole() => {
-                let key = key(program, function, place);
-                self.raise(key.clone(), self.seen(expr));
-                if let (Key::Field(block, field), Expr::Binary(Op::Add, left, _)) = (key, expr)
-                    && **left == Expr::At(place.clone())
-                    && !self.is_long(&block, &field)
-                {
-                    self.long.push((block, field));
-                }
+                self.raise(key(program, function, place), self.seen(expr));
             }
             _ => {}
         };
@@ -163,4 +156,33 @@ pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key 
         }
     }
     Key::Field(block.to_owned(), last.clone())
+}
+
+/// Fields that add to themselves.
+pub(crate) fn adding(program: &Program) -> Vec<(String, String)> {
+    let mut long = Vec::new();
+    for function in &program.functions {
+        let mut look = |step: &Step| {
+            if let Step::Set(place, Expr::Binary(Op::Add, left, _)) = step
+                && **left == Expr::At(place.clone())
+                && let Key::Field(block, field) = key(program, function, place)
+            {
+                long.push((block, field));
+            }
+        };
+        function.steps.iter().for_each(|step| step.all(&mut look));
+    }
+    long
+}
+
+/// The block and the field of each number in the state of a block, in order.
+pub(crate) fn fields(program: &Program, block: &str) -> Vec<(String, String)> {
+    let fields = program.block(block).map_or(&[][..], |b| &b.fields);
+    let own = |name: &str| (block.to_owned(), name.to_owned());
+    let each = fields.iter().flat_map(|field| match &field.holds {
+        Holds::Number(_) => vec![own(&field.name)],
+        Holds::Numbers(values) => vec![own(&field.name); values.len()],
+        Holds::Block(inner) => self::fields(program, inner),
+    });
+    each.collect()
 }

@@ -1,30 +1,58 @@
 //! Where a program is taken to see how large its numbers become, and how far off counts are.
 
+use super::formats::{adding, fields};
 use crate::export::Wanted;
 use crate::export::whole::{Entry, Whole, wander};
 use crate::series::ends;
 use crate::system::System;
 
 /// Samples of each part of a journey.
-const PART: usize = 1000;
+pub(super) const PART: usize = 500;
 
-/// Inputs of each entry over all that the model knows and a tenth more: they wander, jump, and sweep from slow to fast.
-pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Vec<Vec<f64>>> {
+/// The journeys of an entry: the same inputs from several states.
+pub(super) struct Journeys {
+    /// The states they start from: at rest, and where all that is slow has come to at both ends.
+    pub(super) starts: Vec<Vec<f64>>,
+    /// Over all that the model knows and a tenth more they wander, jump, and sweep from slow to fast.
+    pub(super) inputs: Vec<Vec<f64>>,
+}
+
+/// The journeys of each entry.
+pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
     let model = wanted.model;
     let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
     let (low, high) = known.unwrap_or((-1.0, 1.0));
     let more = 0.05 * (high - low);
-    let (slow, quick) = (wander((low - more, high + more), PART), jumping((low - more, high + more), PART));
-    let u = [&slow[..], &quick, &sweep((low - more, high + more), PART)].concat();
+    let far = (low - more, high + more);
+    let slow = wander(far, PART);
+    let u = [&slow[..], &jumping(far, PART), &sweep(far, PART)].concat();
     let still = model.simulate(&slow);
-    let (least, most) = ends(still.iter().copied());
-    let r = [&still[..], &jumping((least, most), PART)].concat();
-    let inputs = |entry: &Entry| match entry.step {
-        "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
-        "ff_step" => r.iter().map(|r| vec![*r]).collect(),
-        _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
+    let r = [&still[..], &jumping(ends(still.iter().copied()), PART)].concat();
+    let z = ends(model.hysteresis().simulate(&slow).into_iter());
+    let long = adding(&whole.program);
+    let of = |entry: &Entry| {
+        let numbers = fields(&whole.program, entry.state);
+        let at_rest = whole.program.at_rest(entry.state);
+        let settled = |u: f64, z: f64| {
+            let crept = z * (1.0 + model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>());
+            let there = |(field, at_rest): (&(String, String), &f64)| match (&*field.0, &*field.1) {
+                ("creep", _) => z,
+                ("linear", "inputs") => crept,
+                ("linear", _) if model.linear().dc_gain().is_finite() => model.linear().dc_gain() * crept,
+                // An integral can be as large as what it drives.
+                ("control_state", _) if long.contains(field) => u,
+                _ => *at_rest,
+            };
+            numbers.iter().zip(&at_rest).map(there).collect()
+        };
+        let inputs = match entry.step {
+            "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
+            "ff_step" => r.iter().map(|r| vec![*r]).collect(),
+            _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
+        };
+        Journeys { starts: vec![at_rest.clone(), settled(far.0, z.0), settled(far.1, z.1)], inputs }
     };
-    whole.entries.iter().map(inputs).collect()
+    whole.entries.iter().map(of).collect()
 }
 
 /// Jumps to anywhere, and to the ends, each kept for up to 16 samples.
@@ -47,8 +75,8 @@ fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
 /// A sine that goes from standing still to half the sampling rate: sums and products alone, for the same bits on every machine.
 fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
-    // Of pi / 1000 more in each sample.
-    let faster = (0.9999950652018582, 0.0031415874858795635);
+    // By pi / 500 in each sample.
+    let faster = (0.9999802608561371, 0.006283143965558951);
     let (mut turn, mut at) = ((1.0, 0.0), (1.0, 0.0));
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     (0..n)

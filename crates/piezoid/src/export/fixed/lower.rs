@@ -276,11 +276,8 @@ impl Lowering<'_> {
         }
         Ok(match expr {
             Expr::Limit(limit) => {
-                let limit = format!("{limit:?}").to_lowercase();
-                return unsuited(format!(
-                    "its `{}` needs the {limit} of the floating-point numbers",
-                    self.function.name
-                ));
+                let limit = if *limit == Limit::Most { "largest" } else { "least positive" };
+                return unsuited(format!("`{}` needs the {limit} floating-point number", self.function.name));
             }
             Expr::Variable(name, _) => Number::named(expr.clone(), self.formats.exponent(&self.local(name))),
             Expr::Constant(block, name, index) => {

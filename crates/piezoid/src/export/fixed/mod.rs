@@ -20,15 +20,15 @@ pub(super) use helpers::helpers;
 
 use super::c::{C, checked, comment, wrapped};
 use super::readme::opening;
-use super::whole::{Entry, Vectors, Whole};
+use super::whole::{Entry, Signal, Vectors, Whole};
 use super::{File, Made, Target, Wanted};
 use crate::error::Error;
 use crate::number::short;
 use crate::program::{Counts, Holds, Machine};
 use crate::series::ends;
 use crate::system::System;
-use formats::{Formats, Key};
-use journey::journeys;
+use formats::{Formats, Key, fields};
+use journey::{Journeys, PART, journeys};
 use lower::{counts, lowered};
 
 pub(super) const TARGET: Target = Target {
@@ -71,13 +71,19 @@ impl Fixed {
     fn new(mut whole: Whole, wanted: &Wanted) -> Result<Self, Error> {
         closed_alone(&mut whole);
         loop {
-            let fixed = Fixed::of(&whole, wanted)?;
-            let off = fixed.proofs.iter().position(|proof| !(proof.most <= MOST));
-            let Some(k) = off else { return Ok(fixed) };
-            let (name, most) = (whole.entries[k].step, short(fixed.proofs[k].most));
-            let because = format!("counts of 32 bits move `{name}` by {most} of its stroke, more than {}", short(MOST));
-            if whole.entries[k].step != "ff_step" {
-                let because = format!("{because}; take target c, with --float where doubles are slow");
+            let (k, because) = match Fixed::of(&whole, wanted) {
+                Ok(fixed) => match fixed.proofs.iter().position(|proof| !(proof.most <= MOST)) {
+                    None => return Ok(fixed),
+                    Some(k) => {
+                        let (step, off) = (whole.entries[k].step, short(fixed.proofs[k].most));
+                        (k, format!("counts of 32 bits move `{step}` by {off} of its stroke, more than {MOST:e}"))
+                    }
+                },
+                Err(Error::Unsuited { because, .. }) => (feed_forward(&whole).unwrap_or(0), because),
+                Err(error) => return Err(error),
+            };
+            if whole.entries[k].step != FEED_FORWARD {
+                let because = format!("{because}; take the target `c`");
                 return Err(Error::Unsuited { what: "export in fixed point".into(), because });
             }
             whole.notes.push(format!("there is no feed-forward: {because}"));
@@ -87,44 +93,51 @@ impl Fixed {
 
     fn of(whole: &Whole, wanted: &Wanted) -> Result<Self, Error> {
         let journeys = journeys(whole, wanted);
-        let mut machines = Vec::new();
-        let mut exact = Vec::new();
-        for (entry, inputs) in whole.entries.iter().zip(&journeys) {
+        let (mut machines, mut exact) = (Vec::new(), Vec::new());
+        for (entry, Journeys { starts, inputs }) in whole.entries.iter().zip(&journeys) {
             let mut machine = Machine::new(&whole.program, entry.state, false).watched();
-            let outputs = inputs.iter().map(|row| Ok(machine.call(entry.step, row)?[0]));
-            exact.push(outputs.collect::<Result<Vec<f64>, Error>>()?);
+            let outputs = starts.iter().map(|start| run(&mut machine, entry, start, inputs));
+            exact.push(outputs.collect::<Result<Vec<_>, _>>()?);
             machines.push(machine);
         }
         let mut formats = Formats::of(&whole.program, &machines);
         formats.join(whole, &journeys);
         let mut counted = Whole { program: lowered(&whole.program, &formats)?, ..whole.clone() };
         let mut proofs = Vec::new();
-        let vectors = whole.vectors(&Wanted { single: false, ..wanted.clone() })?;
-        for (k, entry) in whole.entries.iter().enumerate() {
-            let stroke = ends(vectors[k].outputs.iter().copied());
-            let stroke = stroke.1 - stroke.0;
-            let scales: Vec<i32> = entry.inputs.iter().map(|i| formats.exponent(&outside(entry, i.name))).collect();
-            let gives = formats.exponent(&Key::Gives(entry.step.into(), 0));
-            let run = |rows: &[Vec<f64>]| {
-                let rows = rows.iter().map(|row| row.iter().zip(&scales).map(|(v, e)| counts(*v, *e)).collect());
-                let rows: Vec<Vec<f64>> = rows.collect();
-                let mut machine = Machine::new(&counted.program, entry.state, false);
-                let outputs = rows.iter().map(|row| Ok(machine.call(entry.step, row)?[0]));
-                Ok::<_, Error>((outputs.collect::<Result<Vec<f64>, Error>>()?, rows))
-            };
-            let (there, _) = run(&journeys[k])?;
-            let off = there.iter().zip(&exact[k]).map(|(n, v)| (n * 2f64.powi(gives) - v) / stroke);
-            let (squares, most) = off.fold((0.0, 0.0f64), |(s, most), e| (s + e * e, most.max(e.abs())));
-            let (outputs, inputs) = run(&vectors[k].inputs)?;
-            let rms = (squares / exact[k].len() as f64).sqrt();
-            proofs.push(Proof { vectors: Vectors { inputs, outputs, ..vectors[k].clone() }, rms, most });
+        for ((entry, vectors), (Journeys { starts, inputs }, exact)) in
+            whole.entries.iter().zip(whole.vectors(wanted)?).zip(journeys.iter().zip(exact))
+        {
+            let mut machine = Machine::new(&counted.program, entry.state, false);
+            let fields = fields(&whole.program, entry.state).into_iter();
+            let state: Vec<i32> = fields.map(|(block, field)| formats.exponent(&Key::Field(block, field))).collect();
+            let given: Vec<i32> = entry.inputs.iter().map(|i| formats.exponent(&outside(entry, i.name))).collect();
+            let row =
+                |row: &[f64], worth: &[i32]| row.iter().zip(worth).map(|(v, e)| counts(*v, *e)).collect::<Vec<_>>();
+            let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &given)).collect::<Vec<_>>();
+            let unit = 2f64.powi(formats.exponent(&gives(entry)));
+            let (low, high) = ends(exact[0][..PART].iter().copied());
+            // Of slow models the inputs leave the ends before they come there.
+            let stroke = (high - low).max(exact[2][0] - exact[1][0]);
+            let (mut squares, mut most, counted) = (0.0, 0.0f64, rows(inputs));
+            for (start, exact) in starts.iter().zip(&exact) {
+                for (n, v) in run(&mut machine, entry, &row(start, &state), &counted)?.iter().zip(exact) {
+                    let off = (n * unit - v) / stroke;
+                    squares += off * off;
+                    most = most.max(off.abs());
+                }
+            }
+            let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
+            let inputs = rows(&vectors.inputs);
+            let at_rest = row(&starts[0], &state);
+            let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
+            proofs.push(Proof { vectors: Vectors { inputs, outputs, ..vectors }, rms, most });
         }
         for entry in &mut counted.entries {
             let worth = |key: &Key, unit: &str| format!("2^{} {unit}", formats.exponent(key));
             for k in 0..entry.inputs.len() {
                 entry.inputs[k].unit = worth(&outside(entry, entry.inputs[k].name), &entry.inputs[k].unit);
             }
-            entry.output.unit = worth(&Key::Gives(entry.step.into(), 0), &entry.output.unit);
+            entry.output.unit = worth(&gives(entry), &entry.output.unit);
         }
         Ok(Fixed { whole: counted, formats, proofs })
     }
@@ -172,12 +185,13 @@ impl Fixed {
         self.formats.is_long(block, field)
     }
 
-    /// Names of signals, and how many bits of a count of theirs are fractions of the unit.
-    fn ports(&self) -> Vec<(&'static str, i32)> {
+    /// Names of signals, how many bits of a count of theirs are fractions of the unit, and what it is worth.
+    fn ports(&self) -> Vec<(&'static str, i32, String)> {
         let mut ports = Vec::new();
         for entry in &self.whole.entries {
-            ports.extend(entry.inputs.iter().map(|i| (i.name, -self.formats.exponent(&outside(entry, i.name)))));
-            ports.push((entry.output.name, -self.formats.exponent(&Key::Gives(entry.step.into(), 0))));
+            let input = |i: &Signal| (i.name, -self.formats.exponent(&outside(entry, i.name)), i.unit.clone());
+            ports.extend(entry.inputs.iter().map(input));
+            ports.push((entry.output.name, -self.formats.exponent(&gives(entry)), entry.output.unit.clone()));
         }
         ports.sort_unstable();
         ports.dedup();
@@ -199,9 +213,10 @@ impl Fixed {
                 .into_iter()
                 .chain(errors)
                 .collect();
-        let line = |(name, bits): (&str, i32)| {
-            let macro_name = format!("{guard}_{}_BITS", name.to_uppercase());
-            format!("#define {macro_name} ({bits}) /* the value of {name} is its count / 2^{bits} */\n")
+        let line = |(name, bits, worth): (&str, i32, String)| {
+            let name_of = name.to_uppercase();
+            let worth = worth.replace("*/", "* /");
+            format!("#define {guard}_{name_of}_BITS ({bits}) /* a count of {name} is worth {worth} */\n")
         };
         let lines: String = self.ports().into_iter().map(line).collect();
         format!("#include <stdint.h>\n\n{}{lines}\n", comment(&about, ""))
@@ -229,13 +244,10 @@ impl Fixed {
         }
         out += "```\n\nNo floating point anywhere, no heap, no globals that change, no recursion, no library but what the compiler brings for \
                 products and quotients of 64 bits.\n\n## Counts\n\n| signal | a count is worth | from | to |\n|---|--:|--:|--:|\n";
-        for (signal, bits) in self.ports() {
+        for (signal, bits, worth) in self.ports() {
             let end = short(2f64.powi(31 - bits));
-            out += &format!(
-                "| `{signal}` | 2^{} (`{upper}_{}_BITS` is {bits}) | -{end} | {end} |\n",
-                -bits,
-                signal.to_uppercase()
-            );
+            let name_of = signal.to_uppercase();
+            out += &format!("| `{signal}` | {worth} (`{upper}_{name_of}_BITS` is {bits}) | -{end} | {end} |\n");
         }
         out += "\nEvery number with a name has such a worth of its own, a power of two: by the largest it came to while the model ran in double precision \
                 along inputs that wandered, jumped and swept to half the sampling rate over 105 % of the known range, and at least as much again is left \
@@ -247,9 +259,8 @@ impl Fixed {
             out += &format!("| `{name}_{}` | {} | {} |\n", entry.step, short(proof.rms), short(proof.most));
         }
         out += &format!(
-            "\nThe rounding of inputs is in it. What is off by more than {} is not exported.\n\n## What it takes\n\n| function | state | sums \
+            "\nThe rounding of inputs is in it. What is off by more than {MOST:e} is not exported.\n\n## What it takes\n\n| function | state | sums \
              | products | quotients | comparisons | all, at most |\n|---|--:|--:|--:|--:|--:|--:|\n",
-            short(MOST)
         );
         for (entry, Proof { vectors, .. }) in self.whole.entries.iter().zip(&self.proofs) {
             let Counts { sums, products, quotients, comparisons } = vectors.mean;
@@ -281,6 +292,17 @@ impl Fixed {
     }
 }
 
+/// What a machine answers from a state on.
+fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
+    machine.state().copy_from_slice(start);
+    inputs.iter().map(|row| Ok(machine.call(entry.step, row)?[0])).collect()
+}
+
+/// What is given to the outside.
+fn gives(entry: &Entry) -> Key {
+    Key::Gives(entry.step.into(), 0)
+}
+
 /// What is given from outside.
 fn outside(entry: &Entry, input: &str) -> Key {
     Key::Local(entry.step.into(), input.into())
@@ -295,10 +317,17 @@ fn closed_alone(whole: &mut Whole) {
     }
     keep(whole);
     let sought = whole.program.functions.iter().any(|f| f.name.ends_with("_by_trials"));
-    if let (true, Some(k)) = (sought, whole.entries.iter().position(|entry| entry.step == "ff_step")) {
-        whole.notes.push("there is no feed-forward: the inverse of this model is sought in floating point".into());
+    if let (true, Some(k)) = (sought, feed_forward(whole)) {
+        let because = "the inverse of this hysteresis is not closed, and Newton's method needs floating point";
+        whole.notes.push(format!("there is no feed-forward: {because}"));
         leave_out(whole, k);
     }
+}
+
+const FEED_FORWARD: &str = "ff_step";
+
+fn feed_forward(whole: &Whole) -> Option<usize> {
+    whole.entries.iter().position(|entry| entry.step == FEED_FORWARD)
 }
 
 fn leave_out(whole: &mut Whole, k: usize) {
@@ -313,14 +342,14 @@ fn keep(whole: &mut Whole) {
 
 impl Formats {
     /// One format for all that has the unit of the input, and one for all that has that of the output.
-    fn join(&mut self, whole: &Whole, journeys: &[Vec<Vec<f64>>]) {
+    fn join(&mut self, whole: &Whole, journeys: &[Journeys]) {
         let mut ports: Vec<(&str, Key, f64)> = Vec::new();
-        for (entry, inputs) in whole.entries.iter().zip(journeys) {
+        for (entry, Journeys { inputs, .. }) in whole.entries.iter().zip(journeys) {
             for (k, input) in entry.inputs.iter().enumerate() {
                 let most = inputs.iter().fold(0.0, |most: f64, row| most.max(row[k].abs()));
                 ports.push((&input.unit, outside(entry, input.name), most));
             }
-            let key = Key::Gives(entry.step.into(), 0);
+            let key = gives(entry);
             ports.push((&entry.output.unit, key.clone(), self.most(&key)));
         }
         for (unit, key, _) in &ports {
