@@ -1,6 +1,7 @@
 //! Where a program is taken to see how large its numbers become, and how far off counts are.
 
-use super::formats::{adding, fields};
+use super::formats::{adding, fields, fitting};
+use super::lower::counts;
 use crate::export::Wanted;
 use crate::export::whole::{Entry, Whole, wander};
 use crate::series::ends;
@@ -25,9 +26,9 @@ pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
     let more = 0.05 * (high - low);
     let far = (low - more, high + more);
     let slow = wander(far, PART);
-    let u = [&slow[..], &jumping(far, PART), &sweep(far, PART)].concat();
+    let u = in_counts([&slow[..], &jumping(far, PART), &sweep(far, PART)].concat());
     let still = model.simulate(&slow);
-    let r = [&still[..], &jumping(ends(still.iter().copied()), PART)].concat();
+    let r = in_counts([&still[..], &jumping(ends(still.iter().copied()), PART)].concat());
     let z = ends(model.hysteresis().simulate(&slow).into_iter());
     let long = adding(&whole.program);
     let of = |entry: &Entry| {
@@ -48,12 +49,21 @@ pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
         let inputs = match entry.step {
             "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
             "ff_step" => r.iter().map(|r| vec![*r]).collect(),
-            _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
+            _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.25 * r, *u]).collect(),
         };
         Journeys { starts: vec![at_rest.clone(), settled(far.0, z.0), settled(far.1, z.1)], inputs }
     };
     whole.entries.iter().map(of).collect()
 }
+
+/// The nearest numbers that are whole counts in any format, so that what is equal in double precision is equal in counts too.
+fn in_counts(values: Vec<f64>) -> Vec<f64> {
+    let exponent = fitting(values.iter().fold(0.0, |most, v| v.abs().max(most))) + COARSER;
+    values.into_iter().map(|v| counts(v, exponent) * 2f64.powi(exponent)).collect()
+}
+
+/// How many bits less.
+const COARSER: i32 = 8;
 
 /// Jumps to anywhere, and to the ends, each kept for up to 16 samples.
 fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {

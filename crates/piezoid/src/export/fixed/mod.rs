@@ -259,7 +259,7 @@ impl Fixed {
             out += &format!("| `{name}_{}` | {} | {} |\n", entry.step, short(proof.rms), short(proof.most));
         }
         out += &format!(
-            "\nThe rounding of inputs is in it. What is off by more than {MOST:e} is not exported.\n\n## What it takes\n\n| function | state | sums \
+            "\nThe rounding of inputs to counts comes on top. What is off by more than {MOST:e} is not exported.\n\n## What it takes\n\n| function | state | sums \
              | products | quotients | comparisons | all, at most |\n|---|--:|--:|--:|--:|--:|--:|\n",
         );
         for (entry, Proof { vectors, .. }) in self.whole.entries.iter().zip(&self.proofs) {
