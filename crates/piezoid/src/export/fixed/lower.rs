@@ -422,3 +422,62 @@ fn sum(op: Op, left: Number, right: Number) -> Number {
     let left = if right.wide { left.expr } else { left.long() };
     Number::computed(binary(op, left, right.expr), exponent, bits)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::Machine;
+
+    /// The program of a text, as it is and in counts, and its formats, after these inputs.
+    fn both(text: &str, inputs: &[f64]) -> (Program, Formats, Program) {
+        let block = Block::new("sum", "all so far").number("total", 0.0).text(text);
+        let program = Program::new(vec![crate::elementary::block(), block]).unwrap();
+        let mut machine = Machine::new(&program, "sum", false).watched();
+        inputs.iter().for_each(|u| drop(machine.call("sum", &[*u]).unwrap()));
+        let mut formats = Formats::of(&program, &[machine]);
+        let most = inputs.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        formats.raise(Key::Local("sum".into(), "u".into()), most);
+        let mut kept = program;
+        kept.keep(&["sum", "clamp"]);
+        let counted = lowered(&kept, &formats).unwrap();
+        (kept, formats, counted)
+    }
+
+    #[test]
+    fn what_is_gained_below_a_count_of_32_bits_is_not_lost() {
+        let text = "fn sum(x: sum, u) { x.total += 1e-9 * (u - x.total); return x.total; }";
+        let (program, formats, counted) = both(text, &[1.0; 1000]);
+        assert!(formats.is_long("sum", "total"));
+        let mut machine = Machine::new(&counted, "sum", false);
+        let mut exact = Machine::new(&program, "sum", false);
+        let one = counts(1.0, formats.exponent(&Key::Local("sum".into(), "u".into())));
+        for _ in 0..1000 {
+            machine.call("sum", &[one]).unwrap();
+            exact.call("sum", &[1.0]).unwrap();
+        }
+        let worth = 2f64.powi(formats.exponent(&Key::Field("sum".into(), "total".into())));
+        assert!((machine.state()[0] * worth / exact.state()[0] - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_far_beyond_what_was_seen_is_held_at_the_end() {
+        let text = "fn sum(x: sum, u) { x.total = u * u * u; return x.total + u; }";
+        let (_, _, counted) = both(text, &[0.5, 1.0]);
+        let mut machine = Machine::new(&counted, "sum", false);
+        let most = 2f64.powi(31) - 1.0;
+        assert_eq!(machine.call("sum", &[most]).unwrap(), [most]);
+        assert_eq!(machine.call("sum", &[-most]).unwrap(), [-most]);
+    }
+
+    #[test]
+    fn limits_of_floating_point_are_refused_but_where_they_ask_whether_a_number_is_one() {
+        let text = "fn sum(x: sum, u) { if magnitude(u) <= most { x.total = u; } return x.total; }";
+        let (_, _, counted) = both(text, &[1.0]);
+        let step = &counted.function("sum").unwrap().steps[0];
+        assert!(matches!(step, Step::Set(..)), "{step:?}");
+        let block = Block::new("sum", "").number("total", 0.0).text("fn sum(x: sum, u) { return u * least; }");
+        let program = Program::new(vec![block]).unwrap();
+        let error = lowered(&program, &Formats::of(&program, &[])).unwrap_err().to_string();
+        assert!(error.contains("`sum` needs the least positive"), "{error}");
+    }
+}
