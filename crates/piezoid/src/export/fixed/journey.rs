@@ -29,7 +29,7 @@ pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
     let u = in_counts([&slow[..], &jumping(far, PART), &sweep(far, PART)].concat());
     let still = model.simulate(&slow);
     let r = in_counts([&still[..], &jumping(ends(still.iter().copied()), PART)].concat());
-    let z = ends(model.hysteresis().simulate(&slow).into_iter());
+    let z = ends(model.hysteresis().simulate(&slow));
     let long = adding(&whole.program);
     let of = |entry: &Entry| {
         let numbers = fields(&whole.program, entry.state);

@@ -72,7 +72,7 @@ impl Fixed {
         closed_alone(&mut whole);
         loop {
             let (k, because) = match Fixed::of(&whole, wanted) {
-                Ok(fixed) => match fixed.proofs.iter().position(|proof| !(proof.most <= MOST)) {
+                Ok(fixed) => match fixed.proofs.iter().position(|p| p.rms.is_nan() || p.most > MOST) {
                     None => return Ok(fixed),
                     Some(k) => {
                         let (step, off) = (whole.entries[k].step, short(fixed.proofs[k].most));
