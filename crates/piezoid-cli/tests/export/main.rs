@@ -4,6 +4,7 @@
 
 mod c;
 mod cortex;
+mod fixed;
 mod rust;
 mod simulink;
 mod st;

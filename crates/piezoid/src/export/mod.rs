@@ -4,6 +4,7 @@
 //! order, same bits. Nothing that is written holds a date or a path.
 
 mod c;
+mod fixed;
 mod fmu;
 mod language;
 mod readme;
@@ -109,7 +110,7 @@ impl std::fmt::Debug for Target {
 
 /// The targets there are.
 pub static TARGETS: &[Target] =
-    &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET, waveform::TARGET];
+    &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET, waveform::TARGET, fixed::TARGET];
 
 /// The target called `name`.
 ///

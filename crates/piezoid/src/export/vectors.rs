@@ -106,28 +106,32 @@ fn missed(wanted: &Wanted, r: &[f64]) -> Option<f64> {
     Some(mean.sqrt() / (high - low))
 }
 
-/// Inputs between these ends: sums, products and whole numbers alone, for the same bits on every machine.
-fn inputs((low, high): (f64, f64)) -> Vec<f64> {
+/// Two turns of different speed, within 95 % of these ends: sums and products alone, for the same bits on every machine.
+pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
     // Steps of 0.13 and 0.0481 rad.
     let (quick, slow) = ((0.9915618937147881, 0.12963414261969486), (0.9988434179553187, 0.04808145522014453));
     let (mut a, mut b) = ((1.0, 0.0), (1.0, 0.0));
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    let mut drawn = 1u32;
-    let share = |t: usize| match t {
-        t if t < WANDERING => {
-            (a, b) = (turned(quick, a), turned(slow, b));
-            0.35 * a.1 + 0.6 * b.1
-        }
-        // Up from the bottom, and down again.
-        t if t < WANDERING + THROUGH => {
-            let way = 2.0 * (t - WANDERING) as f64 / (THROUGH - 1) as f64;
-            if way <= 1.0 { 2.0 * way - 1.0 } else { 3.0 - 2.0 * way }
-        }
-        _ => {
-            drawn = drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(drawn >> 8) / f64::from(1 << 23) - 1.0
-        }
+    let share = |_| {
+        (a, b) = (turned(quick, a), turned(slow, b));
+        middle + half * (0.35 * a.1 + 0.6 * b.1)
     };
-    (0..SAMPLES).map(share).map(|share| middle + half * share).collect()
+    (0..n).map(share).collect()
+}
+
+/// Inputs between these ends, the same on every machine.
+fn inputs((low, high): (f64, f64)) -> Vec<f64> {
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    // Up from the bottom, and down again.
+    let through = (0..THROUGH).map(|t| {
+        let way = 2.0 * t as f64 / (THROUGH - 1) as f64;
+        middle + half * if way <= 1.0 { 2.0 * way - 1.0 } else { 3.0 - 2.0 * way }
+    });
+    let mut drawn = 1u32;
+    let jumps = (WANDERING + THROUGH..SAMPLES).map(|_| {
+        drawn = drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        middle + half * (f64::from(drawn >> 8) / f64::from(1 << 23) - 1.0)
+    });
+    wander((low, high), WANDERING).into_iter().chain(through).chain(jumps).collect()
 }

@@ -23,6 +23,7 @@
 //! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in either precision, and
 //! printed by [`crate::export`]. It is the same arithmetic in the same order everywhere, so that all give the same bits.
 
+mod counted;
 mod read;
 mod run;
 mod slope;

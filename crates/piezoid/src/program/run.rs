@@ -1,6 +1,6 @@
 //! Running a program here, number by number: what it gives in either precision, and what it takes.
 
-use super::{Block, Expr, Holds, Op, Place, Program, Step};
+use super::{Block, Expr, Holds, Op, Place, Program, Step, counted};
 use crate::error::Error;
 use std::collections::HashMap;
 
@@ -25,6 +25,8 @@ pub struct Machine<'p> {
     block: String,
     /// What it has taken so far.
     pub counts: Counts,
+    /// The largest size of what each expression gave, of a machine that is watched.
+    largest: Option<HashMap<*const Expr, f64>>,
 }
 
 /// Operations.
@@ -64,7 +66,17 @@ impl<'p> Machine<'p> {
     pub fn new(program: &'p Program, block: &str, single: bool) -> Self {
         let round = |v: f64| if single { f64::from(v as f32) } else { v };
         let state = program.at_rest(block).into_iter().map(round).collect();
-        Machine { program, single, states: vec![state], block: block.into(), counts: Counts::default() }
+        Machine { program, single, states: vec![state], block: block.into(), counts: Counts::default(), largest: None }
+    }
+
+    /// The same, which from now on knows the [`largest`](Self::largest) of what each expression gave.
+    pub fn watched(self) -> Self {
+        Machine { largest: Some(HashMap::new()), ..self }
+    }
+
+    /// The largest size of what this expression of the program gave while the machine was watched, if it was reached.
+    pub fn largest(&self, expr: &Expr) -> Option<f64> {
+        self.largest.as_ref()?.get(&std::ptr::from_ref(expr)).copied()
     }
 
     /// The state, as one vector.
@@ -186,6 +198,15 @@ impl<'p> Machine<'p> {
     }
 
     fn value(&mut self, expr: &'p Expr, names: &mut Names<'p>) -> Result<Value<'p>, Error> {
+        let value = self.computed(expr, names)?;
+        if let (Some(largest), Value::Real(v)) = (&mut self.largest, &value) {
+            let most = largest.entry(expr).or_insert(0.0);
+            *most = most.max(v.abs());
+        }
+        Ok(value)
+    }
+
+    fn computed(&mut self, expr: &'p Expr, names: &mut Names<'p>) -> Result<Value<'p>, Error> {
         Ok(match expr {
             Expr::Real(v) => Value::Real(self.round(*v)),
             Expr::Whole(i) => Value::Whole(*i),
@@ -212,7 +233,17 @@ impl<'p> Machine<'p> {
                 }
                 Value::Whole(v as usize)
             }
-            Expr::Call(name, arguments) => Value::Real(self.calling(name, arguments, names)?[0]),
+            Expr::Call(name, arguments) => match counted::operation(name) {
+                Some(operation) => {
+                    let counts = arguments.iter().map(|a| match self.value(a, names)? {
+                        Value::Whole(n) => Ok(n as f64),
+                        Value::Real(v) => Ok(v),
+                        other => wrong(format!("{other:?} is no count")),
+                    });
+                    Value::Real(operation(&counts.collect::<Result<Vec<f64>, Error>>()?))
+                }
+                None => Value::Real(self.calling(name, arguments, names)?[0]),
+            },
             Expr::Negative(expr) => Value::Real(-self.real(expr, names)?),
             Expr::Binary(op, left, right) => {
                 let (left, right) = (self.value(left, names)?, self.value(right, names)?);

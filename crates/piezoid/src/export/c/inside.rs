@@ -31,6 +31,9 @@ impl Language for C<'_> {
     }
 
     fn real(&self, value: f64) -> String {
+        if self.counts.is_some() {
+            return format!("{}", value as i64);
+        }
         format!("{}{}", shortest(value, self.single), if self.single { "f" } else { "" })
     }
 
@@ -50,6 +53,9 @@ impl Language for C<'_> {
     }
 
     fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+        if self.counts.is_some() && name == "wide" {
+            return format!("(int64_t){}", words.expr(&arguments[0]));
+        }
         format!("{}({})", self.own(name), self.arguments(arguments, words).join(", "))
     }
 
@@ -66,7 +72,8 @@ impl Language for C<'_> {
     }
 
     fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
-        let (Some((first, rest)), kind) = (names.split_first(), if value.whole() { "int" } else { self.number() })
+        let (Some((first, rest)), kind) =
+            (names.split_first(), if value.whole() { "int" } else { self.number_in(words.function) })
         else {
             return Vec::new();
         };

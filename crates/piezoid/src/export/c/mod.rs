@@ -5,6 +5,7 @@
 
 mod inside;
 
+use super::fixed::{Fixed, PLAIN, helpers};
 use super::language::{Language, Words};
 use super::readme::readme;
 use super::vectors::Vectors;
@@ -58,30 +59,36 @@ pub(super) struct C<'c> {
     pub(super) program: &'c Program,
     pub(super) name: &'c str,
     pub(super) single: bool,
+    /// How numbers are counted, where they are not floating.
+    pub(super) counts: Option<&'c Fixed>,
 }
 
 impl<'c> C<'c> {
     pub(super) fn of(whole: &'c Whole, wanted: &'c Wanted) -> Self {
-        C { program: &whole.program, name: wanted.name, single: wanted.single }
+        C { program: &whole.program, name: wanted.name, single: wanted.single, counts: None }
     }
 }
 
 impl C<'_> {
     /// The header: types and functions that are called from outside.
     pub(super) fn header(&self, whole: &Whole, wanted: &Wanted) -> String {
-        let (name, guard, number) = (self.name, self.name.to_uppercase(), self.number());
+        let (name, guard) = (self.name, self.name.to_uppercase());
         let mut out = String::new();
         let mut about = vec![format!("{name}.h: a piezo actuator and what drives it, as identified by piezoid.")];
         about.push(format!("One call of a step function is one sample of {} s.", shortest(wanted.model.ts(), false)));
         about.extend(whole.notes.iter().cloned());
         out += &comment(&about, "");
         out += &format!("#ifndef {guard}_H\n#define {guard}_H\n\n");
-        out += &format!("#define {guard}_TS {} /* sampling period [s] */\n\n", self.real(wanted.model.ts()));
+        out += &match self.counts {
+            None => format!("#define {guard}_TS {} /* sampling period [s] */\n\n", self.real(wanted.model.ts())),
+            Some(fixed) => fixed.scales(&guard),
+        };
         out += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
         for block in whole.program.blocks.iter().filter(|b| !b.fields.is_empty() && self.used(b, whole)) {
             out += &comment(&[format!("State of {}.", block.about)], "");
             out += "typedef struct {\n";
             for field in &block.fields {
+                let number = self.held(block, field);
                 out += &match &field.holds {
                     Holds::Number(_) => format!("    {number} {};\n", field.name),
                     Holds::Numbers(values) => format!("    {number} {}[{}];\n", field.name, values.len()),
@@ -119,7 +126,12 @@ impl C<'_> {
     pub(super) fn source(&self, whole: &Whole) -> String {
         let mut out = comment(&[format!("{}.c: see {}.h", self.name, self.name)], "");
         out += &format!("#include \"{}.h\"\n\n", self.name);
-        out += "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF /* the same bits on every machine */\n#endif\n\n";
+        out += &match self.counts {
+            None => {
+                "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF /* the same bits on every machine */\n#endif\n\n".into()
+            }
+            Some(_) => helpers(self.name, self.program),
+        };
         for (number, block) in self.program.blocks.iter().enumerate() {
             let constants: Vec<String> = self.constants(number, block);
             let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
@@ -170,7 +182,7 @@ impl C<'_> {
     }
 
     fn function(&self, function: &Function, whole: &Whole) -> String {
-        let number = self.number();
+        let number = self.number_in(function);
         let outside = whole.entries.iter().any(|entry| entry.step == function.name);
         let gives = if function.returns.is_empty() { "void" } else { number };
         let mut takes: Vec<String> = function
@@ -276,16 +288,32 @@ impl C<'_> {
     }
 
     fn number(&self) -> &'static str {
-        if self.single { "float" } else { "double" }
+        match (self.counts, self.single) {
+            (Some(_), _) => "int32_t",
+            (None, true) => "float",
+            (None, false) => "double",
+        }
+    }
+
+    /// Numbers with a name in a function.
+    fn number_in(&self, function: &Function) -> &'static str {
+        let passes_on = self.counts.is_some() && PLAIN.contains(&function.name.as_str());
+        if passes_on { "int64_t" } else { self.number() }
+    }
+
+    /// Numbers in a field.
+    fn held(&self, block: &Block, field: &Field) -> &'static str {
+        let long = self.counts.is_some_and(|fixed| fixed.is_long(&block.name, &field.name));
+        if long { "int64_t" } else { self.number() }
     }
 
     /// A name of this file, which no other file has.
-    fn own(&self, name: &str) -> String {
+    pub(super) fn own(&self, name: &str) -> String {
         format!("{}_{name}", self.name)
     }
 
     /// The type of the state of a block.
-    fn state(&self, block: &str) -> String {
+    pub(super) fn state(&self, block: &str) -> String {
         self.own(&if block.ends_with("state") { block.into() } else { format!("{block}_state") })
     }
 }
@@ -297,7 +325,7 @@ pub(super) fn titled(text: &str) -> String {
 }
 
 /// Lines of a comment.
-fn comment(lines: &[String], indent: &str) -> String {
+pub(super) fn comment(lines: &[String], indent: &str) -> String {
     let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /")).collect();
     format!("{indent}/* {} */\n", lines.join(&format!("\n{indent}   ")))
 }

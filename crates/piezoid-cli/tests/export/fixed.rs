@@ -1,0 +1,80 @@
+//! C in fixed point by two compilers: the counts that are computed here, whatever the inputs, without any floating point.
+
+use crate::{exported, model, models, run, there};
+use piezoid::export::{Wanted, target};
+use std::path::Path;
+
+const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow";
+const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
+const CORTEX_M0: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -mcpu=cortex-m0 -mthumb -mfloat-abi=soft";
+
+/// What cannot be exported so.
+const REFUSED: &[&str] = &["preisach"];
+
+/// Each model that can, exported into a folder.
+fn each(see: impl Fn(&str, &Path)) {
+    for (name, model) in models().into_iter().filter(|(name, _)| !REFUSED.contains(&name.as_str())) {
+        let folder = tempfile::tempdir().unwrap();
+        exported("fixed", &Wanted::new(&model, &name), folder.path());
+        see(&name, folder.path());
+    }
+}
+
+#[test]
+fn every_operator_counts_the_same_from_both_compilers_at_any_level_and_no_sanitizer_speaks() {
+    let builds = [
+        ("gcc", format!("-O0 {WATCHED}")),
+        ("gcc", "-O3".into()),
+        ("clang", "-O0".into()),
+        ("clang", format!("-O3 {WATCHED}")),
+    ];
+    let builds: Vec<_> = builds.into_iter().filter(|(compiler, _)| there(compiler)).collect();
+    each(|name, folder| {
+        for (compiler, flags) in &builds {
+            run(folder, &format!("{compiler} {STRICT} {flags} {name}.c {name}_test.c -o self_test"));
+            let said = run(folder, "./self_test");
+            assert!(said.contains(": 0 of 400 differ"), "{said}");
+        }
+        if there("gcc") {
+            // From end to end of 32 bits: whatever is counted, nothing overflows.
+            std::fs::write(folder.join("wild.c"), wild(name)).unwrap();
+            run(folder, &format!("gcc {STRICT} -O1 {WATCHED} {name}.c wild.c -o wild"));
+            run(folder, "./wild");
+        }
+    });
+}
+
+/// A main that hands anything that fits in 32 bits to the model.
+fn wild(name: &str) -> String {
+    format!(
+        "#include \"{name}.h\"\nint main(void)\n{{\n    {name}_state s;\n    uint32_t r = 1U;\n    {name}_reset(&s);\n    \
+         for (int k = 0; k < 50000; k++) {{\n        r = (r * 1664525U) + 1013904223U;\n        \
+         const int64_t u = (int64_t)r - 2147483648LL;\n        \
+         (void){name}_step(&s, ((r >> 8) % 5U == 0U) ? INT32_MIN : (((r >> 8) % 5U == 1U) ? INT32_MAX : (int32_t)u));\n    \
+         }}\n    return 0;\n}}\n"
+    )
+}
+
+#[test]
+fn a_core_without_floating_point_needs_nothing_but_whole_numbers() {
+    if !there("arm-none-eabi-gcc") {
+        return;
+    }
+    each(|name, folder| {
+        run(folder, &format!("{CORTEX_M0} -c {name}.c -o {name}.o"));
+        let needs = run(folder, &format!("arm-none-eabi-nm --undefined-only {name}.o"));
+        let allowed = ["__aeabi_lmul", "__aeabi_ldivmod", "__aeabi_uldivmod", "__aeabi_idiv", "memset", "memcpy"];
+        for needed in needs.lines().filter_map(|line| line.split_whitespace().last()) {
+            assert!(allowed.contains(&needed), "{name} needs {needed}");
+        }
+    });
+}
+
+#[test]
+fn what_cannot_be_counted_is_refused_with_the_reason() {
+    for name in REFUSED {
+        let model = model(name, None).unwrap();
+        let error = (target("fixed").unwrap().make)(&Wanted::new(&model, name)).unwrap_err().to_string();
+        assert!(error.contains("needs the largest floating-point number"), "{error}");
+    }
+}

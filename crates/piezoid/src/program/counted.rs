@@ -1,0 +1,56 @@
+//! Arithmetic of whole counts, of programs that stand for others in fixed point: exact here, as it is in integers of 64 bits.
+
+/// The operation of this name, if it is one, on counts of 53 bits at most.
+///
+/// `wide(v)` is v; `narrow(v)` and `keep(v)` are held within 31 and 51 bits; `shift(v, n)` is v / 2^n, `product(a, b, n)` is a b / 2^n and
+/// `quotient(a, b, n)` is 2^n a / b within 31 bits, all to the nearest and halves away from zero.
+pub(super) fn operation(name: &str) -> Option<fn(&[f64]) -> f64> {
+    Some(match name {
+        "wide" => |v| v[0],
+        "narrow" => |v| v[0].clamp(-NARROW, NARROW),
+        "keep" => |v| v[0].clamp(-KEPT, KEPT),
+        "shift" => |v| shifted(v[0] as i64, v[1]),
+        "product" => |v| shifted(v[0] as i64 * v[1] as i64, v[2]),
+        "quotient" => |v| quotient(v[0] as i64, v[1] as i64, v[2]).clamp(-NARROW, NARROW),
+        _ => return None,
+    })
+}
+
+/// What 32 bits hold, the same on both sides of zero.
+const NARROW: f64 = 2_147_483_647.0;
+
+/// What is kept of a state in 64 bits, which leaves room for a sum.
+pub(crate) const KEPT: f64 = 2_251_799_813_685_248.0;
+
+fn shifted(v: i64, n: f64) -> f64 {
+    let n = n as u32;
+    let nearest = (v.unsigned_abs() + (1 << (n - 1))) >> n;
+    if v < 0 { -(nearest as f64) } else { nearest as f64 }
+}
+
+fn quotient(a: i64, b: i64, n: f64) -> f64 {
+    let (size, by) = (a.unsigned_abs() << n as u32, b.unsigned_abs());
+    let nearest = (size + by / 2).checked_div(by).map_or(if a == 0 { 0.0 } else { NARROW }, |q| q as f64);
+    if (a < 0) == (b < 0) { nearest } else { -nearest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(name: &str, counts: &[f64]) -> f64 {
+        operation(name).unwrap()(counts)
+    }
+
+    #[test]
+    fn halves_go_away_from_zero_on_both_sides() {
+        assert_eq!([5.0, -5.0, 6.0, -7.0].map(|v| of("shift", &[v, 1.0])), [3.0, -3.0, 3.0, -4.0]);
+        assert_eq!([7.0, -7.0].map(|v| of("quotient", &[v, 2.0, 0.0])), [4.0, -4.0]);
+        assert_eq!(of("product", &[NARROW, -NARROW, 31.0]), -2_147_483_646.0);
+    }
+
+    #[test]
+    fn what_is_divided_by_nothing_is_as_far_as_can_be() {
+        assert_eq!([1.0, -1.0, 0.0].map(|v| of("quotient", &[v, 0.0, 3.0])), [NARROW, -NARROW, 0.0]);
+    }
+}
