@@ -16,7 +16,7 @@
 //! ```
 //! A block has fields (its state), constants, and functions. Numbers are real or whole; a parameter is real unless it says
 //! `whole` or names the block whose state it is. There are no early returns, no recursion, no names that hide others; a function may
-//! return several numbers. Conditions change nothing. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
+//! return two numbers. Conditions change nothing. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
 //! `real(i)` and `whole(v)` convert, the latter a number that is not negative, towards zero; `epsilon`, `least` and `most` are those of the
 //! precision at hand. Some languages look at both sides of `&&` and `||`. A comment before a function or a step goes with it into every language.
 //!
@@ -223,5 +223,105 @@ impl Program {
             }
         }
         self.functions.retain(|f| needed.contains(&f.name));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    fn block(text: &str) -> Block {
+        let block = Block::new("b", "").number("last", 0.5).numbers("room", vec![1.0, 2.0, 3.0]);
+        block.constant("gain", 4.0).table("r", &[1.0, 10.0, 100.0]).count("n", 3).text(text)
+    }
+
+    /// What `f` of a block gives for these numbers.
+    fn gives(text: &str, numbers: &[f64]) -> Vec<f64> {
+        let program = Program::new(vec![block(text)]).unwrap();
+        Machine::new(&program, "b", false).call("f", numbers).unwrap()
+    }
+
+    #[test]
+    fn steps_do_what_they_say() {
+        assert_eq!(gives("fn f(u) { return 2.0 + 3.0 * u - 8.0 / 4.0 / 2.0; }", &[5.0]), [16.0]);
+        assert_eq!(gives("fn f(u) { return -u * 2.0 - -1.0; }", &[3.0]), [-5.0]);
+        assert_eq!(gives("fn f(u) { let s = u; for k in 0..n { s = s * 2.0 + r[k]; } return s; }", &[1.0]), [132.0]);
+        assert_eq!(
+            gives("fn f(u) { let s = u; for k in 0..n down { s = s * 2.0 + r[k]; } return s; }", &[1.0]),
+            [429.0]
+        );
+        assert_eq!(
+            gives("fn f(u) { let k = 0; while k < n && real(k) < u { k += 1; } return real(k * 10 % 7); }", &[2.0]),
+            [6.0]
+        );
+        let choice =
+            "fn f(u) { let z = 0.0; if u < 1.0 || u > 9.0 { z = 1.0; } else if u == 5.0 { z = 2.0; } return z; }";
+        assert_eq!([0.0, 5.0, 6.0, 10.0].map(|u| gives(choice, &[u])[0]), [1.0, 2.0, 0.0, 1.0]);
+        assert_eq!(gives("fn g(u) { return u, gain; } fn f(u) { let a, b = g(u); return b, a; }", &[7.0]), [4.0, 7.0]);
+        let room = "fn f(x: b, u) { let t = copy(x); let z = zero(x); let s = [0.0; n]; t.room[1] = u; s[2] = t.room[1] + x.room[1]; return s[2], z.room[2]; }";
+        assert_eq!(gives(room, &[7.0]), [9.0, 0.0]);
+    }
+
+    #[test]
+    fn what_is_not_in_the_language_is_refused_with_the_reason() {
+        for (text, reason) in [
+            ("fn f(u) { return v; }", "`v` is not known"),
+            ("fn f(u) { return g(u); }", "no function `g`"),
+            ("fn f(u) { let u = 1.0; return u; }", "hides"),
+            ("fn f(u) { let k = 1; return u + k; }", "whole number to one that is not"),
+            ("fn f(u) { return r; }", "is a table"),
+            ("fn f(x: b) { return x.first; }", "no field `first`"),
+            ("fn f(x: c) { return 1.0; }", "no block `c`"),
+            ("fn f(u) { let a, b = f(u); return a; }", "no function `f`"),
+            ("fn f(u) { return u, u, u; }", "two numbers are the most"),
+            ("fn g(x: b) { x.last = 1.0; } fn f(x: b) { return g(x); }", "gives nothing"),
+            ("fn f(u) { return 1.0; } fn f(u) { return 2.0; }", "another one of that name"),
+            ("fn f(u) { return 1.0 }", "`;` is missing"),
+            ("fn f(u) { return u # 2.0; }", "no sign `#`"),
+        ] {
+            let error = Program::new(vec![block(text)]).unwrap_err().to_string();
+            assert!(error.contains(reason), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn counting_beyond_what_there_is_is_an_error_and_no_panic() {
+        for text in ["fn f(u) { return r[whole(u)]; }", "fn f(u) { let k = whole(u); return r[k - 4]; }"] {
+            let program = Program::new(vec![block(text)]).unwrap();
+            for u in [3.0, -1.0, f64::NAN, 1e12] {
+                assert!(Machine::new(&program, "b", false).call("f", &[u]).is_err(), "{text} of {u}");
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_what_differences_near() {
+        let text = "
+            fn h(v, c) { let w = v / (c + v * v); if w > 0.1 { w = w * w; } return w; }
+            fn f(x: b, u) {
+                let s = gain * u;
+                for k in 0..n { x.room[k] = x.room[k] * u - s / r[k]; s += x.room[k] * h(u, r[k]); }
+                x.last = s;
+                return s * x.last - u;
+            }";
+        let mut program = Program::new(vec![block(text)]).unwrap();
+        program.slope("f").unwrap();
+        program.extend("fn ahead(x: b, u) { let t = copy(x); let d = zero(x); let z, s = f_slope(t, d, u, 1.0); return z, s; }").unwrap();
+        let at = |name: &str, u: f64| Machine::new(&program, "b", false).call(name, &[u]).unwrap();
+        for u in [-2.0, -0.3, 0.2, 1.7] {
+            let [z, slope] = at("ahead", u)[..] else { panic!("two numbers") };
+            assert_eq!(z, at("f", u)[0]);
+            let near = (at("f", u + 1e-6)[0] - at("f", u - 1e-6)[0]) / 2e-6;
+            assert_close(&[slope], &[near], 1e-7, 1e-6);
+        }
+    }
+
+    #[test]
+    fn what_nobody_needs_is_left_out() {
+        let mut program =
+            Program::new(vec![block("fn a(u) { return u; } fn g(u) { return u; } fn f(u) { return g(u); }")]).unwrap();
+        program.keep(&["f"]);
+        assert_eq!(program.functions.iter().map(|f| &*f.name).collect::<Vec<_>>(), ["g", "f"]);
     }
 }

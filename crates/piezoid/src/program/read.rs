@@ -122,6 +122,9 @@ impl Reader<'_> {
             self.expect(";")?;
         }
         self.expect("}")?;
+        if returns.len() > 2 {
+            return self.wrong("two numbers are the most that a function may return");
+        }
         for parameter in &mut takes {
             parameter.changed = self.changed.contains(&parameter.name);
         }
@@ -168,7 +171,9 @@ impl Reader<'_> {
             return Ok(Step::For { name, from, to, down, steps });
         }
         if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) {
-            let call = self.expr()?;
+            let name = self.name()?;
+            self.expect("(")?;
+            let call = self.call(name)?;
             self.expect(";")?;
             return Ok(Step::Do(call));
         }
@@ -364,7 +369,8 @@ impl Reader<'_> {
             Some(Word::Name(name)) if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) => {
                 let name = name.clone();
                 self.at += 2;
-                self.call(name)
+                let gives = self.program.function(&name).is_none_or(|f| !f.returns.is_empty());
+                if gives { self.call(name) } else { self.wrong(format!("`{name}` gives nothing")) }
             }
             Some(Word::Name(_)) => self.named(),
             _ => self.wrong("a number is missing"),
