@@ -33,7 +33,8 @@ fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwar
     for (name, model) in models() {
         let wanted = Wanted { single: true, ..Wanted::new(&model, &name) };
         let whole = piezoid::export::Whole::new(&wanted).unwrap();
-        for (entry, vectors) in whole.entries.iter().zip(&whole.vectors) {
+        for entry in &whole.entries {
+            let vectors = &entry.vectors;
             println!("{name} {}: {:.1e}", entry.step, vectors.off);
             // What jumps from branch to branch may do it a sample earlier or later.
             let jumps = ["two_branch", "rate_scheduled"].contains(&name.as_str());

@@ -1,6 +1,7 @@
 //! C in fixed point by two compilers: the counts that are computed here, whatever the inputs, without any floating point.
 
-use crate::{exported, model, models, run, there};
+use crate::{TS, exported, model, models, run, there};
+use piezoid::control::Pi;
 use piezoid::export::{Wanted, target};
 use std::path::Path;
 
@@ -68,6 +69,19 @@ fn a_core_without_floating_point_needs_nothing_but_whole_numbers() {
             assert!(allowed.contains(&needed), "{name} needs {needed}");
         }
     });
+}
+
+#[test]
+fn a_controller_counts_the_same_where_the_feed_forward_has_to_stay_behind() {
+    let (model, pi) = (model("bouc-wen", None).unwrap(), Pi::new(TS, 0.05, 20.0, (-30.0, 30.0)).unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let made = exported("fixed", &Wanted { controller: Some(&pi), ..Wanted::new(&model, "m") }, folder.path());
+    assert!(made.notes.iter().any(|note| note.contains("no feed-forward")), "{:?}", made.notes);
+    if there("gcc") {
+        run(folder.path(), &format!("gcc {STRICT} m.c m_test.c -o self_test"));
+        let said = run(folder.path(), "./self_test");
+        assert!(said.contains("m_step: 0 of 400") && said.contains("m_control_step: 0 of 400"), "{said}");
+    }
 }
 
 #[test]

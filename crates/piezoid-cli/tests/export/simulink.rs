@@ -173,7 +173,8 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
             let wanted = Wanted { single, controller: Some(&controller), ..Wanted::new(&model, &name) };
             exported("simulink", &wanted, folder.path());
             let whole = Whole::new(&wanted).unwrap();
-            for (entry, vectors) in whole.entries.iter().zip(&whole.vectors) {
+            for entry in &whole.entries {
+                let vectors = &entry.vectors;
                 let sfun = format!("{name}_{}sfun", entry.step.trim_end_matches("step"));
                 let (given, said) = simulated(folder.path(), &name, &sfun, &vectors.inputs);
                 assert!(given == vectors.outputs, "{sfun}, single {single}");

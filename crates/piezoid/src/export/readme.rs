@@ -1,7 +1,6 @@
 //! The page that goes with exported code: what is there, how to use it, what it takes, how it was proved.
 
 use super::Wanted;
-use super::vectors::Vectors;
 use super::whole::Whole;
 use crate::number::{round, short};
 use crate::program::{Counts, Expr};
@@ -29,7 +28,7 @@ pub(super) fn opening(wanted: &Wanted, whole: &Whole, language: &str, number: &s
     out
 }
 
-pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
+pub(super) fn readme(wanted: &Wanted, whole: &Whole) -> String {
     let name = wanted.name;
     let number = if wanted.single { "float" } else { "double" };
     let upper = name.to_uppercase();
@@ -54,7 +53,8 @@ pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> Str
     out += "```\n\nNo heap, no globals that change, no recursion, no library: functions may be called from several tasks, each with a state of \
             its own. Inputs of the model have to be finite numbers. The feed-forward takes one that is not for the one before, the controller a reading that is not for no error.\n\n";
     out += "## What it takes\n\n| function | state | sums | products | quotients | comparisons | all, most seen |\n|---|--:|--:|--:|--:|--:|--:|\n";
-    for (entry, vectors) in whole.entries.iter().zip(vectors) {
+    for entry in &whole.entries {
+        let vectors = &entry.vectors;
         let Counts { sums, products, quotients, comparisons } = vectors.mean;
         out += &format!(
             "| `{name}_{}` | {} bytes | {sums} | {products} | {quotients} | {comparisons} | {} |\n",
@@ -74,12 +74,12 @@ pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> Str
          that go backwards through hysteresis take more steps now and then. Constants take {} bytes. {machine}\n\n",
         constants(whole) * bytes(wanted.single),
     );
-    for vectors in vectors.iter().filter_map(|v| v.missed) {
+    for missed in whole.entries.iter().filter_map(|entry| entry.vectors.missed) {
         let preview = wanted.preview;
         out += &format!(
             "Behind the feed-forward, given r {preview} samples ahead of time, the model misses r by {} of its height, rms, along these vectors, which move \
              fast. `--preview` with more samples comes closer.\n\n",
-            short(vectors),
+            short(missed),
         );
     }
     out += "## Proof\n\n";
@@ -88,7 +88,8 @@ pub(super) fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> Str
     );
     out += "The self-test compares with what piezoid computes, bit by bit. ";
     if wanted.single {
-        for (entry, vectors) in whole.entries.iter().zip(vectors) {
+        for entry in &whole.entries {
+            let vectors = &entry.vectors;
             out += &format!(
                 "Single precision moves `{name}_{}` by {} of its stroke at most. ",
                 entry.step,

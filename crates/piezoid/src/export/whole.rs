@@ -14,8 +14,6 @@ pub struct Whole {
     pub program: Program,
     /// What is called from outside: the model first, then its feed-forward, then the controller.
     pub entries: Vec<Entry>,
-    /// What each of them answers.
-    pub vectors: Vec<Vectors>,
     /// Why something is not there, and what is worth knowing, one sentence each.
     pub notes: Vec<String>,
 }
@@ -35,6 +33,8 @@ pub struct Entry {
     pub inputs: Vec<Signal>,
     /// What it gives.
     pub output: Signal,
+    /// Inputs, and what it answers.
+    pub vectors: Vectors,
 }
 
 /// A number that passes the interface.
@@ -77,9 +77,9 @@ impl Whole {
             about: "the model: input to displacement".into(),
             inputs: vec![u.clone()],
             output: y.clone(),
+            vectors: Vectors::default(),
         };
-        let mut whole =
-            Whole { program: model.program()?, entries: vec![step], vectors: Vec::new(), notes: Vec::new() };
+        let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
         if wanted.preview > LATEST {
             let rule = format!("must be at most {LATEST} samples");
             return Err(Error::parameter("preview", wanted.preview, rule));
@@ -101,6 +101,7 @@ impl Whole {
                     about: format!("the feed-forward: wanted displacement to input{late}"),
                     inputs: vec![Signal { name: "r", unit: metres.clone(), about: "wanted displacement" }],
                     output: u.clone(),
+                    vectors: Vectors::default(),
                 });
             }
         }
@@ -125,14 +126,16 @@ impl Whole {
                     Signal { name: "feed", unit: volts, about: "the feed-forward of this sample, or 0" },
                 ],
                 output: u,
+                vectors: Vectors::default(),
             });
         }
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
         whole.held(wanted.single)?;
-        whole.vectors = vectors::of(&whole, wanted)?;
-        for (entry, vectors) in whole.entries.iter().zip(&whole.vectors).filter(|(_, v)| v.off > NOTED) {
-            let off = short(vectors.off);
+        let vectors = vectors::of(&whole, wanted)?;
+        whole.entries.iter_mut().zip(vectors).for_each(|(entry, vectors)| entry.vectors = vectors);
+        for entry in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
+            let off = short(entry.vectors.off);
             whole.notes.push(format!("single precision moves {} by {off} of its stroke at most", entry.step));
         }
         Ok(whole)

@@ -18,7 +18,7 @@ mod lower;
 pub(super) use formats::PLAIN;
 pub(super) use helpers::helpers;
 
-use super::c::{C, checked, comment, wrapped};
+use super::c::{C, checked, comment};
 use super::readme::opening;
 use super::vectors::Vectors;
 use super::whole::{Entry, Signal, Whole};
@@ -42,7 +42,7 @@ pub(super) const TARGET: Target = Target {
         let files = vec![
             File::text(format!("{name}.h"), c.header(&fixed.whole, wanted)),
             File::text(format!("{name}.c"), c.source(&fixed.whole)),
-            File::text(format!("{name}_test.c"), fixed.test(&c)),
+            File::text(format!("{name}_test.c"), c.test(&fixed.whole)),
             File::text(format!("{}.md", wanted.name), fixed.readme(wanted)),
         ];
         Ok(Made { files, notes: fixed.whole.notes })
@@ -59,9 +59,8 @@ pub(super) struct Fixed {
     proofs: Vec<Proof>,
 }
 
-/// What an entry answers in counts, and how far off that is.
+/// How far off counts are.
 struct Proof {
-    vectors: Vectors,
     /// Root of the mean square of the difference to double precision, over the stroke.
     rms: f64,
     /// The largest difference, over the stroke.
@@ -105,9 +104,8 @@ impl Fixed {
         formats.join(whole, &journeys);
         let mut counted = Whole { program: lowered(&whole.program, &formats)?, ..whole.clone() };
         let mut proofs = Vec::new();
-        for ((entry, vectors), (Journeys { starts, inputs }, exact)) in
-            whole.entries.iter().zip(whole.vectors.clone()).zip(journeys.iter().zip(exact))
-        {
+        for (k, (Journeys { starts, inputs }, exact)) in journeys.iter().zip(exact).enumerate() {
+            let entry = &whole.entries[k];
             let mut machine = Machine::new(&counted.program, entry.state, false);
             let fields = fields(&whole.program, entry.state).into_iter();
             let state: Vec<i32> = fields.map(|(block, field)| formats.exponent(&Key::Field(block, field))).collect();
@@ -119,19 +117,20 @@ impl Fixed {
             let (low, high) = ends(exact[0][..PART].iter().copied());
             // Of slow models the inputs leave the ends before they come there.
             let stroke = (high - low).max(exact[2][0] - exact[1][0]);
-            let (mut squares, mut most, counted) = (0.0, 0.0f64, rows(inputs));
+            let (mut squares, mut most, journey) = (0.0, 0.0f64, rows(inputs));
             for (start, exact) in starts.iter().zip(&exact) {
-                for (n, v) in run(&mut machine, entry, &row(start, &state), &counted)?.iter().zip(exact) {
+                for (n, v) in run(&mut machine, entry, &row(start, &state), &journey)?.iter().zip(exact) {
                     let off = (n * unit - v) / stroke;
                     squares += off * off;
                     most = most.max(off.abs());
                 }
             }
             let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
-            let inputs = rows(&vectors.inputs);
+            let inputs = rows(&entry.vectors.inputs);
             let at_rest = row(&starts[0], &state);
             let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
-            proofs.push(Proof { vectors: Vectors { inputs, outputs, ..vectors }, rms, most });
+            counted.entries[k].vectors = Vectors { inputs, outputs, ..entry.vectors.clone() };
+            proofs.push(Proof { rms, most });
         }
         for entry in &mut counted.entries {
             let worth = |key: &Key, unit: &str| format!("2^{} {unit}", formats.exponent(key));
@@ -145,40 +144,6 @@ impl Fixed {
 
     fn c<'c>(&'c self, wanted: &'c Wanted) -> C<'c> {
         C { counts: Some(self), ..C::of(&self.whole, wanted) }
-    }
-
-    /// A program that runs the vectors and says how many differ.
-    fn test(&self, c: &C) -> String {
-        let name = c.name;
-        let about = [
-            format!("Runs {name} on recorded inputs and compares with what piezoid counts."),
-            "Ends with status 0 where all are equal, else with 1.".into(),
-        ];
-        let mut out = comment(&about, "") + &format!("#include \"{name}.h\"\n#include <stdio.h>\n\n");
-        let mut main = String::new();
-        for (entry, Proof { vectors, .. }) in self.whole.entries.iter().zip(&self.proofs) {
-            let (step, n) = (entry.step, vectors.outputs.len());
-            let table = |name: &str, values: Vec<f64>| {
-                let values: Vec<String> = values.iter().map(|v| (*v as i64).to_string()).collect();
-                format!("static const int32_t {step}_{name}[{n}] = {{\n{}}};\n", wrapped(&values))
-            };
-            for (k, input) in entry.inputs.iter().enumerate() {
-                out += &table(input.name, vectors.inputs.iter().map(|row| row[k]).collect());
-            }
-            out += &table("gives", vectors.outputs.clone());
-            let inputs: String = entry.inputs.iter().map(|i| format!(", {step}_{}[k]", i.name)).collect();
-            out += &format!(
-                "\nstatic int {step}_differs(void)\n{{\n    {} s;\n    int differs = 0;\n    {}(&s);\n    \
-                 for (int k = 0; k < {n}; k++) {{\n        if ({}(&s{inputs}) != {step}_gives[k]) {{\n            \
-                 differs++;\n        }}\n    }}\n    \
-                 printf(\"{name}_{step}: %d of {n} differ\\n\", differs);\n    return differs;\n}}\n\n",
-                c.state(entry.state),
-                c.own(entry.reset),
-                c.own(step),
-            );
-            main += &format!("    differs += {step}_differs();\n");
-        }
-        out + &format!("int main(void)\n{{\n    int differs = 0;\n{main}    return (differs == 0) ? 0 : 1;\n}}\n")
     }
 
     /// Whether a field has 64 bits.
@@ -263,12 +228,12 @@ impl Fixed {
             "\nThe rounding of inputs to counts comes on top. What is off by more than {MOST:e} is not exported.\n\n## What it takes\n\n| function | state | sums \
              | products | quotients | comparisons | all, at most |\n|---|--:|--:|--:|--:|--:|--:|\n",
         );
-        for (entry, Proof { vectors, .. }) in self.whole.entries.iter().zip(&self.proofs) {
-            let Counts { sums, products, quotients, comparisons } = vectors.mean;
+        for entry in &self.whole.entries {
+            let Counts { sums, products, quotients, comparisons } = entry.vectors.mean;
             let bytes = self.bytes(entry.state);
             out += &format!(
                 "| `{name}_{}` | {bytes} bytes | {sums} | {products} | {quotients} | {comparisons} | {} |\n",
-                entry.step, vectors.most,
+                entry.step, entry.vectors.most,
             );
         }
         out += &format!(

@@ -9,7 +9,7 @@ mod inside;
 use super::c::{shortest, titled, wrapped};
 use super::language::Words;
 use super::readme::opening;
-use super::vectors::{SAMPLES, Vectors};
+use super::vectors::SAMPLES;
 use super::whole::{Entry, Whole};
 use super::{File, Made, Target, Wanted, named};
 use crate::error::Error;
@@ -29,11 +29,10 @@ pub(super) const TARGET: Target = Target {
             return Err(Error::parameter("name", name, "must be in lower case for Rust: it is that of a module"));
         }
         let whole = Whole::new(wanted)?;
-        let vectors = &whole.vectors;
         let rust = Rust { whole: &whole, single: wanted.single };
         let files = vec![
-            File::text(format!("{}.rs", wanted.name), rust.module(wanted, vectors)),
-            File::text(format!("{}.md", wanted.name), page(wanted, &whole, vectors)),
+            File::text(format!("{}.rs", wanted.name), rust.module(wanted)),
+            File::text(format!("{}.md", wanted.name), page(wanted, &whole)),
         ];
         Ok(Made { files, notes: whole.notes })
     },
@@ -75,7 +74,7 @@ struct Rust<'r> {
 
 impl Rust<'_> {
     /// The file.
-    fn module(&self, wanted: &Wanted, vectors: &[Vectors]) -> String {
+    fn module(&self, wanted: &Wanted) -> String {
         let (name, ts) = (wanted.name, wanted.model.ts());
         let mut about = vec![
             format!("{name}: a piezo actuator and what drives it, as identified by piezoid."),
@@ -106,7 +105,7 @@ impl Rust<'_> {
                 out += &format!("\n// {}\n\n{}", titled(&block.about), parts.join("\n"));
             }
         }
-        out + &self.converted() + &self.tests(vectors)
+        out + &self.converted() + &self.tests()
     }
 
     /// The state of an entry and what it does.
@@ -298,9 +297,10 @@ impl Rust<'_> {
     }
 
     /// What proves it.
-    fn tests(&self, vectors: &[Vectors]) -> String {
+    fn tests(&self) -> String {
         let mut out = "\n#[cfg(test)]\nmod tests {\n    use super::*;\n".to_owned();
-        for (entry, vectors) in self.whole.entries.iter().zip(vectors) {
+        for entry in &self.whole.entries {
+            let vectors = &entry.vectors;
             let (step, n, state) = (entry.step, vectors.outputs.len(), type_of(entry.state));
             let values = |values: &mut dyn Iterator<Item = f64>| -> Vec<String> {
                 values.map(|v| shortest(v, self.single)).collect()
@@ -344,7 +344,7 @@ fn constant_of(block: &Block, name: &str) -> String {
 }
 
 /// The page that goes with it.
-fn page(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
+fn page(wanted: &Wanted, whole: &Whole) -> String {
     let name = wanted.name;
     let number = if wanted.single { "f32" } else { "f64" };
     let mut out = opening(wanted, whole, "a module in Rust", number);
@@ -365,7 +365,8 @@ fn page(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
         "`cargo test` runs the same, as tests of your crate: {SAMPLES} samples of each state against what piezoid computes, bit by bit. "
     );
     if wanted.single {
-        for (entry, vectors) in whole.entries.iter().zip(vectors) {
+        for entry in &whole.entries {
+            let vectors = &entry.vectors;
             let (state, off) = (type_of(entry.state), short(vectors.off));
             out += &format!("Single precision moves what `{state}::step` gives by {off} of its stroke at most. ");
         }

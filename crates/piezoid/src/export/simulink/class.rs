@@ -4,7 +4,6 @@ use super::matlab::Matlab;
 use super::{inputs, line, sfun};
 use crate::export::Wanted;
 use crate::export::c::{shortest, titled};
-use crate::export::vectors::Vectors;
 use crate::export::whole::{Entry, Whole};
 use crate::number::round;
 use crate::series::ends;
@@ -12,10 +11,10 @@ use crate::system::System;
 
 impl Matlab<'_> {
     /// The class and its functions.
-    pub(super) fn class(&self, whole: &Whole, wanted: &Wanted, vectors: &[Vectors]) -> String {
+    pub(super) fn class(&self, whole: &Whole, wanted: &Wanted) -> String {
         let (name, units) = (self.name, wanted.model.units());
         let mut out = format!("classdef {name} < handle\n");
-        out += &self.help(whole, vectors);
+        out += &self.help(whole);
         out += "    properties (Constant)\n";
         out += &format!("        Ts = {} % sampling period [s]\n", shortest(wanted.model.ts(), false));
         out += &format!("        units = struct('u', {}, 'y', {})\n    end\n", quoted(&units.u), quoted(&units.y));
@@ -38,7 +37,7 @@ impl Matlab<'_> {
     }
 
     /// What `help` says.
-    fn help(&self, whole: &Whole, vectors: &[Vectors]) -> String {
+    fn help(&self, whole: &Whole) -> String {
         let (name, upper) = (self.name, self.name.to_uppercase());
         let precision = if self.single { ", in single precision" } else { "" };
         let mut about = vec![
@@ -59,7 +58,7 @@ impl Matlab<'_> {
             about.push("      begins anew: all that went before is forgotten.".into());
         }
         about.extend(whole.notes.iter().map(|note| format!("  Not here: {note}")));
-        let (low, high) = ends(vectors.iter().take(1).flat_map(|v| v.inputs.iter().map(|row| row[0])));
+        let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));
         let (middle, half) = (round(0.5 * (low + high)), round(0.5 * (high - low)));
         about.extend([
             String::new(),
@@ -112,7 +111,7 @@ impl Matlab<'_> {
     }
 
     /// A function that runs the vectors and says how far off the class is, and the S-functions where Simulink has them.
-    pub(super) fn test(&self, whole: &Whole, vectors: &[Vectors]) -> String {
+    pub(super) fn test(&self, whole: &Whole) -> String {
         let (name, upper) = (self.name, self.name.to_uppercase());
         let mut out = format!(
             "function {name}_test()
@@ -120,7 +119,8 @@ impl Matlab<'_> {
     %   In MATLAB the S-functions too, once {name}_build has compiled them. Ends with an error where anything differs.
     model = {name}();\n"
         );
-        for (entry, vectors) in whole.entries.iter().zip(vectors) {
+        for entry in &whole.entries {
+            let vectors = &entry.vectors;
             let (simulate, inputs, output) = (simulate(entry), inputs(entry), entry.output.name);
             let values = |name: &str, values: Vec<f64>| format!("    {name} = {};\n", self.column(&values, "    "));
             out += &format!("\n    % {}.\n", line(&titled(&entry.about)));

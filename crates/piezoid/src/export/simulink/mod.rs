@@ -12,7 +12,6 @@ mod sfunction;
 use self::matlab::Matlab;
 use self::sfunction::block;
 use super::c::{C, checked};
-use super::vectors::Vectors;
 use super::whole::{Entry, Whole};
 use super::{File, Made, Target, Wanted};
 use crate::number::{round, short};
@@ -25,15 +24,14 @@ pub(super) const TARGET: Target = Target {
     make: |wanted| {
         let whole = checked(wanted)?;
         let matlab = Matlab::of(&whole, wanted)?;
-        let vectors = &whole.vectors;
         let (c, name) = (C::of(&whole, wanted), wanted.name);
         let mut files = vec![
             File::text(format!("{name}.h"), c.header(&whole, wanted)),
             File::text(format!("{name}.c"), c.source(&whole)),
-            File::text(format!("{name}.m"), matlab.class(&whole, wanted, vectors)),
-            File::text(format!("{name}_test.m"), matlab.test(&whole, vectors)),
+            File::text(format!("{name}.m"), matlab.class(&whole, wanted)),
+            File::text(format!("{name}_test.m"), matlab.test(&whole)),
             File::text(format!("{name}_build.m"), build(name, &whole)),
-            File::text(format!("{}.md", wanted.name), readme(wanted, &whole, vectors)),
+            File::text(format!("{}.md", wanted.name), readme(wanted, &whole)),
         ];
         files.extend(
             whole.entries.iter().map(|entry| File::text(format!("{}.c", sfun(name, entry)), block(wanted, entry))),
@@ -92,7 +90,7 @@ end
 }
 
 /// The page that goes with it.
-fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
+fn readme(wanted: &Wanted, whole: &Whole) -> String {
     let (name, model) = (wanted.name, wanted.model);
     let mut out = format!("# {name}\n\n");
     out += &format!(
@@ -117,7 +115,8 @@ fn readme(wanted: &Wanted, whole: &Whole, vectors: &[Vectors]) -> String {
     out += &format!(
         "`{name}_test` runs the class on recorded inputs and compares with what piezoid computes, bit by bit."
     );
-    for (entry, vectors) in whole.entries.iter().zip(vectors).filter(|_| wanted.single) {
+    for entry in whole.entries.iter().filter(|_| wanted.single) {
+        let vectors = &entry.vectors;
         out += &format!(" Single precision moves `{}` by {} of its stroke at most.", entry.step, short(vectors.off));
     }
     out += "\n\n## Simulink\n\n";

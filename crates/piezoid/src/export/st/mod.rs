@@ -28,12 +28,11 @@ pub(super) const TARGET: Target = Target {
     make: |wanted| {
         named(wanted.name, RESERVED)?;
         let whole = Whole::new(wanted)?;
-        let vectors = &whole.vectors;
         let st = St::new(&whole, wanted)?;
         let files = vec![
             File::text(format!("{}.st", wanted.name), st.library(wanted)),
-            File::text(format!("{}_test.st", wanted.name), st.test(vectors)),
-            File::text(format!("{}.md", wanted.name), page(wanted, &st, vectors)),
+            File::text(format!("{}_test.st", wanted.name), st.test()),
+            File::text(format!("{}.md", wanted.name), page(wanted, &st)),
         ];
         Ok(Made { files, notes: whole.notes })
     },

@@ -4,14 +4,14 @@ use super::{St, comment, section};
 use crate::export::Wanted;
 use crate::export::c::shortest;
 use crate::export::readme::opening;
-use crate::export::vectors::{SAMPLES, Vectors};
+use crate::export::vectors::SAMPLES;
 use crate::number::short;
 use crate::system::System;
 
 impl St<'_> {
     /// A program that runs the vectors, a sample a cycle.
-    pub(super) fn test(&self, vectors: &[Vectors]) -> String {
-        let (name, n) = (self.globals.get("!test"), vectors.first().map_or(0, |v| v.outputs.len()));
+    pub(super) fn test(&self) -> String {
+        let (name, n) = (self.globals.get("!test"), SAMPLES);
         let about = [
             format!(
                 "Runs {} on recorded inputs, a sample a cycle, and counts the samples that differ by a bit from",
@@ -22,7 +22,8 @@ impl St<'_> {
         let mut tables = String::new();
         let mut own = "    sample : DINT;\n    differs : DINT;\n".to_owned();
         let mut body = String::new();
-        for (entry, vectors) in self.whole.entries.iter().zip(vectors) {
+        for entry in &self.whole.entries {
+            let vectors = &entry.vectors;
             let block = self.block_of(entry);
             let unit = format!("the_{}", block.strip_prefix(&format!("{}_", self.name)).unwrap_or("model"));
             let mut given = Vec::new();
@@ -49,7 +50,7 @@ impl St<'_> {
 }
 
 /// The page that goes with it.
-pub(super) fn page(wanted: &Wanted, st: &St, vectors: &[Vectors]) -> String {
+pub(super) fn page(wanted: &Wanted, st: &St) -> String {
     let name = wanted.name;
     let mut out = opening(wanted, st.whole, "function blocks in structured text", st.number());
     out += &format!(
@@ -88,7 +89,8 @@ pub(super) fn page(wanted: &Wanted, st: &St, vectors: &[Vectors]) -> String {
          bit: 0 where the machine computes as IEEE 754 has it and keeps no longer numbers between."
     );
     if wanted.single {
-        for (entry, vectors) in st.whole.entries.iter().zip(vectors) {
+        for entry in &st.whole.entries {
+            let vectors = &entry.vectors;
             let (block, off) = (st.block_of(entry), short(vectors.off));
             out += &format!(" Single precision moves what `{block}` gives by {off} of its stroke at most.");
         }
