@@ -11,7 +11,7 @@ use clap::Args;
 use piezoid::Model;
 use piezoid::compensation::How;
 use piezoid::control::{Drive, Scheme, controller};
-use piezoid::export::{Playback, Wanted, target};
+use piezoid::export::{Playback, TARGETS, Target, Wanted, target};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -73,16 +73,13 @@ pub(crate) struct Export {
     output: PathBuf,
 }
 
-/// The target that is a table of voltages for a reference.
-const WAVEFORM: &str = "waveform";
-
 /// Settings of the library that are options here, under the same name.
-const OPTIONS: [&str; 4] = ["name", "preview", "controller", "range"];
+const OPTIONS: [&str; 3] = ["name", "preview", "range"];
 
 impl Export {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let target = argument(target(&self.target))?;
-        self.fits(target.name)?;
+        self.fits(target)?;
         let limits = self.amplifier.limits()?.unwrap_or_default();
         let model = files::model(&self.model)?;
         let how = How { limits, clip: self.clip, ..How::default() };
@@ -110,12 +107,20 @@ impl Export {
     }
 
     /// Refuses options that would count for nothing.
-    fn fits(&self, target: &str) -> Result<()> {
-        let wave = target == WAVEFORM;
-        let wrong = if self.reference.is_some() != wave {
-            format!("--reference goes with --target {WAVEFORM}, which needs it, and with no other")
-        } else if wave && (self.float || self.preview > 0 || self.controller.is_some()) {
-            format!("--float, --preview and --controller are for code: --target {WAVEFORM} is a table")
+    fn fits(&self, target: &Target) -> Result<()> {
+        let given = [
+            ("float", self.float),
+            ("preview", self.preview > 0),
+            ("controller", self.controller.is_some()),
+            ("reference", self.reference.is_some()),
+        ];
+        let heeded = |option: &str| target.heeds.contains(&option);
+        let (name, in_vain) = (target.name, given.iter().find(|(option, given)| *given && !heeded(option)));
+        let wrong = if let Some((option, _)) = in_vain {
+            let others = TARGETS.iter().filter(|t| t.heeds.contains(option)).map(|t| t.name);
+            format!("--{option} is not for --target {name}, but for {}", others.collect::<Vec<_>>().join(", "))
+        } else if heeded("reference") && self.reference.is_none() {
+            format!("--target {name} is a table for a --reference: name its file")
         } else if self.controller.is_none() && self.tuning.any() {
             "--late, --gain-margin and --phase-margin are what a --controller is tuned to: name one".into()
         } else if self.reference.is_none() && self.columns.any() {
@@ -150,7 +155,12 @@ impl Export {
 
     /// The controller of this name for the model.
     fn tuned(&self, name: &str, model: &Model, how: How) -> Result<Drive> {
-        let scheme = Scheme { law: Some(argument(controller(name))?), ..argument(Scheme::named("gain"))? };
+        let law = argument(controller(name))?;
+        // What takes no feed-forward plans for itself.
+        if !law.fed {
+            bail!(Misused(format!("--controller {name} plans anew in every sample, which is no law to export")));
+        }
+        let scheme = Scheme { law: Some(law), ..argument(Scheme::named("gain"))? };
         Drive::new(scheme, model, how, self.tuning.late, &self.tuning.target()).map_err(|e| self.amplifier.advised(e))
     }
 }

@@ -62,7 +62,7 @@ impl How {
     pub fn ends(&self, model: &Model) -> Result<(f64, f64), Error> {
         let limits = &self.limits;
         limits.check(&[0.5 * (limits.low.unwrap_or(0.0) + limits.high.unwrap_or(0.0))], model.ts())?;
-        let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
+        let known = model.known_inputs();
         let beyond = known.map(|(low, high)| (low - BEYOND * (high - low), high + BEYOND * (high - low)));
         let low = limits.low.into_iter().chain(beyond.map(|b| b.0)).reduce(f64::max);
         let high = limits.high.into_iter().chain(beyond.map(|b| b.1)).reduce(f64::min);

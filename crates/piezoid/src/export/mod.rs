@@ -98,6 +98,8 @@ pub struct Target {
     pub summary: &'static str,
     /// What the files follow.
     pub reference: &'static str,
+    /// Which of the settings of [`Wanted`] it heeds, as the command line calls them.
+    pub heeds: &'static [&'static str],
     /// Makes the files.
     pub make: fn(&Wanted) -> Result<Made, Error>,
 }
@@ -107,6 +109,9 @@ impl std::fmt::Debug for Target {
         f.debug_tuple("Target").field(&self.name).finish()
     }
 }
+
+/// What code heeds.
+const CODE: &[&str] = &["float", "preview", "controller"];
 
 /// The targets there are.
 pub static TARGETS: &[Target] =

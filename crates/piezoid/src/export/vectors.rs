@@ -36,8 +36,7 @@ const BEGUN: usize = 60;
 /// What each entry answers to inputs within what the model knows; in single precision, what that gives.
 pub(super) fn of(whole: &Whole, wanted: &Wanted) -> Result<Vec<Vectors>, Error> {
     let model = wanted.model;
-    let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
-    let u = inputs(known.unwrap_or((-1.0, 1.0)));
+    let u = inputs(model.known_inputs().unwrap_or((-1.0, 1.0)));
     let y = model.simulate(&u);
     let inputs = |entry: &Entry| match entry.step {
         "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
@@ -108,7 +107,6 @@ fn missed(wanted: &Wanted, r: &[f64]) -> Option<f64> {
 
 /// Two turns of different speed, within 95 % of these ends: sums and products alone, for the same bits on every machine.
 pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
-    let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
     // Steps of 0.13 and 0.0481 rad.
     let (quick, slow) = ((0.9915618937147881, 0.12963414261969486), (0.9988434179553187, 0.04808145522014453));
     let (mut a, mut b) = ((1.0, 0.0), (1.0, 0.0));
@@ -118,6 +116,11 @@ pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
         middle + half * (0.35 * a.1 + 0.6 * b.1)
     };
     (0..n).map(share).collect()
+}
+
+/// One angle after another, each as its cosine and sine.
+pub(super) fn turned((c, s): (f64, f64), (x, y): (f64, f64)) -> (f64, f64) {
+    (c * x - s * y, s * x + c * y)
 }
 
 /// Inputs between these ends, the same on every machine.

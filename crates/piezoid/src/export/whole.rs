@@ -5,7 +5,8 @@ use super::vectors::{self, Vectors};
 use crate::compensation::{Causal, How, LATEST};
 use crate::error::Error;
 use crate::number::short;
-use crate::program::{Holds, Program};
+use crate::program::{Block, Holds, Program};
+use crate::record::Units;
 
 /// A program with its interface.
 #[derive(Debug, Clone)]
@@ -54,6 +55,31 @@ const LONGEST_UNIT: usize = 40;
 /// Share of the stroke from which on the error of single precision is told.
 const NOTED: f64 = 1e-5;
 
+impl Entry {
+    fn new([step, reset, state]: [&'static str; 3], about: String, inputs: Vec<Signal>, output: Signal) -> Self {
+        Entry { step, reset, state, about, inputs, output, vectors: Vectors::default() }
+    }
+
+    /// What examples call one of its states.
+    pub(super) fn called(&self) -> &'static str {
+        match self.kind() {
+            "" => "model",
+            "ff" => "feed_forward",
+            _ => "controller",
+        }
+    }
+
+    /// What the functions of this entry begin with: nothing, `ff` or `control`.
+    pub fn kind(&self) -> &'static str {
+        self.step.trim_end_matches("step").trim_end_matches('_')
+    }
+}
+
+/// The type of the state of a block, within what it is exported as.
+pub(super) fn state_of(block: &str) -> String {
+    if block.ends_with("state") { block.into() } else { format!("{block}_state") }
+}
+
 impl Whole {
     /// The model, its inverse if it has one, and the controller if one is wanted.
     ///
@@ -61,74 +87,20 @@ impl Whole {
     /// [`Error::Unsuited`] of a model or controller that has no program.
     pub fn new(wanted: &Wanted) -> Result<Self, Error> {
         let model = wanted.model;
-        for (name, unit) in [("u", &model.units().u), ("y", &model.units().y)] {
+        let Units { u, y } = model.units();
+        for (name, unit) in [("u", u), ("y", y)] {
             if unit.chars().any(char::is_control) || unit.len() > LONGEST_UNIT {
                 let rule = format!("must be {LONGEST_UNIT} letters at most, on one line");
                 return Err(Error::parameter(format!("units.{name}"), format!("{unit:?}"), rule));
             }
         }
-        let (volts, metres) = (model.units().u.clone(), model.units().y.clone());
-        let u = Signal { name: "u", unit: volts.clone(), about: "input" };
-        let y = Signal { name: "y", unit: metres.clone(), about: "displacement" };
-        let step = Entry {
-            step: "step",
-            reset: "reset",
-            state: "state",
-            about: "the model: input to displacement".into(),
-            inputs: vec![u.clone()],
-            output: y.clone(),
-            vectors: Vectors::default(),
-        };
+        let u = Signal { name: "u", unit: u.clone(), about: "input" };
+        let y = Signal { name: "y", unit: y.clone(), about: "displacement" };
+        let about = "the model: input to displacement".into();
+        let step = Entry::new(["step", "reset", "state"], about, vec![u.clone()], y.clone());
         let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
-        if wanted.preview > LATEST {
-            let rule = format!("must be at most {LATEST} samples");
-            return Err(Error::parameter("preview", wanted.preview, rule));
-        }
-        match Causal::new(model, wanted.how, wanted.preview) {
-            // What was asked for is not left out in silence.
-            Err(error) if wanted.how != How::default() || wanted.preview > 0 => return Err(error),
-            Err(error) => whole.notes.push(format!("there is no feed-forward: {error}")),
-            Ok(causal) => {
-                causal.extend(&mut whole.program)?;
-                let late = match wanted.preview {
-                    0 => String::new(),
-                    n => format!(", which is to be given {n} samples ahead of time"),
-                };
-                whole.entries.push(Entry {
-                    step: "ff_step",
-                    reset: "ff_reset",
-                    state: "ff_state",
-                    about: format!("the feed-forward: wanted displacement to input{late}"),
-                    inputs: vec![Signal { name: "r", unit: metres.clone(), about: "wanted displacement" }],
-                    output: u.clone(),
-                    vectors: Vectors::default(),
-                });
-            }
-        }
-        if let Some(controller) = wanted.controller {
-            let unsuited = || {
-                let rule =
-                    "must have a law to be exported; this one plans anew in every sample: take another, such as pi";
-                Error::parameter("controller", "predictive", rule)
-            };
-            for block in controller.blocks().ok_or_else(unsuited)? {
-                whole.program.add(block)?;
-            }
-            let about = whole.program.blocks.last().map_or(String::new(), |block| block.about.clone());
-            whole.entries.push(Entry {
-                step: "control_step",
-                reset: "control_reset",
-                state: "control_state",
-                about: format!("the controller: {about}"),
-                inputs: vec![
-                    Signal { name: "r", unit: metres.clone(), about: "what was wanted when y was read" },
-                    Signal { name: "y", unit: metres, about: "the last reading of the displacement" },
-                    Signal { name: "feed", unit: volts, about: "the feed-forward of this sample, or 0" },
-                ],
-                output: u,
-                vectors: Vectors::default(),
-            });
-        }
+        whole.feed_forward(wanted, &u, &y)?;
+        whole.controller(wanted, &u, &y)?;
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
         whole.held(wanted.single)?;
@@ -139,6 +111,68 @@ impl Whole {
             whole.notes.push(format!("single precision moves {} by {off} of its stroke at most", entry.step));
         }
         Ok(whole)
+    }
+
+    /// Adds the inverse, or why there is none.
+    fn feed_forward(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
+        if wanted.preview > LATEST {
+            let rule = format!("must be at most {LATEST} samples");
+            return Err(Error::parameter("preview", wanted.preview, rule));
+        }
+        match Causal::new(wanted.model, wanted.how, wanted.preview) {
+            // What was asked for is not left out in silence.
+            Err(error) if wanted.how != How::default() || wanted.preview > 0 => return Err(error),
+            Err(error) => self.notes.push(format!("there is no feed-forward: {error}")),
+            Ok(causal) => {
+                causal.extend(&mut self.program)?;
+                let late = match wanted.preview {
+                    0 => String::new(),
+                    n => format!(", which is to be given {n} samples ahead of time"),
+                };
+                let about = format!("the feed-forward: wanted displacement to input{late}");
+                let r = Signal { name: "r", about: "wanted displacement", ..y.clone() };
+                self.entries.push(Entry::new(["ff_step", "ff_reset", "ff_state"], about, vec![r], u.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the controller, if one is wanted.
+    fn controller(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
+        let Some(controller) = wanted.controller else { return Ok(()) };
+        let unsuited = || Error::Unsuited {
+            what: "export of this controller".into(),
+            because: "it plans anew in every sample: take one with a law, such as pi".into(),
+        };
+        for block in controller.blocks().ok_or_else(unsuited)? {
+            self.program.add(block)?;
+        }
+        let about = self.program.blocks.last().map_or(String::new(), |block| block.about.clone());
+        let inputs = vec![
+            Signal { name: "r", about: "what was wanted when y was read", ..y.clone() },
+            Signal { about: "the last reading of the displacement", ..y.clone() },
+            Signal { name: "feed", about: "the feed-forward of this sample, or 0", ..u.clone() },
+        ];
+        let names = ["control_step", "control_reset", "control_state"];
+        self.entries.push(Entry::new(names, format!("the controller: {about}"), inputs, u.clone()));
+        Ok(())
+    }
+
+    /// The blocks whose states entries have, each after those it holds.
+    pub fn states(&self) -> Vec<&Block> {
+        let mut within: Vec<&str> = self.entries.iter().map(|entry| entry.state).collect();
+        let mut states = Vec::new();
+        for block in self.program.blocks.iter().rev().filter(|block| !block.fields.is_empty()) {
+            if within.contains(&&*block.name) {
+                within.extend(block.fields.iter().filter_map(|field| match &field.holds {
+                    Holds::Block(inner) => Some(&**inner),
+                    _ => None,
+                }));
+                states.push(block);
+            }
+        }
+        states.reverse();
+        states
     }
 
     /// Refuses numbers that the precision has no room for.

@@ -157,6 +157,11 @@ impl Model {
         self.identified.as_ref()
     }
 
+    /// The lowest and the highest input it knows: those it was identified on, else those its hysteresis has.
+    pub fn known_inputs(&self) -> Option<(f64, f64)> {
+        self.identified().map(|domain| (domain.u[0], domain.u[1])).or(self.hysteresis().range())
+    }
+
     /// How the model was made; null if it does not say.
     pub fn provenance(&self) -> &Value {
         &self.made

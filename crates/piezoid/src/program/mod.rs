@@ -214,7 +214,7 @@ impl Program {
         }
     }
 
-    /// Leaves out functions that none of `kept` needs.
+    /// Leaves out functions that none of `kept` needs, and constants that none of those reads.
     pub fn keep(&mut self, kept: &[&str]) {
         let mut needed: Vec<String> = kept.iter().map(|name| (*name).to_owned()).collect();
         for function in self.functions.iter().rev() {
@@ -223,6 +223,17 @@ impl Program {
             }
         }
         self.functions.retain(|f| needed.contains(&f.name));
+        let mut read = Vec::new();
+        for function in &self.functions {
+            function.expressions(&mut |expr| {
+                if let Expr::Constant(block, name, _) = expr {
+                    read.push((*block, name.clone()));
+                }
+            });
+        }
+        for (number, block) in self.blocks.iter_mut().enumerate() {
+            block.constants.retain(|c| read.contains(&(number, c.name.clone())));
+        }
     }
 }
 
@@ -319,9 +330,12 @@ mod tests {
 
     #[test]
     fn what_nobody_needs_is_left_out() {
-        let mut program =
-            Program::new(vec![block("fn a(u) { return u; } fn g(u) { return u; } fn f(u) { return g(u); }")]).unwrap();
+        let mut program = Program::new(vec![block(
+            "fn a(u) { return u * gain; } fn g(u) { return u; } fn f(u) { return g(u) + r[1]; }",
+        )])
+        .unwrap();
         program.keep(&["f"]);
         assert_eq!(program.functions.iter().map(|f| &*f.name).collect::<Vec<_>>(), ["g", "f"]);
+        assert_eq!(program.blocks[0].constants.iter().map(|c| &*c.name).collect::<Vec<_>>(), ["r"]);
     }
 }

@@ -8,16 +8,17 @@ mod inside;
 use super::fixed::{Fixed, PLAIN, helpers};
 use super::language::{Language, Words};
 use super::readme::readme;
-use super::whole::{Entry, Whole};
-use super::{File, Made, Target, Wanted, named};
+use super::whole::{Entry, Whole, state_of};
+use super::{CODE, File, Made, Target, Wanted, named};
 use crate::error::Error;
-use crate::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Program};
+use crate::program::{Block, Constant, Field, Function, Holds, Kind, Program};
 use crate::system::System;
 
 pub(super) const TARGET: Target = Target {
     name: "c",
     summary: "a header and a source file in C99, in double or single precision, with a self-test",
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
+    heeds: CODE,
     make: |wanted| {
         let whole = checked(wanted)?;
         let c = C::of(&whole, wanted);
@@ -82,7 +83,7 @@ impl C<'_> {
             Some(fixed) => fixed.scales(&guard),
         };
         out += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
-        for block in whole.program.blocks.iter().filter(|b| !b.fields.is_empty() && self.used(b, whole)) {
+        for block in whole.states() {
             out += &comment(&[format!("State of {}.", block.about)], "");
             out += "typedef struct {\n";
             for field in &block.fields {
@@ -108,13 +109,6 @@ impl C<'_> {
         out + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
     }
 
-    /// Whether the state of a block is that of an entry, or within one.
-    fn used(&self, block: &Block, whole: &Whole) -> bool {
-        let within = Holds::Block(block.name.clone());
-        let holds = |outer: &Block| outer.fields.iter().any(|f| f.holds == within) && self.used(outer, whole);
-        whole.entries.iter().any(|entry| entry.state == block.name) || self.program.blocks.iter().any(holds)
-    }
-
     fn prototype(&self, entry: &Entry) -> String {
         let inputs: String = entry.inputs.iter().map(|i| format!(", {} {}", self.number(), i.name)).collect();
         format!("{} {}({} *s{inputs})", self.number(), self.own(entry.step), self.state(entry.state))
@@ -131,15 +125,12 @@ impl C<'_> {
             Some(_) => helpers(self.name, self.program),
         };
         for (number, block) in self.program.blocks.iter().enumerate() {
-            let constants: Vec<String> = self.constants(number, block);
             let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
-            if constants.is_empty() && functions.is_empty() {
+            if functions.is_empty() {
                 continue;
             }
-            out += &comment(&[titled(&block.about)], "");
-            out += "\n";
-            out += &constants.concat();
-            out += if constants.is_empty() { "" } else { "\n" };
+            out += &format!("{}\n{}", comment(&[titled(&block.about)], ""), self.constants(block));
+            out += if block.constants.is_empty() { "" } else { "\n" };
             for function in functions {
                 out += &self.function(function, whole);
             }
@@ -156,18 +147,8 @@ impl C<'_> {
         out + "\n"
     }
 
-    /// The constants of a block that its functions read.
-    fn constants(&self, number: usize, block: &Block) -> Vec<String> {
-        let mut read = Vec::new();
-        for function in &self.program.functions {
-            function.expressions(&mut |expr| {
-                if let Expr::Constant(of, name, _) = expr
-                    && *of == number
-                {
-                    read.push(name.clone());
-                }
-            });
-        }
+    /// The constants of a block.
+    fn constants(&self, block: &Block) -> String {
         let line = |c: &Constant| {
             let (name, number) = (self.own(&format!("{}_{}", block.name, c.name)), self.number());
             let values: Vec<String> = c.values.iter().map(|v| self.real(*v)).collect();
@@ -176,7 +157,7 @@ impl C<'_> {
                 true => format!("static const {number} {name}[{}] = {{\n{}}};\n", values.len(), wrapped(&values)),
             }
         };
-        block.constants.iter().filter(|c| read.contains(&c.name)).map(line).collect()
+        block.constants.iter().map(line).collect()
     }
 
     fn function(&self, function: &Function, whole: &Whole) -> String {
@@ -328,7 +309,7 @@ impl C<'_> {
 
     /// The type of the state of a block.
     pub(super) fn state(&self, block: &str) -> String {
-        self.own(&if block.ends_with("state") { block.into() } else { format!("{block}_state") })
+        self.own(&state_of(block))
     }
 }
 

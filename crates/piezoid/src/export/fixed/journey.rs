@@ -3,7 +3,7 @@
 use super::formats::{adding, fields, fitting};
 use super::lower::counts;
 use crate::export::Wanted;
-use crate::export::vectors::wander;
+use crate::export::vectors::{turned, wander};
 use crate::export::whole::{Entry, Whole};
 use crate::series::ends;
 use crate::system::System;
@@ -22,8 +22,7 @@ pub(super) struct Journeys {
 /// The journeys of each entry.
 pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
     let model = wanted.model;
-    let known = model.identified().map(|known| (known.u[0], known.u[1])).or(model.hysteresis().range());
-    let (low, high) = known.unwrap_or((-1.0, 1.0));
+    let (low, high) = model.known_inputs().unwrap_or((-1.0, 1.0));
     let more = 0.05 * (high - low);
     let far = (low - more, high + more);
     let slow = wander(far, PART);
@@ -85,7 +84,6 @@ fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
 
 /// A sine that goes from standing still to half the sampling rate: sums and products alone, for the same bits on every machine.
 fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
-    let turned = |(c, s): (f64, f64), (x, y): (f64, f64)| (c * x - s * y, s * x + c * y);
     // By pi / 500 in each sample.
     let faster = (0.9999802608561371, 0.006283143965558951);
     let (mut turn, mut at) = ((1.0, 0.0), (1.0, 0.0));

@@ -19,13 +19,13 @@ pub(super) use formats::PLAIN;
 pub(super) use helpers::helpers;
 
 use super::c::{C, checked, comment};
-use super::readme::opening;
+use super::readme::{calls, opening, taken};
 use super::vectors::Vectors;
 use super::whole::{Entry, Signal, Whole};
 use super::{File, Made, Target, Wanted};
 use crate::error::Error;
 use crate::number::short;
-use crate::program::{Counts, Holds, Machine};
+use crate::program::{Holds, Machine};
 use crate::series::ends;
 use crate::system::System;
 use formats::{Formats, Key, fields};
@@ -36,6 +36,7 @@ pub(super) const TARGET: Target = Target {
     name: "fixed",
     summary: "a header and a source file in C99 that count in whole numbers, with a self-test and the error",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
+    heeds: &["preview", "controller"],
     make: |wanted| {
         let fixed = Fixed::new(checked(wanted)?, wanted)?;
         let (c, name) = (fixed.c(wanted), wanted.name);
@@ -191,24 +192,8 @@ impl Fixed {
     fn readme(&self, wanted: &Wanted) -> String {
         let (name, upper) = (wanted.name, wanted.name.to_uppercase());
         let mut out = opening(wanted, &self.whole, "C99 in fixed point", "int32_t");
-        out += "## Use\n\n```c\n";
-        out += &format!("#include \"{name}.h\"\n\n");
-        for entry in &self.whole.entries {
-            let s = entry.step.trim_end_matches("step").trim_end_matches('_');
-            let s = if s.is_empty() { "model" } else { s };
-            let inputs: Vec<&str> = entry.inputs.iter().map(|i| i.name).collect();
-            out += &format!(
-                "{name}_{} {s}; /* yours to keep */\n{name}_{}(&{s});\n{} = {name}_{}(&{s}, {}); /* every {} s: {} */\n",
-                entry.state,
-                entry.reset,
-                entry.output.name,
-                entry.step,
-                inputs.join(", "),
-                wanted.model.ts(),
-                entry.about,
-            );
-        }
-        out += "```\n\nNo floating point anywhere, no heap, no globals that change, no recursion, no library but what the compiler brings for \
+        out += &calls(name, &self.whole, &format!("{} s", wanted.model.ts()));
+        out += "No floating point anywhere, no heap, no globals that change, no recursion, no library but what the compiler brings for \
                 products and quotients of 64 bits.\n\n## Counts\n\n| signal | a count is worth | from | to |\n|---|--:|--:|--:|\n";
         for (signal, bits, worth) in self.ports() {
             let end = short(2f64.powi(31 - bits));
@@ -225,19 +210,11 @@ impl Fixed {
             out += &format!("| `{name}_{}` | {} | {} |\n", entry.step, short(proof.rms), short(proof.most));
         }
         out += &format!(
-            "\nThe rounding of inputs to counts comes on top. What is off by more than {MOST:e} is not exported.\n\n## What it takes\n\n| function | state | sums \
-             | products | quotients | comparisons | all, at most |\n|---|--:|--:|--:|--:|--:|--:|\n",
+            "\nThe rounding of inputs to counts comes on top. What is off by more than {MOST:e} is not exported.\n\n"
         );
-        for entry in &self.whole.entries {
-            let Counts { sums, products, quotients, comparisons } = entry.vectors.mean;
-            let bytes = self.bytes(entry.state);
-            out += &format!(
-                "| `{name}_{}` | {bytes} bytes | {sums} | {products} | {quotients} | {comparisons} | {} |\n",
-                entry.step, entry.vectors.most,
-            );
-        }
+        out += &taken(name, &self.whole, |state| self.bytes(state));
         out += &format!(
-            "\nOperations of the model a sample, on average along the vectors of the self-test and at most; shifts and the holding of ends come on \
+            "Operations of the model a sample, on average along the vectors of the self-test and at most; shifts and the holding of ends come on \
              top.\n\n## Proof\n\n```sh\ncc -std=c99 -O2 {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\nThe self-test compares with what \
              piezoid counts in the same arithmetic: no count may differ, on any machine, with any compiler, at any level. The tables in \
              `{name}_test.c` check a circuit as well.\n"

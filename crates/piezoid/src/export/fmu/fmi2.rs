@@ -1,6 +1,6 @@
 //! FMI 2.0.
 
-use super::super::Target;
+use super::super::{CODE, Target};
 use super::variables::{Role, Variable, units};
 use super::xml::Element;
 use super::{Fmu, Version, make};
@@ -10,6 +10,7 @@ pub(in super::super) const TARGET: Target = Target {
     name: "fmu2",
     summary: "co-simulation units of FMI 2.0, with C sources and, where there is a compiler, a shared library",
     reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
+    heeds: CODE,
     make: |wanted| make(wanted, &VERSION),
 };
 

@@ -8,13 +8,12 @@ mod inside;
 
 use super::c::{shortest, titled, wrapped};
 use super::language::Words;
-use super::readme::opening;
+use super::readme::{moved, opening};
 use super::vectors::SAMPLES;
 use super::whole::{Entry, Whole};
-use super::{File, Made, Target, Wanted, named};
+use super::{CODE, File, Made, Target, Wanted, named};
 use crate::error::Error;
-use crate::number::short;
-use crate::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Step};
+use crate::program::{Block, Constant, Field, Function, Holds, Kind, Step};
 use crate::system::System;
 use inside::Inside;
 
@@ -22,6 +21,7 @@ pub(super) const TARGET: Target = Target {
     name: "rust",
     summary: "a module in Rust for crates with and without std, in double or single precision, with its tests",
     reference: "The Rust Reference, editions 2021 and 2024; core alone",
+    heeds: CODE,
     make: |wanted| {
         named(wanted.name, RESERVED)?;
         if wanted.name.chars().any(|c| c.is_ascii_uppercase()) {
@@ -94,10 +94,11 @@ impl Rust<'_> {
             out += "\n";
             out += &self.entry(entry);
         }
-        let program = &self.whole.program;
+        let (program, states) = (&self.whole.program, self.whole.states());
         for (number, block) in program.blocks.iter().enumerate() {
-            let state = self.within(block).then(|| self.state(block));
-            let constants = self.constants(number, block);
+            let within = states.contains(&block) && self.whole.entries.iter().all(|entry| entry.state != block.name);
+            let state = within.then(|| self.state(block));
+            let constants = self.constants(block);
             let inside = |f: &&Function| f.block == number && self.stepped(&f.name).is_none();
             let functions = program.functions.iter().filter(inside).map(|f| self.function(f, "fn", ""));
             let parts: Vec<String> = state.into_iter().chain(constants).chain(functions).collect();
@@ -140,14 +141,6 @@ impl Rust<'_> {
     /// The entry whose step this function is.
     fn stepped(&self, function: &str) -> Option<&Entry> {
         self.whole.entries.iter().find(|entry| entry.step == function)
-    }
-
-    /// Whether the state of a block is within that of an entry.
-    fn within(&self, block: &Block) -> bool {
-        let blocks = &self.whole.program.blocks;
-        !block.fields.is_empty()
-            && self.whole.entries.iter().all(|entry| entry.state != block.name)
-            && blocks.iter().any(|outer| outer.fields.iter().any(|f| f.holds == Holds::Block(block.name.clone())))
     }
 
     /// A struct.
@@ -214,18 +207,8 @@ impl Rust<'_> {
         zeroed || program.blocks.iter().filter(outer).any(|b| self.zeroed(&b.name))
     }
 
-    /// The constants of a block that its functions read.
-    fn constants(&self, number: usize, block: &Block) -> Option<String> {
-        let mut read = Vec::new();
-        for function in &self.whole.program.functions {
-            function.expressions(&mut |expr| {
-                if let Expr::Constant(of, name, _) = expr
-                    && *of == number
-                {
-                    read.push(name.clone());
-                }
-            });
-        }
+    /// The constants of a block.
+    fn constants(&self, block: &Block) -> Option<String> {
         let line = |c: &Constant| {
             let values: Vec<String> = c.values.iter().map(|v| shortest(*v, self.single)).collect();
             match c.table {
@@ -233,7 +216,7 @@ impl Rust<'_> {
                 true => self.table(&constant_of(block, &c.name), &values, ""),
             }
         };
-        let lines: String = block.constants.iter().filter(|c| read.contains(&c.name)).map(line).collect();
+        let lines: String = block.constants.iter().map(line).collect();
         (!lines.is_empty()).then_some(lines)
     }
 
@@ -349,8 +332,8 @@ fn page(wanted: &Wanted, whole: &Whole) -> String {
     let number = if wanted.single { "f32" } else { "f64" };
     let mut out = opening(wanted, whole, "a module in Rust", number);
     out += &format!("## Use\n\nPut `{name}.rs` beside `main.rs` or `lib.rs`.\n\n```rust\nmod {name};\n\n");
-    for (k, entry) in whole.entries.iter().enumerate() {
-        let own = ["model", "feed_forward", "controller"].get(k).unwrap_or(&"state");
+    for entry in &whole.entries {
+        let own = entry.called();
         let inputs: Vec<&str> = entry.inputs.iter().map(|i| i.name).collect();
         out += &format!("let mut {own} = {name}::{}::new();\n", type_of(entry.state));
         let (output, given) = (entry.output.name, inputs.join(", "));
@@ -364,13 +347,7 @@ fn page(wanted: &Wanted, whole: &Whole) -> String {
     out += &format!(
         "`cargo test` runs the same, as tests of your crate: {SAMPLES} samples of each state against what piezoid computes, bit by bit. "
     );
-    if wanted.single {
-        for entry in &whole.entries {
-            let vectors = &entry.vectors;
-            let (state, off) = (type_of(entry.state), short(vectors.off));
-            out += &format!("Single precision moves what `{state}::step` gives by {off} of its stroke at most. ");
-        }
-    }
+    out += &moved(wanted, whole, |entry| format!("{}::step", type_of(entry.state)));
     out += "Rust contracts no products and sums, so that bits are the same on every machine with IEEE 754 arithmetic, optimised or not.\n\n";
     out + "Warnings of `rustc` and `clippy` are denied where it was tried, and `rustfmt` leaves it as it is.\n"
 }

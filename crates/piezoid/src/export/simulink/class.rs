@@ -57,7 +57,7 @@ impl Matlab<'_> {
             about.push(format!("  model.{}()", entry.reset));
             about.push("      begins anew: all that went before is forgotten.".into());
         }
-        about.extend(whole.notes.iter().map(|note| format!("  Not here: {note}")));
+        about.extend(whole.notes.iter().map(|note| format!("  Note: {note}")));
         let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));
         let (middle, half) = (round(0.5 * (low + high)), round(0.5 * (high - low)));
         about.extend([
@@ -193,7 +193,7 @@ end
 
 /// The method that takes whole signals through an entry.
 fn simulate(entry: &Entry) -> String {
-    format!("{}simulate", entry.step.trim_end_matches("step"))
+    format!("{}_simulate", entry.kind()).trim_start_matches('_').into()
 }
 
 /// `text` in quotes.

@@ -72,7 +72,7 @@ impl<'m> Matlab<'m> {
                 continue;
             }
             out += &format!("\n%% {}\n", line(&titled(&block.about)));
-            out += &self.constants(block, &functions);
+            out += &self.constants(block);
             for function in functions {
                 out += &format!("\n{}", self.function(function));
             }
@@ -85,11 +85,10 @@ impl<'m> Matlab<'m> {
         out
     }
 
-    /// The constants of a block that its functions read.
-    fn constants(&self, block: &Block, functions: &[&Function]) -> String {
-        let read: Vec<String> = functions.iter().flat_map(|function| constants_in(function)).collect();
+    /// The constants of a block.
+    fn constants(&self, block: &Block) -> String {
         let mut out = String::new();
-        for constant in block.constants.iter().filter(|c| read.contains(&c.name)) {
+        for constant in &block.constants {
             out += &match constant.table {
                 false => format!("    constants.{} = {};\n", constant.name, self.real(constant.values[0])),
                 true => format!("    constants.{} = {};\n", constant.name, self.column(&constant.values, "    ")),

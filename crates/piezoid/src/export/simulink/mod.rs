@@ -12,15 +12,15 @@ mod sfunction;
 use self::matlab::Matlab;
 use self::sfunction::block;
 use super::c::{C, checked};
+use super::readme::{moved, opening};
 use super::whole::{Entry, Whole};
-use super::{File, Made, Target, Wanted};
-use crate::number::{round, short};
-use crate::system::System;
+use super::{CODE, File, Made, Target, Wanted};
 
 pub(super) const TARGET: Target = Target {
     name: "simulink",
     summary: "S-functions in C for Simulink, and a class for MATLAB and GNU Octave, in double or single precision",
     reference: "MathWorks, Writing S-Functions: level-2 C MEX S-functions",
+    heeds: CODE,
     make: |wanted| {
         let whole = checked(wanted)?;
         let matlab = Matlab::of(&whole, wanted)?;
@@ -47,7 +47,7 @@ fn direct(wanted: &Wanted, entry: &Entry) -> bool {
 
 /// The S-function of an entry.
 fn sfun(name: &str, entry: &Entry) -> String {
-    format!("{name}_{}sfun", entry.step.trim_end_matches("step"))
+    format!("{name}_{}_sfun", entry.kind()).replace("__", "_")
 }
 
 /// Its inputs, as a call has them.
@@ -91,20 +91,9 @@ end
 
 /// The page that goes with it.
 fn readme(wanted: &Wanted, whole: &Whole) -> String {
-    let (name, model) = (wanted.name, wanted.model);
-    let mut out = format!("# {name}\n\n");
-    out += &format!(
-        "A piezo actuator for MATLAB, Simulink and GNU Octave, identified by piezoid: hysteresis `{}`, creep of order {}, \
-         a linear block of order {}, sampled every {} s. Arithmetic is of {} precision.\n\n",
-        model.hysteresis().operator().name,
-        model.creep().order(),
-        model.linear().a().len(),
-        round(model.ts()),
-        if wanted.single { "single" } else { "double" },
-    );
-    for note in &whole.notes {
-        out += &format!("**Not here**: {note}\n\n");
-    }
+    let name = wanted.name;
+    let number = if wanted.single { "single" } else { "double" };
+    let mut out = opening(wanted, whole, "S-functions and a class", number);
     out += &format!("## MATLAB and Octave\n\n```matlab\nmodel = {name}();\n");
     for entry in &whole.entries {
         let call = format!("{} = model.{}({});", entry.output.name, entry.step, inputs(entry));
@@ -113,12 +102,9 @@ fn readme(wanted: &Wanted, whole: &Whole) -> String {
     out += &format!("y = model.simulate(u); % a row or column, from rest\nhelp {name}\n```\n\n");
     out += "No toolbox is needed. ";
     out += &format!(
-        "`{name}_test` runs the class on recorded inputs and compares with what piezoid computes, bit by bit."
+        "`{name}_test` runs the class on recorded inputs and compares with what piezoid computes, bit by bit. "
     );
-    for entry in whole.entries.iter().filter(|_| wanted.single) {
-        let vectors = &entry.vectors;
-        out += &format!(" Single precision moves `{}` by {} of its stroke at most.", entry.step, short(vectors.off));
-    }
+    out += &moved(wanted, whole, |entry| entry.step.into());
     out += "\n\n## Simulink\n\n";
     out += &format!("```matlab\nmex -setup C % once\n{name}_build\n```\n\n");
     out += "| S-function | input | output | direct feedthrough |\n|---|---|---|---|\n";

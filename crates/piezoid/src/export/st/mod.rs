@@ -12,8 +12,8 @@ mod proof;
 
 use super::c::{shortest, titled, wrapped};
 use super::language::Words;
-use super::whole::{Entry, Whole};
-use super::{File, Made, Target, Wanted, named};
+use super::whole::{Entry, Whole, state_of};
+use super::{CODE, File, Made, Target, Wanted, named};
 use crate::error::Error;
 use crate::program::{Block, Expr, Field, Function, Holds, Kind, Step};
 use crate::system::System;
@@ -25,6 +25,7 @@ pub(super) const TARGET: Target = Target {
     name: "st",
     summary: "function blocks in structured text, in LREAL or REAL, with a program that proves them",
     reference: "IEC 61131-3:2003 and 2013",
+    heeds: CODE,
     make: |wanted| {
         named(wanted.name, RESERVED)?;
         let whole = Whole::new(wanted)?;
@@ -92,9 +93,7 @@ impl<'s> St<'s> {
             globals.add(&format!("!{own}"), &format!("{}_{own}", wanted.name));
         }
         for block in &program.blocks {
-            let state =
-                if block.name.ends_with("state") { block.name.clone() } else { format!("{}_state", block.name) };
-            globals.add(&format!("!!{}", block.name), &format!("{}_{state}", wanted.name));
+            globals.add(&format!("!!{}", block.name), &format!("{}_{}", wanted.name, state_of(&block.name)));
             block.fields.iter().for_each(|field| fields.add(&field.name, &field.name));
         }
         for block in &program.blocks {
@@ -121,8 +120,7 @@ impl<'s> St<'s> {
 
     /// The function block of an entry.
     fn block_of(&self, entry: &Entry) -> String {
-        let kind = entry.step.trim_end_matches("step").trim_end_matches('_');
-        if kind.is_empty() { self.name.into() } else { format!("{}_{kind}", self.name) }
+        format!("{}_{}", self.name, entry.kind()).trim_end_matches('_').into()
     }
 
     /// What a function names, all declared once, at its beginning.
@@ -228,7 +226,7 @@ impl<'s> St<'s> {
         ];
         about.extend(self.whole.notes.iter().cloned());
         let mut out = comment(&about);
-        for block in self.whole.program.blocks.iter().filter(|b| self.used(b)) {
+        for block in self.whole.states() {
             out += &self.shape(block);
         }
         out += &self.tables();
@@ -241,13 +239,6 @@ impl<'s> St<'s> {
         }
         let blocks: String = self.whole.entries.iter().map(|entry| self.entry(entry)).collect();
         out + &format!("\n{}{blocks}", comment(&["What is called from outside".into()]))
-    }
-
-    /// Whether the state of a block is that of an entry, or within one.
-    fn used(&self, block: &Block) -> bool {
-        let holds = |outer: &Block| outer.fields.iter().any(|f| f.holds == Holds::Block(block.name.clone()));
-        let entry = self.whole.entries.iter().any(|entry| entry.state == block.name);
-        !block.fields.is_empty() && (entry || self.whole.program.blocks.iter().any(holds))
     }
 
     /// The type of a state, at rest.
@@ -278,19 +269,11 @@ impl<'s> St<'s> {
         format!("{array} := [\n{}\n{indent}]", lines.join("\n").trim_end_matches(','))
     }
 
-    /// The tables that are read.
+    /// The tables.
     fn tables(&self) -> String {
-        let mut read = Vec::new();
-        for function in &self.whole.program.functions {
-            function.expressions(&mut |expr| {
-                if let Expr::Constant(block, name, Some(_)) = expr {
-                    read.push((*block, name.clone()));
-                }
-            });
-        }
         let mut lines = String::new();
-        for (number, block) in self.whole.program.blocks.iter().enumerate() {
-            for c in block.constants.iter().filter(|c| read.contains(&(number, c.name.clone()))) {
+        for block in &self.whole.program.blocks {
+            for c in block.constants.iter().filter(|c| c.table) {
                 let name = self.fields.get(&constant(&block.name, &c.name));
                 lines +=
                     &format!("    {name} : {};\n", self.filled(&self.values(&mut c.values.iter().copied()), "    "));

@@ -3,9 +3,8 @@
 use super::{St, comment, section};
 use crate::export::Wanted;
 use crate::export::c::shortest;
-use crate::export::readme::opening;
+use crate::export::readme::{moved, opening};
 use crate::export::vectors::SAMPLES;
-use crate::number::short;
 use crate::system::System;
 
 impl St<'_> {
@@ -59,8 +58,8 @@ pub(super) fn page(wanted: &Wanted, st: &St) -> String {
     );
     out += "```text\nVAR\n";
     let mut calls = String::new();
-    for (k, entry) in st.whole.entries.iter().enumerate() {
-        let own = ["model", "feed_forward", "controller"].get(k).unwrap_or(&"state");
+    for entry in &st.whole.entries {
+        let own = entry.called();
         let given: Vec<String> = entry.inputs.iter().map(|i| format!("{} := {}", i.name, i.name)).collect();
         out += &format!("    {own} : {};\n", st.block_of(entry));
         calls += &format!(
@@ -86,15 +85,9 @@ pub(super) fn page(wanted: &Wanted, st: &St) -> String {
     out += "## Proof\n\n";
     out += &format!(
         "`{name}_test.st` is a program that feeds {SAMPLES} samples, one a cycle, and counts in `differs` those that are not what piezoid computes, bit by \
-         bit: 0 where the machine computes as IEEE 754 has it and keeps no longer numbers between."
+         bit: 0 where the machine computes as IEEE 754 has it and keeps no longer numbers between. "
     );
-    if wanted.single {
-        for entry in &st.whole.entries {
-            let vectors = &entry.vectors;
-            let (block, off) = (st.block_of(entry), short(vectors.off));
-            out += &format!(" Single precision moves what `{block}` gives by {off} of its stroke at most.");
-        }
-    }
-    out + " No vendor's compiler has seen it: the grammar of TwinCAT in blark takes the library, and a strict reader in \
+    out += &moved(wanted, st.whole, |entry| st.block_of(entry));
+    out + "No vendor's compiler has seen it: the grammar of TwinCAT in blark takes the library, and a strict reader in \
      piezoid's tests runs both files and finds the same bits.\n"
 }

@@ -31,6 +31,7 @@ pub(super) const TARGET: Target = Target {
     name: "waveform",
     summary: "the drive of a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
     reference: "PI GCS 2.0, E-727 user manual E727T0005; piezosystem jena NV200/D NET instruction manual",
+    heeds: &["reference"],
     make,
 };
 
