@@ -1,12 +1,11 @@
 //! C in fixed point by two compilers: the counts that are computed here, whatever the inputs, without any floating point.
 
-use crate::{TS, exported, model, models, run, there};
+use crate::{TS, WATCHED, exported, model, models, run, self_tested, there};
 use piezoid::control::Pi;
 use piezoid::export::{Wanted, target};
 use std::path::Path;
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow";
-const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
 const CORTEX_M0: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -mcpu=cortex-m0 -mthumb -mfloat-abi=soft";
 
 /// What cannot be exported so.
@@ -23,19 +22,8 @@ fn each(see: impl Fn(&str, &Path)) {
 
 #[test]
 fn every_operator_counts_the_same_from_both_compilers_at_any_level_and_no_sanitizer_speaks() {
-    let builds = [
-        ("gcc", format!("-O0 {WATCHED}")),
-        ("gcc", "-O3".into()),
-        ("clang", "-O0".into()),
-        ("clang", format!("-O3 {WATCHED}")),
-    ];
-    let builds: Vec<_> = builds.into_iter().filter(|(compiler, _)| there(compiler)).collect();
     each(|name, folder| {
-        for (compiler, flags) in &builds {
-            run(folder, &format!("{compiler} {STRICT} {flags} {name}.c {name}_test.c -o self_test"));
-            let said = run(folder, "./self_test");
-            assert!(said.contains(": 0 of 400 differ"), "{said}");
-        }
+        self_tested(folder, name, STRICT);
         if there("gcc") {
             // From end to end of 32 bits: whatever is counted, nothing overflows.
             std::fs::write(folder.join("wild.c"), wild(name)).unwrap();

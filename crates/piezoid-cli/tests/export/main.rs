@@ -67,6 +67,19 @@ fn skipped(what: &str) {
     std::io::stderr().write_all(line.as_bytes()).unwrap();
 }
 
+const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
+
+/// Builds the self-test in a folder with the compilers there are, so strictly, unoptimised and optimised, watched and not: it finds no
+/// difference.
+fn self_tested(folder: &Path, name: &str, strict: &str) {
+    let builds = [("gcc", "-O0", WATCHED), ("gcc", "-O3", ""), ("clang", "-O0", ""), ("clang", "-O3", WATCHED)];
+    for (compiler, level, watched) in builds.into_iter().filter(|(compiler, ..)| there(compiler)) {
+        run(folder, &format!("{compiler} {strict} {level} {watched} {name}.c {name}_test.c -o self_test"));
+        let said = run(folder, "./self_test");
+        assert!(said.contains(": 0 of 400 differ"), "{said}");
+    }
+}
+
 /// Runs a command line in a folder; what it prints, if it ends well.
 fn run(folder: &Path, line: &str) -> String {
     let mut words = line.split_whitespace();

@@ -319,28 +319,17 @@ mod tests {
         }
     }
 
-    /// A step from a copy of the state.
-    const AHEAD: &str = "
-        fn ahead(x: hysteresis, u) {
-            let trial = copy(x);
-            let slopes = zero(x);
-            let z, slope = hysteresis_slope(trial, slopes, u, 1.0);
-            return z, slope;
-        }
-    ";
-
     #[test]
     fn a_law_as_a_program_has_the_slope_of_the_law_to_the_bit() {
         for example in members() {
             let (name, mut x) = (example.operator().name, example.initial());
             let (Some(block), Some(_)) = (example.block(), example.ahead(&x, 0.0)) else { continue };
             let mut program = Program::new(vec![elementary::block(), block]).unwrap();
-            program.slope("hysteresis").unwrap();
-            program.extend(AHEAD).unwrap();
+            super::inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for (t, u) in trying().into_iter().enumerate() {
                 let (z, slope) = example.ahead(&x, u).unwrap();
-                let found = machine.call("ahead", &[u]).unwrap();
+                let found = machine.call("hysteresis_ahead", &[u]).unwrap();
                 assert_eq!(found[0].to_bits(), z.to_bits(), "{example:?} at {t}, {u}: {found:?} for {z}");
                 // But for the sign of a slope of 0.
                 assert_eq!(found[1], slope, "{example:?} at {t}, {u}");

@@ -1,7 +1,7 @@
 //! Where a program is taken to see how large its numbers become, and how far off counts are.
 
 use super::formats::{adding, fields, fitting};
-use super::lower::counts;
+use super::number::counts;
 use crate::export::Wanted;
 use crate::export::vectors::{turned, wander};
 use crate::export::whole::{Entry, Whole};

@@ -14,6 +14,7 @@ mod formats;
 mod helpers;
 mod journey;
 mod lower;
+mod number;
 
 pub(super) use formats::PLAIN;
 pub(super) use helpers::helpers;
@@ -30,7 +31,8 @@ use crate::series::ends;
 use crate::system::System;
 use formats::{Formats, Key, fields};
 use journey::{Journeys, PART, journeys};
-use lower::{counts, lowered};
+use lower::lowered;
+use number::counts;
 
 pub(super) const TARGET: Target = Target {
     name: "fixed",

@@ -1,4 +1,10 @@
-//! Names that structured text takes.
+//! What everything is called: names that structured text takes, each once, and where each is declared.
+
+use super::{COUNTER, DONE, St, TABLES, UNUSED, Variable, also, constant};
+use crate::error::Error;
+use crate::export::Wanted;
+use crate::export::whole::{Whole, state_of};
+use crate::program::{Expr, Function, Holds, Step};
 
 /// What may not be a name: words of the language, and types, functions and blocks that are always there.
 #[rustfmt::skip]
@@ -55,6 +61,124 @@ impl Names {
 
     pub(super) fn get(&self, key: &str) -> &str {
         self.known.iter().find(|(known, _)| known == key).map_or("", |(_, name)| name)
+    }
+}
+
+impl<'s> St<'s> {
+    pub(super) fn new(whole: &'s Whole, wanted: &'s Wanted) -> Result<Self, Error> {
+        let program = &whole.program;
+        let (mut globals, mut fields) = (Names::default(), Names::default());
+        let mut st = St {
+            whole,
+            name: wanted.name,
+            single: wanted.single,
+            globals: Names::default(),
+            fields: Names::default(),
+            inner: Vec::new(),
+            reading: Vec::new(),
+        };
+        for entry in &whole.entries {
+            globals.add(&format!("!{}", entry.step), &st.block_of(entry));
+        }
+        for own in ["tables", "test"] {
+            globals.add(&format!("!{own}"), &format!("{}_{own}", wanted.name));
+        }
+        for block in &program.blocks {
+            globals.add(&format!("!!{}", block.name), &format!("{}_{}", wanted.name, state_of(&block.name)));
+            block.fields.iter().for_each(|field| fields.add(&field.name, &field.name));
+        }
+        for block in &program.blocks {
+            for c in block.constants.iter().filter(|c| c.table) {
+                fields.add(&constant(&block.name, &c.name), &format!("{}_{}", block.name, c.name));
+            }
+        }
+        for function in &program.functions {
+            globals.add(&function.name, &format!("{}_{}", wanted.name, function.name));
+            let mut reads = false;
+            function.expressions(&mut |expr| match expr {
+                Expr::Constant(_, _, Some(_)) => reads = true,
+                Expr::Call(name, _) => reads |= st.reading.contains(name),
+                _ => {}
+            });
+            if reads {
+                st.reading.push(function.name.clone());
+            }
+        }
+        (st.globals, st.fields) = (globals, fields);
+        st.inner = program.functions.iter().map(|f| st.named(f)).collect::<Result<_, _>>()?;
+        Ok(st)
+    }
+}
+
+impl St<'_> {
+    /// What a function names, all declared once, at its beginning.
+    fn named(&self, function: &Function) -> Result<(Names, Vec<Variable>), Error> {
+        let program = &self.whole.program;
+        let mut names = Names::without(&self.globals.taken);
+        let mut variables: Vec<Variable> = Vec::new();
+        let mut twice = None;
+        let number = self.number().to_owned();
+        for parameter in &function.takes {
+            names.add(&parameter.name, &parameter.name);
+        }
+        if self.reading.contains(&function.name) {
+            names.add(TABLES, "tables");
+        }
+        (1..function.returns.len()).for_each(|k| names.add(&also(k), "also"));
+        let mut declare = |key: &str, wish: &str, kind: String| {
+            names.add(key, wish);
+            match variables.iter().find(|(known, _)| known == key) {
+                None => variables.push((key.into(), kind)),
+                Some((_, known)) if *known != kind => twice = Some(key.to_owned()),
+                Some(_) => {}
+            }
+        };
+        let mut look = |step: &Step| match step {
+            Step::Let(news, value) => {
+                let kind = if value.whole() { "DINT".into() } else { number.clone() };
+                news.iter().for_each(|name| declare(name, name, kind.clone()));
+            }
+            Step::Copy { name, block, zero, .. } => {
+                declare(name, name, self.state(block).into());
+                if *zero && self.counted(block) {
+                    declare(COUNTER, "k", "DINT".into());
+                }
+            }
+            Step::Room(name, n) => {
+                declare(name, name, self.array(*n));
+                declare(COUNTER, "k", "DINT".into());
+            }
+            Step::For { name, .. } => declare(name, name, "DINT".into()),
+            Step::Do(Expr::Call(called, _)) => match program.function(called).is_some_and(|f| f.returns.is_empty()) {
+                true => declare(DONE, "done", "BOOL".into()),
+                false => declare(UNUSED, "unused", number.clone()),
+            },
+            _ => {}
+        };
+        function.steps.iter().for_each(|step| step.all(&mut look));
+        function.expressions(&mut |expr| {
+            if let Expr::Constant(block, name, None) = expr {
+                names.add(&constant(&program.blocks[*block].name, name), name);
+            }
+        });
+        match twice {
+            None => Ok((names, variables)),
+            Some(name) => Err(Error::Content(format!(
+                "program, fn {}: `{name}` is of two kinds, and structured text knows a name once in a function: name one otherwise",
+                function.name,
+            ))),
+        }
+    }
+
+    /// Whether the state of a block holds several of something.
+    fn counted(&self, block: &str) -> bool {
+        self.whole.program.block(block).is_some_and(|b| {
+            b.fields.iter().any(|field| match &field.holds {
+                Holds::Number(_) => false,
+                Holds::Numbers(_) => true,
+                Holds::Block(inner) => self.counted(inner),
+            })
+        })
     }
 }
 

@@ -1,0 +1,182 @@
+//! Expressions: what binds tighter comes first, and whole numbers keep to themselves.
+
+use super::{Read, Reader};
+use crate::program::words::Word;
+use crate::program::{Expr, Holds, Kind, Limit, Op, Place};
+
+impl Reader<'_> {
+    pub(super) fn place(&mut self) -> Read<Place> {
+        let root = self.name()?;
+        let mut path = Vec::new();
+        while self.pass(".") {
+            path.push(self.name()?);
+        }
+        let index = if self.pass("[") {
+            let index = self.expr()?;
+            self.expect("]")?;
+            Some(Box::new(index))
+        } else {
+            None
+        };
+        Ok(Place { root, path, index })
+    }
+
+    /// What stands at a place.
+    pub(super) fn kind_at(&self, place: &Place) -> Read<Kind> {
+        let Some(mut kind) = self.kind(&place.root).cloned() else {
+            return self.wrong(format!("`{}` is not known", place.root));
+        };
+        for name in &place.path {
+            let Kind::Part(block) = &kind else { return self.wrong(format!("`{name}` is no field")) };
+            let field = self.program.block(block).and_then(|b| b.fields.iter().find(|f| f.name == *name));
+            kind = match field.map(|f| &f.holds) {
+                None => return self.wrong(format!("block `{block}` has no field `{name}`")),
+                Some(Holds::Number(_)) => Kind::Real,
+                Some(Holds::Numbers(values)) => Kind::Room(values.len()),
+                Some(Holds::Block(name)) => Kind::Part(name.clone()),
+            };
+        }
+        match (&place.index, kind) {
+            (None, kind) => Ok(kind),
+            (Some(index), Kind::Room(_)) if index.whole() => Ok(Kind::Real),
+            (Some(_), kind) => self.wrong(format!("{kind:?} is counted off by what is not whole")),
+        }
+    }
+
+    pub(super) fn expr(&mut self) -> Read<Expr> {
+        self.binary(1)
+    }
+
+    fn binary(&mut self, least: u8) -> Read<Expr> {
+        const OPS: [(&str, Op); 13] = [
+            ("+", Op::Add),
+            ("-", Op::Subtract),
+            ("*", Op::Multiply),
+            ("/", Op::Divide),
+            ("%", Op::Remainder),
+            ("<", Op::Less),
+            ("<=", Op::AtMost),
+            (">", Op::More),
+            (">=", Op::AtLeast),
+            ("==", Op::Equal),
+            ("!=", Op::Unequal),
+            ("&&", Op::And),
+            ("||", Op::Or),
+        ];
+        let mut left = self.unary()?;
+        while let Some((sign, op)) = OPS.into_iter().find(|(sign, op)| op.binds() >= least && self.is(sign)) {
+            self.expect(sign)?;
+            let right = self.binary(op.binds() + 1)?;
+            if op.binds() > Op::And.binds() && left.whole() != right.whole() {
+                return self.wrong(format!("`{sign}` joins a whole number to one that is not"));
+            }
+            left = match (op, &left, &right) {
+                (Op::Divide, Expr::Real(a), Expr::Real(b)) => Expr::Real(a / b),
+                (Op::Add, Expr::Variable(..), Expr::Whole(0)) => left,
+                (Op::Add, Expr::Whole(a), Expr::Whole(b)) => Expr::Whole(a + b),
+                (Op::Subtract, Expr::Whole(a), Expr::Whole(b)) if a >= b => Expr::Whole(a - b),
+                _ => Expr::Binary(op, Box::new(left), Box::new(right)),
+            };
+        }
+        Ok(left)
+    }
+
+    fn unary(&mut self) -> Read<Expr> {
+        if self.pass("-") {
+            return Ok(match self.unary()? {
+                Expr::Real(value) => Expr::Real(-value),
+                inner => Expr::Negative(Box::new(inner)),
+            });
+        }
+        if self.pass("(") {
+            let inner = self.expr()?;
+            self.expect(")")?;
+            return Ok(inner);
+        }
+        match self.words.get(self.at) {
+            Some(Word::Real(value)) => {
+                self.at += 1;
+                Ok(Expr::Real(*value))
+            }
+            Some(Word::Whole(value)) => {
+                self.at += 1;
+                Ok(Expr::Whole(*value))
+            }
+            Some(Word::Name(name)) if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) => {
+                let name = name.clone();
+                self.at += 2;
+                let gives = self.program.function(&name).is_none_or(|f| !f.returns.is_empty());
+                if gives { self.call(name) } else { self.wrong(format!("`{name}` gives nothing")) }
+            }
+            Some(Word::Name(_)) => self.named(),
+            _ => self.wrong("a number is missing"),
+        }
+    }
+
+    pub(super) fn call(&mut self, name: String) -> Read<Expr> {
+        let mut arguments = Vec::new();
+        while !self.pass(")") {
+            arguments.push(self.expr()?);
+            if !self.is(")") {
+                self.expect(",")?;
+            }
+        }
+        if name == "real" || name == "whole" {
+            if arguments.len() != 1 || arguments[0].whole() != (name == "real") {
+                return self.wrong(format!("`{name}` converts one number of the other kind"));
+            }
+            return Ok(Expr::Call(name, arguments));
+        }
+        let Some(function) = self.program.function(&name) else {
+            return self.wrong(format!("there is no function `{name}` before this one"));
+        };
+        if function.takes.len() != arguments.len() {
+            return self.wrong(format!("`{name}` takes {} arguments", function.takes.len()));
+        }
+        for (parameter, argument) in function.takes.iter().zip(&arguments) {
+            let fits = match (&parameter.kind, argument) {
+                (Kind::Part(block), Expr::Part(place)) => self.kind_at(place)? == Kind::Part(block.clone()),
+                (kind, argument) => argument.whole() == (*kind == Kind::Whole),
+            };
+            if !fits {
+                return self.wrong(format!("`{name}` takes another {}", parameter.name));
+            }
+            if let (true, Expr::Part(place)) = (parameter.changed, argument) {
+                self.changed.push(place.root.clone());
+            }
+        }
+        Ok(Expr::Call(name, arguments))
+    }
+
+    /// A variable, a field, a constant, a count, or a property of numbers.
+    fn named(&mut self) -> Read<Expr> {
+        let place = self.place()?;
+        let name = &place.root;
+        if self.kind(name).is_some() {
+            return match self.kind_at(&place)? {
+                Kind::Whole => Ok(Expr::Variable(place.root, true)),
+                Kind::Real if place.path.is_empty() && place.index.is_none() => Ok(Expr::Variable(place.root, false)),
+                Kind::Real => Ok(Expr::At(place)),
+                Kind::Part(_) => Ok(Expr::Part(place)),
+                Kind::Room(_) => self.wrong(format!("`{name}` is several numbers")),
+            };
+        }
+        let number = self.program.blocks.len() - 1;
+        let block = &self.program.blocks[number];
+        if let Some((_, value)) = block.counts.iter().find(|(known, _)| known == name) {
+            return Ok(Expr::Whole(*value));
+        }
+        if let Some(constant) = block.constants.iter().find(|c| c.name == *name) {
+            return match constant.table == place.index.is_some() {
+                true => Ok(Expr::Constant(number, place.root, place.index)),
+                false => self.wrong(format!("`{name}` is a table, or is none")),
+            };
+        }
+        match name.as_str() {
+            "epsilon" => Ok(Expr::Limit(Limit::Epsilon)),
+            "least" => Ok(Expr::Limit(Limit::Least)),
+            "most" => Ok(Expr::Limit(Limit::Most)),
+            _ => self.wrong(format!("`{name}` is not known")),
+        }
+    }
+}
