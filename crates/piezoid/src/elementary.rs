@@ -6,7 +6,8 @@
 //! ```
 //! Libraries of C differ in the last digits of both, and small machines have none. What a model computes in every step it computes with
 //! these, and [`block`] is the same for programs. ln 2 is split so that n times its larger part is exact (W. J. Cody & W. Waite,
-//! "Software Manual for the Elementary Functions", Prentice-Hall 1980). Errors are of one or two units in the last place.
+//! "Software Manual for the Elementary Functions", Prentice-Hall 1980). Errors are of one or two units in the last place. From 709.5
+//! on e^x is infinite, a little before it has to be.
 
 use crate::program::Block;
 

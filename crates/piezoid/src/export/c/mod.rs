@@ -143,8 +143,7 @@ impl C<'_> {
                 self.rest(entry.state, "s->")
             );
         }
-        out.truncate(out.trim_end().len());
-        out + "\n"
+        out.trim_end().lines().map(broken).collect()
     }
 
     /// The constants of a block.
@@ -339,7 +338,48 @@ pub(super) fn wrapped(values: &[String]) -> String {
     out + &line + "\n"
 }
 
+/// As wide as lines of code are.
+const WIDE: usize = 120;
+
+/// A line of code, in several where it is too long: before an operator, or after a comma.
+fn broken(line: &str) -> String {
+    let indent = line.len() - line.trim_start().len();
+    // What a comment goes on with stands under its first word.
+    let code = indent.is_multiple_of(4) && !line.trim_start().starts_with(['/', '#']);
+    let (mut out, mut left) = (String::new(), line.to_owned());
+    while code && left.len() > WIDE {
+        let may = |(at, _): &(usize, &str)| {
+            let next = left[at + 1..].split(' ').next().unwrap_or_default();
+            *at >= indent + 8 && (left[..*at].ends_with(',') || OPERATORS.contains(&next))
+        };
+        let places = || left.match_indices(' ').filter(may);
+        let Some((at, _)) = places().take_while(|(at, _)| *at <= WIDE).last().or_else(|| places().next()) else {
+            break;
+        };
+        out += &format!("{}\n", &left[..at]);
+        left = format!("{:1$}{2}", "", indent + 4, &left[at + 1..]);
+    }
+    format!("{out}{left}\n")
+}
+
+/// Before which a line may be broken.
+const OPERATORS: &[&str] = &["+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!=", "&&", "||", "?", ":"];
+
 /// The shortest text that is read back as this number.
 pub(super) fn shortest(value: f64, single: bool) -> String {
     if single { format!("{:?}", value as f32) } else { format!("{value:?}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lines_of_code_are_broken_where_nothing_changes_and_comments_are_not() {
+        let sum = format!("    x = f({}, {});", "a".repeat(80), "b".repeat(40));
+        let [first, second] = [0, 1].map(|n| broken(&sum).lines().nth(n).unwrap().to_owned());
+        assert!(first.ends_with("a,") && second == format!("        {});", "b".repeat(40)), "{first}\n{second}");
+        let comment = format!("/* {} + {} */", "a".repeat(80), "b".repeat(40));
+        assert_eq!(broken(&comment), format!("{comment}\n"));
+    }
 }

@@ -22,7 +22,7 @@ pub(super) fn source(fmu: &Fmu, token: &str) -> String {
             (true, so_far) => format!("[k - {so_far}u]"),
         };
         let or = if so_far == 0 { "" } else { "} else " };
-        places += &format!("    {or}if (k < {first}u) {{\n        place = &s->{path}{index};\n");
+        places += &format!("    {or}if (k < {first}u) {{\n        at = &s->{path}{index};\n");
     }
     let head = format!(
         "\
@@ -72,9 +72,9 @@ static double sample(State *s, const double input[INPUTS])
 /* The number that stands at k in the state, counted from 0. */
 static number *place(State *s, unsigned int k)
 {{
-    number *place = NULL;
+    number *at = NULL;
 {places}    }}
-    return place;
+    return at;
 }}
 ",
         fmu_name = fmu.name,
