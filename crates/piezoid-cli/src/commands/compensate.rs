@@ -4,10 +4,11 @@ use super::driver::Amplifier;
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::layout::table;
-use crate::values::{Misused, apart, argument, period};
-use anyhow::{Context, Result, bail};
+use crate::values::{apart, argument, period};
+use anyhow::{Context, Result};
 use clap::Args;
-use piezoid::compensation::{Compensated, FeedForward, How, shaping};
+use piezoid::compensation::shaping::Shape;
+use piezoid::compensation::{Compensated, FeedForward, How};
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
 use piezoid::{Model, System};
@@ -64,9 +65,6 @@ pub(crate) struct Compensate {
     columns: Columns,
 }
 
-/// Width of the notch as a share of its frequency.
-const NOTCH: f64 = 0.2;
-
 impl Compensate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &self.reference])?;
@@ -78,7 +76,8 @@ impl Compensate {
         let inverse =
             FeedForward::new(&model, how).map_err(advised).with_context(|| self.model.display().to_string())?;
         let asked = self.columns.reference(&self.reference, &model)?;
-        let r = self.shaped(&model, asked.clone())?;
+        let shape = Shape { smooth: self.smooth, zvd: self.zvd, notch: self.notch };
+        let r = argument(shape.of(&model, asked.clone()))?;
         let made = inverse.whole(&r).map_err(advised).with_context(|| self.reference.display().to_string())?;
         let (metrics, of_asked) = (Metrics::of(&r, &made.reached), Metrics::of(&asked, &made.reached));
         let of_asked = (r != asked).then_some(&of_asked);
@@ -98,30 +97,6 @@ impl Compensate {
         let text = piezoid::formats::csv::write(model.ts(), &[(&u_name, &made.u), (&r_name, &r)])?;
         files::write(&self.output, &text, console)?;
         files::write_json(self.json.as_deref(), &result, console)
-    }
-
-    /// The reference as the options shape it.
-    fn shaped(&self, model: &Model, mut r: Vec<f64>) -> Result<Vec<f64>> {
-        let ts = model.ts();
-        if let Some(seconds) = self.smooth {
-            r = argument(shaping::smooth(ts, seconds))?.whole(&r);
-        }
-        if !self.zvd && !self.notch {
-            return Ok(r);
-        }
-        let Some(mode) = model.linear().resonance() else {
-            let option = if self.zvd { "--zvd" } else { "--notch" };
-            bail!(Misused(format!("{option} is for a model that rings, and this one has no resonance: leave it out")));
-        };
-        if self.zvd {
-            let shaper = shaping::zvd(ts, mode.hz, mode.damping)?;
-            r = shaper.whole(&r);
-        }
-        if self.notch {
-            let notch = shaping::notch(ts, mode.hz, NOTCH * mode.hz)?;
-            r = notch.resume(&mut notch.settled(r[0]), &r);
-        }
-        Ok(r)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The driver in front of the actuator, whose limits a voltage must keep.
 
-use crate::values::{Misused, argument, farads};
-use anyhow::{Error, Result, anyhow, bail};
+use crate::values::{argument, farads};
+use anyhow::{Error, Result, anyhow};
 use clap::Args;
 use piezoid::excitation::{Driver, Limits};
 
@@ -36,11 +36,5 @@ impl Amplifier {
 
 /// The limits of a driver with its load.
 pub(crate) fn driver_limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
-    let limits: Limits = argument(Driver::find(name))?.limits;
-    let capacitance = capacitance.or(limits.capacitance);
-    if limits.current.is_some() && capacitance.is_none() {
-        let what = "limits the current, which depends on the load: give its --capacitance in farad, such as 8.2e-6";
-        bail!(Misused(format!("driver `{name}` {what}")));
-    }
-    Ok(Limits { capacitance, ..limits })
+    argument(argument(Driver::find(name))?.loaded(capacitance))
 }

@@ -16,8 +16,53 @@
 
 use super::Fir;
 use crate::error::{Error, positive};
+use crate::hammerstein::Model;
 use crate::linear::Arx;
+use crate::system::System;
 use std::f64::consts::{PI, TAU};
+
+/// How a reference is shaped: smoothed first, then kept from making a model's resonance ring.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shape {
+    /// Minimum-jerk moves of this length from steps and corners [s].
+    pub smooth: Option<f64>,
+    /// ZVD of the resonance.
+    pub zvd: bool,
+    /// A notch at the resonance, a fifth of its frequency wide.
+    pub notch: bool,
+}
+
+/// Width of that notch as a share of its frequency.
+const NOTCH: f64 = 0.2;
+
+impl Shape {
+    /// The reference `r` for `model`, shaped.
+    ///
+    /// # Errors
+    /// What [`smooth`], [`zvd`] and [`notch`] refuse, and shaping for a resonance that the model does not have.
+    pub fn of(&self, model: &Model, mut r: Vec<f64>) -> Result<Vec<f64>, Error> {
+        let ts = model.ts();
+        if let Some(seconds) = self.smooth {
+            r = smooth(ts, seconds)?.whole(&r);
+        }
+        if !self.zvd && !self.notch {
+            return Ok(r);
+        }
+        let none = || {
+            let name = if self.zvd { "zvd" } else { "notch" };
+            Error::parameter(name, "true", "is for a model that rings, and this one has no resonance: leave it out")
+        };
+        let mode = model.linear().resonance().ok_or_else(none)?;
+        if self.zvd {
+            r = zvd(ts, mode.hz, mode.damping)?.whole(&r);
+        }
+        if let (true, Some(first)) = (self.notch, r.first().copied()) {
+            let notch = notch(ts, mode.hz, NOTCH * mode.hz)?;
+            r = notch.resume(&mut notch.settled(first), &r);
+        }
+        Ok(r)
+    }
+}
 
 /// The longest shaper [samples].
 const LONGEST: f64 = 1e5;

@@ -42,7 +42,7 @@ pub use pid::{Gains, Pid};
 pub use positive_position::PositivePosition;
 pub use references::{REFERENCES, Reference, reference};
 pub use schemes::{Drive, Scheme};
-pub use tolerance::{Spread, Tolerance, Trial, trials};
+pub use tolerance::{Spread, Tolerance, Trial, drawn, trials};
 pub use tune::Target;
 
 use crate::error::Error;

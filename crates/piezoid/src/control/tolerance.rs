@@ -93,10 +93,10 @@ pub fn trials(
     tolerance: &Tolerance,
     progress: &mut Progress,
 ) -> Result<Spread, Error> {
-    if !(0.0..1.0).contains(&tolerance.share) {
-        return Err(Error::parameter("share", tolerance.share, "must be from 0 to below 1"));
-    }
-    let draw = |i: usize| trial(drawn(spec, tolerance, i as u64), tolerance.seed ^ i as u64, drive, r, from);
+    let draw = |i: usize| {
+        let drawn = drawn(spec, tolerance.share, tolerance.seed, i as u64)?;
+        trial(drawn, tolerance.seed ^ i as u64, drive, r, from)
+    };
     let mut trials = Vec::with_capacity(tolerance.draws);
     for first in (0..tolerance.draws).step_by(AT_ONCE) {
         let stage = Stage { what: "draws of tolerance", done: first, total: tolerance.draws };
@@ -127,11 +127,24 @@ fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result
     Ok(Trial { spec, tracking: done.tracking(from, top - bottom), stable })
 }
 
-/// Draw `i` about `spec`.
-fn drawn(spec: &Spec, tolerance: &Tolerance, i: u64) -> Spec {
-    let mut random = ChaCha8Rng::seed_from_u64(tolerance.seed);
+/// Plant `i` of those drawn from `seed` about `spec`, whose values differ by up to `share` of each.
+///
+/// ```
+/// let bender = (piezoid::plant::find("pl140")?.spec)();
+/// let [one, other] = [0, 1].map(|i| piezoid::control::drawn(&bender, 0.2, 7, i));
+/// assert_ne!(one?, other?);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// Refuses a share outside 0 to below 1.
+pub fn drawn(spec: &Spec, share: f64, seed: u64, i: u64) -> Result<Spec, Error> {
+    if !(0.0..1.0).contains(&share) {
+        return Err(Error::parameter("share", share, "must be from 0 to below 1"));
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(i);
-    let mut about = |value: &mut f64| *value *= 1.0 + tolerance.share * (2.0 * random.random::<f64>() - 1.0);
+    let mut about = |value: &mut f64| *value *= 1.0 + share * (2.0 * random.random::<f64>() - 1.0);
     let mut spec = spec.clone();
     match &mut spec.beam {
         BeamSpec::Cantilever(beam) => {
@@ -159,7 +172,7 @@ fn drawn(spec: &Spec, tolerance: &Tolerance, i: u64) -> Spec {
     about(&mut spec.creep_per_decade);
     about(&mut spec.driver.capacitance_f);
     about(&mut spec.driver.lag_s);
-    spec
+    Ok(spec)
 }
 
 #[cfg(test)]
@@ -214,7 +227,7 @@ mod tests {
     #[test]
     fn a_draw_stays_within_the_tolerance() {
         let spec = (find("pl140").unwrap().spec)();
-        let lag = |i| drawn(&spec, &Tolerance::default(), i).driver.lag_s / spec.driver.lag_s;
+        let lag = |i| drawn(&spec, 0.2, 0, i).unwrap().driver.lag_s / spec.driver.lag_s;
         let lags: Vec<f64> = (0..200).map(lag).collect();
         let (low, high) = ends(lags);
         assert!(low >= 0.8 && high <= 1.2 && low < 0.82 && high > 1.18, "{low} {high}");

@@ -56,6 +56,20 @@ impl Driver {
             .find(|d| d.name == name)
             .ok_or_else(|| Error::unknown("driver", name, DRIVERS.iter().map(|d| d.name)))
     }
+
+    /// Its limits into a load of this capacitance [F], where the row has none.
+    ///
+    /// # Errors
+    /// A current limit says nothing without a capacitance.
+    pub fn loaded(&self, capacitance: Option<f64>) -> Result<Limits, Error> {
+        let limits = Limits { capacitance: capacitance.or(self.limits.capacitance), ..self.limits };
+        if limits.current.is_some() && limits.capacitance.is_none() {
+            let name = self.name;
+            let rule = format!("driver `{name}` limits the current, which depends on the load: give it in farad, such as 8.2e-6");
+            return Err(Error::parameter("capacitance", "none", rule));
+        }
+        Ok(limits)
+    }
 }
 
 #[cfg(test)]

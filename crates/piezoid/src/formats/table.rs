@@ -52,6 +52,35 @@ pub struct Signal {
 }
 
 impl Table {
+    /// A table of columns that are numbers already. Errors about it count samples from 0 where those about a file count lines.
+    ///
+    /// ```
+    /// use piezoid::formats::{Selection, Table};
+    /// let columns = [("t_s", vec![0.0, 5e-4]), ("u_V", vec![0.0, 1.0]), ("y_mm", vec![0.1, 0.2])];
+    /// let table = Table::of(columns.map(|(name, samples)| (name.to_string(), samples)))?;
+    /// assert_eq!(table.record(&Selection::default())?.units().y, "mm");
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses columns of unequal length; a sample that is not finite is an error to whoever needs its column.
+    pub fn of(columns: impl IntoIterator<Item = (String, Vec<f64>)>) -> Result<Self, Error> {
+        let column = |(name, samples): (String, Vec<f64>)| {
+            let flaw = crate::error::finite(&name, &samples).err();
+            Column { name, samples, flaw, decimal: None }
+        };
+        let columns: Vec<Column> = columns.into_iter().map(column).collect();
+        for pair in columns.windows(2) {
+            let [left, right] = pair else { continue };
+            let (left_len, right_len) = (left.samples.len(), right.samples.len());
+            if left_len != right_len {
+                let (left, right) = (left.name.clone(), right.name.clone());
+                return Err(Error::Lengths { left, left_len, right, right_len });
+            }
+        }
+        Ok(Table { columns, header: 0, first: 0 })
+    }
+
     /// Names of the columns, in the order of the file.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|c| c.name.as_str())

@@ -246,6 +246,28 @@ struct Coefficients {
 }
 
 impl Model {
+    /// What hysteresis and creep make of the input, from rest: what enters the linear block.
+    pub fn crept(&self, u: &[f64]) -> Vec<f64> {
+        let (mut x, mut z) = (self.initial(), u.to_vec());
+        let [hysteresis, creep, _, driver] = self.parts(&mut x);
+        self.hidden(hysteresis, driver, &mut z);
+        self.creep.respond(creep, &mut z);
+        z
+    }
+
+    /// One step ahead from measured outputs: what the linear block foretells of `y[t]` from `u` up to t and `y` up to t-1. Before the
+    /// first sample the actuator rested.
+    ///
+    /// # Errors
+    /// Refuses series of unequal length.
+    pub fn predict(&self, u: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
+        if u.len() != y.len() {
+            return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
+        }
+        let measured: Vec<f64> = y.iter().map(|y| y - self.offset).collect();
+        Ok(self.linear.predict(&self.crept(u), &measured).into_iter().map(|y| y + self.offset).collect())
+    }
+
     /// The parts of a state: hysteresis, creep, linear, driver.
     fn parts<'x>(&self, x: &'x mut [f64]) -> [&'x mut [f64]; 4] {
         let (hysteresis, x) = x.split_at_mut(self.hysteresis.order());
@@ -375,5 +397,22 @@ mod tests {
         let backwards = r#""identified": {"u": [3, -3], "hz": null, "slew": 1, "mean": [0, 0]}"#;
         let plain = r#""hysteresis": {"operator": "proportional", "gain": 1}, "linear": {"a": [], "b": [1]}"#;
         assert!(model(&format!("{plain}, {backwards}")).contains("ends from low to high"));
+    }
+
+    #[test]
+    fn predicting_its_own_simulation_changes_nothing_and_errors_do_not_add_up() {
+        let plays = (hysteresis::operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
+        let model = Model::new(plays, block, 2.0).unwrap();
+        let model = model.with_creep(Creep::logarithmic(5e-4, 0.01, 0.1, 1.0).unwrap()).unwrap();
+        let u: Vec<f64> = (0..400).map(|t| 20.0 * (0.05 * f64::from(t)).sin()).collect();
+        let y = model.simulate(&u);
+        crate::testing::assert_close(&model.predict(&u, &y).unwrap(), &y, 1e-12, 1e-9);
+        let mut off = y.clone();
+        off[200] += 1.0;
+        let predicted = model.predict(&u, &off).unwrap();
+        let moved: Vec<usize> = (0..400).filter(|t| (predicted[*t] - y[*t]).abs() > 1e-6).collect();
+        assert_eq!(moved, [201, 202]);
+        assert!(model.predict(&u, &y[1..]).is_err());
     }
 }

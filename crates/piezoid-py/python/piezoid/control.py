@@ -1,0 +1,102 @@
+"""Schemes of control, side by side on a twin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from . import _piezoid
+from ._progress import told
+from ._types import Array, Progress, Samples
+from .lists import references as known
+from .model import Model
+from .plants import Plant, plants
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Each controller along each reference."""
+
+    figures: dict[str, Any] = field(repr=False)
+    """All figures, as the command line writes them."""
+    runs: list[dict[str, Any]] = field(repr=False)
+    """One dict a run: `controller`, `reference`, and the arrays `u`, `y`, `r` of shape (n,), or an `error`."""
+    html: str = field(repr=False)
+    """A page with tables and figures."""
+
+    def run(self, controller: str | None = None, reference: str | None = None) -> dict[str, Any]:
+        """The first run of these names."""
+        for run in self.runs:
+            if controller in (None, run["controller"]) and reference in (None, run["reference"]):
+                return run
+        names = sorted({f"{run['controller']} along {run['reference']}" for run in self.runs})
+        raise _piezoid.PiezoidError(f"there is no run of {controller} along {reference}: there are {', '.join(names)}")
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """Rms errors in percent of the height of the reference: one row a reference, one column a controller."""
+        import numpy as np
+        import pandas as pd
+
+        rows: dict[str, dict[str, float]] = {}
+        for run in self.runs:
+            r, y = run.get("r"), run.get("y")
+            height = np.nan if r is None else float(np.ptp(r))
+            error = np.nan if r is None or y is None else 100 * float(np.sqrt(np.mean((y - r) ** 2))) / height
+            rows.setdefault(run["reference"], {})[run["controller"]] = error
+        return pd.DataFrame.from_dict(rows, orient="index")
+
+
+def reference(name: str, model: Model, *, peak: float, frequency: float, duration: float) -> Array:
+    """A reference by name (`pz.references`) [output unit], of shape (n,), for this `duration` [s]."""
+    n = max(1, round(duration / model.ts))
+    return _piezoid.follow(name, model.ts, n, peak, frequency)
+
+
+def control(
+    plant: Plant | str,
+    model: Model,
+    reference: Samples | Mapping[str, Samples],
+    *,
+    controller: str | Iterable[str] = ("gain", "feed-forward", "integral-notch", "feed-forward+integral-notch"),
+    late: int = 0,
+    gain_margin: float | None = None,
+    phase_margin: float | None = None,
+    preview: int | None = None,
+    tolerance: tuple[float, int] | None = None,
+    seed: int = 1,
+    progress: Progress = None,
+    **limits: Any,
+) -> Comparison:
+    """Drives a twin along references [output unit of the model], by one or several controllers (`pz.controllers`), such as
+    "feed-forward+pi", tuned to the model.
+
+    late: samples by which readings come late; gain_margin [dB], phase_margin [degrees]: what controllers are tuned to
+    preview: samples of the reference known ahead; to its end where it is not given
+    tolerance: (share, draws) drives plants drawn about this one too
+    limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as of `Model.compensation`
+    """
+    named = reference if isinstance(reference, Mapping) else {"reference": reference}
+    twin = plants[plant] if isinstance(plant, str) else plant
+    schemes = [controller] if isinstance(controller, str) else list(controller)
+    with told(progress) as watch:
+        figures, runs, html = _piezoid.control(
+            (twin.name, twin._core),
+            model._core,
+            schemes,
+            list(named.items()),
+            limits,
+            (late, gain_margin, phase_margin),
+            preview,
+            seed,
+            tolerance,
+            watch,
+        )
+    return Comparison(figures, runs, html)
+
+
+__all__ = ["Comparison", "control", "known", "reference"]

@@ -1,0 +1,77 @@
+"""Excitations: voltages to identify with. One function a kind; `pz.excitations` lists them.
+
+>>> from piezoid import excite
+>>> u = excite.prbs(ts=5e-4, duration=2.0, amplitude=1.0)
+>>> u.shape
+(4000,)
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+from ._piezoid import excite as _samples
+from ._types import Array
+from .lists import ALL
+
+
+class Excitation:
+    """One kind of excitation: call it with a sampling period, a duration [s], and its own settings, by name."""
+
+    def __init__(self, row: dict[str, Any]) -> None:
+        self.kind: str = row["name"]
+        self.__name__ = self.kind.replace("-", "_")
+        self.__qualname__ = f"excite.{self.__name__}"
+        self.__module__ = __name__
+        settings = [_setting(p) for p in row["parameters"]]
+        lines = [f"{p['name']}: {p['help']}{_unit(p)}" for p in row["parameters"]]
+        self.__doc__ = "\n".join(
+            [
+                f"{row['summary'][:1].upper()}{row['summary'][1:]}.",
+                "",
+                "ts: sampling period [s]",
+                "duration: length [s]; round(duration / ts) samples are made",
+                *lines,
+                "",
+                "Returns the voltages [V], of shape (n,).",
+                "",
+                f"Reference: {row['reference']}",
+            ]
+        )
+        own = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=float) for name in ("ts", "duration")]
+        self.__signature__ = inspect.Signature([*own, *settings], return_annotation=Array)
+
+    def __call__(self, *, ts: float, duration: float, **settings: float) -> Array:
+        given = [(name, float(value)) for name, value in settings.items()]
+        return _samples(self.kind, float(ts), float(duration), given)
+
+    def __repr__(self) -> str:
+        return f"<excitation {self.__name__}{self.__signature__}>"
+
+
+def _setting(parameter: dict[str, Any]) -> inspect.Parameter:
+    default = inspect.Parameter.empty if parameter["default"] is None else parameter["default"]
+    return inspect.Parameter(
+        parameter["name"], inspect.Parameter.KEYWORD_ONLY, default=default, annotation=float
+    )
+
+
+def _unit(parameter: dict[str, Any]) -> str:
+    return f" [{parameter['unit']}]" if parameter["unit"] else ""
+
+
+_KINDS = {row["name"].replace("-", "_"): Excitation(row) for row in ALL["excitations"]}
+
+__all__ = [*_KINDS]  # pyright: ignore[reportUnsupportedDunderAll]
+
+
+def __getattr__(name: str) -> Excitation:
+    try:
+        return _KINDS[name]
+    except KeyError:
+        raise AttributeError(f"there is no excitation called {name}: known are {', '.join(_KINDS)}") from None
+
+
+def __dir__() -> list[str]:
+    return [*_KINDS, "Excitation"]

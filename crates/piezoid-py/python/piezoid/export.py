@@ -1,0 +1,67 @@
+"""Models for other machines: C, FMUs, Simulink, structured text, Rust, wave tables."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+from typing import Any
+
+from . import _files, _piezoid
+from ._types import Samples
+from .model import Model
+
+
+def export(
+    model: Model,
+    target: str,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    name: str = "piezo_model",
+    float: bool = False,
+    preview: int = 0,
+    controller: str | None = None,
+    late: int = 0,
+    gain_margin: Any = None,
+    phase_margin: Any = None,
+    reference: Samples | None = None,
+    servo_cycle: Any = None,
+    range: tuple[Any, Any] | None = None,
+    **limits: Any,
+) -> dict[str, bytes]:
+    """What a target (`pz.targets`) makes of a model: files by their paths, written into `folder` where one is named.
+
+    name: what functions, types and files are called after; float: numbers of single precision
+    preview: samples of the reference that the feed-forward is given ahead of time
+    controller: one to go with it, tuned as `control` tunes it (`late`, `gain_margin`, `phase_margin`)
+    reference: for the target waveform, one period of the wanted displacement [output unit], of shape (n,); `servo_cycle` [s] and
+        `range` [V] are of the controllers that play it
+    limits: of the voltage, as of `Model.compensation`
+
+    What is worth knowing is a `UserWarning`.
+
+    >>> import piezoid as pz
+    >>> model = pz.Model.from_dict({"piezoid": 1, "ts": 5e-4, "hysteresis": {"operator": "proportional", "gain": 1.0},
+    ...                             "linear": {"a": [0.5], "b": [1.0]}, "identified": None})
+    >>> sorted(pz.export(model, "c", name="bender", low=-30.0, high=30.0))
+    ['bender.c', 'bender.h', 'bender.md', 'bender_test.c']
+    """
+    files, notes = _piezoid.export(
+        model._core,
+        target,
+        name,
+        (float, preview, controller),
+        (late, gain_margin, phase_margin),
+        limits,
+        reference,
+        (servo_cycle, range),
+    )
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
+    made = dict(files)
+    if folder is not None:
+        for path, content in made.items():
+            place = Path(folder) / path
+            place.parent.mkdir(parents=True, exist_ok=True)
+            _files.write(place, content)
+    return made

@@ -1,0 +1,97 @@
+"""From records to a model."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from . import _piezoid
+from ._piezoid import PiezoidError, __version__
+from ._progress import told
+from ._types import Progress
+from .model import Model
+from .records import Record, read
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    Source: TypeAlias = "Record | str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame"
+    Sources: TypeAlias = "Source | Iterable[Source]"
+
+
+def identify(
+    *,
+    linear: Sources = (),
+    rich: Sources = (),
+    data: Sources = (),
+    method: Literal["joint", "paper"] = "joint",
+    operator: str = "auto",
+    order: int | None = None,
+    seed: int = 0,
+    elements: int | None = None,
+    creep: bool = True,
+    driver: str | None = None,
+    capacitance: float | None = None,
+    driver_lag: float | None = None,
+    estimator: str | None = None,
+    split: Literal["line", "direction"] | None = None,
+    bins: int | None = None,
+    reading: Literal["held", "printed"] | None = None,
+    particles: int | None = None,
+    iterations: int | None = None,
+    progress: Progress = None,
+) -> Model:
+    """A model of the actuator that the records show; `model.notes` says what its user should know.
+
+    linear: small-signal records (a PRBS of about 1 V); rich: records that exercise the hysteresis (rising sines at some
+        frequencies); data: records for everything, where no small-signal one was taken. Each a record or several, or
+        what `read` makes records of.
+    method: "joint" finds all parts together, by the free-run error; "paper" takes the paper's six steps
+    operator: one of `pz.operators`; "auto" takes the simplest that foretells held-out parts as well as the best
+    order: of the linear block; chosen where it is not given (2 the paper's way)
+    seed: of the swarm
+
+    The joint way alone: `elements` (thresholds, levels or knots of the operator), `creep`, and the driver that the records were
+    taken with, where its limits matter: `driver` by name, `capacitance` of the load [F], `driver_lag` [s].
+    The paper's way alone: `estimator` of the linear block, how a loop is `split`, averages a branch (`bins`), `reading` of held
+    inputs, `particles` and `iterations` of the swarm.
+
+    progress: True shows a bar (tqdm); a function is called with what is being done, how far, and of how much. What it raises
+        ends the work, as Ctrl-C does.
+
+    >>> import piezoid as pz
+    >>> u = pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4)
+    >>> model = pz.identify(data=pz.plants["pl140"].measure(u, ts=1e-3), operator="prandtl-ishlinskii", order=2)
+    >>> model.operator
+    'prandtl-ishlinskii'
+    """
+    small, others = _records(linear), _records(rich) + _records(data)
+    if _records(data) and (small or _records(rich)):
+        raise PiezoidError("data is for records of everything: give either data, or linear and rich")
+    only = {
+        "joint": {"elements": elements, "driver": driver, "capacitance": capacitance, "driver_lag": driver_lag},
+        "paper": {"estimator": estimator, "split": split, "bins": bins, "reading": reading, "particles": particles,
+                  "iterations": iterations},
+    }  # fmt: skip
+    for way, settings in only.items():
+        for name, value in settings.items():
+            if value is not None and method in only and way != method:
+                raise PiezoidError(f"{name} belongs to the method {way}: leave it out, or ask for that method")
+    settings = {"operator": operator, "order": order, "seed": seed, "creep": creep} | only["joint"] | only["paper"]
+    made = f'{{"version": "{__version__}", "seed": {int(seed)}}}'
+    with told(progress) as watch:
+        core, _ = _piezoid.identify(
+            ([r._core for r in small], [r._core for r in others]), method, settings, made, watch
+        )
+    return Model._of(core)
+
+
+def _records(given: Sources) -> list[Record]:
+    if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
+        return [_record(given)]
+    return [_record(one) for one in given]  # type: ignore[union-attr]
+
+
+def _record(given: Any) -> Record:
+    return given if isinstance(given, Record) else read(given)

@@ -1,0 +1,73 @@
+"""What there is, by name: each a mapping from names to rows with a summary and a reference.
+
+>>> import piezoid as pz
+>>> "preisach" in pz.operators
+True
+>>> pz.drivers["ideal"].summary
+'no limits'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+from ._piezoid import PiezoidError, lists
+
+ALL: dict[str, list[dict[str, Any]]] = lists()
+"""All lists, as the library has them."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One member of a list."""
+
+    name: str
+    summary: str
+    reference: str
+
+
+T = TypeVar("T")
+
+
+class Rows(Mapping[str, T], Generic[T]):
+    """A list by names, which says what there is when a name is not known."""
+
+    def __init__(self, kind: str, rows: dict[str, T]) -> None:
+        self._kind, self._rows = kind, rows
+
+    def __getitem__(self, name: str) -> T:
+        try:
+            return self._rows[name]
+        except KeyError:
+            raise PiezoidError(f"there is no {self._kind} called `{name}`: known are {', '.join(self._rows)}") from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._rows
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._rows)
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def _summary(self, name: str) -> str:
+        return str(getattr(self._rows[name], "summary", ""))
+
+    def __repr__(self) -> str:
+        width = max(map(len, self._rows), default=0)
+        return "\n".join(f"{name:{width}}  {self._summary(name)}" for name in self._rows)
+
+
+def _rows(kind: str, name: str) -> Rows[Row]:
+    return Rows(kind, {row["name"]: Row(row["name"], row["summary"], row["reference"]) for row in ALL[name]})
+
+
+operators = _rows("operator", "operators")
+controllers = _rows("controller", "controllers")
+drivers = _rows("driver", "drivers")
+estimators = _rows("estimator", "estimators")
+excitations = _rows("excitation", "excitations")
+references = _rows("reference", "references")
+targets = _rows("target", "targets")

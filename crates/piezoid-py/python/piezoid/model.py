@@ -1,0 +1,343 @@
+"""Models, and what they are asked: free runs, proof on records, voltages for wanted displacements."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _files, _html, _piezoid
+from ._piezoid import FeedForward, PiezoidError
+from ._types import Array, Offset, Samples, Units
+from .records import Record
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Model:
+    """A Hammerstein model: hysteresis, creep, then linear dynamics. It never changes.
+
+    `identify` makes one, `load` reads one. It travels by pickle.
+
+    >>> import numpy as np, piezoid as pz
+    >>> model = pz.Model.from_dict({
+    ...     "piezoid": 1, "ts": 5e-4, "units": {"u": "V", "y": "um"}, "hysteresis": {"operator": "proportional", "gain": 1.0},
+    ...     "linear": {"a": [1.7424, -0.9453], "b": [0.0, 3.0, 2.8]}, "offset": 2.0})
+    >>> model.simulate(np.zeros(3))
+    array([2., 2., 2.])
+    """
+
+    __slots__ = ("__dict__", "__weakref__", "_core")
+
+    def __init__(self, text: str) -> None:
+        """From the text of a model file."""
+        self._core = _piezoid.Model.from_json(text)
+
+    @classmethod
+    def _of(cls, core: _piezoid.Model) -> Model:
+        model = cls.__new__(cls)
+        model._core = core
+        return model
+
+    @classmethod
+    def from_dict(cls, document: dict[str, Any]) -> Model:
+        """From the document that a model file holds."""
+        return cls(json.dumps(document))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The document that its file holds."""
+        return self._core.to_dict()
+
+    def to_json(self) -> str:
+        """The text of its file."""
+        return self._core.to_json()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a model file, which every front end of piezoid reads."""
+        _files.write(path, self.to_json())
+
+    @property
+    def ts(self) -> float:
+        """Sampling period [s]."""
+        return self._core.ts
+
+    @property
+    def units(self) -> Units:
+        """Units of input and output."""
+        return self._core.units
+
+    @property
+    def operator(self) -> str:
+        """Name of the hysteresis operator."""
+        return self._core.operator
+
+    @property
+    def a(self) -> Array:
+        """Coefficients of the past outputs of the linear block: y = a1 y1 + a2 y2 + ... + b0 z + b1 z1 + ..."""
+        return self._core.a
+
+    @property
+    def b(self) -> Array:
+        """Coefficients of its inputs [output unit / input unit]."""
+        return self._core.b
+
+    @property
+    def offset(self) -> float:
+        """Constant in the output [output unit]."""
+        return self._core.offset
+
+    @property
+    def dc_gain(self) -> float:
+        """Gain of the linear block at 0 Hz [output unit / input unit]."""
+        return self._core.dc_gain
+
+    @property
+    def resonance(self) -> tuple[float, float] | None:
+        """Frequency [Hz] and damping ratio of the resonance, if it has one."""
+        return self._core.resonance
+
+    @property
+    def input_range(self) -> tuple[float, float] | None:
+        """The lowest and the highest input it knows [input unit]."""
+        return self._core.input_range
+
+    @cached_property
+    def provenance(self) -> dict[str, Any]:
+        """How it was made: version, seed, records; operators that were tried; parameters with their errors; notes."""
+        made = self.to_dict()["fit"]
+        return made if isinstance(made, dict) else {}
+
+    @property
+    def notes(self) -> list[str]:
+        """What its user should know, as found when it was identified."""
+        return list(self.provenance.get("notes", []))
+
+    @property
+    def trials(self) -> pd.DataFrame:
+        """The operators that were tried, with the error on held-out parts and a verdict."""
+        return _frame(self.provenance.get("trials", []))
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """What an engineer asks for, with its standard error."""
+        return _frame(self.provenance.get("parameters", []))
+
+    def simulate(self, u: Samples) -> Array:
+        """The free run from rest: displacements [output unit] of inputs `u` [input unit], both of shape (n,)."""
+        return self._core.simulate(u)
+
+    def predict(self, u: Samples, y: Samples) -> Array:
+        """One step ahead: what it foretells of y[t] from u up to t and measured y up to t-1; all of shape (n,)."""
+        return self._core.predict(u, y)
+
+    def hidden(self, u: Samples) -> Array:
+        """What hysteresis and creep make of `u`, from rest, before the linear block; both of shape (n,)."""
+        return self._core.hidden(u)
+
+    def response(self, hz: Samples) -> npt.NDArray[np.complex128]:
+        """The frequency response of the linear block [output unit / input unit] at `hz` [Hz], both of shape (n,)."""
+        return self._core.response(hz)
+
+    def validate(self, record: Record, *, skip: float = 0.0, offset: Offset = "kept") -> Validation:
+        """Compares its free run with a record, best one it has not seen.
+
+        skip: seconds at the start that do not count
+        offset: "free" takes the mean error off first, since sensors drift
+        """
+        if offset not in ("kept", "free"):
+            raise PiezoidError(f"offset = {offset}: must be kept or free")
+        figures, simulated = self._core._validate(record._core, skip, offset == "free")
+        return Validation(record, simulated, figures)
+
+    def inverse(self, late: int = 0, **limits: Any) -> FeedForward:
+        """The inverse, sample by sample: wanted displacement to voltage, `late` samples late.
+
+        `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the voltage, as of `compensation`.
+        """
+        return self._core._inverse(late, limits)
+
+    def compensate(self, reference: Samples, **settings: Any) -> Array:
+        """The voltages [input unit] for a wanted displacement [output unit], both of shape (n,): `compensation(...).u`."""
+        return self.compensation(reference, **settings).u
+
+    def compensation(
+        self,
+        reference: Samples,
+        *,
+        driver: str | None = None,
+        capacitance: float | None = None,
+        low: float | None = None,
+        high: float | None = None,
+        slew: float | None = None,
+        current: float | None = None,
+        clip: bool = False,
+        smooth: float | None = None,
+        zvd: bool = False,
+        notch: bool = False,
+        sweeps: int = 0,
+    ) -> Compensation:
+        """The voltages for a wanted displacement, which is taken to have stood at its first value for long.
+
+        driver: one of `pz.drivers`, with the `capacitance` [F] of the load where it limits the current
+        low, high: limits of the voltage [V]; slew: of its change [V/s]; current: of the driver [A]
+        clip: come as close as the limits allow, instead of refusing
+        smooth: make minimum-jerk moves of this length [s] from steps and corners
+        zvd, notch: shape the reference so that the resonance does not ring; take it out of the reference
+        sweeps: correct, this many times at most, what the model's free run leaves
+        """
+        settings = {
+            "driver": driver, "capacitance": capacitance, "low": low, "high": high, "slew": slew, "current": current,
+            "clip": clip, "smooth": smooth, "zvd": zvd, "notch": notch, "sweeps": sweeps,
+        }  # fmt: skip
+        u, reached, figures = self._core._compensation(reference, settings)
+        return Compensation(u, reached, **figures)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and self._core == other._core
+
+    def __hash__(self) -> int:
+        return hash(self.to_json())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Model, (self.to_json(),)
+
+    def __repr__(self) -> str:
+        u, y = self.units
+        mode = f", {self.resonance[0]:.4g} Hz" if self.resonance else ""
+        return f"<Model {self.operator}, order {len(self.a)}{mode}, {u} to {y} every {self.ts:g} s>"
+
+    def _repr_html_(self) -> str:
+        return _html.model(self)
+
+
+def load(path: str | os.PathLike[str]) -> Model:
+    """The model in a file."""
+    try:
+        return Model(_files.read(path).decode())
+    except UnicodeDecodeError:
+        raise PiezoidError(f"{path}: this is not a text file (it is not UTF-8)") from None
+    except PiezoidError as error:
+        told = str(error)
+        raise PiezoidError(told if told.startswith(str(path)) else f"{path}: {told}") from None
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """A free run beside its record."""
+
+    record: Record
+    simulated: Array = field(repr=False)
+    """The free run, of shape (n,) [the record's output unit]."""
+    figures: dict[str, Any] = field(repr=False)
+    """All that was found, as the command line writes it."""
+
+    @property
+    def n(self) -> int:
+        """Samples compared."""
+        return int(self.figures["metrics"]["n"])
+
+    @property
+    def mse(self) -> float:
+        """Mean squared error [unit^2]."""
+        return self._metric("mse")
+
+    @property
+    def rmse(self) -> float:
+        """Root mean squared error [unit]."""
+        return self._metric("rmse")
+
+    @property
+    def nrmse_percent(self) -> float:
+        """100 rms error / standard deviation of y."""
+        return self._metric("nrmse_percent")
+
+    @property
+    def rms_pp_percent(self) -> float:
+        """100 rms error / peak-to-peak of y."""
+        return self._metric("rms_pp_percent")
+
+    @property
+    def max_abs(self) -> float:
+        """Largest absolute error [unit]."""
+        return self._metric("max_abs")
+
+    @property
+    def fit_percent(self) -> float:
+        """100 - nrmse_percent."""
+        return self._metric("fit_percent")
+
+    def _metric(self, name: str) -> float:
+        value = self.figures["metrics"][name]
+        return float("nan") if value is None else float(value)
+
+    @property
+    def residual(self) -> Array:
+        """What is left: y less the free run, of shape (n,)."""
+        left: Array = self.record.y - self.simulated
+        return left
+
+    @property
+    def start(self) -> int:
+        """First sample that counts."""
+        return int(self.figures["start"])
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The errors by frequency: one row a band, with `at` [Hz] its middle."""
+        return _frame(self.figures["by_frequency"])
+
+    @property
+    def by_amplitude(self) -> pd.DataFrame:
+        """The errors by amplitude of the cycles: one row a band, with `at` [input unit] its middle."""
+        return _frame(self.figures["by_amplitude"])
+
+    @property
+    def loops(self) -> pd.DataFrame:
+        """Width, area, closure and slopes of the loops, as measured and as the model has them."""
+        import pandas as pd
+
+        return pd.json_normalize(self.figures["loops"])
+
+    @property
+    def remarks(self) -> list[str]:
+        """What the reader of the figures should know."""
+        return list(self.figures["remarks"])
+
+    @property
+    def unproven(self) -> list[str]:
+        """What this record cannot tell about the model, however good the figures are."""
+        return list(self.figures["unproven"])
+
+    def __repr__(self) -> str:
+        return f"<Validation: nrmse {self.nrmse_percent:.4g} %, rms/pp {self.rms_pp_percent:.4g} %, {self.n} samples>"
+
+    def _repr_html_(self) -> str:
+        return _html.validation(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Compensation:
+    """A voltage for a reference, and what the model says it gives."""
+
+    u: Array = field(repr=False)
+    """The voltages [input unit], of shape (n,)."""
+    reached: Array = field(repr=False)
+    """The model's free run of them [output unit], of shape (n,)."""
+    usage: dict[str, Any] = field(repr=False)
+    """What they use of the limits: lowest and highest voltage, slew, current."""
+    clipped: int
+    """Samples at which a limit was in the way."""
+    notes: list[str]
+    """What is worth knowing."""
+
+
+def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    import pandas as pd
+
+    return pd.DataFrame(rows)

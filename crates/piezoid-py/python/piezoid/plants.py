@@ -1,0 +1,94 @@
+"""Twins: simulated actuators, with driver, hysteresis, creep, beam and sensor, to measure on."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from . import _piezoid
+from ._types import Array, Samples
+from .lists import ALL, Rows
+from .records import Record
+
+
+class Plant:
+    """A simulated bender with its driver and sensor: volts about mid-voltage in, micrometres out.
+
+    >>> import piezoid as pz
+    >>> record = pz.plants["pl140"].measure([0.0] * 10 + [30.0] * 190, ts=5e-4)
+    >>> bool(record.y[-1] > 900)
+    True
+    """
+
+    def __init__(self, values: Mapping[str, Any] | str, name: str = "plant") -> None:
+        """From its values, as `to_dict` gives them or as a JSON text."""
+        self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
+        self.name = name
+
+    def simulate(
+        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled"] = "rest"
+    ) -> Array:
+        """What the sensor reads [um], of shape (n,), of voltages `u` [V], of shape (n,), every `ts` [s].
+
+        `seed` is that of the noise. `begin` says what came before: rest, or the first voltage, which had stood for long.
+        Limits that were reached are a `UserWarning`.
+        """
+        y, reached = self._core._measured(u, ts, seed, begin)
+        if reached is not None:
+            warnings.warn(f"{self.name}: {reached}", stacklevel=2)
+        return y
+
+    def measure(
+        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled"] = "rest"
+    ) -> Record:
+        """The same as a record."""
+        y, reached = self._core._measured(u, ts, seed, begin)
+        if reached is not None:
+            warnings.warn(f"{self.name}: {reached}", stacklevel=2)
+        return Record(u, y, ts)
+
+    def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
+        """One of a fleet, whose values differ by up to `tolerance` of each, as catalogue values do: number `index` of `seed`."""
+        made = Plant.__new__(Plant)
+        made._core, made.name = self._core.drawn(tolerance, seed, index), f"{self.name}-{index}"
+        return made
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its values, to change and to make another of."""
+        values: dict[str, Any] = json.loads(self._core.to_json())
+        return values
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Plant, (self._core.to_json(), self.name)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Plant) and self._core == other._core
+
+    def __hash__(self) -> int:
+        return hash(self._core.to_json())
+
+    def __repr__(self) -> str:
+        return f"<Plant {self.name}>"
+
+
+class _Presets(Rows[Plant]):
+    """Plants by name, made anew for whoever asks."""
+
+    def __init__(self) -> None:
+        self._summaries = {row["name"]: row["summary"] for row in ALL["plants"]}
+        super().__init__("plant", {name: _preset(name) for name in self._summaries})
+
+    def _summary(self, name: str) -> str:
+        return str(self._summaries[name])
+
+
+def _preset(name: str) -> Plant:
+    plant = Plant.__new__(Plant)
+    plant._core, plant.name = _piezoid.Plant.named(name), name
+    return plant
+
+
+plants: Rows[Plant] = _Presets()
+"""The twins there are."""

@@ -1,0 +1,227 @@
+"""Records: input and output sampled together, from arrays, tables and files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _files, _html, _piezoid
+from ._piezoid import PiezoidError
+from ._types import Array, Samples, Units
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class Record:
+    """Input and output of an actuator, sampled together and evenly.
+
+    u: input, of shape (n,); y: output, of shape (n,), in whatever numpy takes for such; both finite
+    ts: sampling period [s]
+    units: of input and output; lengths (m, mm, um, nm) are converted where they meet
+
+    >>> import piezoid as pz
+    >>> record = pz.Record([0, 1, 1], [0, 20, 33], ts=5e-4)
+    >>> len(record), record.duration
+    (3, 0.0015)
+    """
+
+    __slots__ = ("_core", "__weakref__")
+
+    def __init__(self, u: Samples, y: Samples, ts: float, units: Units = ("V", "um")) -> None:
+        self._core = _piezoid.Record(u, y, ts, units)
+
+    @classmethod
+    def _of(cls, core: _piezoid.Record) -> Record:
+        record = cls.__new__(cls)
+        record._core = core
+        return record
+
+    @property
+    def ts(self) -> float:
+        """Sampling period [s]."""
+        return self._core.ts
+
+    @property
+    def u(self) -> Array:
+        """Input, of shape (n,); read-only."""
+        return self._core.u
+
+    @property
+    def y(self) -> Array:
+        """Output, of shape (n,); read-only."""
+        return self._core.y
+
+    @property
+    def t(self) -> Array:
+        """Times [s], of shape (n,), from 0."""
+        times: Array = self.ts * np.arange(len(self))
+        return times
+
+    @property
+    def units(self) -> Units:
+        """Units of input and output."""
+        return self._core.units
+
+    @property
+    def duration(self) -> float:
+        """Length [s]."""
+        return self._core.duration
+
+    def part(self, start: float = 0.0, stop: float = float("inf")) -> Record:
+        """What lies from `start` up to `stop` [s], counted from the first sample."""
+        return Record._of(self._core.part(start, stop))
+
+    def output_in(self, unit: str) -> Record:
+        """The same with its output in another unit of length."""
+        return Record._of(self._core.output_in(unit))
+
+    def to_frame(self) -> pd.DataFrame:
+        """A DataFrame with the columns `u_V` and `y_um` (or its own units), and the times as its index `t_s`."""
+        import pandas as pd
+
+        columns = {f"u_{self.units[0]}": self.u, f"y_{self.units[1]}": self.y}
+        return pd.DataFrame(columns, index=pd.Index(self.t, name="t_s"))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a CSV file that `read` and the command line take."""
+        _files.write(path, self._core.to_csv())
+
+    def __len__(self) -> int:
+        return len(self._core)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Record) and self._core == other._core
+
+    def __hash__(self) -> int:
+        return hash((self.ts, self.units, self.u.tobytes(), self.y.tobytes()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Record, (self.u, self.y, self.ts, self.units)
+
+    def __repr__(self) -> str:
+        (low, high), (bottom, top), (u, y) = _ends(self.u), _ends(self.y), self.units
+        return (
+            f"<Record of {len(self)} samples every {self.ts:g} s: "
+            f"{low:.4g} to {high:.4g} {u}, {bottom:.4g} to {top:.4g} {y}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return _html.record(self)
+
+
+def _ends(samples: Array) -> tuple[float, float]:
+    return float(samples.min()), float(samples.max())
+
+
+def read(
+    source: str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame,
+    *,
+    ts: float | None = None,
+    input_col: str | None = None,
+    output_col: str | None = None,
+    time_col: str | None = None,
+    start: float = 0.0,
+    stop: float = float("inf"),
+) -> Record:
+    """A record from a file (.csv, .txt, .npz, .mat), a DataFrame, or a mapping of arrays, as `scipy.io.loadmat` gives it.
+
+    Columns are found by name: time `t_s` (or `ts`, the sampling period [s]), input `u_V` or the only `u_*`, output the
+    only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` name others. Only what lies from
+    `start` up to `stop` [s] is taken. Nothing is guessed: what could mean two things is refused with the names there are.
+
+    >>> import numpy as np, piezoid as pz
+    >>> pz.read({"t_s": np.arange(3) * 1e-3, "u_V": [0, 1, 2], "y_nm": [0, 9, 20]}).units
+    ('V', 'nm')
+    """
+    columns, about = _columns(source)
+    try:
+        return Record._of(columns.record(ts, (input_col, output_col, time_col), (start, stop)))
+    except PiezoidError as error:
+        raise PiezoidError(f"{about}{error}") from None
+
+
+def read_reference(
+    source: str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame,
+    *,
+    unit: str = "um",
+    ts: float | None = None,
+    output_col: str | None = None,
+    time_col: str | None = None,
+) -> Array:
+    """A wanted displacement in `unit`, of shape (n,): the column `r_*`, or else `y_*`, of whatever `read` takes."""
+    columns, about = _columns(source)
+    try:
+        return columns.reference(ts, (None, output_col, time_col), unit)[1]
+    except PiezoidError as error:
+        raise PiezoidError(f"{about}{error}") from None
+
+
+def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
+    """The columns of a source, and its name for errors."""
+    if isinstance(source, (str, os.PathLike)):
+        path = Path(source)
+        about = f"{path}: "
+        try:
+            if path.suffix == ".npz":
+                with np.load(path, allow_pickle=False) as arrays:
+                    return _arrays({name: arrays[name] for name in arrays.files}), about
+            if path.suffix == ".mat":
+                return _arrays(_mat(path)), about
+            return _piezoid.Columns.from_csv(_files.read(path)), about
+        except FileNotFoundError:
+            raise PiezoidError(f"{about}there is no such file: check its name and folder") from None
+        except PiezoidError as error:
+            raise error if str(error).startswith(str(path)) else PiezoidError(f"{about}{error}") from None
+        except (OSError, ValueError) as error:
+            raise PiezoidError(f"{about}cannot be read: {error}") from error
+    if hasattr(source, "reset_index") and hasattr(source, "columns"):
+        frame = source.reset_index() if source.index.name is not None else source
+        return _arrays({str(name): frame[name].to_numpy() for name in frame.columns}), ""
+    if isinstance(source, Mapping):
+        return _arrays({str(name): values for name, values in source.items()}), ""
+    raise PiezoidError(f"a {type(source).__name__} is no record: give a file, a DataFrame, or a mapping of arrays")
+
+
+def _arrays(columns: dict[str, Any]) -> _piezoid.Columns:
+    """The vectors among named arrays: those of the length that most have."""
+    vectors: dict[str, Any] = {}
+    for name, values in columns.items():
+        array = np.asarray(values)
+        if array.size > 1 and array.size == max(array.shape) and array.dtype.kind in "fiub":
+            # MATLAB's vectors are matrices of one row or column.
+            vectors[name] = array.ravel()
+    lengths = [len(v) for v in vectors.values()]
+    usual = max(set(lengths), key=lengths.count, default=0)
+    return _piezoid.Columns.from_arrays([(name, v) for name, v in vectors.items() if len(v) == usual])
+
+
+def _mat(path: Path) -> dict[str, Any]:
+    """The variables of a MATLAB file of any version; those of a structure by their names within it."""
+    with open(path, "rb") as file:
+        is_hdf5 = b"MATLAB 7.3" in file.read(128)
+    try:
+        if is_hdf5:
+            import h5py
+
+            found: dict[str, Any] = {}
+
+            def visit(name: str, item: Any) -> None:
+                if isinstance(item, h5py.Dataset) and not name.startswith("#"):
+                    found[name.rsplit("/", 1)[-1]] = item[()]
+
+            with h5py.File(path, "r") as hdf5:
+                hdf5.visititems(visit)
+            return found
+        from scipy.io import loadmat
+    except ImportError as error:
+        raise PiezoidError(f"{path}: MATLAB files need {error.name}: pip install piezoid[mat]") from None
+    variables = loadmat(path, simplify_cells=True)
+    found = {name: v for name, v in variables.items() if not name.startswith("__")}
+    for v in [v for v in found.values() if isinstance(v, dict)]:
+        found.update(v)
+    return found

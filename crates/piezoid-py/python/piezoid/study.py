@@ -1,0 +1,58 @@
+"""The paper, end to end, as tables, figures and a page."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from . import _files, _piezoid
+from ._progress import told
+from ._types import Progress
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What the study of a plant came to."""
+
+    figures: dict[str, Any] = field(repr=False)
+    """All numbers, as the command line writes them."""
+    svg: dict[str, str] = field(repr=False)
+    """The figures by name."""
+    html: str = field(repr=False)
+    """The page."""
+    verdict: str
+    """What it shows, in words."""
+
+    @property
+    def table1(self) -> pd.DataFrame:
+        """The error of each method at each frequency."""
+        import pandas as pd
+
+        return pd.DataFrame(self.figures["table1"])
+
+    @property
+    def table2(self) -> pd.DataFrame:
+        """The linear block by each estimator."""
+        import pandas as pd
+
+        return pd.DataFrame(self.figures["table2"])
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes report.html and the figures."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        _files.write(place / "report.html", self.html)
+        for name, drawn in self.svg.items():
+            _files.write(place / f"{name}.svg", drawn)
+
+
+def study(plant: Literal["paper", "pl140"] = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
+    """The paper's experiment on a twin: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines."""
+    with told(progress) as watch:
+        figures, svg, html, verdict = _piezoid.study(plant, seed, watch)
+    return Study(figures, dict(svg), html, verdict)

@@ -1,0 +1,128 @@
+//! Back from a displacement to a voltage.
+
+use crate::error::raised;
+use crate::json::object;
+use crate::model::Model;
+use crate::samples::{array, samples, slice};
+use numpy::PyArray1;
+use piezoid::System;
+use piezoid::compensation::{Causal, Compensated, How, shaping};
+use piezoid::excitation::{Driver, Limits};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::json;
+use std::sync::Mutex;
+
+/// A setting, if it is given.
+fn given<'py, T: FromPyObjectOwned<'py>>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>> {
+    match settings.get_item(name)? {
+        None => Ok(None),
+        Some(value) if value.is_none() => Ok(None),
+        Some(value) => value.extract().map(Some).map_err(Into::into),
+    }
+}
+
+/// The limits of a driver, where one is named, and those that are named beside it.
+pub(crate) fn limits(settings: &Bound<'_, PyDict>) -> PyResult<Limits> {
+    let capacitance = given(settings, "capacitance")?;
+    let mut limits = match given::<String>(settings, "driver")? {
+        Some(name) => Driver::find(&name).and_then(|driver| driver.loaded(capacitance)).map_err(raised)?,
+        None => Limits { capacitance, ..Limits::default() },
+    };
+    limits.low = given(settings, "low")?.or(limits.low);
+    limits.high = given(settings, "high")?.or(limits.high);
+    limits.slew = given(settings, "slew")?.or(limits.slew);
+    limits.current = given(settings, "current")?.or(limits.current);
+    Ok(limits)
+}
+
+/// What compensation may use.
+pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<How> {
+    let (clip, sweeps) = (given(settings, "clip")?.unwrap_or(false), given(settings, "sweeps")?.unwrap_or(0));
+    Ok(How { limits: limits(settings)?, clip, sweeps, ..How::default() })
+}
+
+/// The voltage for a reference, what the model makes of it, and the rest as a document.
+pub(crate) fn compensated(
+    py: Python<'_>,
+    model: &piezoid::Model,
+    reference: &Bound<'_, PyAny>,
+    settings: &Bound<'_, PyDict>,
+) -> PyResult<(Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>)> {
+    let (read, how) = (samples("reference", reference)?, how(settings)?);
+    let shape = shaping::Shape {
+        smooth: given(settings, "smooth")?,
+        zvd: given(settings, "zvd")?.unwrap_or(false),
+        notch: given(settings, "notch")?.unwrap_or(false),
+    };
+    let r = slice(&read)?;
+    let made = py.detach(|| {
+        piezoid::compensation::FeedForward::new(model, how)?.whole(&shape.of(model, r.to_vec())?)
+    });
+    let Compensated { u, reached, usage, clipped, notes } = made.map_err(raised)?;
+    let document = object(py, &json!({"usage": usage, "clipped": clipped, "notes": notes}))?;
+    Ok((array(py, u).unbind(), array(py, reached).unbind(), document))
+}
+
+/// The inverse of a model, sample by sample; it remembers where it stands.
+#[pyclass(frozen, module = "piezoid")]
+#[derive(Debug)]
+pub(crate) struct FeedForward {
+    causal: Causal,
+    state: Mutex<Vec<f64>>,
+}
+
+impl FeedForward {
+    pub(crate) fn new(model: &piezoid::Model, how: How, late: usize) -> PyResult<Self> {
+        let causal = Causal::new(model, how, late).map_err(raised)?;
+        let state = Mutex::new(causal.initial());
+        Ok(FeedForward { causal, state })
+    }
+
+    /// The state; what a thread that failed left of it is a state too.
+    fn state(&self) -> std::sync::MutexGuard<'_, Vec<f64>> {
+        self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl FeedForward {
+    /// Samples by which the displacement follows the reference.
+    #[getter]
+    fn late(&self) -> usize {
+        self.causal.late()
+    }
+
+    #[getter]
+    fn ts(&self) -> f64 {
+        self.causal.ts()
+    }
+
+    /// The voltage for this sample of the reference.
+    fn step(&self, r: f64) -> f64 {
+        self.causal.step(&mut self.state(), r)
+    }
+
+    /// The voltages for a stretch of the reference, from where it stands.
+    fn resume(&self, py: Python<'_>, reference: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let read = samples("reference", reference)?;
+        let r = slice(&read)?;
+        let u = py.detach(|| self.causal.resume(&mut self.state(), r));
+        Ok(array(py, u).unbind())
+    }
+
+    /// Begins anew: at rest, or where `reference` has stood for long.
+    #[pyo3(signature = (reference=None))]
+    fn reset(&self, reference: Option<f64>) {
+        *self.state() = reference.map_or_else(|| self.causal.initial(), |r| self.causal.settled(r));
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<FeedForward, {} samples late, one every {} s>", self.causal.late(), self.causal.ts())
+    }
+}
+
+/// A model as what it is made from in other files.
+pub(crate) fn inner(model: &Bound<'_, Model>) -> piezoid::Model {
+    model.get().model.clone()
+}

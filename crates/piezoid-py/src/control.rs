@@ -1,0 +1,97 @@
+//! Schemes of control, side by side on a twin.
+
+use crate::compensation::{how, inner};
+use crate::error::{raised, refused};
+use crate::json::object;
+use crate::model::Model;
+use crate::plant::Plant;
+use crate::samples::{array, samples, slice};
+use crate::watch::watched;
+use piezoid::System;
+use piezoid::control::{Drive, Scheme, Target, Tolerance, Wanted, compare, reference};
+use piezoid::report;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+/// How schemes are tuned: lateness of readings, gain margin [dB], phase margin [degrees].
+pub(crate) type Tuning = (usize, Option<f64>, Option<f64>);
+
+pub(crate) fn target(tuning: &Tuning) -> Target {
+    let usual = Target::default();
+    Target { gain_db: tuning.1.unwrap_or(usual.gain_db), phase_deg: tuning.2.unwrap_or(usual.phase_deg), ..usual }
+}
+
+/// `n` samples of the reference called `name`.
+#[pyfunction]
+pub(crate) fn follow(
+    py: Python<'_>,
+    name: &str,
+    ts: f64,
+    n: usize,
+    peak: f64,
+    hz: f64,
+) -> PyResult<Py<numpy::PyArray1<f64>>> {
+    let kind = reference(name).map_err(raised)?;
+    (kind.samples)(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
+}
+
+/// Each scheme along each reference on a plant: a document of figures, the runs, and a page.
+#[pyfunction]
+#[pyo3(signature = (plant, model, schemes, references, settings, tuning, preview, seed, tolerance, progress))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn control(
+    py: Python<'_>,
+    plant: (String, Py<Plant>),
+    model: &Bound<'_, Model>,
+    schemes: Vec<String>,
+    references: Vec<(String, Bound<'_, PyAny>)>,
+    settings: &Bound<'_, PyDict>,
+    tuning: Tuning,
+    preview: Option<usize>,
+    seed: u64,
+    tolerance: Option<(f64, usize)>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Py<PyAny>, Py<PyAny>, String)> {
+    let (model, how, target) = (inner(model), how(settings)?, target(&tuning));
+    let schemes = schemes.iter().map(|name| Scheme::named(name)).collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let mut wanted = Vec::with_capacity(references.len());
+    for (name, r) in &references {
+        let r = samples(name, r)?;
+        let r = slice(&r)?;
+        if r.is_empty() {
+            return Err(refused(&format!("{name} has no samples: give it some")));
+        }
+        wanted.push(Wanted::new(name.clone(), model.ts(), r.to_vec()));
+    }
+    let share = tolerance.map(|(share, draws)| Tolerance { share, draws, seed });
+    let (name, spec) = (plant.0, plant.1.get().spec.clone());
+    let compared = watched(py, progress, |progress| {
+        let drive = |scheme: Scheme| {
+            let mut drive = Drive::new(scheme, &model, how, tuning.0, &target)?;
+            drive.ahead = preview.unwrap_or(usize::MAX);
+            wanted.iter().try_for_each(|w| drive.check(&w.r))?;
+            Ok(drive)
+        };
+        let drives = schemes.into_iter().map(drive).collect::<Result<Vec<_>, piezoid::Error>>()?;
+        compare((&name, &spec), drives, wanted.clone(), seed, share.as_ref(), progress)
+    })?;
+    let runs = PyList::empty(py);
+    for driven in &compared.driven {
+        for (wanted, attempt) in compared.wanted.iter().zip(&driven.attempts) {
+            let run = PyDict::new(py);
+            run.set_item("controller", driven.name())?;
+            run.set_item("reference", &wanted.name)?;
+            match attempt {
+                Err(error) => run.set_item("error", error.to_string())?,
+                Ok(attempt) => {
+                    run.set_item("u", array(py, attempt.run.u.clone()))?;
+                    run.set_item("y", array(py, attempt.run.y.clone()))?;
+                    run.set_item("r", array(py, attempt.run.r.clone()))?;
+                    run.set_item("notes", attempt.fed.notes.clone())?;
+                }
+            }
+            runs.append(run)?;
+        }
+    }
+    Ok((object(py, &compared.to_json())?, runs.into_any().unbind(), report::tracking(&compared).html()))
+}

@@ -1,0 +1,56 @@
+//! Models for other machines.
+
+use crate::compensation::{how, inner};
+use crate::control::{Tuning, target};
+use crate::error::{raised, refused};
+use crate::model::Model;
+use crate::samples::{samples, slice};
+use piezoid::control::{Drive, Scheme, controller};
+use piezoid::export::{Playback, Wanted, target as chosen};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+/// What a target makes: files by their paths, and notes.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn export(
+    py: Python<'_>,
+    model: &Bound<'_, Model>,
+    target_name: &str,
+    name: &str,
+    options: (bool, usize, Option<String>),
+    tuning: Tuning,
+    settings: &Bound<'_, PyDict>,
+    reference: Option<Bound<'_, PyAny>>,
+    playback: (Option<f64>, Option<(f64, f64)>),
+) -> PyResult<(Vec<(String, Py<PyBytes>)>, Vec<String>)> {
+    let (model, how, (single, preview, law)) = (inner(model), how(settings)?, options);
+    let chosen = chosen(target_name).map_err(raised)?;
+    let given =
+        [("float", single), ("preview", preview > 0), ("controller", law.is_some()), ("reference", reference.is_some())];
+    if let Some((option, _)) = given.iter().find(|(option, given)| *given && !chosen.heeds.contains(option)) {
+        return Err(refused(&format!("--{option} is not for the target {target_name}")));
+    }
+    let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
+    let reference = read.as_ref().map(|r| slice(r)).transpose()?;
+    let usual = Playback::default();
+    let playback = Playback { servo_cycle: playback.0.unwrap_or(usual.servo_cycle), range: playback.1 };
+    let target = target(&tuning);
+    let made = py
+        .detach(|| {
+            let drive = match &law {
+                None => None,
+                Some(name) => {
+                    let scheme = Scheme { law: Some(controller(name)?), ..Scheme::named("gain")? };
+                    Some(Drive::new(scheme, &model, how, tuning.0, &target)?)
+                }
+            };
+            let controller = drive.as_ref().map(Drive::controller);
+            let wanted =
+                Wanted { single, how, preview, controller, reference, playback, ..Wanted::new(&model, name) };
+            (chosen.make)(&wanted)
+        })
+        .map_err(raised)?;
+    let files = made.files.into_iter().map(|file| (file.path, PyBytes::new(py, &file.bytes).unbind()));
+    Ok((files.collect(), made.notes))
+}

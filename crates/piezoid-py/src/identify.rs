@@ -1,0 +1,125 @@
+//! From records to a model.
+
+use crate::compensation::limits;
+use crate::error::{raised, refused};
+use crate::json::object;
+use crate::model::Model;
+use crate::record::Record;
+use crate::watch::watched;
+use piezoid::driver::Driver;
+use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
+use piezoid::hysteresis::{Reading, Split};
+use piezoid::optimize::swarm;
+use piezoid::validation::small_signal;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{Value, json};
+
+/// What both ways to identify ask for; a way takes what it knows.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Asked {
+    operator: String,
+    order: Option<usize>,
+    elements: Option<usize>,
+    creep: bool,
+    driver_lag: Option<f64>,
+    seed: u64,
+    estimator: Option<String>,
+    split: Option<String>,
+    bins: Option<usize>,
+    reading: Option<String>,
+    particles: Option<usize>,
+    iterations: Option<usize>,
+}
+
+/// A method with its settings.
+enum Way {
+    Joint(Joint),
+    Paper(Paper),
+}
+
+/// The model, which has on it how it was made: `provenance`, and what was found on the way.
+#[pyfunction]
+pub(crate) fn identify(
+    py: Python<'_>,
+    records: (Vec<Py<Record>>, Vec<Py<Record>>),
+    method: &str,
+    settings: &Bound<'_, PyDict>,
+    provenance: &str,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Model, Py<PyAny>)> {
+    let way = way(method, settings)?;
+    let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
+    let (small, rich) = (own(&records.0), own(&records.1));
+    let found: Identified = watched(py, progress, |progress| match &way {
+        Way::Joint(how) => identify_joint(&small, &rich, how, progress),
+        Way::Paper(how) => identify_paper(&small, &rich, how, progress),
+    })?;
+    let mut made: Value = serde_json::from_str(provenance).map_err(|e| refused(&e.to_string()))?;
+    for (name, known) in [
+        ("trials", json!(found.trials)),
+        ("parameters", json!(found.parameters)),
+        ("notes", json!(found.notes)),
+    ] {
+        if known != json!([]) {
+            made[name] = known;
+        }
+    }
+    let linearity: Vec<_> = small.iter().map(|record| small_signal(record).ok()).collect();
+    let loops: Vec<Value> = found
+        .loops
+        .iter()
+        .map(|l| json!({"frequency_hz": l.frequency_hz, "u": l.u, "z": l.z}))
+        .collect();
+    let beside = object(py, &json!({"loops": loops, "linearity": linearity, "reason": found.linear.reason}))?;
+    Ok((found.model.with_provenance(made).into(), beside))
+}
+
+/// The driver as a block, where anything is known of it.
+fn driver(settings: &Bound<'_, PyDict>, lag: Option<f64>) -> PyResult<Option<Driver>> {
+    let fastest = Some(limits(settings)?.fastest()).filter(|slew| slew.is_finite());
+    if fastest.is_none() && lag.is_none() {
+        return Ok(None);
+    }
+    Driver::new(lag.unwrap_or(0.0), fastest).map(Some).map_err(raised)
+}
+
+fn way(method: &str, settings: &Bound<'_, PyDict>) -> PyResult<Way> {
+    let asked: Asked = settings.extract()?;
+    match method {
+        "joint" => {
+            let Asked { operator, order, elements, creep, seed, driver_lag, .. } = asked;
+            let driver = driver(settings, driver_lag)?;
+            Ok(Way::Joint(Joint { operator, order, elements, creep, driver, seed }))
+        }
+        "paper" => {
+            let usual = Paper::default();
+            Ok(Way::Paper(Paper {
+                order: asked.order.unwrap_or(usual.order),
+                estimator: asked.estimator.unwrap_or(usual.estimator),
+                operator: asked.operator,
+                split: named("split", asked.split, &[("line", Split::Line), ("direction", Split::Direction)])?
+                    .unwrap_or(usual.split),
+                bins: asked.bins.unwrap_or(usual.bins),
+                reading: named("reading", asked.reading, &[("held", Reading::Held), ("printed", Reading::Printed)])?
+                    .unwrap_or(usual.reading),
+                swarm: swarm::Settings {
+                    particles: asked.particles.unwrap_or(usual.swarm.particles),
+                    iterations: asked.iterations.unwrap_or(usual.swarm.iterations),
+                    seed: asked.seed,
+                    ..usual.swarm
+                },
+            }))
+        }
+        other => Err(refused(&format!("method = {other}: must be joint or paper"))),
+    }
+}
+
+/// One of a few by its name.
+fn named<T: Clone>(what: &str, name: Option<String>, known: &[(&str, T)]) -> PyResult<Option<T>> {
+    let Some(name) = name else { return Ok(None) };
+    let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+    let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| value.clone());
+    found.map(Some).ok_or_else(|| refused(&format!("{what} = {name}: must be {}", names.join(" or "))))
+}

@@ -1,0 +1,117 @@
+//! The linear block alone: difference equations, their fits, and the swarm.
+
+use crate::error::raised;
+use crate::json::object;
+use crate::model::finite;
+use crate::record::Record;
+use crate::samples::{array, samples, slice};
+use crate::watch::watched;
+use numpy::PyArray1;
+use piezoid::System;
+use piezoid::linear::{self, Orders, estimator};
+use piezoid::optimize::swarm;
+use pyo3::prelude::*;
+use serde_json::json;
+
+/// y = a1 y1 + a2 y2 + ... + b0 u + b1 u1 + ...
+#[pyclass(frozen, module = "piezoid")]
+#[derive(Debug)]
+pub(crate) struct Arx {
+    arx: linear::Arx,
+}
+
+#[pymethods]
+impl Arx {
+    #[new]
+    fn new(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, ts: f64) -> PyResult<Self> {
+        let (a, b) = (samples("a", a)?, samples("b", b)?);
+        linear::Arx::new(ts, slice(&a)?.to_vec(), slice(&b)?.to_vec()).map(|arx| Arx { arx }).map_err(raised)
+    }
+
+    #[getter]
+    fn ts(&self) -> f64 {
+        self.arx.ts()
+    }
+
+    #[getter]
+    fn a(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.arx.a().to_vec()).unbind()
+    }
+
+    #[getter]
+    fn b(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.arx.b().to_vec()).unbind()
+    }
+
+    #[getter]
+    fn dc_gain(&self) -> f64 {
+        self.arx.dc_gain()
+    }
+
+    #[getter]
+    fn is_stable(&self) -> bool {
+        self.arx.is_stable()
+    }
+
+    /// Poles: of each its frequency [Hz], its damping, and where it lies in the z plane.
+    #[getter]
+    fn poles(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        object(py, &json!(self.arx.poles()))
+    }
+
+    #[getter]
+    fn zeros(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        object(py, &json!(self.arx.zeros()))
+    }
+
+    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let given = samples("u", u)?;
+        let u = finite("u", slice(&given)?)?;
+        let y = py.detach(|| self.arx.simulate(u));
+        Ok(array(py, y).unbind())
+    }
+
+    fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let given = (samples("u", u)?, samples("y", y)?);
+        let (u, y) = (slice(&given.0)?, slice(&given.1)?);
+        if u.len() != y.len() {
+            let (left, right) = ("u".into(), "y".into());
+            return Err(raised(piezoid::Error::Lengths { left, left_len: u.len(), right, right_len: y.len() }));
+        }
+        let predicted = py.detach(|| self.arx.predict(u, y));
+        Ok(array(py, predicted).unbind())
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.arx == other.arx
+    }
+}
+
+/// A block of `orders` (na, nb, delay) fitted to records, and what its fit leaves.
+#[pyfunction]
+pub(crate) fn fit(
+    py: Python<'_>,
+    records: Vec<Py<Record>>,
+    orders: (usize, usize, usize),
+    by: &str,
+    swarm: (Option<usize>, Option<usize>, u64),
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Arx, Py<PyAny>)> {
+    let records: Vec<_> = records.iter().map(|r| r.get().record.clone()).collect();
+    let (na, nb, delay) = orders;
+    let usual = swarm::Settings::default();
+    let settings = swarm::Settings {
+        particles: swarm.0.unwrap_or(usual.particles),
+        iterations: swarm.1.unwrap_or(usual.iterations),
+        seed: swarm.2,
+        ..usual
+    };
+    let estimator = estimator(by).map_err(raised)?;
+    let found = watched(py, progress, |progress| {
+        linear::fit(&records, Orders { na, nb, delay }, estimator, &settings, progress)
+    })?;
+    let beside = json!({
+        "estimator": found.estimator, "offsets": found.offsets, "residuals": found.residuals, "history": found.history,
+    });
+    Ok((Arx { arx: found.arx }, object(py, &beside)?))
+}

@@ -1,0 +1,57 @@
+//! What there is, by name; and excitations, which are nothing but settings.
+
+use crate::error::raised;
+use crate::json::object;
+use crate::samples::array;
+use numpy::PyArray1;
+use piezoid::control::{CONTROLLERS, FEEDS, REFERENCES};
+use piezoid::excitation::{DRIVERS, EXCITATIONS, find};
+use piezoid::export::TARGETS;
+use piezoid::hysteresis::OPERATORS;
+use piezoid::linear::ESTIMATORS;
+use piezoid::plant::PLANTS;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+
+/// All lists: of each row its name, summary and reference, of an excitation its parameters too.
+#[pyfunction]
+pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
+    let row = |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
+    let excitation = |e: &piezoid::excitation::Excitation| {
+        let parameter = |p: &piezoid::excitation::Parameter| {
+            json!({"name": p.name.replace('-', "_"), "unit": p.unit, "default": p.default, "help": p.help})
+        };
+        let parameters: Vec<Value> = e.parameters.iter().map(parameter).collect();
+        json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": parameters})
+    };
+    let feeds = FEEDS.iter().map(|f| row(f.name, f.summary, f.reference));
+    let controllers: Vec<Value> =
+        feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect();
+    let all = json!({
+        "operators": OPERATORS.iter().map(|o| row(o.name, o.summary, o.reference)).collect::<Vec<_>>(),
+        "excitations": EXCITATIONS.iter().map(excitation).collect::<Vec<_>>(),
+        "plants": PLANTS.iter().map(|p| row(p.name, p.summary, p.reference)).collect::<Vec<_>>(),
+        "drivers": DRIVERS.iter().map(|d| row(d.name, d.summary, d.reference)).collect::<Vec<_>>(),
+        "controllers": controllers,
+        "targets": TARGETS.iter().map(|t| row(t.name, t.summary, t.reference)).collect::<Vec<_>>(),
+        "estimators": ESTIMATORS.iter().map(|e| row(e.name, e.summary, e.reference)).collect::<Vec<_>>(),
+        "references": REFERENCES.iter().map(|r| row(r.name, r.summary, "")).collect::<Vec<_>>(),
+    });
+    object(py, &all)
+}
+
+/// The voltages of an excitation.
+#[pyfunction]
+pub(crate) fn excite(
+    py: Python<'_>,
+    name: &str,
+    ts: f64,
+    duration: f64,
+    values: Vec<(String, f64)>,
+) -> PyResult<Py<PyArray1<f64>>> {
+    let values: Vec<(String, f64)> = values.into_iter().map(|(name, v)| (name.replace('_', "-"), v)).collect();
+    let values: Vec<(&str, f64)> = values.iter().map(|(name, v)| (name.as_str(), *v)).collect();
+    let excitation = find(name).map_err(raised)?;
+    let u = py.detach(|| excitation.samples(ts, duration, &values)).map_err(raised)?;
+    Ok(array(py, u).unbind())
+}

@@ -1,0 +1,172 @@
+//! Models: from a voltage to a displacement, and back.
+
+use crate::compensation::{FeedForward, compensated, how};
+use crate::error::{raised, refused};
+use crate::json::object;
+use crate::record::Record;
+use crate::samples::{array, samples, slice};
+use numpy::{Complex64, PyArray1};
+use piezoid::validation::{Settings, validate};
+use piezoid::System;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{Value, json};
+
+/// A Hammerstein model: hysteresis, creep, then linear dynamics.
+#[pyclass(frozen, module = "piezoid", weakref)]
+#[derive(Debug)]
+pub(crate) struct Model {
+    pub(crate) model: piezoid::Model,
+}
+
+impl From<piezoid::Model> for Model {
+    fn from(model: piezoid::Model) -> Self {
+        Model { model }
+    }
+}
+
+#[pymethods]
+impl Model {
+    #[staticmethod]
+    fn from_json(text: &str) -> PyResult<Self> {
+        piezoid::Model::from_json(text).map(Self::from).map_err(raised)
+    }
+
+    fn to_json(&self) -> String {
+        self.model.to_json()
+    }
+
+    #[getter]
+    fn ts(&self) -> f64 {
+        self.model.ts()
+    }
+
+    #[getter]
+    fn units(&self) -> (&str, &str) {
+        let units = self.model.units();
+        (&units.u, &units.y)
+    }
+
+    #[getter]
+    fn operator(&self) -> &'static str {
+        self.model.hysteresis().operator().name
+    }
+
+    #[getter]
+    fn offset(&self) -> f64 {
+        self.model.offset()
+    }
+
+    #[getter]
+    fn a(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.model.linear().a().to_vec()).unbind()
+    }
+
+    #[getter]
+    fn b(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.model.linear().b().to_vec()).unbind()
+    }
+
+    #[getter]
+    fn dc_gain(&self) -> f64 {
+        self.model.linear().dc_gain()
+    }
+
+    /// Frequency [Hz] and damping of the resonance.
+    #[getter]
+    fn resonance(&self) -> Option<(f64, f64)> {
+        self.model.linear().resonance().map(|mode| (mode.hz, mode.damping))
+    }
+
+    /// The lowest and the highest input it knows.
+    #[getter]
+    fn input_range(&self) -> Option<(f64, f64)> {
+        self.model.known_inputs()
+    }
+
+    /// G of the linear block at these frequencies [Hz].
+    fn response<'py>(&self, py: Python<'py>, hz: &Bound<'py, PyAny>) -> PyResult<Py<PyArray1<Complex64>>> {
+        let hz = samples("hz", hz)?;
+        let at = |hz: &f64| {
+            let found = self.model.linear().response(*hz);
+            Complex64::from_polar(found.gain, found.phase)
+        };
+        Ok(PyArray1::from_vec(py, slice(&hz)?.iter().map(at).collect()).unbind())
+    }
+
+    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let given = samples("u", u)?;
+        let u = finite("u", slice(&given)?)?;
+        let y = py.detach(|| self.model.simulate(u));
+        Ok(array(py, y).unbind())
+    }
+
+    /// One step ahead, from measured outputs.
+    fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let given = (samples("u", u)?, samples("y", y)?);
+        let (u, y) = (finite("u", slice(&given.0)?)?, finite("y", slice(&given.1)?)?);
+        let predicted = py.detach(|| self.model.predict(u, y)).map_err(raised)?;
+        Ok(array(py, predicted).unbind())
+    }
+
+    /// What the hysteresis, with its creep, makes of the input.
+    fn hidden(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let given = samples("u", u)?;
+        let u = finite("u", slice(&given)?)?;
+        let z = py.detach(|| self.model.crept(u));
+        Ok(array(py, z).unbind())
+    }
+
+    /// The figures of a free run as a document, and the run.
+    fn _validate(
+        &self,
+        py: Python<'_>,
+        record: &Record,
+        skip: f64,
+        free_offset: bool,
+    ) -> PyResult<(Py<PyAny>, Py<PyArray1<f64>>)> {
+        let settings = Settings { skip, free_offset };
+        let v = py.detach(|| validate(&self.model, &record.record, settings)).map_err(raised)?;
+        let figures = json!({
+            "unit": record.record.units().y, "start": v.start, "beginning": v.beginning, "taken_off": v.taken_off,
+            "metrics": v.metrics, "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
+            "whiteness": v.whiteness, "floor": v.floor, "remarks": v.remarks, "unproven": v.unproven,
+        });
+        Ok((object(py, &figures)?, array(py, v.simulated).unbind()))
+    }
+
+    fn _inverse(&self, late: usize, settings: &Bound<'_, PyDict>) -> PyResult<FeedForward> {
+        FeedForward::new(&self.model, how(settings)?, late)
+    }
+
+    fn _compensation(
+        &self,
+        py: Python<'_>,
+        reference: &Bound<'_, PyAny>,
+        settings: &Bound<'_, PyDict>,
+    ) -> PyResult<(Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>)> {
+        compensated(py, &self.model, reference, settings)
+    }
+
+    /// The document that its file holds.
+    fn to_dict(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let document: Value = serde_json::from_str(&self.model.to_json())
+            .map_err(|e| refused(&format!("the model gives no document: {e}")))?;
+        object(py, &document)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.model.to_json() == other.model.to_json()
+    }
+}
+
+/// Refuses samples that a model would carry on for ever.
+pub(crate) fn finite<'a>(what: &str, samples: &'a [f64]) -> PyResult<&'a [f64]> {
+    // A sum is no number where a sample is none; only then is it worth looking which.
+    if samples.iter().map(|v| v * 0.0).sum::<f64>() == 0.0 {
+        return Ok(samples);
+    }
+    let error = |(index, value): (usize, &f64)| piezoid::Error::NotFinite { what: what.into(), index, value: *value };
+    let found = samples.iter().enumerate().find(|(_, v)| !v.is_finite()).map(error);
+    found.map_or(Ok(samples), |error| Err(raised(error)))
+}

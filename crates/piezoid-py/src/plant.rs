@@ -1,0 +1,67 @@
+//! Twins: simulated actuators to measure on.
+
+use crate::error::{raised, refused};
+use crate::model::finite;
+use crate::samples::{array, samples, slice};
+use numpy::PyArray1;
+use piezoid::System;
+use piezoid::plant::{self, Spec};
+use pyo3::prelude::*;
+
+/// A simulated bender with its driver and sensor.
+#[pyclass(frozen, module = "piezoid")]
+#[derive(Debug)]
+pub(crate) struct Plant {
+    pub(crate) spec: Spec,
+}
+
+#[pymethods]
+impl Plant {
+    /// The one called `name`.
+    #[staticmethod]
+    fn named(name: &str) -> PyResult<Self> {
+        plant::find(name).map(|preset| Plant { spec: (preset.spec)() }).map_err(raised)
+    }
+
+    #[staticmethod]
+    fn from_json(text: &str) -> PyResult<Self> {
+        Spec::from_json(text).map(|spec| Plant { spec }).map_err(raised)
+    }
+
+    fn to_json(&self) -> PyResult<String> {
+        self.spec.to_json().map_err(raised)
+    }
+
+    /// One whose values differ from these by up to `tolerance` of each, as catalogue values do.
+    fn drawn(&self, tolerance: f64, seed: u64, index: u64) -> PyResult<Self> {
+        piezoid::control::drawn(&self.spec, tolerance, seed, index).map(|spec| Plant { spec }).map_err(raised)
+    }
+
+    /// The readings [um], and in words which limits were reached.
+    fn _measured(
+        &self,
+        py: Python<'_>,
+        u: &Bound<'_, PyAny>,
+        ts: f64,
+        seed: u64,
+        begin: &str,
+    ) -> PyResult<(Py<PyArray1<f64>>, Option<String>)> {
+        let given = samples("u", u)?;
+        let u = finite("u", slice(&given)?)?;
+        let plant = plant::Plant::new(&self.spec, ts).map_err(raised)?.with_seed(seed);
+        if !["rest", "settled"].contains(&begin) {
+            return Err(refused(&format!("begin = {begin}: must be rest or settled")));
+        }
+        let (y, saturation) = py.detach(|| {
+            let first = u.first().copied().unwrap_or_default();
+            let mut x = if begin == "rest" { plant.initial() } else { plant.settled(first) };
+            let y: Vec<f64> = plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect();
+            (y, plant.saturation(&x))
+        });
+        Ok((array(py, y).unbind(), saturation.any().then(|| saturation.to_string())))
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.spec == other.spec
+    }
+}

@@ -1,0 +1,149 @@
+//! Records: input and output sampled together.
+
+use crate::error::{raised, refused};
+use crate::samples::{frozen, samples, slice};
+use numpy::PyArray1;
+use piezoid::formats::{Selection, Signal, Table, csv};
+use piezoid::{Units, record};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// Input and output sampled together, evenly.
+#[pyclass(frozen, module = "piezoid", weakref)]
+pub(crate) struct Record {
+    pub(crate) record: piezoid::Record,
+    u: PyOnceLock<Py<PyArray1<f64>>>,
+    y: PyOnceLock<Py<PyArray1<f64>>>,
+}
+
+impl From<piezoid::Record> for Record {
+    fn from(record: piezoid::Record) -> Self {
+        Record { record, u: PyOnceLock::new(), y: PyOnceLock::new() }
+    }
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (u, y, ts, units=("V".into(), "um".into())))]
+    fn new(u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>, ts: f64, units: (String, String)) -> PyResult<Self> {
+        let (u, y) = (samples("u", u)?, samples("y", y)?);
+        let record = piezoid::Record::new(ts, slice(&u)?.to_vec(), slice(&y)?.to_vec()).map_err(raised)?;
+        Ok(record.with_units(Units { u: units.0, y: units.1 }).into())
+    }
+
+    #[getter]
+    fn ts(&self) -> f64 {
+        self.record.ts()
+    }
+
+    #[getter]
+    fn u(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        let made = || frozen(py, self.record.u()).map(Bound::unbind);
+        self.u.get_or_try_init(py, made).map(|u| u.clone_ref(py))
+    }
+
+    #[getter]
+    fn y(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        let made = || frozen(py, self.record.y()).map(Bound::unbind);
+        self.y.get_or_try_init(py, made).map(|y| y.clone_ref(py))
+    }
+
+    #[getter]
+    fn units(&self) -> (&str, &str) {
+        let units = self.record.units();
+        (&units.u, &units.y)
+    }
+
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.record.duration()
+    }
+
+    fn part(&self, start: f64, stop: f64) -> PyResult<Self> {
+        self.record.part(start, stop).map(Self::from).map_err(raised)
+    }
+
+    fn output_in(&self, unit: &str) -> PyResult<Self> {
+        self.record.output_in(unit).map(Self::from).map_err(raised)
+    }
+
+    /// The record as a file of the command line has it.
+    fn to_csv(&self) -> PyResult<String> {
+        let units = self.record.units();
+        let names = (format!("u_{}", units.u), format!("y_{}", units.y));
+        let columns = [(&*names.0, self.record.u()), (&*names.1, self.record.y())];
+        csv::write(self.record.ts(), &columns).map_err(raised)
+    }
+
+    fn __len__(&self) -> usize {
+        self.record.len()
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.record == other.record
+    }
+}
+
+/// A column of a table: its name and its samples.
+type Column<'py> = (String, Bound<'py, PyAny>);
+
+/// What columns are meant, by the words of the command line.
+fn selection(ts: Option<f64>, columns: (Option<String>, Option<String>, Option<String>)) -> Selection {
+    let (input, output, time) = columns;
+    Selection { ts, input, output, time }
+}
+
+/// A table from the bytes of a CSV file.
+#[pyclass(frozen, module = "piezoid._piezoid")]
+#[derive(Debug)]
+pub(crate) struct Columns {
+    table: Table,
+}
+
+#[pymethods]
+impl Columns {
+    #[staticmethod]
+    fn from_csv(bytes: &[u8]) -> PyResult<Self> {
+        Table::parse(bytes).map(|table| Columns { table }).map_err(raised)
+    }
+
+    #[staticmethod]
+    fn from_arrays(columns: Vec<Column<'_>>) -> PyResult<Self> {
+        let read = |(name, values): &Column<'_>| Ok((name.clone(), slice(&samples(name, values)?)?.to_vec()));
+        let columns = columns.iter().map(read).collect::<PyResult<Vec<_>>>()?;
+        Table::of(columns).map(|table| Columns { table }).map_err(raised)
+    }
+
+    #[getter]
+    fn names(&self) -> Vec<&str> {
+        self.table.names().collect()
+    }
+
+    fn record(
+        &self,
+        ts: Option<f64>,
+        columns: (Option<String>, Option<String>, Option<String>),
+        part: (f64, f64),
+    ) -> PyResult<Record> {
+        let record = self.table.record(&selection(ts, columns)).and_then(|r| r.part(part.0, part.1));
+        record.map(Record::from).map_err(raised)
+    }
+
+    /// The reference, in this unit.
+    fn reference(
+        &self,
+        py: Python<'_>,
+        ts: Option<f64>,
+        columns: (Option<String>, Option<String>, Option<String>),
+        unit: &str,
+    ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
+        let Signal { ts, mut samples, unit: own } =
+            self.table.reference(&selection(ts, columns)).map_err(raised)?;
+        let Some(factor) = record::factor(&own, unit) else {
+            return Err(refused(&format!("the reference is in {own} but {unit} is wanted: convert it beforehand")));
+        };
+        samples.iter_mut().for_each(|r| *r *= factor);
+        Ok((ts, crate::samples::array(py, samples).unbind()))
+    }
+}

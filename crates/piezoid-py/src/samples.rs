@@ -1,0 +1,73 @@
+//! Series of numbers: numpy in and out.
+
+use crate::error::refused;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+
+/// The samples of what Python gives: a view of a contiguous array of doubles, a converted copy of anything else.
+///
+/// # Errors
+/// Refuses more than one dimension with the shape, complex numbers, masks, and what is no number.
+pub(crate) fn samples<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
+    if let Ok(array) = given.cast::<PyArray1<f64>>()
+        && array.is_c_contiguous()
+        && array.get_type().name().is_ok_and(|name| name == "ndarray")
+    {
+        return Ok(array.try_readonly()?);
+    }
+    converted(what, given)
+}
+
+fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
+    let py = given.py();
+    let numpy = numpy(py)?;
+    if given.is_instance(&numpy.getattr(intern!(py, "ma"))?.getattr(intern!(py, "MaskedArray"))?)? {
+        return Err(refused(&format!("{what} is a masked array: fill it, or leave the masked samples out")));
+    }
+    let array = numpy.call_method1(intern!(py, "asarray"), (given,))?;
+    let untyped = array.cast::<PyUntypedArray>()?;
+    if untyped.ndim() != 1 {
+        let shape = array.getattr(intern!(py, "shape"))?.str()?;
+        return Err(refused(&format!(
+            "{what} has shape {shape}: it must be one series of n samples, of shape (n,)"
+        )));
+    }
+    let kind: String = untyped.dtype().getattr(intern!(py, "kind"))?.extract()?;
+    if !["f", "i", "u", "b"].contains(&kind.as_str()) && untyped.len() > 0 {
+        let numbers = kind == "O" && given.call_method0(intern!(py, "__len__")).is_ok();
+        if !numbers {
+            return Err(refused(&format!("{what} is of type {}: its samples must be real numbers", untyped.dtype())));
+        }
+    }
+    let keywords = PyDict::new(py);
+    keywords.set_item(intern!(py, "dtype"), intern!(py, "float64"))?;
+    let doubles = numpy.call_method(intern!(py, "ascontiguousarray"), (array,), Some(&keywords));
+    let doubles = doubles.map_err(|e| refused(&format!("{what} holds what is no number: {}", e.value(py))))?;
+    Ok(doubles.cast_into::<PyArray1<f64>>()?.try_readonly()?)
+}
+
+/// A vector as an array that holds it, without a copy.
+pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
+    PyArray1::from_vec(py, values)
+}
+
+/// The same, which nobody may write to: many hold it.
+pub(crate) fn frozen<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let array = PyArray1::from_slice(py, values);
+    array.call_method1(intern!(py, "setflags"), (false,))?;
+    Ok(array)
+}
+
+/// The samples as a slice.
+pub(crate) fn slice<'a>(samples: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
+    Ok(samples.as_slice()?)
+}
+
+fn numpy(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    let module = NUMPY.get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?;
+    Ok(module.bind(py).clone().into_any())
+}
