@@ -42,13 +42,16 @@ pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<How> {
     Ok(How { limits: limits(settings)?, clip, sweeps, ..How::default() })
 }
 
-/// The voltage for a reference, what the model makes of it, and the rest as a document.
+/// A voltage, what the model makes of it, and the rest as a document.
+pub(crate) type Made = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
+
+/// The voltage for a reference.
 pub(crate) fn compensated(
     py: Python<'_>,
     model: &piezoid::Model,
     reference: &Bound<'_, PyAny>,
     settings: &Bound<'_, PyDict>,
-) -> PyResult<(Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>)> {
+) -> PyResult<Made> {
     let (read, how) = (samples("reference", reference)?, how(settings)?);
     let shape = shaping::Shape {
         smooth: given(settings, "smooth")?,
@@ -56,9 +59,7 @@ pub(crate) fn compensated(
         notch: given(settings, "notch")?.unwrap_or(false),
     };
     let r = slice(&read)?;
-    let made = py.detach(|| {
-        piezoid::compensation::FeedForward::new(model, how)?.whole(&shape.of(model, r.to_vec())?)
-    });
+    let made = py.detach(|| piezoid::compensation::FeedForward::new(model, how)?.whole(&shape.of(model, r.to_vec())?));
     let Compensated { u, reached, usage, clipped, notes } = made.map_err(raised)?;
     let document = object(py, &json!({"usage": usage, "clipped": clipped, "notes": notes}))?;
     Ok((array(py, u).unbind(), array(py, reached).unbind(), document))

@@ -28,6 +28,10 @@ fn keywords(message: &str) -> String {
         out += before;
         out += &if is_option { format!("{}=", name.replace('-', "_")) } else { format!("--{name}") };
         rest = &option[2 + name.len()..];
+        // A value stands behind a blank there, and behind the sign here.
+        if is_option && rest[1..].starts_with(|c: char| c.is_ascii_digit()) && rest.starts_with(' ') {
+            rest = &rest[1..];
+        }
     }
     out + rest
 }

@@ -10,7 +10,10 @@ use piezoid::export::{Playback, Wanted, target as chosen};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-/// What a target makes: files by their paths, and notes.
+/// Files by their paths, and notes.
+type Made = (Vec<(String, Py<PyBytes>)>, Vec<String>);
+
+/// What a target makes.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn export(
@@ -23,11 +26,15 @@ pub(crate) fn export(
     settings: &Bound<'_, PyDict>,
     reference: Option<Bound<'_, PyAny>>,
     playback: (Option<f64>, Option<(f64, f64)>),
-) -> PyResult<(Vec<(String, Py<PyBytes>)>, Vec<String>)> {
+) -> PyResult<Made> {
     let (model, how, (single, preview, law)) = (inner(model), how(settings)?, options);
     let chosen = chosen(target_name).map_err(raised)?;
-    let given =
-        [("float", single), ("preview", preview > 0), ("controller", law.is_some()), ("reference", reference.is_some())];
+    let given = [
+        ("float", single),
+        ("preview", preview > 0),
+        ("controller", law.is_some()),
+        ("reference", reference.is_some()),
+    ];
     if let Some((option, _)) = given.iter().find(|(option, given)| *given && !chosen.heeds.contains(option)) {
         return Err(refused(&format!("--{option} is not for the target {target_name}")));
     }
@@ -46,8 +53,7 @@ pub(crate) fn export(
                 }
             };
             let controller = drive.as_ref().map(Drive::controller);
-            let wanted =
-                Wanted { single, how, preview, controller, reference, playback, ..Wanted::new(&model, name) };
+            let wanted = Wanted { single, how, preview, controller, reference, playback, ..Wanted::new(&model, name) };
             (chosen.make)(&wanted)
         })
         .map_err(raised)?;

@@ -57,21 +57,16 @@ pub(crate) fn identify(
         Way::Paper(how) => identify_paper(&small, &rich, how, progress),
     })?;
     let mut made: Value = serde_json::from_str(provenance).map_err(|e| refused(&e.to_string()))?;
-    for (name, known) in [
-        ("trials", json!(found.trials)),
-        ("parameters", json!(found.parameters)),
-        ("notes", json!(found.notes)),
-    ] {
+    for (name, known) in
+        [("trials", json!(found.trials)), ("parameters", json!(found.parameters)), ("notes", json!(found.notes))]
+    {
         if known != json!([]) {
             made[name] = known;
         }
     }
     let linearity: Vec<_> = small.iter().map(|record| small_signal(record).ok()).collect();
-    let loops: Vec<Value> = found
-        .loops
-        .iter()
-        .map(|l| json!({"frequency_hz": l.frequency_hz, "u": l.u, "z": l.z}))
-        .collect();
+    let loops: Vec<Value> =
+        found.loops.iter().map(|l| json!({"frequency_hz": l.frequency_hz, "u": l.u, "z": l.z})).collect();
     let beside = object(py, &json!({"loops": loops, "linearity": linearity, "reason": found.linear.reason}))?;
     Ok((found.model.with_provenance(made).into(), beside))
 }

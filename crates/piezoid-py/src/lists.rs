@@ -16,11 +16,10 @@ use serde_json::{Value, json};
 /// All lists: of each row its name, summary and reference, of an excitation its parameters too.
 #[pyfunction]
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    let row = |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
+    let row =
+        |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
     let excitation = |e: &piezoid::excitation::Excitation| {
-        let parameter = |p: &piezoid::excitation::Parameter| {
-            json!({"name": p.name.replace('-', "_"), "unit": p.unit, "default": p.default, "help": p.help})
-        };
+        let parameter = |p: &piezoid::excitation::Parameter| json!({"name": p.name.replace('-', "_"), "unit": p.unit, "default": p.default, "help": p.help});
         let parameters: Vec<Value> = e.parameters.iter().map(parameter).collect();
         json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": parameters})
     };

@@ -1,13 +1,13 @@
 //! Models: from a voltage to a displacement, and back.
 
-use crate::compensation::{FeedForward, compensated, how};
+use crate::compensation::{FeedForward, Made, compensated, how};
 use crate::error::{raised, refused};
 use crate::json::object;
 use crate::record::Record;
 use crate::samples::{array, samples, slice};
 use numpy::{Complex64, PyArray1};
-use piezoid::validation::{Settings, validate};
 use piezoid::System;
+use piezoid::validation::{Settings, validate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -144,7 +144,7 @@ impl Model {
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
         settings: &Bound<'_, PyDict>,
-    ) -> PyResult<(Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>)> {
+    ) -> PyResult<Made> {
         compensated(py, &self.model, reference, settings)
     }
 

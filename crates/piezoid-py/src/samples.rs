@@ -31,9 +31,7 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
     let untyped = array.cast::<PyUntypedArray>()?;
     if untyped.ndim() != 1 {
         let shape = array.getattr(intern!(py, "shape"))?.str()?;
-        return Err(refused(&format!(
-            "{what} has shape {shape}: it must be one series of n samples, of shape (n,)"
-        )));
+        return Err(refused(&format!("{what} has shape {shape}: it must be one series of n samples, of shape (n,)")));
     }
     let kind: String = untyped.dtype().getattr(intern!(py, "kind"))?.extract()?;
     if !["f", "i", "u", "b"].contains(&kind.as_str()) && untyped.len() > 0 {

@@ -65,7 +65,9 @@ impl Driver {
         let limits = Limits { capacitance: capacitance.or(self.limits.capacitance), ..self.limits };
         if limits.current.is_some() && limits.capacitance.is_none() {
             let name = self.name;
-            let rule = format!("driver `{name}` limits the current, which depends on the load: give it in farad, such as 8.2e-6");
+            let rule = format!(
+                "driver `{name}` limits the current, which depends on the load: give it in farad, such as 8.2e-6"
+            );
             return Err(Error::parameter("capacitance", "none", rule));
         }
         Ok(limits)
