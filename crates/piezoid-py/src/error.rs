@@ -29,8 +29,10 @@ fn keywords(message: &str) -> String {
         out += &if is_option { format!("{}=", name.replace('-', "_")) } else { format!("--{name}") };
         rest = &option[2 + name.len()..];
         // A value stands behind a blank there, and behind the sign here.
-        if is_option && rest[1..].starts_with(|c: char| c.is_ascii_digit()) && rest.starts_with(' ') {
-            rest = &rest[1..];
+        if let (true, Some(value)) = (is_option, rest.strip_prefix(' '))
+            && value.starts_with(|c: char| c.is_ascii_digit())
+        {
+            rest = value;
         }
     }
     out + rest

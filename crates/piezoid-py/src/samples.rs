@@ -27,7 +27,8 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
     if given.is_instance(&numpy.getattr(intern!(py, "ma"))?.getattr(intern!(py, "MaskedArray"))?)? {
         return Err(refused(&format!("{what} is a masked array: fill it, or leave the masked samples out")));
     }
-    let array = numpy.call_method1(intern!(py, "asarray"), (given,))?;
+    let array = numpy.call_method1(intern!(py, "asarray"), (given,));
+    let array = array.map_err(|e| refused(&format!("{what} is no series of numbers: {}", e.value(py))))?;
     let untyped = array.cast::<PyUntypedArray>()?;
     if untyped.ndim() != 1 {
         let shape = array.getattr(intern!(py, "shape"))?.str()?;

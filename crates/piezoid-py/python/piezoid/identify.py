@@ -69,7 +69,7 @@ def identify(
     small, others = _records(linear), _records(rich) + _records(data)
     if _records(data) and (small or _records(rich)):
         raise PiezoidError("data is for records of everything: give either data, or linear and rich")
-    only = {
+    only: dict[str, dict[str, Any]] = {
         "joint": {"elements": elements, "driver": driver, "capacitance": capacitance, "driver_lag": driver_lag},
         "paper": {"estimator": estimator, "split": split, "bins": bins, "reading": reading, "particles": particles,
                   "iterations": iterations},
@@ -78,11 +78,11 @@ def identify(
         for name, value in settings.items():
             if value is not None and method in only and way != method:
                 raise PiezoidError(f"{name} belongs to the method {way}: leave it out, or ask for that method")
-    settings = {"operator": operator, "order": order, "seed": seed, "creep": creep} | only["joint"] | only["paper"]
+    asked = {"operator": operator, "order": order, "seed": seed, "creep": creep} | only["joint"] | only["paper"]
     made = f'{{"version": "{__version__}", "seed": {int(seed)}}}'
     with told(progress) as watch:
         core, _ = _piezoid.identify(
-            ([r._core for r in small], [r._core for r in others]), method, settings, made, watch
+            ([r._core for r in small], [r._core for r in others]), method, asked, made, watch
         )
     return Model._of(core)
 
@@ -90,7 +90,7 @@ def identify(
 def _records(given: Sources) -> list[Record]:
     if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
         return [_record(given)]
-    return [_record(one) for one in given]  # type: ignore[union-attr]
+    return [_record(one) for one in given]
 
 
 def _record(given: Any) -> Record:

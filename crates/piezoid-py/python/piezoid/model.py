@@ -19,6 +19,8 @@ from .records import Record
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["Compensation", "FeedForward", "Model", "Validation", "load"]
+
 
 class Model:
     """A Hammerstein model: hysteresis, creep, then linear dynamics. It never changes.

@@ -17,7 +17,7 @@ class Plant:
     """A simulated bender with its driver and sensor: volts about mid-voltage in, micrometres out.
 
     >>> import piezoid as pz
-    >>> record = pz.plants["pl140"].measure([0.0] * 10 + [30.0] * 190, ts=5e-4)
+    >>> record = pz.plants["paper"].measure([30.0] * 200, ts=5e-4)
     >>> bool(record.y[-1] > 900)
     True
     """

@@ -59,8 +59,7 @@ class Record:
     @property
     def t(self) -> Array:
         """Times [s], of shape (n,), from 0."""
-        times: Array = self.ts * np.arange(len(self))
-        return times
+        return np.arange(len(self), dtype=np.float64) * self.ts
 
     @property
     def units(self) -> Units:
@@ -177,7 +176,7 @@ def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
             raise PiezoidError(f"{about}there is no such file: check its name and folder") from None
         except PiezoidError as error:
             raise error if str(error).startswith(str(path)) else PiezoidError(f"{about}{error}") from None
-        except (OSError, ValueError) as error:
+        except Exception as error:  # readers of other packages raise what they like
             raise PiezoidError(f"{about}cannot be read: {error}") from error
     if hasattr(source, "reset_index") and hasattr(source, "columns"):
         frame = source.reset_index() if source.index.name is not None else source

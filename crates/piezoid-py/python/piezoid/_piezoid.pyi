@@ -1,0 +1,189 @@
+from collections.abc import Sequence
+from typing import Any, TypeAlias, final
+
+import numpy as np
+import numpy.typing as npt
+
+from ._types import Array, Samples, Told
+
+__version__: str
+
+_Columns: TypeAlias = tuple[str | None, str | None, str | None]
+_Tuning: TypeAlias = tuple[int, float | None, float | None]
+
+class PiezoidError(ValueError):
+    """What is wrong, the value, where, and what to do."""
+
+@final
+class Record:
+    def __new__(cls, u: Samples, y: Samples, ts: float, units: tuple[str, str] = ...) -> Record: ...
+    @property
+    def ts(self) -> float: ...
+    @property
+    def u(self) -> Array: ...
+    @property
+    def y(self) -> Array: ...
+    @property
+    def units(self) -> tuple[str, str]: ...
+    @property
+    def duration(self) -> float: ...
+    def part(self, start: float, stop: float) -> Record: ...
+    def output_in(self, unit: str) -> Record: ...
+    def to_csv(self) -> str: ...
+    def __len__(self) -> int: ...
+
+@final
+class Columns:
+    @staticmethod
+    def from_csv(bytes: bytes) -> Columns: ...
+    @staticmethod
+    def from_arrays(columns: Sequence[tuple[str, Samples]]) -> Columns: ...
+    @property
+    def names(self) -> list[str]: ...
+    def record(self, ts: float | None, columns: _Columns, part: tuple[float, float]) -> Record: ...
+    def reference(self, ts: float | None, columns: _Columns, unit: str) -> tuple[float, Array]: ...
+
+@final
+class Model:
+    @staticmethod
+    def from_json(text: str) -> Model: ...
+    def to_json(self) -> str: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    @property
+    def ts(self) -> float: ...
+    @property
+    def units(self) -> tuple[str, str]: ...
+    @property
+    def operator(self) -> str: ...
+    @property
+    def offset(self) -> float: ...
+    @property
+    def a(self) -> Array: ...
+    @property
+    def b(self) -> Array: ...
+    @property
+    def dc_gain(self) -> float: ...
+    @property
+    def resonance(self) -> tuple[float, float] | None: ...
+    @property
+    def input_range(self) -> tuple[float, float] | None: ...
+    def response(self, hz: Samples) -> npt.NDArray[np.complex128]: ...
+    def simulate(self, u: Samples) -> Array: ...
+    def predict(self, u: Samples, y: Samples) -> Array: ...
+    def hidden(self, u: Samples) -> Array: ...
+    def _validate(self, record: Record, skip: float, free_offset: bool) -> tuple[dict[str, Any], Array]: ...
+    def _inverse(self, late: int, settings: dict[str, Any]) -> FeedForward: ...
+    def _compensation(self, reference: Samples, settings: dict[str, Any]) -> tuple[Array, Array, dict[str, Any]]: ...
+
+@final
+class FeedForward:
+    """The inverse of a model, sample by sample; it remembers where it stands."""
+
+    @property
+    def late(self) -> int:
+        """Samples by which the displacement follows the reference."""
+
+    @property
+    def ts(self) -> float:
+        """Sampling period [s]."""
+
+    def step(self, r: float) -> float:
+        """The voltage for this sample of the reference."""
+
+    def resume(self, reference: Samples) -> Array:
+        """The voltages for a stretch of the reference, from where it stands; both of shape (n,)."""
+
+    def reset(self, reference: float | None = None) -> None:
+        """Begins anew: at rest, or where `reference` has stood for long."""
+
+@final
+class Plant:
+    @staticmethod
+    def named(name: str) -> Plant: ...
+    @staticmethod
+    def from_json(text: str) -> Plant: ...
+    def to_json(self) -> str: ...
+    def drawn(self, tolerance: float, seed: int, index: int) -> Plant: ...
+    def _measured(self, u: Samples, ts: float, seed: int, begin: str) -> tuple[Array, str | None]: ...
+
+@final
+class Arx:
+    """y = a1 y1 + a2 y2 + ... + b0 u + b1 u1 + ..."""
+
+    def __new__(cls, a: Samples, b: Samples, ts: float) -> Arx: ...
+    @property
+    def ts(self) -> float:
+        """Sampling period [s]."""
+
+    @property
+    def a(self) -> Array:
+        """Coefficients of past outputs."""
+
+    @property
+    def b(self) -> Array:
+        """Coefficients of inputs."""
+
+    @property
+    def dc_gain(self) -> float:
+        """Gain at 0 Hz."""
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether all poles lie inside the unit circle."""
+
+    @property
+    def poles(self) -> list[dict[str, Any]]:
+        """Of each its frequency [Hz], its damping, and where it lies in the z plane."""
+
+    @property
+    def zeros(self) -> list[dict[str, Any]]:
+        """Where they lie in the z plane."""
+
+    def simulate(self, u: Samples) -> Array:
+        """The free run from rest; both of shape (n,)."""
+
+    def predict(self, u: Samples, y: Samples) -> Array:
+        """One step ahead from measured outputs; all of shape (n,)."""
+
+def identify(
+    records: tuple[list[Record], list[Record]],
+    method: str,
+    settings: dict[str, Any],
+    provenance: str,
+    progress: Told | None,
+) -> tuple[Model, dict[str, Any]]: ...
+def fit(
+    records: list[Record],
+    orders: tuple[int, int, int],
+    by: str,
+    swarm: tuple[int | None, int | None, int],
+    progress: Told | None,
+) -> tuple[Arx, dict[str, Any]]: ...
+def lists() -> dict[str, list[dict[str, Any]]]: ...
+def excite(name: str, ts: float, duration: float, values: list[tuple[str, float]]) -> Array: ...
+def follow(name: str, ts: float, n: int, peak: float, hz: float) -> Array: ...
+def control(
+    plant: tuple[str, Plant],
+    model: Model,
+    schemes: list[str],
+    references: list[tuple[str, Samples]],
+    settings: dict[str, Any],
+    tuning: _Tuning,
+    preview: int | None,
+    seed: int,
+    tolerance: tuple[float, int] | None,
+    progress: Told | None,
+) -> tuple[dict[str, Any], list[dict[str, Any]], str]: ...
+def export(
+    model: Model,
+    target_name: str,
+    name: str,
+    options: tuple[bool, int, str | None],
+    tuning: _Tuning,
+    settings: dict[str, Any],
+    reference: Samples | None,
+    playback: tuple[float | None, tuple[float, float] | None],
+) -> tuple[list[tuple[str, bytes]], list[str]]: ...
+def study(
+    name: str, seed: int, progress: Told | None
+) -> tuple[dict[str, Any], list[tuple[str, str]], str, str]: ...

@@ -1,0 +1,97 @@
+"""From records to a model: both ways, watched, interrupted, beside other threads."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+
+import piezoid as pz
+import pytest
+
+
+def test_the_same_records_give_the_same_model_in_any_form(
+    small: pz.Record, rich: pz.Record, model: pz.Model, tmp_path: Path
+) -> None:
+    small.save(tmp_path / "small.csv")
+    again = pz.identify(linear=tmp_path / "small.csv", rich=[rich.to_frame()], operator="prandtl-ishlinskii")
+    assert again == model
+
+
+def test_the_papers_way_gives_branches(small: pz.Record) -> None:
+    u = pz.excite.sine(ts=5e-4, duration=2, amplitude=28, frequency=5)
+    sine = pz.plants["pl140"].measure(u, 5e-4)
+    found = pz.identify(linear=small, rich=sine, method="paper", particles=20, iterations=60)
+    assert found.operator == "two-branch" and len(found.a) == 2
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"operator": "preisac"}, "did you mean `preisach`?"),
+        ({"method": "best"}, "joint or paper"),
+        ({"particles": 10}, "particles belongs to the method paper"),
+        ({"method": "paper", "elements": 10}, "elements belongs to the method joint"),
+        ({"driver": "bd300"}, "capacitance"),
+        ({"method": "paper", "split": "half"}, "line or direction"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(rich: pz.Record, settings: dict[str, object], told: str) -> None:
+    with pytest.raises(pz.PiezoidError) as raised:
+        pz.identify(data=rich, **settings)  # type: ignore[arg-type]
+    assert told in str(raised.value)
+
+
+def test_records_for_everything_go_alone(small: pz.Record, rich: pz.Record) -> None:
+    with pytest.raises(pz.PiezoidError, match="either data, or linear and rich"):
+        pz.identify(data=rich, linear=small)
+    with pytest.raises(pz.PiezoidError, match="0 samples"):
+        pz.identify()
+
+
+def test_who_watches_is_told_and_may_stop(rich: pz.Record) -> None:
+    told: list[tuple[str, int, int]] = []
+    pz.identify(data=rich, operator="stop", order=2, progress=lambda *stage: told.append(stage))
+    assert {what for what, _, _ in told} >= {"linear block", "stop"} and all(done <= total for _, done, total in told)
+
+    def stop(what: str, done: int, total: int) -> None:
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        pz.identify(data=rich, operator="stop", order=2, progress=stop)
+
+
+def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[str]) -> None:
+    pz.identify(data=rich, operator="stop", order=2, progress=True)
+    assert "linear block" in capsys.readouterr().err
+
+
+def test_ctrl_c_ends_long_work(rich: pz.Record) -> None:
+    pressed = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    pressed.start()
+    began = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        for _ in range(100):
+            pz.identify(data=rich)
+    pressed.join()
+    assert time.perf_counter() - began < 20
+
+
+def test_other_threads_run_on_while_it_works(rich: pz.Record) -> None:
+    counted, stop = [0], threading.Event()
+
+    def count() -> None:
+        while not stop.is_set():
+            counted[0] += 1
+            time.sleep(1e-3)
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    before, began = counted[0], time.perf_counter()
+    pz.identify(data=rich, operator="prandtl-ishlinskii")
+    stop.set()
+    counter.join()
+    # With the interpreter's lock held it would stand still.
+    assert counted[0] - before > 0.1 * (time.perf_counter() - began) / 1e-3 / 2

@@ -1,0 +1,120 @@
+"""Models: the numbers of the library to the bit, and what they are asked."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import piezoid as pz
+import pytest
+
+VECTORS = sorted((Path(__file__).parents[2] / "piezoid/tests/vectors").glob("*.json"))
+
+
+def test_there_is_a_vector_file_for_every_operator() -> None:
+    assert {file.stem for file in VECTORS} == {*pz.operators, "driven"}
+
+
+@pytest.mark.parametrize("file", VECTORS, ids=lambda file: file.stem)
+def test_every_operator_gives_the_numbers_of_its_vector_file_to_the_bit(file: Path) -> None:
+    vectors = json.loads(file.read_text())
+    model = pz.Model.from_dict(vectors["model"])
+    inputs, outputs = (np.array(vectors["step"][part]) for part in ["inputs", "outputs"])
+    for given in [inputs, list(inputs), np.repeat(inputs, 3)[::3]]:
+        assert model.simulate(given).tobytes() == outputs.tobytes()
+    if "ff_step" in vectors:
+        r, u = (np.array(vectors["ff_step"][part]) for part in ["inputs", "outputs"])
+        assert model.inverse().resume(r).tobytes() == u.tobytes()
+        one_by_one = model.inverse()
+        assert [one_by_one.step(v) for v in r[:50]] == u[:50].tolist()
+
+
+def test_what_was_identified_says_what_it_is(model: pz.Model) -> None:
+    assert model.operator == "prandtl-ishlinskii" and model.units == ("V", "um")
+    assert model.resonance is not None and abs(model.resonance[0] - 166.3) < 0.1
+    assert model.input_range == (-28.0, 28.0)
+    assert "mode 1 frequency [Hz]" in list(model.parameters["name"])
+    assert list(model.trials["operator"]) == ["prandtl-ishlinskii"]
+    assert model.notes and model.notes[0].startswith("linear block: ")
+    assert "166.3 Hz" in repr(model) and "prandtl-ishlinskii" in model._repr_html_()
+
+
+def test_models_travel_by_file_and_pickle(model: pz.Model, tmp_path: Path) -> None:
+    model.save(tmp_path / "m.json")
+    for again in [pz.load(tmp_path / "m.json"), pickle.loads(pickle.dumps(model)), pz.Model(model.to_json())]:
+        assert again == model and hash(again) == hash(model) and again.to_json() == model.to_json()
+    changed = model.to_dict() | {"offset": 1.0}
+    assert pz.Model.from_dict(changed) != model
+    with pytest.raises(pz.PiezoidError, match="none.json: there is no such file"):
+        pz.load(tmp_path / "none.json")
+    with pytest.raises(pz.PiezoidError, match="m.json: not a model file"):
+        (tmp_path / "m.json").write_text("{}")
+        pz.load(tmp_path / "m.json")
+    with pytest.raises(pz.PiezoidError, match="cannot write"):
+        model.save(tmp_path / "no folder" / "m.json")
+
+
+def test_one_step_ahead_errors_do_not_add_up(model: pz.Model, unseen: pz.Record) -> None:
+    y = model.simulate(unseen.u)
+    assert np.allclose(model.predict(unseen.u, y), y, atol=1e-6)
+    off = y.copy()
+    off[1000] += 1.0
+    moved = np.flatnonzero(np.abs(model.predict(unseen.u, off) - y) > 1e-3)
+    assert moved.tolist() == list(range(1001, 1001 + len(model.a)))
+
+
+def test_the_linear_block_answers_at_frequencies(model: pz.Model) -> None:
+    response = model.response([1e-3, 166.28])
+    assert abs(abs(response[0]) / model.dc_gain - 1) < 1e-6 and abs(response[1]) > 10 * model.dc_gain
+
+
+def test_validation_gives_the_figures_of_the_command_line(model: pz.Model, unseen: pz.Record) -> None:
+    found = model.validate(unseen)
+    error = unseen.y - found.simulated
+    assert np.allclose(found.mse, np.mean(error**2)) and found.n == len(unseen)
+    assert np.allclose(found.nrmse_percent, 100 * found.rmse / np.std(unseen.y))
+    assert np.allclose(found.rms_pp_percent, 100 * found.rmse / np.ptp(unseen.y))
+    assert {"at", "nrmse_percent", "rms_pp_percent"} <= set(found.table.columns)
+    assert np.array_equal(found.residual, error) and found.rms_pp_percent < 2
+    assert len(found.loops) >= 1 and "measured.width_percent" in found.loops.columns
+    free = model.validate(unseen, skip=0.2, offset="free")
+    assert free.start == 400 and abs(free.residual[400:].mean()) < 1e-9
+    with pytest.raises(pz.PiezoidError, match="kept or free"):
+        model.validate(unseen, offset="none")  # type: ignore[arg-type]
+    with pytest.raises(pz.PiezoidError, match="sampled every"):
+        model.validate(pz.Record(unseen.u, unseen.y, ts=1e-3))
+
+
+def test_the_voltage_for_a_reference_makes_the_twin_follow(model: pz.Model) -> None:
+    r = 600 * np.sin(2 * np.pi * 5 * np.arange(2000) * model.ts)
+    u = model.compensate(r, driver="pl140")
+    y = pz.plants["pl140"].simulate(u, model.ts)
+    assert np.std((y - r)[400:]) / np.ptp(r) < 0.01
+    made = model.compensation(r, low=-25, high=25)
+    assert np.abs(made.u).max() <= 25 and np.std((made.reached - r)[400:]) < 1 and made.clipped == 0
+    shaped = model.compensation(np.repeat([0.0, 500.0], 1000), smooth=0.02, zvd=True)
+    assert np.abs(shaped.reached[1200:] - 500).max() < 5
+    with pytest.raises(pz.PiezoidError, match="cannot be reached"):
+        model.compensate([2000.0] * 10)
+    assert model.compensation([2000.0] * 10, clip=True).clipped > 0
+    with pytest.raises(pz.PiezoidError, match="capacitance"):
+        model.compensate(r, driver="bd300")
+
+
+def test_the_inverse_runs_sample_by_sample_and_begins_anew(model: pz.Model) -> None:
+    inverse = model.inverse(4, driver="pl140")
+    r = 300 * np.sin(0.03 * np.arange(500))
+    first = inverse.resume(r)
+    inverse.reset()
+    assert np.array_equal(np.array([inverse.step(v) for v in r]), first) and inverse.late == 4
+    inverse.reset(200.0)
+    assert abs(inverse.step(200.0) - model.compensate([200.0] * 5)[0]) < 1e-6
+
+
+def test_a_failing_input_tells_where(model: pz.Model) -> None:
+    with pytest.raises(pz.PiezoidError, match=r"u\[3\] is inf"):
+        model.simulate([0.0, 1.0, 2.0, float("inf")])
+    assert isinstance(pz.PiezoidError("x"), ValueError)
+    assert len(model.simulate([])) == 0

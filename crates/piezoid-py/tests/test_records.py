@@ -1,0 +1,144 @@
+"""Records from whatever Python has data in."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import piezoid as pz
+import pytest
+
+U, Y = np.array([0.0, 1.0, 1.5, -2.0]), np.array([0.0, 20.0, 33.0, -40.0])
+T = np.arange(4) * 5e-4
+
+
+@pytest.mark.parametrize(
+    "u",
+    [
+        U.tolist(),
+        tuple(U),
+        U.astype(">f8"),
+        U.astype(np.float32),
+        np.repeat(U, 2)[::2],
+        np.stack([U, U], axis=1)[:, 0],
+        pd.Series(U),
+        U.astype(object),
+    ],
+    ids=["list", "tuple", "big endian", "float32", "strided", "column", "Series", "objects"],
+)
+def test_samples_may_be_anything_that_numpy_takes_for_numbers(u: Any) -> None:
+    assert np.array_equal(pz.Record(u, Y, ts=5e-4).u, U)
+
+
+def test_whole_numbers_are_numbers() -> None:
+    assert pz.Record([0, 1], np.array([2, 3], dtype=np.uint8), ts=1).y.tolist() == [2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("u", "told"),
+    [
+        (np.zeros((4, 1)), "shape (4, 1)"),
+        (np.zeros(()), "shape ()"),
+        (np.array(["a"] * 4), "real numbers"),
+        (U + 1j, "complex128"),
+        ([0.0, 1.0, float("nan"), 2.0], "u[2] is NaN"),
+        (np.ma.masked_array(U, U > 1), "masked"),
+        (U[:3], "u has 3 samples but y has 4"),
+        ([[1.0], [2.0, 3.0]], "no series of numbers"),
+        ([None, 1.0, 2.0, 3.0], "NaN"),
+    ],
+)
+def test_what_is_no_series_is_refused_with_what_it_is(u: Any, told: str) -> None:
+    with pytest.raises(pz.PiezoidError) as raised:
+        pz.Record(u, Y, ts=5e-4)
+    assert told in str(raised.value)
+
+
+def test_samples_of_a_record_cannot_be_changed_behind_its_back() -> None:
+    mine = U.copy()
+    record = pz.Record(mine, Y, ts=5e-4)
+    mine[0] = 99
+    assert record.u[0] == 0.0 and not record.u.flags.writeable and record.u is record.u
+
+
+def test_records_travel_and_compare() -> None:
+    record = pz.Record(U, Y, ts=5e-4, units=("V", "nm"))
+    again = pickle.loads(pickle.dumps(record))
+    assert again == record and hash(again) == hash(record) and again.units == ("V", "nm")
+    assert record != pz.Record(U, Y, ts=5e-4)
+    assert record.output_in("um").y[1] == 0.02 and len(record.part(5e-4, 1.5e-3)) == 2
+    assert "4 samples" in repr(record) and "nm" in record._repr_html_()
+
+
+def test_frames_give_records_and_records_frames() -> None:
+    record = pz.read(pd.DataFrame({"t_s": T, "u_V": U, "y_nm": Y, "remark": list("abcd")}))
+    assert (record.ts, record.units) == (5e-4, ("V", "nm"))
+    assert pz.read(record.to_frame()) == record
+
+
+def test_a_file_says_the_same_as_the_command_lines(tmp_path: Path) -> None:
+    record = pz.Record(U, Y, ts=5e-4)
+    record.save(tmp_path / "r.csv")
+    assert pz.read(tmp_path / "r.csv") == record
+    assert (tmp_path / "r.csv").read_text().splitlines()[0] == "t_s,u_V,y_um"
+
+
+def test_archives_of_numpy_and_matlab_give_records(tmp_path: Path) -> None:
+    from scipy.io import loadmat, savemat
+
+    record = pz.Record(U, Y, ts=5e-4)
+    np.savez(tmp_path / "r.npz", t_s=T, u_V=U, y_um=Y, remark=np.array("hello"))
+    savemat(tmp_path / "r.mat", {"t_s": T, "u_V": U, "y_um": Y, "n": 4, "name": "bender"})
+    savemat(tmp_path / "structure.mat", {"log": {"t_s": T, "u_V": U, "y_um": Y}})
+    for name in ["r.npz", "r.mat", "structure.mat"]:
+        assert pz.read(tmp_path / name) == record, name
+    assert pz.read(loadmat(tmp_path / "r.mat")) == record
+
+
+def test_matlabs_newest_files_give_records(tmp_path: Path) -> None:
+    import h5py
+
+    with h5py.File(tmp_path / "r.mat", "w", userblock_size=512) as file:
+        for name, values in {"t_s": T, "u_V": U, "y_um": Y}.items():
+            file.create_dataset(f"log/{name}", data=values[None, :])
+    whole = (tmp_path / "r.mat").read_bytes()
+    (tmp_path / "r.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(512) + whole[512:])
+    assert pz.read(tmp_path / "r.mat") == pz.Record(U, Y, ts=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("columns", "how", "told"),
+    [
+        ({"u_V": U, "y_um": Y}, {}, "there is no time column"),
+        ({"u_V": U, "y_um": Y}, {"input_col": "u"}, "`u_V`"),
+        ({"t_s": [0, 1, 2, 9], "u_V": U, "y_um": Y}, {}, "row 3, t_s"),
+        ({"t_s": T, "u_V": U, "y_um": [1, 2, float("inf"), 4]}, {}, "y_um[2] is inf"),
+        ({}, {}, "there is no input column"),
+    ],
+)
+def test_tables_that_say_too_little_are_refused_by_row_and_keyword(
+    columns: dict[str, Any], how: dict[str, Any], told: str
+) -> None:
+    with pytest.raises(pz.PiezoidError) as raised:
+        pz.read(columns, **how)
+    assert told in str(raised.value) and "--" not in str(raised.value)
+
+
+def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
+    (tmp_path / "broken.mat").write_bytes(b"nothing of the kind")
+    (tmp_path / "broken.csv").write_text("t_s,u_V,y_um\n0,1,2\n1,x,3\n")
+    for name, told in [("none.csv", "no such file"), ("none.npz", "no such file"), ("broken.mat", "cannot be read"),
+                       ("broken.csv", "line 3")]:  # fmt: skip
+        with pytest.raises(pz.PiezoidError) as raised:
+            pz.read(tmp_path / name)
+        assert name in str(raised.value) and told in str(raised.value)
+    with pytest.raises(pz.PiezoidError, match="a int is no record"):
+        pz.read(3)  # type: ignore[arg-type]
+
+
+def test_references_come_in_the_unit_that_is_wanted() -> None:
+    r = pz.read_reference({"t_s": T, "r_mm": [0.0, 1.0, 2.0, 3.0]}, unit="um")
+    assert r.tolist() == [0.0, 1000.0, 2000.0, 3000.0]

@@ -1,0 +1,96 @@
+"""Excitations, twins, lists, control, export, the study."""
+
+from __future__ import annotations
+
+import inspect
+import pickle
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import piezoid as pz
+import pytest
+
+
+def test_every_excitation_is_a_function_that_says_what_it_takes() -> None:
+    assert {name.replace("-", "_") for name in pz.excitations} == set(pz.excite.__all__)
+    for name in pz.excite.__all__:
+        kind = getattr(pz.excite, name)
+        needed = [p.name for p in inspect.signature(kind).parameters.values() if p.default is p.empty]
+        values = {"amplitude": 5.0, "frequency": 5.0, "frequency_start": 1.0, "frequency_end": 50.0, "ts": 1e-3}
+        given = {n: values.get(n, 10.0) for n in needed if n != "duration"}
+        u = kind(duration=1.0, **given)
+        assert u.shape == (1000,) and 0 < np.abs(u).max() <= 5.0 * 3, name
+        assert "[V]" in (kind.__doc__ or "") and "Reference" in (kind.__doc__ or "")
+    with pytest.raises(AttributeError, match="known are prbs"):
+        pz.excite.noise  # noqa: B018
+    with pytest.raises(pz.PiezoidError, match="did you mean `amplitude`"):
+        pz.excite.sine(ts=1e-3, duration=1, amplitud=3, frequency=5)
+
+
+def test_lists_answer_by_name_and_say_what_there_is() -> None:
+    assert "preisach" in pz.operators and pz.targets["c"].summary.startswith("a header")
+    assert "prandtl-ishlinskii" in repr(pz.operators) and len(pz.plants) == 7
+    with pytest.raises(pz.PiezoidError, match="no operator called `x`: known are proportional"):
+        pz.operators["x"]
+
+
+def test_twins_are_what_the_command_line_measures_on_and_may_be_changed() -> None:
+    plant = pz.plants["pl140"]
+    u = pz.excite.sine(ts=5e-4, duration=0.2, amplitude=20, frequency=10)
+    assert np.array_equal(plant.simulate(u), plant.simulate(u, seed=1))
+    assert not np.array_equal(plant.simulate(u), plant.simulate(u, seed=2))
+    assert pickle.loads(pickle.dumps(plant)) == plant == pz.Plant(plant.to_dict())
+    stiffer = plant.to_dict() | {"creep_per_decade": 0.0}
+    assert pz.Plant(stiffer) != plant
+    one, other = plant.drawn(seed=3), plant.drawn(seed=3, index=1)
+    assert one != other and one == plant.drawn(seed=3) and other.name == "pl140-1"
+    with pytest.warns(UserWarning, match="current limit"):
+        plant.simulate([0.0, 30.0, -30.0] * 20)
+    with pytest.raises(pz.PiezoidError, match="rest or settled"):
+        plant.simulate(u, begin="moving")  # type: ignore[arg-type]
+    with pytest.raises(pz.PiezoidError, match="tolerance|share"):
+        plant.drawn(1.5)
+
+
+def test_controllers_are_compared_on_a_twin(model: pz.Model) -> None:
+    r = 400 * np.sin(2 * np.pi * 5 * np.arange(1200) * model.ts)
+    found = pz.control("pl140", model, {"sine": r}, controller=["gain", "feed-forward+pi"], driver="pl140")
+    table = found.table
+    assert list(table.index) == ["sine"] and table["feed-forward+pi"].iloc[0] < 0.3 * table["gain"].iloc[0]
+    assert found.run("feed-forward+pi")["u"].shape == r.shape and "<html" in found.html
+    with pytest.raises(pz.PiezoidError, match="no run of pid"):
+        found.run("pid")
+    with pytest.raises(pz.PiezoidError, match="no controller called `pd`"):
+        pz.control("pl140", model, r, controller="pd")
+
+
+def test_a_model_is_exported_as_code_that_gives_its_numbers(model: pz.Model, tmp_path: Path) -> None:
+    files = pz.export(model, "c", tmp_path / "bender", name="bender", controller="pi", driver="pl140")
+    assert {path.name for path in (tmp_path / "bender").iterdir()} == set(files)
+    build = ["cc", "-std=c99", "-ffp-contract=off", "bender.c", "bender_test.c", "-o", "self_test"]
+    subprocess.run(build, cwd=tmp_path / "bender", check=True)
+    said = subprocess.run(["./self_test"], cwd=tmp_path / "bender", check=True, capture_output=True, text=True).stdout
+    assert said.count("0 of 400 differ") == 3
+    with pytest.raises(pz.PiezoidError, match="float= is not for the target fixed"):
+        pz.export(model, "fixed", float=True)
+    with pytest.raises(pz.PiezoidError, match="must be a letter"):
+        pz.export(model, "c", tmp_path / "nothing", name="1")
+    assert not (tmp_path / "nothing").exists()
+
+
+def test_the_study_gives_its_tables_and_page(tmp_path: Path) -> None:
+    study = pz.study("paper")
+    held = study.table1.query("method == 'held-direction' and frequency_hz == 5")["mse"].iloc[0]
+    assert held < 1e-5 and len(study.table2) >= 2 and "5 Hz" in study.verdict
+    study.save(tmp_path)
+    assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>") and list(tmp_path.glob("*.svg"))
+
+
+def test_linear_blocks_are_fitted_and_run(small: pz.Record) -> None:
+    from scipy.signal import lfilter
+
+    fit = pz.linear.fit(small, 2, estimator="output-error")
+    a, b = fit.arx.a, fit.arx.b
+    assert np.allclose(fit.arx.simulate(small.u), lfilter(b, np.r_[1, -a], small.u), rtol=1e-9, atol=1e-9)
+    assert fit.arx.is_stable and abs(fit.arx.poles[0]["hz"] - 166) < 2 and pz.linear.Arx(a, b, small.ts) == fit.arx
