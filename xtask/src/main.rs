@@ -1,6 +1,6 @@
-//! The project's own automation: `cargo xtask test|bench|golden|docs`.
+//! The project's own automation: `cargo xtask test|python|bench|golden|docs`.
 //!
-//! Needs a Rust toolchain with rustfmt and clippy; `bench` and `golden` need Python 3 too. What is missing is said.
+//! Needs a Rust toolchain with rustfmt and clippy; all but `docs` need Python 3 too. What is missing is said.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -10,8 +10,9 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// What can be done, each with what it is for.
-const VERBS: [(&str, &str, Work); 4] = [
-    ("test", "format, clippy with warnings denied, all tests, documentation", test),
+const VERBS: [(&str, &str, Work); 5] = [
+    ("test", "format, clippy with warnings denied, all tests, documentation, then `python`", test),
+    ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
     ("bench", "criterion benches, then the swarm beside pyswarms (Python, makes its own environment)", bench),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
     ("docs", "build the documentation, and draw the pictures and the tables in docs/ anew (minutes)", docs),
@@ -50,7 +51,34 @@ fn test() -> Result<(), String> {
     step(&mut cargo(&["fmt", "--all", "--check"]))?;
     step(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     step(&mut cargo(&["test", "--workspace"]))?;
-    step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+    step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
+    python_package()
+}
+
+/// Builds the package into an environment of its own, and runs its tests there.
+fn python_package() -> Result<(), String> {
+    let there = python().args(["-c", "import venv, ensurepip"]).output().is_ok_and(|o| o.status.success());
+    if !there {
+        if std::env::var_os("CI").is_some() {
+            return Err("Python 3 with its module venv is missing".into());
+        }
+        eprintln!("SKIPPED: the Python package: Python 3 with its module venv is missing");
+        return Ok(());
+    }
+    let home = root().join("target/python");
+    let inside = home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let package = root().join("crates/piezoid-py");
+    if !inside.exists() {
+        step(python().args(["-m", "venv"]).arg(&home))?;
+    }
+    let inside = || Command::new(&inside);
+    step(inside().args(["-m", "pip", "install", "--quiet", "maturin>=1.9,<2"]))?;
+    let build =
+        ["-m", "maturin", "develop", "--quiet", "--extras", "plot,learn,fleet,mat,progress,test", "--manifest-path"];
+    step(inside().args(build).arg(package.join("Cargo.toml")).env("VIRTUAL_ENV", &home).env_remove("CONDA_PREFIX"))?;
+    step(
+        inside().args(["-m", "pytest", "--config-file"]).arg(package.join("pyproject.toml")).arg(package.join("tests")),
+    )
 }
 
 fn bench() -> Result<(), String> {

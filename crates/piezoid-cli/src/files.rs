@@ -6,10 +6,11 @@ use clap::Args;
 use piezoid::formats::{Selection, Signal, Table};
 use piezoid::record::{factor, same_sampling};
 use piezoid::{Model, Record, System};
+use piezoid_host::files;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 /// Which columns and which part of a data file are meant.
 #[derive(Args, Clone)]
@@ -152,79 +153,14 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
         }
         _ => {}
     }
-    replace(&end(path)?, text).map_err(|error| unwritable(path, &error))
-}
-
-/// Where a file is written: at the end of a link, so that the link stays.
-fn end(path: &Path) -> Result<PathBuf> {
-    if path.is_dir() {
-        bail!("cannot write {}: this is a folder: name a file in it", named(path));
-    }
-    Ok(std::fs::canonicalize(path).unwrap_or_else(|_| path.into()))
+    Ok(files::write(path, text.as_bytes())?)
 }
 
 /// Refuses results that could not be written when the work is done: before it is begun.
 pub(crate) fn ready(paths: &[Option<&Path>]) -> Result<()> {
-    let files = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
-    for path in files.filter(|path| std::fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir())) {
-        beside(&end(path)?).map_err(|error| unwritable(path, &error))?;
-    }
-    Ok(())
-}
-
-fn unwritable(path: &Path, error: &io::Error) -> Error {
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    let why = match error.kind() {
-        ErrorKind::NotFound => format!("there is no folder {}: make it first", folder.display()),
-        ErrorKind::NotADirectory => format!("{} is not a folder: name a file in a folder", folder.display()),
-        ErrorKind::PermissionDenied => format!("the folder {} may not be written to: name another", folder.display()),
-        other => other.to_string(),
-    };
-    anyhow!("cannot write {}: {why}", named(path))
-}
-
-/// A file beside `path`, which goes away unless it is kept.
-fn beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    builder.prefix(".piezoid-").tempfile_in(folder)
-}
-
-fn replace(path: &Path, text: &str) -> io::Result<()> {
-    let mut beside = beside(path)?;
-    beside.write_all(text.as_bytes())?;
-    beside.persist(path).map_err(|failed| failed.error)?;
-    Ok(())
-}
-
-/// Writes files into a folder, which is made if it is not there: all of them, or none.
-pub(crate) fn write_all(folder: &Path, files: &[piezoid::export::File]) -> Result<()> {
-    let new = !folder.exists();
-    if !new && !folder.is_dir() {
-        bail!("cannot write into {}: it is a file: name a folder", named(folder));
-    }
-    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.path)).collect();
-    if let Some(path) = paths.iter().find(|path| path.is_dir()) {
-        bail!("cannot write {}: there is a folder of that name: move it, or name another folder", named(path));
-    }
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-    let stage = |(file, path): (&piezoid::export::File, &PathBuf)| {
-        let staged = beside(path).and_then(|mut staged| staged.write_all(&file.bytes).map(|()| staged));
-        staged.map_err(|error| unwritable(path, &error))
-    };
-    let staged: Result<Vec<_>> = files.iter().zip(&paths).map(stage).collect();
-    let written = staged.and_then(|staged| {
-        let place = |(file, path): (tempfile::NamedTempFile, &PathBuf)| {
-            file.persist(path).map(drop).map_err(|failed| unwritable(path, &failed.error))
-        };
-        staged.into_iter().zip(&paths).try_for_each(place)
-    });
-    if written.is_err() && new {
-        drop(std::fs::remove_dir_all(folder));
-    }
-    written
+    let named = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
+    let plain = |path: &&Path| std::fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir());
+    Ok(named.filter(plain).try_for_each(files::ready)?)
 }
 
 /// Writes a machine-readable result where `--json` says.

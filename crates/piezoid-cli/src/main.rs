@@ -3,7 +3,6 @@
 //! Exit status: 0 on success, 2 on a wrong command line, 1 on any other failure, with one message on stderr.
 
 mod commands;
-mod compiler;
 mod console;
 mod files;
 mod layout;

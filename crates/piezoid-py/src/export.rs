@@ -7,13 +7,21 @@ use crate::model::Model;
 use crate::samples::{samples, slice};
 use piezoid::control::{Drive, Scheme, controller};
 use piezoid::export::{Playback, Wanted, target as chosen};
+use piezoid_host::{compiler, files};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
 
 /// Files by their paths, and notes.
 type Made = (Vec<(String, Py<PyBytes>)>, Vec<String>);
 
-/// What a target makes.
+/// Writes a file, which is whole or not there.
+#[pyfunction]
+pub(crate) fn write(path: PathBuf, content: &[u8]) -> PyResult<()> {
+    files::write(&path, content).map_err(raised)
+}
+
+/// What a target makes, written into a folder if one is named.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn export(
@@ -26,6 +34,7 @@ pub(crate) fn export(
     settings: &Bound<'_, PyDict>,
     reference: Option<Bound<'_, PyAny>>,
     playback: (Option<f64>, Option<(f64, f64)>),
+    folder: Option<PathBuf>,
 ) -> PyResult<Made> {
     let (model, how, (single, preview, law)) = (inner(model), how(settings)?, options);
     let chosen = chosen(target_name).map_err(raised)?;
@@ -53,8 +62,19 @@ pub(crate) fn export(
                 }
             };
             let controller = drive.as_ref().map(Drive::controller);
-            let wanted = Wanted { single, how, preview, controller, reference, playback, ..Wanted::new(&model, name) };
-            (chosen.make)(&wanted)
+            let wanted = Wanted {
+                single,
+                how,
+                preview,
+                controller,
+                reference,
+                playback,
+                compiler: compiler::here(),
+                ..Wanted::new(&model, name)
+            };
+            let made = (chosen.make)(&wanted)?;
+            folder.iter().try_for_each(|folder| files::write_all(folder, &made.files))?;
+            Ok(made)
         })
         .map_err(raised)?;
     let files = made.files.into_iter().map(|file| (file.path, PyBytes::new(py, &file.bytes).unbind()));

@@ -26,7 +26,7 @@ mod _piezoid {
     #[pymodule_export]
     use crate::error::PiezoidError;
     #[pymodule_export]
-    use crate::export::export;
+    use crate::export::{export, write};
     #[pymodule_export]
     use crate::identify::identify;
     #[pymodule_export]

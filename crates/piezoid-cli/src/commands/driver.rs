@@ -1,6 +1,6 @@
 //! The driver in front of the actuator, whose limits a voltage must keep.
 
-use crate::values::{argument, farads};
+use crate::values::{Misused, argument, farads};
 use anyhow::{Error, Result, anyhow};
 use clap::Args;
 use piezoid::excitation::{Driver, Limits};
@@ -36,5 +36,6 @@ impl Amplifier {
 
 /// The limits of a driver with its load.
 pub(crate) fn driver_limits(name: &str, capacitance: Option<f64>) -> Result<Limits> {
-    argument(argument(Driver::find(name))?.loaded(capacitance))
+    let limits = argument(Driver::find(name))?.loaded(capacitance);
+    Ok(limits.map_err(|e| Misused(format!("{e} (--capacitance)")))?)
 }

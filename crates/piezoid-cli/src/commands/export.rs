@@ -2,7 +2,6 @@
 
 use super::driver::Amplifier;
 use super::tuning::Tuning;
-use crate::compiler;
 use crate::console::Console;
 use crate::files::{self, Columns};
 use crate::values::{Misused, argument, period};
@@ -12,6 +11,7 @@ use piezoid::Model;
 use piezoid::compensation::How;
 use piezoid::control::{Drive, Scheme, controller};
 use piezoid::export::{Playback, TARGETS, Target, Wanted, target};
+use piezoid_host::{compiler, files as host};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -99,7 +99,7 @@ impl Export {
             ..Wanted::new(&model, &self.name)
         };
         let made = (target.make)(&wanted).map_err(|e| self.blamed(e))?;
-        files::write_all(&self.output, &made.files)?;
+        host::write_all(&self.output, &made.files)?;
         for note in &made.notes {
             console.remark(note);
         }

@@ -1,37 +1,17 @@
-"""Files that are whole or not there: written beside and renamed."""
+"""Files: read with errors that help, and written whole or not at all."""
 
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
+from . import _piezoid
 from ._piezoid import PiezoidError
 
 
-def write(path: str | os.PathLike[str], content: str | bytes) -> None:
+def write(path: str | os.PathLike[str], text: str) -> None:
     """Writes a file; what stood there before stays until the new one is whole."""
-    path = Path(path)
-    data = content.encode() if isinstance(content, str) else content
-    try:
-        mode = path.stat().st_mode & 0o777 if path.exists() else 0o666 & ~_umask()
-        handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".piezoid-")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                file.write(data)
-            os.chmod(beside, mode)
-            os.replace(beside, path)
-        except BaseException:
-            os.unlink(beside)
-            raise
-    except OSError as error:
-        raise PiezoidError(f"cannot write {path}: {error.strerror or error}: name another place") from error
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    _piezoid.write(path, text.encode())
 
 
 def read(path: str | os.PathLike[str]) -> bytes:

@@ -1,3 +1,4 @@
+import os
 from collections.abc import Sequence
 from typing import Any, TypeAlias, final
 
@@ -183,7 +184,9 @@ def export(
     settings: dict[str, Any],
     reference: Samples | None,
     playback: tuple[float | None, tuple[float, float] | None],
+    folder: str | os.PathLike[str] | None,
 ) -> tuple[list[tuple[str, bytes]], list[str]]: ...
+def write(path: str | os.PathLike[str], content: bytes) -> None: ...
 def study(
     name: str, seed: int, progress: Told | None
 ) -> tuple[dict[str, Any], list[tuple[str, str]], str, str]: ...

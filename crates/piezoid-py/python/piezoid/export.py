@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 import warnings
-from pathlib import Path
 from typing import Any
 
-from . import _files, _piezoid
+from . import _piezoid
 from ._types import Samples
 from .model import Model
 
@@ -55,13 +54,8 @@ def export(
         limits,
         reference,
         (servo_cycle, range),
+        folder,
     )
     for note in notes:
         warnings.warn(note, stacklevel=2)
-    made = dict(files)
-    if folder is not None:
-        for path, content in made.items():
-            place = Path(folder) / path
-            place.parent.mkdir(parents=True, exist_ok=True)
-            _files.write(place, content)
-    return made
+    return dict(files)

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::process::Command;
 
 /// The compiler, where `cc` is one that is known to make the same library of the same sources: on Linux.
-pub(crate) fn here() -> Option<Compiler> {
+pub fn here() -> Option<Compiler> {
     let platform = match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => "x86_64-linux",
         ("linux", "aarch64") => "aarch64-linux",
