@@ -12,6 +12,8 @@ numpy arrays of shape (n,); anything numpy makes such an array of may be given. 
 `ValueError` that says what, where, and what to do.
 """
 
+from types import ModuleType
+
 from . import excite, linear
 from ._piezoid import PiezoidError, __version__
 from .control import Comparison, control
@@ -52,3 +54,12 @@ __all__ = [
     "study",
     "targets",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """What needs packages of its own is imported when it is asked for."""
+    if name == "learn":
+        from importlib import import_module
+
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

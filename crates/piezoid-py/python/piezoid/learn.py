@@ -1,0 +1,172 @@
+"""The model as an estimator of scikit-learn: cross-validated over records, its operator and order searched for.
+
+>>> import piezoid as pz
+>>> from piezoid.learn import HammersteinRegressor, stack
+>>> from sklearn.model_selection import LeaveOneGroupOut, cross_val_score
+>>> plant, ts = pz.plants["pl140"], 1e-3
+>>> sines = [pz.excite.rising_sine(ts=ts, duration=1, amplitude=28, frequency=f) for f in (4, 7, 11)]
+>>> X, y, groups = stack([plant.measure(u, ts) for u in sines])
+>>> X.shape, y.shape
+((3000, 2), (3000,))
+>>> regressor = HammersteinRegressor(ts, operator="preisach", order=2, elements=8)
+>>> bool(cross_val_score(regressor, X, y, groups=groups, cv=LeaveOneGroupOut()).min() > 0.99)
+True
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from ._piezoid import PiezoidError
+from ._types import Array, Units
+from .identify import identify
+from .model import Model
+from .records import Record
+
+try:
+    from scipy.sparse import issparse
+    from sklearn.base import BaseEstimator, RegressorMixin
+    from sklearn.utils import Tags
+    from sklearn.utils.validation import check_is_fitted, validate_data
+except ImportError as error:
+    raise PiezoidError(f"piezoid.learn needs scikit-learn 1.6 or later ({error}): pip install piezoid[learn]") from None
+
+__all__ = ["HammersteinRegressor", "stack"]
+
+
+class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
+    """Displacement from voltage: `piezoid.identify` and free runs behind fit and predict.
+
+    X: voltages, of shape (n,) or (n, 1), where all rows are one record; or, of shape (n, 2), with the number of the record
+        that a row belongs to beside them. Rows of a record stand together, in order of time. The number travels within X,
+        so that each part of scikit-learn knows where records end: no fit and no free run goes across the seam of two.
+    y: displacements, of shape (n,)
+
+    ts: sampling period of all records [s]
+    units: of voltages and displacements
+    small_signal: records whose input spans no more than this [input unit], peak to peak, are small-signal ones, `linear` of
+        `identify`; the others are `rich`. Without it all are `data`.
+
+    All other parameters are those of `piezoid.identify`. Split by whole records (`LeaveOneGroupOut`, `GroupKFold`): a split
+    within a record, as `KFold` makes it, leaves a gap in what is fitted that nobody can see.
+
+    model_: the `piezoid.Model`, after fit
+    n_features_in_: 1, or 2 where records are numbered
+
+    >>> from sklearn.model_selection import GridSearchCV, GroupKFold
+    >>> search = GridSearchCV(
+    ...     HammersteinRegressor(ts=5e-4), {"operator": ["preisach", "prandtl-ishlinskii"], "order": [2, 3]},
+    ...     cv=GroupKFold(3))  # then search.fit(X, y, groups=groups)
+    """
+
+    model_: Model
+
+    def __init__(
+        self,
+        ts: float,
+        *,
+        units: Units = ("V", "um"),
+        small_signal: float | None = None,
+        method: Literal["joint", "paper"] = "joint",
+        operator: str = "auto",
+        order: int | None = None,
+        seed: int = 0,
+        elements: int | None = None,
+        creep: bool = True,
+        driver: str | None = None,
+        capacitance: float | None = None,
+        driver_lag: float | None = None,
+        estimator: str | None = None,
+        split: Literal["line", "direction"] | None = None,
+        bins: int | None = None,
+        reading: Literal["held", "printed"] | None = None,
+        particles: int | None = None,
+        iterations: int | None = None,
+    ) -> None:
+        self.ts = ts
+        self.units = units
+        self.small_signal = small_signal
+        self.method = method
+        self.operator = operator
+        self.order = order
+        self.seed = seed
+        self.elements = elements
+        self.creep = creep
+        self.driver = driver
+        self.capacitance = capacitance
+        self.driver_lag = driver_lag
+        self.estimator = estimator
+        self.split = split
+        self.bins = bins
+        self.reading = reading
+        self.particles = particles
+        self.iterations = iterations
+
+    def fit(self, X: npt.ArrayLike, y: npt.ArrayLike) -> HammersteinRegressor:
+        """Identifies `model_` on the records in X and y."""
+        rows, moved = validate_data(self, _columns(X), y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
+        settings = self.get_params(deep=False)
+        ts, units, small = settings.pop("ts"), settings.pop("units"), settings.pop("small_signal")
+        records = [Record(u, moved[record], ts, units) for record, u in self._records(rows)]
+        if small is None:
+            self.model_ = identify(data=records, **settings)
+        else:
+            linear = [r for r in records if np.ptp(r.u) <= small]
+            rich = [r for r in records if np.ptp(r.u) > small]
+            self.model_ = identify(linear=linear, rich=rich, **settings)
+        return self
+
+    def predict(self, X: npt.ArrayLike) -> Array:
+        """The free run of each record from rest [output unit], of shape (n,): no measured displacement helps it."""
+        check_is_fitted(self, "model_")
+        rows = validate_data(self, _columns(X), reset=False, dtype=np.float64)
+        return np.concatenate([self.model_.simulate(u) for _, u in self._records(rows)])
+
+    def _records(self, X: Array) -> list[tuple[slice, Array]]:
+        """The rows and the voltages of each record."""
+        if X.shape[1] == 1:
+            return [(slice(None), X[:, 0])]
+        if X.shape[1] > 2:
+            raise PiezoidError(f"X has shape {X.shape}: give one column of voltages, and one of record numbers at most")
+        number = X[:, 1]
+        if len(odd := np.flatnonzero(number != np.round(number))):
+            raise PiezoidError(f"row {odd[0]} of X belongs to record {number[odd[0]]:g}: number records by whole numbers")
+        starts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist()]
+        seen: set[float] = set()
+        for row in starts:
+            if number[row] in seen:
+                raise PiezoidError(f"record {number[row]:g} goes on at row {row} of X: keep its rows together")
+            seen.add(number[row])
+        rows = [slice(*ends) for ends in zip(starts, [*starts[1:], len(X)], strict=True)]
+        return [(record, X[record, 0]) for record in rows]
+
+    def __sklearn_tags__(self) -> Tags:
+        tags = super().__sklearn_tags__()
+        tags.input_tags.one_d_array = True
+        # The score meant is that on rows without an order, of several columns.
+        tags.regressor_tags.poor_score = True
+        return tags
+
+
+def stack(records: Iterable[Record]) -> tuple[Array, Array, npt.NDArray[np.int64]]:
+    """X, of shape (n, 2), and y, of shape (n,), of records one after the other, and the number of its record for each row,
+    of shape (n,), as `groups` of a cross-validation."""
+    given = list(records)
+    if len(kinds := {(r.ts, r.units) for r in given}) != 1:
+        told = "; ".join(sorted(f"every {ts:g} s in {u} and {y}" for ts, (u, y) in kinds)) or "none"
+        raise PiezoidError(f"records to stack must share sampling period and units, and be one at least: these are {told}")
+    groups = np.repeat(np.arange(len(given)), [len(r) for r in given])
+    X = np.column_stack([np.concatenate([r.u for r in given]), groups])
+    return X, np.concatenate([r.y for r in given]), groups
+
+
+def _columns(X: Any) -> Any:
+    """Samples alone as a column; what else there may be is scikit-learn's to judge."""
+    if issparse(X) or getattr(X, "ndim", 1) != 1:
+        return X
+    X = np.asarray(X)
+    return X[:, np.newaxis] if X.ndim == 1 else X
