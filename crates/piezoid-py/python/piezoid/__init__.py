@@ -12,6 +12,9 @@ numpy arrays of shape (n,); anything numpy makes such an array of may be given. 
 `ValueError` that says what, where, and what to do.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from . import excite, linear
 from ._piezoid import PiezoidError, __version__
 from .control import Comparison, control
@@ -22,6 +25,9 @@ from .model import Compensation, FeedForward, Model, Validation, load
 from .plants import Plant, plants
 from .records import Record, read, read_reference
 from .study import Study, study
+
+if TYPE_CHECKING:
+    from . import plot as plot
 
 __all__ = [
     "Comparison",
@@ -52,3 +58,10 @@ __all__ = [
     "study",
     "targets",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # matplotlib is imported for whoever draws, and for nobody else.
+    if name == "plot":
+        return import_module(".plot", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -27,6 +27,8 @@ class Comparison:
     """One dict a run: `controller`, `reference`, and the arrays `u`, `y`, `r` of shape (n,), or an `error`."""
     html: str = field(repr=False)
     """A page with tables and figures."""
+    ts: float = field(repr=False)
+    """Sampling period of the runs [s]."""
 
     def run(self, controller: str | None = None, reference: str | None = None) -> dict[str, Any]:
         """The first run of these names."""
@@ -96,7 +98,7 @@ def control(
             tolerance,
             watch,
         )
-    return Comparison(figures, runs, html)
+    return Comparison(figures, runs, html, model.ts)
 
 
 __all__ = ["Comparison", "control", "known", "reference"]
