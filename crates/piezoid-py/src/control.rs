@@ -87,6 +87,7 @@ pub(crate) fn control(
                     run.set_item("u", array(py, attempt.run.u.clone()))?;
                     run.set_item("y", array(py, attempt.run.y.clone()))?;
                     run.set_item("r", array(py, attempt.run.r.clone()))?;
+                    run.set_item("percent_of_stroke", attempt.tracking.percent_of_stroke)?;
                     run.set_item("notes", attempt.fed.notes.clone())?;
                 }
             }

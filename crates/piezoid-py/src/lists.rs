@@ -23,11 +23,16 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
         let parameters: Vec<Value> = e.parameters.iter().map(parameter).collect();
         json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": parameters})
     };
+    let operator = |o: &&piezoid::hysteresis::Operator| {
+        let mut row = row(o.name, o.summary, o.reference);
+        row["properties"] = json!({"minor_loops": o.minor_loops, "rate_independent": o.rate_independent, "wipes_out": o.wipes_out});
+        row
+    };
     let feeds = FEEDS.iter().map(|f| row(f.name, f.summary, f.reference));
     let controllers: Vec<Value> =
         feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect();
     let all = json!({
-        "operators": OPERATORS.iter().map(|o| row(o.name, o.summary, o.reference)).collect::<Vec<_>>(),
+        "operators": OPERATORS.iter().map(operator).collect::<Vec<_>>(),
         "excitations": EXCITATIONS.iter().map(excitation).collect::<Vec<_>>(),
         "plants": PLANTS.iter().map(|p| row(p.name, p.summary, p.reference)).collect::<Vec<_>>(),
         "drivers": DRIVERS.iter().map(|d| row(d.name, d.summary, d.reference)).collect::<Vec<_>>(),

@@ -7,6 +7,7 @@ use crate::record::Record;
 use crate::samples::{array, samples, slice};
 use numpy::{Complex64, PyArray1};
 use piezoid::System;
+use piezoid::hammerstein::Beginning;
 use piezoid::validation::{Settings, validate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -94,10 +95,18 @@ impl Model {
         Ok(PyArray1::from_vec(py, slice(&hz)?.iter().map(at).collect()).unbind())
     }
 
-    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+    #[pyo3(signature = (u, begin="rest"))]
+    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Py<PyArray1<f64>>> {
         let given = samples("u", u)?;
         let u = finite("u", slice(&given)?)?;
-        let y = py.detach(|| self.model.simulate(u));
+        let beginning = match begin {
+            "rest" => Beginning::Rest,
+            "settled" => Beginning::Settled,
+            "motion" => Beginning::Motion,
+            "likely" => Beginning::of(u)[0],
+            _ => return Err(refused(&format!("begin = {begin}: must be rest, settled, motion or likely"))),
+        };
+        let y = py.detach(|| self.model.resume(&mut self.model.before(u, beginning), u));
         Ok(array(py, y).unbind())
     }
 

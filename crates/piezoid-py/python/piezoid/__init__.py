@@ -12,7 +12,9 @@ numpy arrays of shape (n,); anything numpy makes such an array of may be given. 
 `ValueError` that says what, where, and what to do.
 """
 
+from importlib import import_module
 from types import ModuleType
+from typing import TYPE_CHECKING
 
 from . import excite, linear
 from ._piezoid import PiezoidError, __version__
@@ -24,6 +26,11 @@ from .model import Compensation, FeedForward, Model, Validation, load
 from .plants import Plant, plants
 from .records import Record, read, read_reference
 from .study import Study, study
+
+if TYPE_CHECKING:
+    from . import fleet as fleet
+    from . import learn as learn
+    from . import plot as plot
 
 __all__ = [
     "Comparison",
@@ -57,9 +64,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    """What needs packages of its own is imported when it is asked for."""
-    if name == "learn":
-        from importlib import import_module
-
+    # What needs packages of its own is imported for whoever asks for it.
+    if name in ("fleet", "learn", "plot"):
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

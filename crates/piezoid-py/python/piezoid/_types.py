@@ -22,3 +22,4 @@ Units: TypeAlias = tuple[str, str]
 """Of input and output."""
 
 Offset: TypeAlias = Literal["kept", "free"]
+Begin: TypeAlias = Literal["rest", "settled", "motion", "likely"]

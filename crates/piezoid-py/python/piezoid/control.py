@@ -27,6 +27,8 @@ class Comparison:
     """One dict a run: `controller`, `reference`, and the arrays `u`, `y`, `r` of shape (n,), or an `error`."""
     html: str = field(repr=False)
     """A page with tables and figures."""
+    ts: float = field(repr=False)
+    """Sampling period of the runs [s]."""
 
     def run(self, controller: str | None = None, reference: str | None = None) -> dict[str, Any]:
         """The first run of these names."""
@@ -38,16 +40,13 @@ class Comparison:
 
     @property
     def table(self) -> pd.DataFrame:
-        """Rms errors in percent of the height of the reference: one row a reference, one column a controller."""
-        import numpy as np
+        """Rms errors in percent of the height of the reference, of one that repeats from its second period on: one row a
+        reference, one column a controller."""
         import pandas as pd
 
         rows: dict[str, dict[str, float]] = {}
         for run in self.runs:
-            r, y = run.get("r"), run.get("y")
-            height = np.nan if r is None else float(np.ptp(r))
-            error = np.nan if r is None or y is None else 100 * float(np.sqrt(np.mean((y - r) ** 2))) / height
-            rows.setdefault(run["reference"], {})[run["controller"]] = error
+            rows.setdefault(run["reference"], {})[run["controller"]] = run.get("percent_of_stroke", float("nan"))
         return pd.DataFrame.from_dict(rows, orient="index")
 
 
@@ -96,7 +95,7 @@ def control(
             tolerance,
             watch,
         )
-    return Comparison(figures, runs, html)
+    return Comparison(figures, runs, html, model.ts)
 
 
 __all__ = ["Comparison", "control", "known", "reference"]

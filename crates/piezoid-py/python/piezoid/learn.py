@@ -121,10 +121,11 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return self
 
     def predict(self, X: npt.ArrayLike) -> Array:
-        """The free run of each record from rest [output unit], of shape (n,): no measured displacement helps it."""
+        """The free run of each record [output unit], of shape (n,): no measured displacement helps it. What came before a
+        record is what its inputs make likely: they went on as in it, or the first had stood for long."""
         check_is_fitted(self, "model_")
         rows = validate_data(self, _columns(X), reset=False, dtype=np.float64)
-        return np.concatenate([self.model_.simulate(u) for _, u in self._records(rows)])
+        return np.concatenate([self.model_.simulate(u, begin="likely") for _, u in self._records(rows)])
 
     def _records(self, X: Array) -> list[tuple[slice, Array]]:
         """The rows and the voltages of each record."""

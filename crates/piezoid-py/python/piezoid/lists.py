@@ -10,7 +10,7 @@ True
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 from ._piezoid import PiezoidError, lists
@@ -26,6 +26,8 @@ class Row:
     name: str
     summary: str
     reference: str
+    properties: Mapping[str, bool] = field(default_factory=dict, repr=False)
+    """Of an operator: whether it has minor loops, minds no time, and wipes out."""
 
 
 T = TypeVar("T")
@@ -61,13 +63,13 @@ class Rows(Mapping[str, T], Generic[T]):
 
 
 def _rows(kind: str, name: str) -> Rows[Row]:
-    return Rows(kind, {row["name"]: Row(row["name"], row["summary"], row["reference"]) for row in ALL[name]})
+    return Rows(kind, {row["name"]: Row(**row) for row in ALL[name]})
 
 
 operators = _rows("operator", "operators")
 controllers = _rows("controller", "controllers")
 drivers = _rows("driver", "drivers")
 estimators = _rows("estimator", "estimators")
-excitations = _rows("excitation", "excitations")
+excitations = Rows("excitation", {e["name"]: Row(e["name"], e["summary"], e["reference"]) for e in ALL["excitations"]})
 references = _rows("reference", "references")
 targets = _rows("target", "targets")

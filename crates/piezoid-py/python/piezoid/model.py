@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _files, _html, _piezoid
 from ._piezoid import FeedForward, PiezoidError
-from ._types import Array, Offset, Samples, Units
+from ._types import Array, Begin, Offset, Samples, Units
 from .records import Record
 
 if TYPE_CHECKING:
@@ -130,9 +130,13 @@ class Model:
         """What an engineer asks for, with its standard error."""
         return _frame(self.provenance.get("parameters", []))
 
-    def simulate(self, u: Samples) -> Array:
-        """The free run from rest: displacements [output unit] of inputs `u` [input unit], both of shape (n,)."""
-        return self._core.simulate(u)
+    def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
+        """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
+
+        begin: what came before: "rest"; "settled", the first input, which had stood for long; "motion", the same as in `u`; or
+            which of the last two `u` makes "likely"
+        """
+        return self._core.simulate(u, begin)
 
     def predict(self, u: Samples, y: Samples) -> Array:
         """One step ahead: what it foretells of y[t] from u up to t and measured y up to t-1; all of shape (n,)."""

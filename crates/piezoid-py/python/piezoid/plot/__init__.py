@@ -1,0 +1,40 @@
+"""Figures with matplotlib that look right in a paper: `pip install piezoid[plot]`.
+
+>>> import numpy as np, piezoid as pz
+>>> plant = pz.plants["pl140"]
+>>> record = plant.measure(pz.excite.rising_sine(ts=5e-4, duration=1, amplitude=28, frequency=5), ts=5e-4)
+>>> with pz.plot.style(width="single"):
+...     ax = pz.plot.loops(record)
+>>> ax.get_xlabel(), ax.get_ylabel()
+('input u [V]', 'output y [µm]')
+>>> ax.figure.savefig("loops.pdf")  # doctest: +SKIP
+
+Every function draws into the `ax` it is given, or else into a figure of its own with the width of `figure.figsize`, and
+returns what it drew into. What a line is decides its colour; darkness, markers and the legend say it too. Nothing is
+shown, and no setting of matplotlib stays changed.
+"""
+
+from .._piezoid import PiezoidError
+
+try:
+    import matplotlib as _matplotlib
+except ImportError:
+    raise PiezoidError("figures need matplotlib: pip install piezoid[plot]") from None
+
+from ._errors import frequencies, tracking
+from ._models import branches, response
+from ._records import loops, residuals, series
+from ._style import COLOURS, EQUALS, style
+
+__all__ = [
+    "COLOURS",
+    "EQUALS",
+    "branches",
+    "frequencies",
+    "loops",
+    "residuals",
+    "response",
+    "series",
+    "style",
+    "tracking",
+]

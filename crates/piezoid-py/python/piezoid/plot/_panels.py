@@ -1,0 +1,153 @@
+"""Panels, their labels and legends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.textpath import TextPath
+
+from .._piezoid import PiezoidError
+from ._style import COLOURS
+
+Panels: TypeAlias = "npt.NDArray[np.object_]"
+"""Several Axes."""
+
+GAP = 3.5
+"""What a name in a legend takes besides its letters: its line and the gaps [size of the letters]."""
+
+SINGLE = 3.4
+"""Up to this width [in] a figure keeps its proportions; a wider one grows less in height."""
+
+
+def panels(
+    ax: object,
+    rows: Sequence[Sequence[int]],
+    height: float,
+    *,
+    ratios: Sequence[float] | None = None,
+    shared: tuple[bool, bool] = (True, False),
+) -> list[Axes]:
+    """The Axes given, or those of a new figure.
+
+    rows: which panel, counted from 0, stands where, and -1 where none does
+    height: over the width, in a single column; ratios: of the heights of the rows; shared: x and y
+    """
+    n = 1 + max(max(row) for row in rows)
+    if ax is not None:
+        given = list(np.ravel(np.asarray(ax, dtype=object)))
+        if len(given) != n or not all(isinstance(a, Axes) for a in given):
+            what = f"{len(given)} of {type(given[0]).__name__}" if given else "nothing"
+            raise PiezoidError(f"ax holds {what}: this figure takes {n} Axes, as plt.subplots({n}) makes them")
+        return given
+    width = mpl.rcParams["figure.figsize"][0]
+    tall = height * (width if width <= SINGLE else SINGLE + 0.4 * (width - SINGLE))
+    figure = plt.figure(figsize=(width, tall), layout="constrained")
+    made = figure.subplot_mosaic(
+        [list(row) for row in rows], height_ratios=ratios, sharex=shared[0], sharey=shared[1], empty_sentinel=-1
+    )
+    for a in made.values():
+        _hold(a)
+    return [made[k] for k in range(n)]
+
+
+def _hold(ax: Axes) -> None:
+    # Ticks are made when they are drawn, with the settings of that moment: here they hold on to those of now.
+    now: Any = mpl.rcParams
+    for name, axis in (("xtick", ax.xaxis), ("ytick", ax.yaxis)):
+        both = {key: now[f"{name}.{key}"] for key in ("direction", "labelsize")}
+        for which in ("major", "minor"):
+            own = {key: now[f"{name}.{which}.{key}"] for key in ("size", "width", "pad")}
+            axis.set_tick_params(which=which, labelfontfamily=now["font.family"], **own, **both)
+
+
+def several(axes: Iterable[Axes]) -> Panels:
+    """Axes as an array, as matplotlib gives them."""
+    return np.array(list(axes), dtype=object)
+
+
+def label(ax: Axes, x: str, y: str) -> None:
+    """Says what stands along both axes."""
+    ax.set_xlabel(x)
+    ax.set_ylabel(y)
+
+
+def unit(name: str) -> str:
+    """A unit as it is printed."""
+    return "µ" + name[1:] if name.startswith("u") and len(name) > 1 else name
+
+
+def width(share: float = 1.0) -> float:
+    """A line's width, as a share of the usual."""
+    return share * float(mpl.rcParams["lines.linewidth"])
+
+
+def stacked(axes: Sequence[Axes]) -> None:
+    """Panels over one x axis: the lowest labels it, and the labels of y stand in one line."""
+    for ax in axes:
+        ax.label_outer()
+    figure = axes[0].get_figure(root=True)
+    assert figure is not None
+    figure.align_ylabels(axes)
+
+
+def span(axes: Iterable[Axes], start: float, end: float) -> None:
+    """Time from one end to the other, and no further."""
+    for ax in axes:
+        ax.set_xlim(start, end)
+
+
+def plain(axis: Axis) -> None:
+    """Numbers as people write them along a logarithmic axis: 1, 10, 100; 2 and 5 as well where these are few."""
+    low, high = axis.get_view_interval()
+    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    between = FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
+    axis.set_minor_formatter(between if high < 100 * low else NullFormatter())
+
+
+def zero(ax: Axes) -> None:
+    """A thin line at 0."""
+    ax.axhline(0.0, color=COLOURS["muted"], linewidth=width(0.7), zorder=0)
+
+
+def legend(ax: Axes, over: Figure | None = None) -> None:
+    """Names the lines above their panel, where no data are, or `over` a whole figure, in as many columns as fit."""
+    handles, names = ax.get_legend_handles_labels()
+    if len(names) < 2:
+        return
+    font = FontProperties(size=mpl.rcParams["legend.fontsize"])
+    size, figure = font.get_size_in_points(), ax.get_figure(root=True)
+    room = 72.0 * (figure.get_figwidth() if figure else SINGLE) * (1.0 if over else ax.get_position().width + 0.05)
+    widths = [TextPath((0, 0), name, prop=font).get_extents().width + GAP * size for name in names]
+    rows = next(r for r in range(1, 1 + len(names)) if r == len(names) or _columns(widths, r) < room)
+    above = {"loc": "outside upper left"} if over else {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+    made = (over or ax).legend(
+        handles, names, **above, ncols=-(-len(names) // rows), prop=font, frameon=False, borderaxespad=0.1,
+        borderpad=0.2, handlelength=1.6, handletextpad=0.5, columnspacing=1.4,
+    )  # fmt: skip
+    for line in made.get_lines():
+        line.set_linewidth(max(line.get_linewidth(), width(1.4)))
+
+
+def _columns(widths: Sequence[float], rows: int) -> float:
+    """The width of names set in columns, one below the other."""
+    return sum(max(widths[k : k + rows]) for k in range(0, len(widths), rows))
+
+
+def named(given: Any, kinds: tuple[type, ...]) -> dict[str, Any] | None:
+    """Several by name, a number being a frequency [Hz]; none where one is given."""
+    if isinstance(given, kinds):
+        return None
+    wanted = " or ".join(f"a {kind.__name__}" for kind in kinds)
+    if isinstance(given, Mapping) and given and all(isinstance(one, kinds) for one in given.values()):
+        return {name if isinstance(name, str) else f"{name:g} Hz": one for name, one in given.items()}
+    raise PiezoidError(f"a {type(given).__name__} cannot be drawn here: give {wanted}, or a mapping from names to such")
