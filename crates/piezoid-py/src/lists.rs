@@ -25,7 +25,8 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     };
     let operator = |o: &&piezoid::hysteresis::Operator| {
         let mut row = row(o.name, o.summary, o.reference);
-        row["properties"] = json!({"minor_loops": o.minor_loops, "rate_independent": o.rate_independent, "wipes_out": o.wipes_out});
+        row["properties"] =
+            json!({"minor_loops": o.minor_loops, "rate_independent": o.rate_independent, "wipes_out": o.wipes_out});
         row
     };
     let feeds = FEEDS.iter().map(|f| row(f.name, f.summary, f.reference));
