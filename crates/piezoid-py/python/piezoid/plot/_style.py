@@ -43,7 +43,7 @@ def style(width: Literal["single", "double"] | float = "single") -> Iterator[Non
     font = next((name for name in FONTS if name in known), FONTS[-1])
     look: dict[Any, Any] = {
         "figure.figsize": (inches, 0.75 * inches),
-        "figure.dpi": 200,
+        "figure.dpi": 144,
         "savefig.dpi": 600,
         "figure.constrained_layout.use": True,
         "figure.constrained_layout.w_pad": 0.02,
@@ -70,5 +70,10 @@ def style(width: Literal["single", "double"] | float = "single") -> Iterator[Non
         **{f"{axis}tick.minor.size": 1.5 for axis in "xy"},
         **{f"{axis}tick.major.pad": 2.5 for axis in "xy"},
     }
-    with mpl.rc_context(look):
+    # Its own settings alone are put back: whoever draws first in a notebook also starts the notebook's way of showing figures.
+    before = {name: mpl.rcParams[name] for name in look}
+    mpl.rcParams.update(look)
+    try:
         yield
+    finally:
+        mpl.rcParams.update(before)
