@@ -79,6 +79,11 @@ def test_frames_give_records_and_records_frames() -> None:
     assert pz.read(record.to_frame()) == record
 
 
+@pytest.mark.parametrize("index", [pd.to_timedelta(T, unit="s"), pd.Timestamp("2026-01-01 12:00") + pd.to_timedelta(T, unit="s")])
+def test_frames_of_instants_know_their_times(index: pd.Index) -> None:
+    assert pz.read(pd.DataFrame({"u_V": U, "y_um": Y}, index=index)) == pz.Record(U, Y, ts=5e-4)
+
+
 def test_a_file_says_the_same_as_the_command_lines(tmp_path: Path) -> None:
     record = pz.Record(U, Y, ts=5e-4)
     record.save(tmp_path / "r.csv")
