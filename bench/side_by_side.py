@@ -35,7 +35,7 @@ TEXT = """\
   10 ms. Run once were the choice of an operator and the search of SysIdentPy's settings, which take long, and each seed of a swarm.
 - `error / peak` is the largest difference to the exact sums, in the widest floating-point type of numpy, over their peak; below 1e-9
   it is rounding, and called the same. `nrmse` is 100 rms error / standard deviation of a free run. Errors within a thousandth of
-  each other are the same.
+  each other are the same, and so are times within a quarter, which is what they change from run to run.
 
 ## What came out
 
@@ -51,17 +51,20 @@ nrmse [%] / rms error in % of peak-to-peak.
 
 ## Where piezoid is not ahead
 
+Behind in error, or behind or the same in time.
+
 {behind}
 
 ## What the others were given
 
 - **Filter.** Both get the same coefficients: stable blocks fitted to the twin by output error. Noise as input.
-- **ARX.** The twin `pl140` at a PRBS of 1 V, 4095 samples. numpy and scipy: the regression is built from sliding indices, with
+- **ARX.** The twin `pl140` at a PRBS of 1 V, 4095 samples. numpy and scipy: the regression is built from slices, with
   a column of ones, as the time of piezoid includes the same. Output error: `least_squares` (Levenberg-Marquardt) on `lfilter`,
   begun at least squares, with the past and a constant free. SysIdentPy has no output error; its ARX of the same order stands
   there for what its free run leaves.
 - **Swarm.** 50 particles, {iterations} iterations, the same rows, box, inertia and accelerations; numpy computes the costs of
-  all particles in one product. Only its search is timed, where the time of piezoid includes building the rows. pyswarms draws r1
+  all particles in one product, in arrays that are kept: made anew in each iteration, as one would write it at first, they cost up to
+  ten times as much in a fresh process. Only its search is timed, where the time of piezoid includes building the rows. pyswarms draws r1
   and r2 for every dimension, piezoid once a particle, as the paper has it. HiGHS gets the linear program with sparse matrices.
 - **Plays** in numpy: all plays of a sample at once; and all samples between two turning points of the input at once, where a
   play is a maximum, which is the best we know for inputs that turn seldom. Numba and other compilers are not compared.
@@ -100,9 +103,10 @@ def main() -> None:
             continue
         print(f"identification, {bench.name}", file=sys.stderr)
         identification.identification(page, bench)
+    load = f", load {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
     packages = ["numpy", "scipy", "pyswarms", "sysidentpy"]
     text = TEXT.format(
-        machine=f"{os.cpu_count()} cores, {platform.machine()}, {platform.system()}",
+        machine=f"{os.cpu_count()} cores, {platform.machine()}, {platform.system()}{load}",
         versions=", ".join([f"Python {platform.python_version()}", *[f"{name} {version(name)}" for name in packages]]),
         table=table.markdown(table.HEADS, [row.cells() for row in page.rows], 3),
         facts="\n".join(f"- {fact}" for fact in page.facts),

@@ -35,7 +35,16 @@ def swarm(y: Array, psi: Array, seed: int, iterations: int = ITERATIONS) -> floa
     search = pyswarms.single.GlobalBestPSO(
         PARTICLES, 5, options={"c1": 1.5, "c2": 1.5, "w": 0.65}, bounds=(-high, high)
     )
-    cost, _ = search.optimize(lambda theta: np.abs(y - theta @ psi).sum(axis=1), iters=iterations, verbose=False)
+    errors = np.empty((PARTICLES, len(y)))
+
+    def fitness(theta: Array) -> Array:
+        # Arrays made anew each time would cost most of the time, in page faults of a fresh process.
+        np.matmul(theta, psi, out=errors)
+        np.subtract(y, errors, out=errors)
+        np.abs(errors, out=errors)
+        return np.asarray(errors.sum(axis=1))
+
+    cost, _ = search.optimize(fitness, iters=iterations, verbose=False)
     return float(cost)
 
 

@@ -17,6 +17,9 @@ ROUNDING = 1e-9
 EQUAL = 1e-3
 """Errors that differ by less than this share of them are the same."""
 
+EVEN = 1.25
+"""Times that differ by less than this factor are the same: so much they change from run to run."""
+
 
 @dataclass(frozen=True)
 class Took:
@@ -74,6 +77,8 @@ class Row:
     @property
     def time(self) -> str:
         """What piezoid is in time."""
+        if 1 / EVEN <= self.ratio <= EVEN:
+            return "same"
         return "ahead" if self.ratio > 1.0 else "behind"
 
     def cells(self) -> list[str]:
@@ -115,12 +120,12 @@ def counted(n: int) -> str:
 
 
 def behind(rows: Iterable[Row]) -> str:
-    """Where piezoid is not ahead, a line each."""
+    """Where piezoid is behind in error, or not ahead in time, a line each."""
     lines = []
     for row in rows:
         where = f"- {row.problem}, against {row.other}: "
         if row.error == "behind":
             lines.append(f"{where}in error, {figure(row.ours)} for {figure(row.theirs)} ({row.measure})")
-        if row.time == "behind":
+        if row.time != "ahead":
             lines.append(f"{where}in time, {duration(row.our_seconds)} for {duration(row.their_seconds)}")
     return "\n".join(lines) or "Nowhere."
