@@ -34,7 +34,7 @@ class Page:
 
     def add(self, problem: str, other: str, measure: str, errors: tuple[float, float], *took: Took) -> None:
         """One comparison: errors, and what took which time, of piezoid and of the other."""
-        self.rows.append(Row(problem, other, measure, *errors, took[0].seconds, took[1].seconds))
+        self.rows.append(Row(problem, other, measure, *errors, *took))
 
 
 @cache
@@ -106,7 +106,7 @@ def blocks(page: Page) -> None:
         lambda: ours("output-error"),
         lambda: rivals.output_error(u, y),
         lambda: fits.Narx([record], fits.Setting(1, 1, order, 2 * order + 1)),
-        repeats=3,
+        repeats=repeats,
     )
     best, measure = left(simulated(mine.result[0])), "free-run rms [um]"
     errors = best, left(simulated(by_hand.result))
@@ -138,7 +138,7 @@ def swarms(page: Page) -> None:
         in_turn(partial(ours, "swarm", seed), partial(rivals.swarm, y, psi, seed, iterations), repeats=1)
         for seed in seeds
     ]
-    runs = [Took([took.result for took in side], statistics.median(took.seconds for took in side)) for side in zip(*pairs)]
+    runs = [Took([took.result for took in side], [took.seconds for took in side]) for side in zip(*pairs)]
     measure = "sum above the least [um]"
     for name, of in [("median", statistics.median), ("worst", max)]:
         errors = of(runs[0].result) - least, of(runs[1].result) - least

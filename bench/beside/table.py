@@ -23,10 +23,15 @@ EVEN = 1.25
 
 @dataclass(frozen=True)
 class Took:
-    """What a call gave, and the median of its times [s]."""
+    """What a call gave, and its time in each round [s]."""
 
     result: Any
-    seconds: float
+    times: list[float]
+
+    @property
+    def seconds(self) -> float:
+        """The median."""
+        return statistics.median(self.times)
 
 
 def in_turn(*calls: Callable[[], Any], repeats: int = 7) -> list[Took]:
@@ -46,7 +51,7 @@ def in_turn(*calls: Callable[[], Any], repeats: int = 7) -> list[Took]:
             times[k].append((time.perf_counter() - start) / number)
             if repeats == 1:
                 results.append(result)
-    return [Took(result, statistics.median(t)) for result, t in zip(results, times)]
+    return [Took(result, t) for result, t in zip(results, times)]
 
 
 @dataclass(frozen=True)
@@ -58,8 +63,8 @@ class Row:
     measure: str
     ours: float
     theirs: float
-    our_seconds: float
-    their_seconds: float
+    mine: Took
+    rival: Took
 
     @property
     def error(self) -> str:
@@ -71,8 +76,8 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """How many times as fast piezoid is."""
-        return self.their_seconds / self.our_seconds
+        """How many times as fast piezoid is: the median of the rounds, in which both meet the same load."""
+        return statistics.median(b / a for a, b in zip(self.mine.times, self.rival.times))
 
     @property
     def time(self) -> str:
@@ -84,7 +89,7 @@ class Row:
     def cells(self) -> list[str]:
         """Its cells in the table."""
         errors = [figure(self.ours), figure(self.theirs), self.error]
-        times = [duration(self.our_seconds), duration(self.their_seconds), plain(self.ratio), self.time]
+        times = [duration(self.mine.seconds), duration(self.rival.seconds), plain(self.ratio), self.time]
         return [self.problem, self.other, self.measure, *errors, *times]
 
 
@@ -127,5 +132,5 @@ def behind(rows: Iterable[Row]) -> str:
         if row.error == "behind":
             lines.append(f"{where}in error, {figure(row.ours)} for {figure(row.theirs)} ({row.measure})")
         if row.time != "ahead":
-            lines.append(f"{where}in time, {duration(row.our_seconds)} for {duration(row.their_seconds)}")
+            lines.append(f"{where}in time, {duration(row.mine.seconds)} for {duration(row.rival.seconds)}")
     return "\n".join(lines) or "Nowhere."
