@@ -12,7 +12,7 @@ numpy arrays of shape (n,); anything numpy makes such an array of may be given. 
 `ValueError` that says what, where, and what to do.
 """
 
-from . import excite, linear
+from . import excite, fleet, linear
 from ._piezoid import PiezoidError, __version__
 from .control import Comparison, control
 from .export import export
@@ -41,6 +41,7 @@ __all__ = [
     "excitations",
     "excite",
     "export",
+    "fleet",
     "identify",
     "linear",
     "load",
