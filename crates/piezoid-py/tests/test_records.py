@@ -26,8 +26,9 @@ T = np.arange(4) * 5e-4
         np.stack([U, U], axis=1)[:, 0],
         pd.Series(U),
         U.astype(object),
+        np.frombuffer(b"x" + U.tobytes(), offset=1),
     ],
-    ids=["list", "tuple", "big endian", "float32", "strided", "column", "Series", "objects"],
+    ids=["list", "tuple", "big endian", "float32", "strided", "column", "Series", "objects", "misaligned"],
 )
 def test_samples_may_be_anything_that_numpy_takes_for_numbers(u: Any) -> None:
     assert np.array_equal(pz.Record(u, Y, ts=5e-4).u, U)
