@@ -15,67 +15,41 @@ import statistics
 import subprocess
 import sys
 import time
-import venv
-from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent
-NEEDS = ["numpy", "pyswarms==1.3.0"]
-PARTICLES, ITERATIONS = 50, 500
+from beside import own
 
-
-def inside_own_environment():
-    """Goes on in bench/.venv, made on the first run."""
-    home = HERE / ".venv"
-    python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    if Path(sys.prefix).resolve() == home.resolve():
-        return
-    if not (home / "ready").exists():
-        print(f"making {home.relative_to(ROOT)} with {', '.join(NEEDS)}", file=sys.stderr)
-        venv.create(home, with_pip=True, clear=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", *NEEDS], check=True)
-        (home / "ready").touch()
-    one_thread = dict.fromkeys(["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"], "1")
-    raise SystemExit(subprocess.run([python, *sys.argv], env={**os.environ, **one_thread}).returncode)
+NEEDS = ["numpy>=2", "scipy>=1.14", "pyswarms==1.3.0"]
 
 
 def build():
     """The binary that runs our side."""
     command = ["cargo", "build", "--release", "--quiet", "--package", "piezoid-bench", "--message-format=json"]
-    lines = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+    lines = subprocess.run(command, cwd=own.ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     binaries = [json.loads(line).get("executable") for line in lines]
     return next(path for path in reversed(binaries) if path)
 
 
 def main():
-    os.chdir(HERE / ".venv")  # pyswarms keeps a log where it runs
+    os.chdir(own.HOME)  # pyswarms keeps a log where it runs
     import numpy as np
-    import pyswarms
+
+    from beside import rivals
 
     pairs = int(sys.argv[1]) if len(sys.argv) > 1 else 7
     binary = build()
     rows = subprocess.run([binary, "rows"], check=True, stdout=subprocess.PIPE, text=True).stdout
     data = np.array([[float(cell) for cell in line.split(",")] for line in rows.splitlines()])
     y, psi = data[:, 0].copy(), np.ascontiguousarray(data[:, 1:].T)
-    b_max = np.abs(y).max() / np.abs(psi[2:]).max()
-    high = np.array([2.0, 1.0, b_max, b_max, b_max])
-
-    def fitness(theta):
-        return np.abs(y - theta @ psi).sum(axis=1)
 
     def theirs(seed):
-        np.random.seed(seed)
-        swarm = pyswarms.single.GlobalBestPSO(
-            PARTICLES, 5, options={"c1": 1.5, "c2": 1.5, "w": 0.65}, bounds=(-high, high)
-        )
         start = time.perf_counter()
-        cost, _ = swarm.optimize(fitness, iters=ITERATIONS, verbose=False)
+        cost = rivals.swarm(y, psi, seed)
         return time.perf_counter() - start, cost
 
     def ours(seed):
         return json.loads(subprocess.run([binary, "run", str(seed)], check=True, stdout=subprocess.PIPE).stdout)
 
-    print(f"{len(y)} rows, {PARTICLES} particles, {ITERATIONS} iterations, {pairs} pairs", file=sys.stderr)
+    print(f"{len(y)} rows, {rivals.PARTICLES} particles, {rivals.ITERATIONS} iterations, {pairs} pairs", file=sys.stderr)
     ours(0), theirs(0)  # warm-up
     left, right = [], []
     for seed in range(1, pairs + 1):
@@ -93,5 +67,5 @@ def main():
 
 
 if __name__ == "__main__":
-    inside_own_environment()
+    own.inside(NEEDS)
     main()

@@ -5,7 +5,6 @@ use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArray, PyUntype
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
 
 /// The samples of what Python gives: a view of a contiguous array of doubles, a converted copy of anything else.
 ///
@@ -13,10 +12,11 @@ use pyo3::types::PyDict;
 /// Refuses more than one dimension with the shape, complex numbers, masks, and what is no number.
 pub(crate) fn samples<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
     if let Ok(array) = given.cast::<PyArray1<f64>>()
-        && array.is_c_contiguous()
         && array.get_type().name().is_ok_and(|name| name == "ndarray")
+        && let view = array.try_readonly()?
+        && view.as_slice().is_ok()
     {
-        return Ok(array.try_readonly()?);
+        return Ok(view);
     }
     converted(what, given)
 }
@@ -41,9 +41,8 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
             return Err(refused(&format!("{what} is of type {}: its samples must be real numbers", untyped.dtype())));
         }
     }
-    let keywords = PyDict::new(py);
-    keywords.set_item(intern!(py, "dtype"), intern!(py, "float64"))?;
-    let doubles = numpy.call_method(intern!(py, "ascontiguousarray"), (array,), Some(&keywords));
+    // Aligned as well: arrays out of a pickle that came in pieces, as Dask sends it, may not be.
+    let doubles = numpy.call_method1(intern!(py, "require"), (array, intern!(py, "float64"), ["C", "A"]));
     let doubles = doubles.map_err(|e| refused(&format!("{what} holds what is no number: {}", e.value(py))))?;
     Ok(doubles.cast_into::<PyArray1<f64>>()?.try_readonly()?)
 }

@@ -129,7 +129,7 @@ def test_every_setting_of_identify_is_a_parameter_with_the_same_default() -> Non
     assert own == {name: default for name, default in settings(pz.identify).items() if name not in of_a_call}
 
 
-def test_predict_runs_each_record_freely_from_rest_and_never_across_a_seam() -> None:
+def test_predict_runs_each_record_freely_and_never_across_a_seam() -> None:
     X, y, groups = stack(TWIN)
     regressor = HammersteinRegressor(TS, **PLAYS).fit(X, y)
     apart = np.concatenate([regressor.model_.simulate(r.u) for r in TWIN])

@@ -26,8 +26,9 @@ T = np.arange(4) * 5e-4
         np.stack([U, U], axis=1)[:, 0],
         pd.Series(U),
         U.astype(object),
+        np.frombuffer(b"x" + U.tobytes(), offset=1),
     ],
-    ids=["list", "tuple", "big endian", "float32", "strided", "column", "Series", "objects"],
+    ids=["list", "tuple", "big endian", "float32", "strided", "column", "Series", "objects", "misaligned"],
 )
 def test_samples_may_be_anything_that_numpy_takes_for_numbers(u: Any) -> None:
     assert np.array_equal(pz.Record(u, Y, ts=5e-4).u, U)
@@ -77,6 +78,11 @@ def test_frames_give_records_and_records_frames() -> None:
     record = pz.read(pd.DataFrame({"t_s": T, "u_V": U, "y_nm": Y, "remark": list("abcd")}))
     assert (record.ts, record.units) == (5e-4, ("V", "nm"))
     assert pz.read(record.to_frame()) == record
+
+
+@pytest.mark.parametrize("index", [pd.to_timedelta(T, unit="s"), pd.Timestamp("2026-01-01 12:00") + pd.to_timedelta(T, unit="s")])
+def test_frames_of_instants_know_their_times(index: pd.Index) -> None:
+    assert pz.read(pd.DataFrame({"u_V": U, "y_um": Y}, index=index)) == pz.Record(U, Y, ts=5e-4)
 
 
 def test_a_file_says_the_same_as_the_command_lines(tmp_path: Path) -> None:

@@ -50,6 +50,7 @@ __all__ = [
     "excitations",
     "excite",
     "export",
+    "fleet",
     "identify",
     "linear",
     "load",

@@ -178,12 +178,24 @@ def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
             raise error if str(error).startswith(str(path)) else PiezoidError(f"{about}{error}") from None
         except Exception as error:  # readers of other packages raise what they like
             raise PiezoidError(f"{about}cannot be read: {error}") from error
-    if hasattr(source, "reset_index") and hasattr(source, "columns"):
-        frame = source.reset_index() if source.index.name is not None else source
-        return _arrays({str(name): frame[name].to_numpy() for name in frame.columns}), ""
+    if hasattr(source, "columns"):
+        return _arrays(_frame(source)), ""
     if isinstance(source, Mapping):
         return _arrays({str(name): values for name, values in source.items()}), ""
     raise PiezoidError(f"a {type(source).__name__} is no record: give a file, a DataFrame, or a mapping of arrays")
+
+
+def _frame(frame: Any) -> dict[str, Any]:
+    """The columns of a DataFrame, of pandas or its likes; times and a named index are columns too."""
+    columns = {str(name): frame[name].to_numpy() for name in frame.columns}
+    index = getattr(frame, "index", None)
+    if hasattr(index, "total_seconds"):  # differences in time
+        columns.setdefault("t_s", index.total_seconds().to_numpy())
+    elif hasattr(index, "tz"):  # instants
+        columns.setdefault("t_s", (index - index[0]).total_seconds().to_numpy())
+    elif getattr(index, "name", None) is not None:
+        columns.setdefault(str(index.name), index.to_numpy())
+    return columns
 
 
 def _arrays(columns: dict[str, Any]) -> _piezoid.Columns:

@@ -1,0 +1,1 @@
+"""What the side-by-side benchmarks in Python share."""

@@ -1,0 +1,38 @@
+"""An environment of their own for benchmarks: bench/.venv, one thread."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+BENCH = Path(__file__).resolve().parent.parent
+ROOT = BENCH.parent
+HOME = BENCH / ".venv"
+ONE_THREAD = dict.fromkeys(
+    ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS"], "1"
+)
+
+
+def inside(needs: list[str], checkout: bool = False) -> None:
+    """Goes on in bench/.venv, made on the first run with `needs` from the package index.
+
+    checkout: build piezoid of this checkout into it, anew on every start
+    """
+    python = HOME / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    if Path(sys.prefix).resolve() == HOME.resolve():
+        return
+    install = [str(python), "-m", "pip", "install", "--quiet"]
+    there = HOME / "ready"
+    installed = there.read_text().split() if there.exists() else []
+    if missing := [need for need in needs if need not in installed]:
+        print(f"into {HOME.relative_to(ROOT)} go {', '.join(missing)}", file=sys.stderr)
+        if not installed:
+            venv.create(HOME, with_pip=True, clear=True)
+        subprocess.run([*install, *missing], check=True)
+        there.write_text("\n".join(installed + missing))
+    if checkout:
+        subprocess.run([*install, "--force-reinstall", "--no-deps", str(ROOT / "crates/piezoid-py")], check=True)
+    raise SystemExit(subprocess.run([str(python), *sys.argv], env={**os.environ, **ONE_THREAD}).returncode)

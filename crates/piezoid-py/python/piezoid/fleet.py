@@ -1,0 +1,352 @@
+"""Fleets: thousands of actuators identified, validated and compensated, a row of a DataFrame each.
+
+>>> import piezoid as pz
+>>> u = pz.excite.rising_sine(ts=1e-3, duration=1, amplitude=28, frequency=4)
+>>> twins = {f"stage {i}": pz.plants["pl140"].drawn(0.2, index=i) for i in range(3)}
+>>> records = {name: twin.measure(u, ts=1e-3) for name, twin in twins.items()}
+>>> table = pz.fleet.identify(records, operator="prandtl-ishlinskii", order=2)
+>>> list(table.index), bool(table.error.isna().all())
+(['stage 0', 'stage 1', 'stage 2'], True)
+
+`client` says where the work is done: in this process (None), on Dask (a `distributed.Client`), or on any
+`concurrent.futures.Executor`: Python's threads and processes, loky's, mpi4py's. For Ray, three lines make one:
+
+    class OnRay(concurrent.futures.Executor):
+        def submit(self, function, *args):
+            return ray.remote(function).remote(*args).future()
+
+Jobs travel by pickle. A record may be a file, or a function without arguments that gives the record: both are read where
+the work is done, so that ten thousand records need not pass through one machine.
+
+No job stops another, and none is lost: what a job raises stands in its row as `error`. What piezoid refuses is final. Anything
+else, such as a file share that was away or a worker that died, is tried again. Dask gives the work of a worker that died to
+others. A pool of Python's is broken for good when one of its processes dies; the rows that were done then remain, and
+the others have an error. Results do not depend on where they were made, nor on how often work was lost.
+
+A worker process should have one thread, and RAYON_NUM_THREADS=1 in its environment: otherwise each uses all cores, and they
+are in each other's way, by a fifth of the time of short fits with 16 threads a core. `local` starts such workers.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from concurrent import futures
+from contextlib import contextmanager, suppress
+from functools import partial
+from inspect import signature
+from math import ceil
+from platform import node
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+
+from ._piezoid import PiezoidError
+from ._progress import told
+from ._types import Offset, Progress
+from .identify import _records
+from .identify import identify as _identify
+from .model import Model, load
+from .records import Record, read_reference
+
+if TYPE_CHECKING:
+    import distributed
+    import pandas as pd
+
+Row: TypeAlias = dict[str, Any]
+"""The columns of one actuator."""
+
+_ALWAYS = ["attempts", "seconds", "worker", "error"]
+_FIGURES = ["nrmse_percent", "rms_pp_percent", "rmse", "max_abs"]
+_SOURCES = ["linear", "rich", "data", "test"]
+
+
+class Engine(Protocol):
+    """What does the work: a `distributed.Client` or a `concurrent.futures.Executor`."""
+
+    def submit(self, function: Callable[..., Any], /, *args: Any) -> Any:
+        """Starts `function(*args)` and gives its future."""
+
+
+def identify(
+    actuators: Mapping[Any, Any] | pd.Series[Any],
+    client: Engine | None = None,
+    *,
+    retries: int = 2,
+    chunk: int | None = None,
+    progress: Progress = None,
+    **settings: Any,
+) -> pd.DataFrame:
+    """A model of each actuator, by name; `table.model` goes into `validate` and `compensate`.
+
+    actuators: by name, the keywords of `pz.identify`: records as `linear`, `rich` or `data`, settings of its own, and as `test`
+        records to judge the model by (those it was identified on, where there are none). A record alone is `data`. Functions
+        without arguments may stand for any of these.
+    settings: of `pz.identify`, for all
+    retries, chunk, progress: see `run`
+
+    Columns: `model` (missing where there is an error), `operator`, `resonance_hz` and `damping` of the linear block, its
+    `dc_gain` [output unit / input unit], the largest `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit] among
+    the records, and those of `run`.
+    """
+    signature(_identify).bind(**settings)
+    job = partial(_identified, settings)
+    table = run(job, actuators, client, retries=retries, chunk=chunk, progress=progress)
+    return table.reindex(columns=["model", "operator", "resonance_hz", "damping", "dc_gain", *_FIGURES, *_ALWAYS])
+
+
+def validate(
+    models: Mapping[Any, Any] | pd.Series[Any],
+    records: Mapping[Any, Any] | pd.Series[Any],
+    client: Engine | None = None,
+    *,
+    skip: float = 0.0,
+    offset: Offset = "kept",
+    retries: int = 2,
+    chunk: int | None = None,
+    progress: Progress = None,
+) -> pd.DataFrame:
+    """Each model against records of its actuator, best ones it has not seen.
+
+    models: by name, models or their files; records: by name, one or several, or a function that gives them
+    skip, offset: as of `Model.validate`; retries, chunk, progress: see `run`
+
+    Columns: `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit], the largest among the records, and those of
+    `run`. Who has a model or a record alone has a row with an error.
+    """
+    job = partial(_validated, skip, offset)
+    table = run(job, _paired(models, records), client, retries=retries, chunk=chunk, progress=progress)
+    return table.reindex(columns=[*_FIGURES, *_ALWAYS])
+
+
+def compensate(
+    models: Mapping[Any, Any] | pd.Series[Any],
+    references: Any,
+    client: Engine | None = None,
+    *,
+    retries: int = 2,
+    chunk: int | None = None,
+    progress: Progress = None,
+    **settings: Any,
+) -> pd.DataFrame:
+    """Of each actuator, the voltages for a wanted displacement.
+
+    models: by name, models or their files
+    references: one for all, of shape (n,) [output unit], a file, or a function that gives either; or a mapping of such by name
+    settings: of `Model.compensation`; retries, chunk, progress: see `run`
+
+    Columns: `u` [input unit] and `reached` [output unit], of shape (n,), `clipped`, the samples at which a limit was in the
+    way, `notes`, and those of `run`.
+    """
+    signature(Model.compensation).bind(None, None, **settings)
+    own = references if isinstance(references, Mapping) else dict.fromkeys(models.keys(), references)
+    job = partial(_compensated, settings)
+    table = run(job, _paired(models, own), client, retries=retries, chunk=chunk, progress=progress)
+    return table.reindex(columns=["u", "reached", "clipped", "notes", *_ALWAYS])
+
+
+def run(
+    function: Callable[[Any], Any],
+    jobs: Mapping[Any, Any] | pd.Series[Any],
+    client: Engine | None = None,
+    *,
+    retries: int = 2,
+    chunk: int | None = None,
+    progress: Progress = None,
+) -> pd.DataFrame:
+    """`function(job)` of each job: a row each, by the names and in the order of `jobs`.
+
+    function: gives the columns of a row, as a mapping, or else what stands in the column `value`
+    retries: how often a job that failed is tried again, by itself, unless `PiezoidError` says it would be in vain
+    chunk: how many jobs make one task of the engine, whose overhead is about a millisecond; up to 16 where it is not given
+    progress: as of `pz.identify`, told how many jobs are settled; what it raises takes back what has not been started
+
+    Columns beside those of `function`: `attempts`, `seconds` of the last one, `worker` (machine and process), and `error`, a text,
+    missing where all went well.
+
+    >>> import piezoid as pz
+    >>> table = pz.fleet.run(lambda x: {"inverse": 1 / x}, {"a": 2, "b": 0})
+    >>> table.error["b"]
+    'ZeroDivisionError: division by zero'
+    """
+    import pandas as pd
+
+    named = dict(jobs.items())
+    given, rows, settled = list(named.values()), [Row() for _ in named], 0
+    size = chunk or _chunk(client, len(given))
+    batches = [range(len(given))[start : start + size] for start in range(0, len(given), size)]
+    with told(progress) as watch:
+        for attempt in range(1, retries + 2):
+            again = []
+            for batch, outcomes in _done(client, function, given, batches):
+                for at, (row, is_final) in zip(batch, outcomes, strict=True):
+                    rows[at] = row | {"attempts": attempt}
+                    if is_final or attempt > retries:
+                        settled += 1
+                    else:
+                        again.append(range(at, at + 1))
+                if watch is not None:
+                    watch("fleet", settled, len(given))
+            batches = again
+    columns = [*dict.fromkeys(name for row in rows for name in row if name not in _ALWAYS), *_ALWAYS]
+    index = pd.Index(list(named), name="actuator", tupleize_cols=False)
+    return pd.DataFrame({name: [row.get(name) for row in rows] for name in columns}, index=index)
+
+
+@contextmanager
+def local(workers: int | None = None, **settings: Any) -> Iterator[distributed.Client]:
+    """A Dask client of worker processes on this machine, of one thread each; as many as there are cores, unless said.
+
+    settings: of `distributed.LocalCluster`
+
+        with pz.fleet.local(4) as client:
+            table = pz.fleet.identify(actuators, client)
+    """
+    dask = _dask()
+    usual = {"threads_per_worker": 1, "env": {"RAYON_NUM_THREADS": "1"}, "dashboard_address": None}
+    with (
+        dask.LocalCluster(n_workers=workers or os.cpu_count(), **usual | settings) as cluster,
+        dask.Client(cluster) as client,
+    ):
+        yield client
+
+
+def _dask() -> Any:
+    try:
+        import distributed
+    except ImportError as error:
+        raise PiezoidError(f"fleets on Dask need {error.name}: pip install piezoid[fleet]") from None
+    return distributed
+
+
+def _on_dask(client: Engine) -> bool:
+    if isinstance(client, futures.Executor):
+        return False
+    if isinstance(client, _dask().Client):
+        return True
+    raise PiezoidError(f"client = {client!r}: must be a distributed.Client or a concurrent.futures.Executor")
+
+
+def _chunk(client: Any, jobs: int) -> int:
+    """How many jobs make a task: some tasks for each thread, so that none waits long for the last."""
+    if client is None:
+        return 1
+    threads = sum(client.nthreads().values()) if _on_dask(client) else os.cpu_count()
+    return min(16, ceil(jobs / (8 * (threads or 1)))) or 1
+
+
+def _done(
+    client: Any, function: Callable[[Any], Any], jobs: list[Any], batches: list[range]
+) -> Iterator[tuple[range, list[tuple[Row, bool]]]]:
+    """Batches with the rows of their jobs, as they are done, and whether a row is final."""
+    if client is None:
+        for batch in batches:
+            yield batch, _batch(function, [jobs[at] for at in batch])
+        return
+    submit, as_completed = client.submit, futures.as_completed
+    if _on_dask(client):
+        submit, as_completed = partial(client.submit, pure=False), partial(_dask().as_completed, loop=client.loop)
+        try:
+            client.nthreads()  # asks the scheduler: a client that is closing takes tasks that nobody will do
+        except Exception as error:
+            yield from ((batch, _lost(batch, error)) for batch in batches)
+            return
+    running: dict[Any, range] = {}
+    try:
+        for batch in batches:
+            try:
+                running[submit(_batch, function, [jobs[at] for at in batch])] = batch
+            except Exception as error:
+                yield batch, _lost(batch, error)
+        for future in as_completed(list(running)) if running else ():
+            batch = running.pop(future)
+            try:
+                outcomes = future.result()
+            except Exception as error:
+                outcomes = _lost(batch, error)
+            yield batch, outcomes
+    finally:
+        for future in running:
+            with suppress(Exception):  # the engine may be gone
+                future.cancel()
+
+
+def _lost(batch: range, error: Exception) -> list[tuple[Row, bool]]:
+    """What comes of a batch that the engine failed on; jobs keep their errors to themselves."""
+    return [({"error": _text(error)}, False) for _ in batch]
+
+
+def _batch(function: Callable[[Any], Any], jobs: list[Any]) -> list[tuple[Row, bool]]:
+    return [_row(function, job) for job in jobs]
+
+
+def _row(function: Callable[[Any], Any], job: Any) -> tuple[Row, bool]:
+    """What a job comes to, whatever it raises, and whether that is final."""
+    begun, row, error, is_final = perf_counter(), Row(), None, True
+    try:
+        made = function(job)
+        row = dict(made) if isinstance(made, Mapping) else {"value": made}
+    except PiezoidError as refusal:
+        error = str(refusal)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as failure:  # one that panics or exits is no reason to lose its neighbours
+        error, is_final = _text(failure), False
+    return row | {"seconds": perf_counter() - begun, "worker": f"{node()}/{os.getpid()}", "error": error}, is_final
+
+
+def _text(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+def _identified(settings: Row, actuator: Any) -> Row:
+    given = _made(actuator, "record")
+    known = given if isinstance(given, Mapping) and not given.keys().isdisjoint(_SOURCES) else {"data": given}
+    asked = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items()}
+    test = asked.pop("test", None) or asked.get("rich", []) + asked.get("data", [])
+    model = _identify(**asked)
+    resonance_hz, damping = model.resonance or (None, None)
+    row = {"model": model, "operator": model.operator, "resonance_hz": resonance_hz, "damping": damping}
+    return row | {"dc_gain": model.dc_gain} | _largest(model, test)
+
+
+def _validated(skip: float, offset: Offset, pair: tuple[Any, Any]) -> Row:
+    return _largest(_model(pair[0]), _read(_made(pair[1], "record")), skip=skip, offset=offset)
+
+
+def _compensated(settings: Row, pair: tuple[Any, Any]) -> Row:
+    model, reference = _model(pair[0]), _made(pair[1], "reference")
+    if isinstance(reference, (str, os.PathLike)):
+        reference = read_reference(reference, unit=model.units[1])
+    found = model.compensation(reference, **settings)
+    return {"u": found.u, "reached": found.reached, "clipped": found.clipped, "notes": found.notes}
+
+
+def _largest(model: Model, records: list[Record], **settings: Any) -> Row:
+    found = [model.validate(record, **settings) for record in records]
+    return {name: float(np.max([getattr(v, name) for v in found])) for name in _FIGURES}
+
+
+def _paired(models: Any, others: Any) -> dict[Any, tuple[Any, Any]]:
+    """Both by name, with None where one is missing."""
+    left, right = dict(models.items()), dict(others.items())
+    return {name: (left.get(name), right.get(name)) for name in left | right}
+
+
+def _made(given: Any, what: str) -> Any:
+    """What was given, or what it makes if it is a function."""
+    made = given() if callable(given) else given
+    if made is None or isinstance(made, float):  # pandas has NaN for what is missing
+        raise PiezoidError(f"there is no {what} of this actuator: give one, or leave the actuator out")
+    return made
+
+
+def _model(given: Any) -> Model:
+    made = _made(given, "model")
+    return made if isinstance(made, Model) else load(made)
+
+
+def _read(sources: Any) -> list[Record]:
+    made = _made(sources, "record")
+    return [r for one in made for r in _read(one)] if isinstance(made, (list, tuple)) else _records(made)
