@@ -13,7 +13,7 @@ type Work = fn() -> Result<(), String>;
 const VERBS: [(&str, &str, Work); 5] = [
     ("test", "format, clippy with warnings denied, all tests, documentation, then `python`", test),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
-    ("bench", "criterion benches, then the swarm beside pyswarms (Python, makes its own environment)", bench),
+    ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
     ("docs", "build the documentation, and draw the pictures and the tables in docs/ anew (minutes)", docs),
 ];
@@ -55,35 +55,34 @@ fn test() -> Result<(), String> {
     python_package()
 }
 
-/// Builds the package into an environment of its own, and runs its tests there.
+/// Builds the package into an environment of its own, and runs its tests there. What is missing for that is said, and fails in CI.
 fn python_package() -> Result<(), String> {
-    let there = python().args(["-c", "import venv, ensurepip"]).output().is_ok_and(|o| o.status.success());
-    if !there {
-        if std::env::var_os("CI").is_some() {
-            return Err("Python 3 with its module venv is missing".into());
-        }
-        eprintln!("SKIPPED: the Python package: Python 3 with its module venv is missing");
-        return Ok(());
-    }
     let home = root().join("target/python");
-    let inside = home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let inside = || Command::new(home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" }));
     let package = root().join("crates/piezoid-py");
-    if !inside.exists() {
-        step(python().args(["-m", "venv"]).arg(&home))?;
+    let extras = "plot,learn,fleet,mat,progress,test";
+    let ready = || {
+        if !home.join("pyvenv.cfg").exists() {
+            step(python().args(["-m", "venv"]).arg(&home))?;
+        }
+        step(inside().args(["-m", "pip", "install", "--quiet", "maturin>=1.9,<2"]))
+    };
+    match ready() {
+        Err(what) if std::env::var_os("CI").is_none() => {
+            eprintln!("SKIPPED: the Python package, which needs Python 3.10 with venv, and packages from PyPI: {what}");
+            return Ok(());
+        }
+        ready => ready?,
     }
-    let inside = || Command::new(&inside);
-    step(inside().args(["-m", "pip", "install", "--quiet", "maturin>=1.9,<2"]))?;
-    let build =
-        ["-m", "maturin", "develop", "--quiet", "--extras", "plot,learn,fleet,mat,progress,test", "--manifest-path"];
+    let build = ["-m", "maturin", "develop", "--quiet", "--extras", extras, "--manifest-path"];
     step(inside().args(build).arg(package.join("Cargo.toml")).env("VIRTUAL_ENV", &home).env_remove("CONDA_PREFIX"))?;
-    step(
-        inside().args(["-m", "pytest", "--config-file"]).arg(package.join("pyproject.toml")).arg(package.join("tests")),
-    )
+    let settings = package.join("pyproject.toml");
+    step(inside().args(["-m", "pytest", "--config-file"]).arg(settings).arg(package.join("tests")))
 }
 
 fn bench() -> Result<(), String> {
     step(&mut cargo(&["bench", "--package", "piezoid-bench"]))?;
-    step(python().arg(root().join("bench/swarm.py")))
+    ["swarm.py", "side_by_side.py"].iter().try_for_each(|script| step(python().arg(root().join("bench").join(script))))
 }
 
 fn golden() -> Result<(), String> {

@@ -50,7 +50,6 @@ __all__ = [
     "excitations",
     "excite",
     "export",
-    "fleet",
     "identify",
     "linear",
     "load",

@@ -188,7 +188,7 @@ def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
 def _frame(frame: Any) -> dict[str, Any]:
     """The columns of a DataFrame, of pandas or its likes; times and a named index are columns too."""
     columns = {str(name): frame[name].to_numpy() for name in frame.columns}
-    index = getattr(frame, "index", None)
+    index: Any = getattr(frame, "index", None)
     if hasattr(index, "total_seconds"):  # differences in time
         columns.setdefault("t_s", index.total_seconds().to_numpy())
     elif hasattr(index, "tz"):  # instants
