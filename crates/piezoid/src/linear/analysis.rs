@@ -78,10 +78,12 @@ impl Arx {
         poles
     }
 
-    /// The least damped of the poles that ring: damping ratio between 0 and 0.3.
+    /// Of the poles that ring, of a damping ratio between 0 and 0.3, the one where the response is largest: modes of equal damping may
+    /// hardly show.
     pub fn resonance(&self) -> Option<Pole> {
         let rings = self.poles().into_iter().filter(|p| p.z.im > 0.0 && (0.0..0.3).contains(&p.damping));
-        rings.min_by(|p, q| p.damping.total_cmp(&q.damping))
+        let peak = |p: &Pole| self.response(p.hz).gain;
+        rings.max_by(|p, q| peak(p).total_cmp(&peak(q)))
     }
 
     /// Zeros of b0 + b1 q^-1 + ... in the z plane by rising modulus. Leading zeros of `b` (a delay) give none, and those
@@ -192,5 +194,19 @@ mod tests {
         let delay = Arx::new(1.0, vec![], vec![0.0, 0.0, 3.0, 0.0]).unwrap();
         assert_eq!((delay.delay(), delay.zeros().len(), delay.poles().len()), (2, 0, 0));
         assert_eq!(delay.dc_gain(), 3.0);
+    }
+
+    #[test]
+    fn the_resonance_is_the_highest_peak_and_not_the_least_damped_pole() {
+        // 166 Hz carries the displacement; 900 Hz, less damped, a thousandth of it.
+        let ts = 5e-4;
+        let pole = |hz: f64, damping: f64| Complex::from_polar((-TAU * hz * damping * ts).exp(), TAU * hz * ts);
+        let quadratic = |p: Complex<f64>| [1.0, -2.0 * p.re, p.norm_sqr()];
+        let ([_, a1, a2], [_, c1, c2]) = (quadratic(pole(166.0, 0.03)), quadratic(pole(900.0, 0.02)));
+        let (large, small) = (1.0 + a1 + a2, 1e-3 * (1.0 + c1 + c2));
+        let a = vec![-(a1 + c1), -(a2 + a1 * c1 + c2), -(a1 * c2 + a2 * c1), -(a2 * c2)];
+        let b = vec![0.0, large + small, large * c1 + small * a1, large * c2 + small * a2];
+        let found = Arx::new(ts, a, b).unwrap().resonance().unwrap();
+        assert!((found.hz - 166.0).abs() < 1.0, "{} Hz", found.hz);
     }
 }
