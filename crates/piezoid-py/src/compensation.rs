@@ -1,6 +1,6 @@
 //! Back from a displacement to a voltage.
 
-use crate::error::raised;
+use crate::error::{raised, refused};
 use crate::json::object;
 use crate::model::Model;
 use crate::samples::{array, samples, slice};
@@ -114,8 +114,12 @@ impl FeedForward {
 
     /// Begins anew: at rest, or where `reference` has stood for long.
     #[pyo3(signature = (reference=None))]
-    fn reset(&self, reference: Option<f64>) {
+    fn reset(&self, reference: Option<f64>) -> PyResult<()> {
+        if let Some(r) = reference.filter(|r| !r.is_finite()) {
+            return Err(refused(&format!("reference = {r}: must be a finite number")));
+        }
         *self.state() = reference.map_or_else(|| self.causal.initial(), |r| self.causal.settled(r));
+        Ok(())
     }
 
     fn __repr__(&self) -> String {

@@ -113,6 +113,20 @@ def test_the_inverse_runs_sample_by_sample_and_begins_anew(model: pz.Model) -> N
     assert abs(inverse.step(200.0) - model.compensate([200.0] * 5)[0]) < 1e-6
 
 
+def test_settings_that_nobody_knows_are_refused_and_so_are_numbers_that_are_none(model: pz.Model) -> None:
+    for wrong in [lambda: model.inverse(hihg=10.0), lambda: pz.export(model, "c", lwo=-1.0),
+                  lambda: pz.control("pl140", model, [0.0], hihg=10.0), lambda: model.inverse(zvd=True)]:  # fmt: skip
+        with pytest.raises(TypeError, match="limits are driver"):
+            wrong()
+    for refused in [lambda: model.inverse(-1), lambda: model.compensation([0.0], sweeps=-1),
+                    lambda: pz.plants["paper"].simulate([0.0], seed=2**64), lambda: model.inverse(1.5)]:  # type: ignore[arg-type]  # fmt: skip
+        with pytest.raises(pz.PiezoidError, match="must be a whole number"):
+            refused()
+    with pytest.raises(pz.PiezoidError, match="finite"):
+        model.inverse().reset(float("nan"))
+    assert len(model.simulate([], begin="likely")) == 0
+
+
 def test_a_failing_input_tells_where(model: pz.Model) -> None:
     with pytest.raises(pz.PiezoidError, match=r"u\[3\] is inf"):
         model.simulate([0.0, 1.0, 2.0, float("inf")])

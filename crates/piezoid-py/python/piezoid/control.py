@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
+from ._checks import limits as checked
+from ._checks import whole
 from ._progress import told
 from ._types import Array, Progress, Samples
 from .lists import references as known
@@ -88,10 +90,10 @@ def control(
             model._core,
             schemes,
             list(named.items()),
-            limits,
-            (late, gain_margin, phase_margin),
-            preview,
-            seed,
+            checked(limits),
+            (whole("late", late), gain_margin, phase_margin),
+            None if preview is None else whole("preview", preview),
+            whole("seed", seed),
             tolerance,
             watch,
         )

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import os
-import warnings
 from typing import Any
 
 from . import _piezoid
+from ._checks import limits as checked
+from ._checks import whole
 from ._types import Samples
 from .model import Model
+
+
+class Exported(dict[str, bytes]):
+    """Files by their paths, and `notes`: what is worth knowing of them."""
+
+    def __init__(self, files: list[tuple[str, bytes]], notes: list[str]) -> None:
+        super().__init__(files)
+        self.notes = notes
+
+    def __repr__(self) -> str:
+        return "\n".join([*(f"{path}: {len(content)} bytes" for path, content in self.items()), *self.notes])
 
 
 def export(
@@ -27,7 +39,7 @@ def export(
     servo_cycle: Any = None,
     range: tuple[Any, Any] | None = None,
     **limits: Any,
-) -> dict[str, bytes]:
+) -> Exported:
     """What a target (`pz.targets`) makes of a model: files by their paths, written into `folder` where one is named.
 
     name: what functions, types and files are called after; float: numbers of single precision
@@ -36,8 +48,6 @@ def export(
     reference: for the target waveform, one period of the wanted displacement [output unit], of shape (n,); `servo_cycle` [s] and
         `range` [V] are of the controllers that play it
     limits: of the voltage, as of `Model.compensation`
-
-    What is worth knowing is a `UserWarning`.
 
     >>> import piezoid as pz
     >>> model = pz.Model.from_dict({"piezoid": 1, "ts": 5e-4, "hysteresis": {"operator": "proportional", "gain": 1.0},
@@ -49,13 +59,11 @@ def export(
         model._core,
         target,
         name,
-        (float, preview, controller),
-        (late, gain_margin, phase_margin),
-        limits,
+        (float, whole("preview", preview), controller),
+        (whole("late", late), gain_margin, phase_margin),
+        checked(limits),
         reference,
         (servo_cycle, range),
         folder,
     )
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
-    return dict(files)
+    return Exported(files, notes)

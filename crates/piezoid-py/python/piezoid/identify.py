@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from . import _piezoid
+from ._checks import wholes
 from ._piezoid import PiezoidError, __version__
 from ._progress import told
 from ._types import Progress
@@ -78,8 +79,9 @@ def identify(
         for name, value in settings.items():
             if value is not None and method in only and way != method:
                 raise PiezoidError(f"{name} belongs to the method {way}: leave it out, or ask for that method")
-    asked = {"operator": operator, "order": order, "seed": seed, "creep": creep} | only["joint"] | only["paper"]
-    made = f'{{"version": "{__version__}", "seed": {int(seed)}}}'
+    asked = {"operator": operator, "creep": creep} | only["joint"] | only["paper"]
+    asked |= wholes(order=order, seed=seed, elements=elements, bins=bins, particles=particles, iterations=iterations)
+    made = f'{{"version": "{__version__}", "seed": {asked["seed"]}}}'
     with told(progress) as watch:
         core, _ = _piezoid.identify(
             ([r._core for r in small], [r._core for r in others]), method, asked, made, watch

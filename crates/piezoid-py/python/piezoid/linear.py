@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _piezoid
+from ._checks import whole, wholes
 from ._piezoid import Arx
 from ._progress import told
 from ._types import Progress
@@ -45,9 +46,11 @@ def fit(
     estimator: one of `pz.estimators`; `particles`, `iterations` and `seed` are of the swarm
     """
     given = [records] if isinstance(records, Record) else list(records)
-    orders = (order, order + 1, 0) if isinstance(order, int) else order
+    na, nb, delay = order if isinstance(order, tuple) else (order, order + 1, 0)
+    orders = (whole("order", na), whole("order", nb), whole("delay", delay))
+    swarm = wholes(particles=particles, iterations=iterations)
     with told(progress) as watch:
         arx, found = _piezoid.fit(
-            [record._core for record in given], orders, estimator, (particles, iterations, seed), watch
+            [record._core for record in given], orders, estimator, (swarm["particles"], swarm["iterations"], whole("seed", seed)), watch
         )
     return Fit(arx, **found)

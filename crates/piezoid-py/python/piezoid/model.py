@@ -12,6 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _files, _html, _piezoid
+from ._checks import limits as checked
+from ._checks import whole
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units
 from .records import Record
@@ -162,11 +164,12 @@ class Model:
         return Validation(record, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Any) -> FeedForward:
-        """The inverse, sample by sample: wanted displacement to voltage, `late` samples late.
+        """The inverse, sample by sample: wanted displacement to voltage, `late` samples late. What is no finite number counts as the
+        sample before, and what the limits do not allow is clipped.
 
         `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the voltage, as of `compensation`.
         """
-        return self._core._inverse(late, limits)
+        return self._core._inverse(whole("late", late), checked(limits))
 
     def compensate(self, reference: Samples, **settings: Any) -> Array:
         """The voltages [input unit] for a wanted displacement [output unit], both of shape (n,): `compensation(...).u`."""
@@ -199,7 +202,7 @@ class Model:
         """
         settings = {
             "driver": driver, "capacitance": capacitance, "low": low, "high": high, "slew": slew, "current": current,
-            "clip": clip, "smooth": smooth, "zvd": zvd, "notch": notch, "sweeps": sweeps,
+            "clip": clip, "smooth": smooth, "zvd": zvd, "notch": notch, "sweeps": whole("sweeps", sweeps),
         }  # fmt: skip
         u, reached, figures = self._core._compensation(reference, settings)
         return Compensation(u, reached, **figures)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from . import _piezoid
+from ._checks import whole
 from ._types import Array, Samples
 from .lists import ALL, Rows
 from .records import Record
@@ -35,7 +36,7 @@ class Plant:
         `seed` is that of the noise. `begin` says what came before: rest, or the first voltage, which had stood for long.
         Limits that were reached are a `UserWarning`.
         """
-        y, reached = self._core._measured(u, ts, seed, begin)
+        y, reached = self._core._measured(u, ts, whole("seed", seed), begin)
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=2)
         return y
@@ -44,7 +45,7 @@ class Plant:
         self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled"] = "rest"
     ) -> Record:
         """The same as a record."""
-        y, reached = self._core._measured(u, ts, seed, begin)
+        y, reached = self._core._measured(u, ts, whole("seed", seed), begin)
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=2)
         return Record(u, y, ts)
@@ -52,7 +53,7 @@ class Plant:
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
         """One of a fleet, whose values differ by up to `tolerance` of each, as catalogue values do: number `index` of `seed`."""
         made = Plant.__new__(Plant)
-        made._core, made.name = self._core.drawn(tolerance, seed, index), f"{self.name}-{index}"
+        made._core, made.name = self._core.drawn(tolerance, whole("seed", seed), whole("index", index)), f"{self.name}-{index}"
         return made
 
     def to_dict(self) -> dict[str, Any]:

@@ -11,9 +11,10 @@ const LONGEST: usize = 64;
 /// Whether a record with inputs `u` begins in motion: off zero, and moving as it does on average. An input stands where it
 /// has not moved by a fiftieth of its range in the time in which on average it moves a fifth.
 pub(crate) fn in_motion(u: &[f64]) -> bool {
+    let Some(&first) = u.first() else { return false };
     let (low, high) = ends(u.iter().copied());
     let least = MOVED * (high - low);
-    u[0].abs() > least && u.iter().take(a_fifth(u) + 1).any(|v| (v - u[0]).abs() > least)
+    first.abs() > least && u.iter().take(a_fifth(u) + 1).any(|v| (v - first).abs() > least)
 }
 
 /// The sample from which `u` does most nearly again what it does first: what comes before it may have come before the record.

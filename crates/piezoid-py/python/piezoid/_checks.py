@@ -1,0 +1,35 @@
+"""Settings, checked before they are handed on."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+from ._piezoid import PiezoidError
+
+LIMITS = ("driver", "capacitance", "low", "high", "slew", "current", "clip")
+"""Keywords that limit a voltage, as `Model.compensation` describes them."""
+
+
+def limits(given: dict[str, Any]) -> dict[str, Any]:
+    """Limits by their keywords; another is a `TypeError`, as of any function."""
+    for name in given:
+        if name not in LIMITS:
+            raise TypeError(f"unexpected keyword {name!r}: limits are {', '.join(LIMITS)}")
+    return given
+
+
+def whole(name: str, value: Any, least: int = 0) -> int:
+    """A whole number from `least` on that 64 bits hold."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise PiezoidError(f"{name} = {value!r}: must be a whole number") from None
+    if not least <= number < 2**63:
+        raise PiezoidError(f"{name} = {number}: must be a whole number from {least} to 2^63 - 1")
+    return number
+
+
+def wholes(**given: Any) -> dict[str, Any]:
+    """The same of several, of which some may not be given."""
+    return {name: None if value is None else whole(name, value) for name, value in given.items()}
