@@ -145,6 +145,10 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
         pz.read(3)  # type: ignore[arg-type]
 
 
-def test_references_come_in_the_unit_that_is_wanted() -> None:
-    r = pz.read_reference({"t_s": T, "r_mm": [0.0, 1.0, 2.0, 3.0]}, unit="um")
+def test_references_come_in_the_unit_of_the_model_and_at_its_pace() -> None:
+    document = {"piezoid": 1, "ts": 5e-4, "hysteresis": {"operator": "proportional", "gain": 1.0}, "linear": {"a": [], "b": [1.0]}}
+    model = pz.Model.from_dict(document)
+    r = pz.read_reference({"t_s": T, "r_mm": [0.0, 1.0, 2.0, 3.0]}, model)
     assert r.tolist() == [0.0, 1000.0, 2000.0, 3000.0]
+    with pytest.raises(pz.PiezoidError, match="every 0.0005 s but the reference every 0.001 s"):
+        pz.read_reference({"t_s": 2 * T, "r_mm": [0.0, 1.0, 2.0, 3.0]}, model)

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+MOST = 1e8
+"""Samples of a reference."""
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """Each controller along each reference."""
@@ -54,7 +58,9 @@ class Comparison:
 
 def reference(name: str, model: Model, *, peak: float, frequency: float, duration: float) -> Array:
     """A reference by name (`pz.references`) [output unit], of shape (n,), for this `duration` [s]."""
-    n = max(1, round(duration / model.ts))
+    if not 1 <= duration / model.ts <= MOST:
+        raise _piezoid.PiezoidError(f"duration = {duration:g} s: must be from 1 to {MOST:g} samples of {model.ts:g} s")
+    n = round(duration / model.ts)
     return _piezoid.follow(name, model.ts, n, peak, frequency)
 
 

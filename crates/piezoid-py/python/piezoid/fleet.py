@@ -318,7 +318,7 @@ def _validated(skip: float, offset: Offset, pair: tuple[Any, Any]) -> Row:
 def _compensated(settings: Row, pair: tuple[Any, Any]) -> Row:
     model, reference = _model(pair[0]), _made(pair[1], "reference")
     if isinstance(reference, (str, os.PathLike)):
-        reference = read_reference(reference, unit=model.units[1])
+        reference = read_reference(reference, model)
     found = model.compensation(reference, **settings)
     return {"u": found.u, "reached": found.reached, "clipped": found.clipped, "notes": found.notes}
 

@@ -16,6 +16,8 @@ from ._types import Array, Samples, Units
 if TYPE_CHECKING:
     import pandas as pd
 
+    from .model import Model
+
 
 class Record:
     """Input and output of an actuator, sampled together and evenly.
@@ -146,18 +148,22 @@ def read(
 
 def read_reference(
     source: str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame,
+    model: Model,
     *,
-    unit: str = "um",
     ts: float | None = None,
     output_col: str | None = None,
     time_col: str | None = None,
 ) -> Array:
-    """A wanted displacement in `unit`, of shape (n,): the column `r_*`, or else `y_*`, of whatever `read` takes."""
+    """A wanted displacement for a model, in its unit, of shape (n,): the column `r_*`, or else `y_*`, of whatever `read` takes. One
+    that is not sampled as the model is refused."""
     columns, about = _columns(source)
     try:
-        return columns.reference(ts, (None, output_col, time_col), unit)[1]
+        own, r = columns.reference(ts, (None, output_col, time_col), model.units[1])
     except PiezoidError as error:
         raise PiezoidError(f"{about}{error}") from None
+    if abs(own - model.ts) > 1e-6 * model.ts:
+        raise PiezoidError(f"{about}the model is sampled every {model.ts:g} s but the reference every {own:g} s: resample it")
+    return r
 
 
 def _columns(source: Any) -> tuple[_piezoid.Columns, str]:

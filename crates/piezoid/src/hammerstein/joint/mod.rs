@@ -58,6 +58,9 @@ use solve::Freed;
 const QUICKEST: f64 = 10.0;
 const SLOWEST: f64 = 1.0;
 
+/// The most thresholds, levels or knots.
+const MOST: usize = 1000;
+
 /// The most that a lag of creep adds in ceramics, as a share.
 const CREEPS: f64 = 0.1;
 
@@ -96,6 +99,9 @@ pub fn identify_joint(
     how: &Joint,
     progress: &mut Progress,
 ) -> Result<Identified, Error> {
+    if let Some(elements) = how.elements.filter(|n| *n > MOST) {
+        return Err(Error::parameter("elements", elements, format!("must be at most {MOST}")));
+    }
     let units = common_units(small.iter().chain(rich))?;
     let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
     let (small, rich) = (convert(small)?, convert(rich)?);
