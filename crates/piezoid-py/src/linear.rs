@@ -97,7 +97,16 @@ pub(crate) fn fit(
     swarm: (Option<usize>, Option<usize>, u64),
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Arx, Py<PyAny>)> {
-    let records: Vec<_> = records.iter().map(|r| r.get().record.clone()).collect();
+    let mut own = Vec::with_capacity(records.len());
+    for record in &records {
+        let (record, first) = (&record.get().record, &records[0].get().record);
+        if record.units().u != first.units().u {
+            let (found, wanted) = (record.units().u.clone(), first.units().u.clone());
+            return Err(raised(piezoid::Error::Units { what: "the input of a record".into(), found, wanted }));
+        }
+        own.push(record.output_in(&first.units().y).map_err(raised)?);
+    }
+    let records = own;
     let (na, nb, delay) = orders;
     let usual = swarm::Settings::default();
     let settings = swarm::Settings {

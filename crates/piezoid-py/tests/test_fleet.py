@@ -12,6 +12,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import piezoid as pz
@@ -217,3 +218,12 @@ def test_the_readers_of_records_serve_fleets_too(tmp_path):
     files: dict[str, Path] = {"file": tmp_path / "0.csv", "text": str(tmp_path / "0.csv"), "frame": sine(0).to_frame()}
     table = pz.fleet.identify(files, **KNOWN)
     assert table.error.isna().all() and len(set(table.model)) == 1
+
+
+def test_what_would_lose_rows_or_run_nothing_is_refused() -> None:
+    twice = pd.Series([1, 2], index=["a", "a"])
+    with pytest.raises(pz.PiezoidError, match="2 jobs have 1 names"):
+        pz.fleet.run(float, twice)
+    for settings in [{"retries": -1}, {"chunk": 0}]:
+        with pytest.raises(pz.PiezoidError, match="whole number"):
+            pz.fleet.run(float, {"a": 1}, **settings)

@@ -94,3 +94,11 @@ def test_linear_blocks_are_fitted_and_run(small: pz.Record) -> None:
     a, b = fit.arx.a, fit.arx.b
     assert np.allclose(fit.arx.simulate(small.u), lfilter(b, np.r_[1, -a], small.u), rtol=1e-9, atol=1e-9)
     assert fit.arx.is_stable and abs(fit.arx.poles[0]["hz"] - 166) < 2 and pz.linear.Arx(a, b, small.ts) == fit.arx
+
+
+def test_blocks_are_fitted_in_one_unit(small: pz.Record) -> None:
+    alone = pz.linear.fit(small).arx
+    both = pz.linear.fit([small, small.output_in("nm")]).arx
+    assert np.allclose(both.a, alone.a) and np.allclose(both.b, alone.b)
+    with pytest.raises(pz.PiezoidError, match="no factor between them"):
+        pz.linear.fit([small, pz.Record(small.u, small.y, small.ts, units=("V", "furlong"))])

@@ -42,6 +42,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
+from ._checks import whole
 from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Offset, Progress
@@ -173,6 +174,11 @@ def run(
     import pandas as pd
 
     named = dict(jobs.items())
+    if len(named) < len(jobs):
+        raise PiezoidError(f"{len(jobs)} jobs have {len(named)} names: give each its own")
+    whole("retries", retries)
+    if chunk is not None:
+        whole("chunk", chunk, least=1)
     given, rows, settled = list(named.values()), [Row() for _ in named], 0
     size = chunk or _chunk(client, len(given))
     batches = [range(len(given))[start : start + size] for start in range(0, len(given), size)]
@@ -304,7 +310,8 @@ def _identified(settings: Row, actuator: Any) -> Row:
     given = _made(actuator, "record")
     known = given if isinstance(given, Mapping) and not given.keys().isdisjoint(_SOURCES) else {"data": given}
     asked = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items()}
-    test = asked.pop("test", None) or asked.get("rich", []) + asked.get("data", [])
+    known_by = [asked.get(name, []) for name in ("rich", "data", "linear")]
+    test = asked.pop("test", None) or known_by[0] + known_by[1] or known_by[2]
     model = _identify(**asked)
     resonance_hz, damping = model.resonance or (None, None)
     row = {"model": model, "operator": model.operator, "resonance_hz": resonance_hz, "damping": damping}

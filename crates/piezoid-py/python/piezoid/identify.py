@@ -67,9 +67,10 @@ def identify(
     >>> model.operator
     'prandtl-ishlinskii'
     """
-    small, others = _records(linear), _records(rich) + _records(data)
-    if _records(data) and (small or _records(rich)):
+    small, others, everything = _records(linear), _records(rich), _records(data)
+    if everything and (small or others):
         raise PiezoidError("data is for records of everything: give either data, or linear and rich")
+    others += everything
     only: dict[str, dict[str, Any]] = {
         "joint": {"elements": elements, "driver": driver, "capacitance": capacitance, "driver_lag": driver_lag},
         "paper": {"estimator": estimator, "split": split, "bins": bins, "reading": reading, "particles": particles,

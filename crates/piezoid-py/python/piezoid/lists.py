@@ -45,6 +45,9 @@ class Rows(Mapping[str, T], Generic[T]):
         except KeyError:
             raise PiezoidError(f"there is no {self._kind} called `{name}`: known are {', '.join(self._rows)}") from None
 
+    def get(self, name: str, default: Any = None) -> Any:
+        return self._rows.get(name, default)
+
     def __contains__(self, name: object) -> bool:
         return name in self._rows
 
