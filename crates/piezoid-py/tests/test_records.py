@@ -102,6 +102,10 @@ def test_archives_of_numpy_and_matlab_give_records(tmp_path: Path) -> None:
     for name in ["r.npz", "r.mat", "structure.mat"]:
         assert pz.read(tmp_path / name) == record, name
     assert pz.read(loadmat(tmp_path / "r.mat")) == record
+    assert pz.read(loadmat(tmp_path / "structure.mat")) == record
+    savemat(tmp_path / "two.mat", {"one": {"t_s": T, "u_V": U, "y_um": Y}, "other": {"t_s": T, "u_V": Y, "y_um": U}})
+    with pytest.raises(pz.PiezoidError, match="two of"):
+        pz.read(tmp_path / "two.mat")
 
 
 def test_matlabs_newest_files_give_records(tmp_path: Path) -> None:
@@ -123,6 +127,7 @@ def test_matlabs_newest_files_give_records(tmp_path: Path) -> None:
         ({"t_s": [0, 1, 2, 9], "u_V": U, "y_um": Y}, {}, "row 3, t_s"),
         ({"t_s": T, "u_V": U, "y_um": [1, 2, float("inf"), 4]}, {}, "y_um[2] is inf"),
         ({}, {}, "there is no input column"),
+        ({"t_s": T, "u_V": U, "y_um": np.ma.masked_array(Y, Y > 30)}, {}, "y_um is a masked array"),
     ],
 )
 def test_tables_that_say_too_little_are_refused_by_row_and_keyword(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ._piezoid import PiezoidError
 from ._types import Progress, Told
 
 
@@ -28,7 +29,10 @@ class _Bars:
     """One tqdm bar for each kind of work, in turn."""
 
     def __init__(self) -> None:
-        from tqdm.auto import tqdm
+        try:
+            from tqdm.auto import tqdm
+        except ImportError as error:
+            raise PiezoidError(f"a bar needs {error.name}: pip install piezoid[progress], or give a function") from None
 
         self.make: Any = tqdm
         self.bar: Any = None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -172,10 +172,11 @@ def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
         path = Path(source)
         about = f"{path}: "
         try:
-            if path.suffix == ".npz":
+            kind = path.suffix.lower()
+            if kind == ".npz":
                 with np.load(path, allow_pickle=False) as arrays:
                     return _arrays({name: arrays[name] for name in arrays.files}), about
-            if path.suffix == ".mat":
+            if kind == ".mat":
                 return _arrays(_mat(path)), about
             return _piezoid.Columns.from_csv(_files.read(path)), about
         except FileNotFoundError:
@@ -197,7 +198,7 @@ def _frame(frame: Any) -> dict[str, Any]:
     index: Any = getattr(frame, "index", None)
     if hasattr(index, "total_seconds"):  # differences in time
         columns.setdefault("t_s", index.total_seconds().to_numpy())
-    elif hasattr(index, "tz"):  # instants
+    elif hasattr(index, "tz") and len(index) > 0:  # instants
         columns.setdefault("t_s", (index - index[0]).total_seconds().to_numpy())
     elif getattr(index, "name", None) is not None:
         columns.setdefault(str(index.name), index.to_numpy())
@@ -205,16 +206,31 @@ def _frame(frame: Any) -> dict[str, Any]:
 
 
 def _arrays(columns: dict[str, Any]) -> _piezoid.Columns:
-    """The vectors among named arrays: those of the length that most have."""
+    """The vectors among named arrays, those within structures too: of the length that most have."""
     vectors: dict[str, Any] = {}
-    for name, values in columns.items():
+    for name, values in _flat(columns):
+        if isinstance(values, np.ma.MaskedArray):
+            raise PiezoidError(f"{name} is a masked array: fill it, or leave the masked samples out")
         array = np.asarray(values)
-        if array.size > 1 and array.size == max(array.shape) and array.dtype.kind in "fiub":
+        if array.size > 0 and array.size == max(array.shape, default=0) and array.dtype.kind in "fiub":
+            if name in vectors:
+                raise PiezoidError(f"there are two of {name}, in several structures: give one structure")
             # MATLAB's vectors are matrices of one row or column.
             vectors[name] = array.ravel()
     lengths = [len(v) for v in vectors.values()]
     usual = max(set(lengths), key=lengths.count, default=0)
     return _piezoid.Columns.from_arrays([(name, v) for name, v in vectors.items() if len(v) == usual])
+
+
+def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Names and arrays; of a structure, as scipy reads them from MATLAB's files, its fields."""
+    for name, values in columns.items():
+        if isinstance(values, Mapping):
+            yield from _flat(values)
+        elif isinstance(values, np.ndarray) and values.dtype.names and values.size == 1:
+            yield from _flat({field: values[field].item() for field in values.dtype.names})
+        else:
+            yield str(name), values
 
 
 def _mat(path: Path) -> dict[str, Any]:
@@ -225,20 +241,14 @@ def _mat(path: Path) -> dict[str, Any]:
         if is_hdf5:
             import h5py
 
-            found: dict[str, Any] = {}
-
-            def visit(name: str, item: Any) -> None:
-                if isinstance(item, h5py.Dataset) and not name.startswith("#"):
-                    found[name.rsplit("/", 1)[-1]] = item[()]
+            def opened(group: Any) -> dict[str, Any]:
+                parts = {name: part for name, part in group.items() if not name.startswith("#")}
+                return {name: opened(part) if hasattr(part, "items") else part[()] for name, part in parts.items()}
 
             with h5py.File(path, "r") as hdf5:
-                hdf5.visititems(visit)
-            return found
+                return opened(hdf5)
         from scipy.io import loadmat
     except ImportError as error:
         raise PiezoidError(f"{path}: MATLAB files need {error.name}: pip install piezoid[mat]") from None
     variables = loadmat(path, simplify_cells=True)
-    found = {name: v for name, v in variables.items() if not name.startswith("__")}
-    for v in [v for v in found.values() if isinstance(v, dict)]:
-        found.update(v)
-    return found
+    return {name: v for name, v in variables.items() if not name.startswith("__")}

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from . import _files, _piezoid
+from ._checks import whole
+from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Progress
 
@@ -45,14 +47,17 @@ class Study:
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes report.html and the figures."""
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise PiezoidError(f"cannot make the folder {place}: {error.strerror}: name another") from None
         _files.write(place / "report.html", self.html)
         for name, drawn in self.svg.items():
             _files.write(place / f"{name}.svg", drawn)
 
 
-def study(plant: Literal["paper", "pl140"] = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
-    """The paper's experiment on a twin: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines."""
+def study(plant: str = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
+    """The paper's experiment on one of `pz.plants`: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines."""
     with told(progress) as watch:
-        figures, svg, html, verdict = _piezoid.study(plant, seed, watch)
+        figures, svg, html, verdict = _piezoid.study(plant, whole("seed", seed), watch)
     return Study(figures, dict(svg), html, verdict)
