@@ -18,6 +18,9 @@ def test_the_same_records_give_the_same_model_in_any_form(
     small.save(tmp_path / "small.csv")
     again = pz.identify(linear=tmp_path / "small.csv", rich=[rich.to_frame()], operator="prandtl-ishlinskii")
     assert again == model
+    assert again.provenance["command"] == "piezoid.identify(method='joint', operator='prandtl-ishlinskii')"
+    [file] = again.provenance["files"]
+    assert file["file"] == "small.csv" and len(file["sha256"]) == 64 and again.provenance["seed"] == 0
 
 
 def test_the_papers_way_gives_branches(small: pz.Record) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Mapping
+from hashlib import sha256
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from . import _piezoid
@@ -67,7 +70,8 @@ def identify(
     >>> model.operator
     'prandtl-ishlinskii'
     """
-    small, others, everything = _records(linear), _records(rich), _records(data)
+    files: list[dict[str, str]] = []
+    small, others, everything = (_records(given, files) for given in (linear, rich, data))
     if everything and (small or others):
         raise PiezoidError("data is for records of everything: give either data, or linear and rich")
     others += everything
@@ -82,7 +86,10 @@ def identify(
                 raise PiezoidError(f"{name} belongs to the method {way}: leave it out, or ask for that method")
     asked = {"operator": operator, "creep": creep} | only["joint"] | only["paper"]
     asked |= wholes(order=order, seed=seed, elements=elements, bins=bins, particles=particles, iterations=iterations)
-    made = f'{{"version": "{__version__}", "seed": {asked["seed"]}}}'
+    usual = {"operator": "auto", "creep": True, "seed": 0}
+    said = [f"{name}={value!r}" for name, value in asked.items() if value is not None and value != usual.get(name)]
+    command = f"piezoid.identify({', '.join([f'method={method!r}', *said])})"
+    made = json.dumps({"command": command, "version": __version__, "files": files, "seed": asked["seed"]})
     with told(progress) as watch:
         core, _ = _piezoid.identify(
             ([r._core for r in small], [r._core for r in others]), method, asked, made, watch
@@ -90,11 +97,17 @@ def identify(
     return Model._of(core)
 
 
-def _records(given: Sources) -> list[Record]:
+def _records(given: Sources, files: list[dict[str, str]] | None = None) -> list[Record]:
+    """The records that are meant; of those that are files, names and hashes go to `files`."""
     if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
-        return [_record(given)]
-    return [_record(one) for one in given]
+        return [_record(given, files)]
+    return [_record(one, files) for one in given]
 
 
-def _record(given: Any) -> Record:
-    return given if isinstance(given, Record) else read(given)
+def _record(given: Any, files: list[dict[str, str]] | None) -> Record:
+    if isinstance(given, Record):
+        return given
+    record = read(given)
+    if files is not None and isinstance(given, (str, os.PathLike)):
+        files.append({"file": Path(given).name, "sha256": sha256(Path(given).read_bytes()).hexdigest()})
+    return record

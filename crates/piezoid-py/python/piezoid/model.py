@@ -27,7 +27,7 @@ __all__ = ["Compensation", "FeedForward", "Model", "Validation", "load"]
 class Model:
     """A Hammerstein model: hysteresis, creep, then linear dynamics. It never changes.
 
-    `identify` makes one, `load` reads one. It travels by pickle.
+    `identify` makes one, `load` reads one. It travels by pickle; two are equal whose numbers are, however they were found.
 
     >>> import numpy as np, piezoid as pz
     >>> model = pz.Model.from_dict({
@@ -113,7 +113,8 @@ class Model:
 
     @cached_property
     def provenance(self) -> dict[str, Any]:
-        """How it was made: version, seed, records; operators that were tried; parameters with their errors; notes."""
+        """How it was made: the command, the version, the seed, files with their hashes; operators that were tried; parameters with
+        their errors; notes."""
         made = self.to_dict()["fit"]
         return made if isinstance(made, dict) else {}
 
@@ -211,7 +212,7 @@ class Model:
         return isinstance(other, Model) and self._core == other._core
 
     def __hash__(self) -> int:
-        return hash(self.to_json())
+        return hash((self.ts, self.operator, self.offset, self.a.tobytes(), self.b.tobytes()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Model, (self.to_json(),)
