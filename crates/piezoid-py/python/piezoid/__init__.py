@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from . import excite, linear
 from ._piezoid import PiezoidError, __version__
-from .control import Comparison, control
+from .control import Comparison, control, reference
 from .export import export
 from .identify import identify
 from .lists import controllers, drivers, estimators, excitations, operators, references, targets
@@ -57,6 +57,7 @@ __all__ = [
     "plants",
     "read",
     "read_reference",
+    "reference",
     "references",
     "study",
     "targets",

@@ -11,7 +11,6 @@ from ._checks import limits as checked
 from ._checks import whole
 from ._progress import told
 from ._types import Array, Progress, Samples
-from .lists import references as known
 from .model import Model
 from .plants import Plant, plants
 
@@ -57,7 +56,15 @@ class Comparison:
 
 
 def reference(name: str, model: Model, *, peak: float, frequency: float, duration: float) -> Array:
-    """A reference by name (`pz.references`) [output unit], of shape (n,), for this `duration` [s]."""
+    """A reference by name (`pz.references`) [output unit], of shape (n,), for this `duration` [s].
+
+    >>> import piezoid as pz
+    >>> block = {"a": [0.5], "b": [1.0]}
+    >>> model = pz.Model.from_dict({"piezoid": 1, "ts": 1e-3, "hysteresis": {"operator": "proportional", "gain": 1.0}, "linear": block})
+    >>> r = pz.reference("triangle", model, peak=2.0, frequency=5.0, duration=0.4)
+    >>> len(r), float(abs(r).max())
+    (400, 2.0)
+    """
     if not 1 <= duration / model.ts <= MOST:
         raise _piezoid.PiezoidError(f"duration = {duration:g} s: must be from 1 to {MOST:g} samples of {model.ts:g} s")
     n = round(duration / model.ts)
@@ -105,5 +112,3 @@ def control(
         )
     return Comparison(figures, runs, html, model.ts)
 
-
-__all__ = ["Comparison", "control", "known", "reference"]
