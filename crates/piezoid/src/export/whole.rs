@@ -60,6 +60,11 @@ impl Entry {
         Entry { step, reset, state, about, inputs, output, vectors: Vectors::default() }
     }
 
+    /// `name`, and its kind if it has one: what a thing of its own is called.
+    pub(super) fn named(&self, name: &str) -> String {
+        if self.kind().is_empty() { name.into() } else { format!("{name}_{}", self.kind()) }
+    }
+
     /// What examples call one of its states.
     pub(super) fn called(&self) -> &'static str {
         match self.kind() {

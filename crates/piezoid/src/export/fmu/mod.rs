@@ -93,12 +93,8 @@ impl<'f> Fmu<'f> {
     fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Self {
         let mut whole = Whole { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
         whole.program.keep(&[entry.step]);
-        let name = match entry.step.strip_suffix("_step") {
-            Some(part) => format!("{}_{part}", wanted.name),
-            None => wanted.name.into(),
-        };
         let variables = variables::of(wanted, &whole.program, entry);
-        Fmu { wanted, version, whole, name, variables }
+        Fmu { wanted, version, whole, name: entry.named(wanted.name), variables }
     }
 
     fn entry(&self) -> &Entry {

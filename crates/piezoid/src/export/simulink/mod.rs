@@ -47,7 +47,7 @@ fn direct(wanted: &Wanted, entry: &Entry) -> bool {
 
 /// The S-function of an entry.
 fn sfun(name: &str, entry: &Entry) -> String {
-    format!("{name}_{}_sfun", entry.kind()).replace("__", "_")
+    format!("{}_sfun", entry.named(name))
 }
 
 /// Its inputs, as a call has them.

@@ -75,7 +75,7 @@ struct St<'s> {
 impl St<'_> {
     /// The function block of an entry.
     fn block_of(&self, entry: &Entry) -> String {
-        format!("{}_{}", self.name, entry.kind()).trim_end_matches('_').into()
+        entry.named(self.name)
     }
 
     fn number(&self) -> &'static str {
