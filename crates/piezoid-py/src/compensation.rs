@@ -4,14 +4,16 @@ use crate::error::{raised, refused};
 use crate::json::object;
 use crate::model::Model;
 use crate::samples::{array, samples, slice};
+use crate::watch::in_pieces;
 use numpy::PyArray1;
 use piezoid::System;
 use piezoid::compensation::{Causal, Compensated, How, shaping};
 use piezoid::excitation::{Driver, Limits};
 use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 use serde_json::json;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A setting, if it is given.
 fn given<'py, T: FromPyObjectOwned<'py>>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>> {
@@ -33,6 +35,7 @@ pub(crate) fn limits(settings: &Bound<'_, PyDict>) -> PyResult<Limits> {
     limits.high = given(settings, "high")?.or(limits.high);
     limits.slew = given(settings, "slew")?.or(limits.slew);
     limits.current = given(settings, "current")?.or(limits.current);
+    limits.sensible().map_err(raised)?;
     Ok(limits)
 }
 
@@ -80,9 +83,9 @@ impl FeedForward {
         Ok(FeedForward { causal, state })
     }
 
-    /// The state; what a thread that failed left of it is a state too.
-    fn state(&self) -> std::sync::MutexGuard<'_, Vec<f64>> {
-        self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    /// The state, waited for without the interpreter's lock; what a thread that failed left of it is a state too.
+    fn state(&self, py: Python<'_>) -> MutexGuard<'_, Vec<f64>> {
+        self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -100,25 +103,27 @@ impl FeedForward {
     }
 
     /// The voltage for this sample of the reference.
-    fn step(&self, r: f64) -> f64 {
-        self.causal.step(&mut self.state(), r)
+    fn step(&self, py: Python<'_>, r: f64) -> f64 {
+        self.causal.step(&mut self.state(py), r)
     }
 
     /// The voltages for a stretch of the reference, from where it stands.
     fn resume(&self, py: Python<'_>, reference: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let read = samples("reference", reference)?;
         let r = slice(&read)?;
-        let u = py.detach(|| self.causal.resume(&mut self.state(), r));
+        let mut state = self.state(py);
+        let x: &mut Vec<f64> = &mut state;
+        let u = in_pieces(py, r, |r| self.causal.resume(x, r))?;
         Ok(array(py, u).unbind())
     }
 
     /// Begins anew: at rest, or where `reference` has stood for long.
     #[pyo3(signature = (reference=None))]
-    fn reset(&self, reference: Option<f64>) -> PyResult<()> {
+    fn reset(&self, py: Python<'_>, reference: Option<f64>) -> PyResult<()> {
         if let Some(r) = reference.filter(|r| !r.is_finite()) {
             return Err(refused(&format!("reference = {r}: must be a finite number")));
         }
-        *self.state() = reference.map_or_else(|| self.causal.initial(), |r| self.causal.settled(r));
+        *self.state(py) = reference.map_or_else(|| self.causal.initial(), |r| self.causal.settled(r));
         Ok(())
     }
 

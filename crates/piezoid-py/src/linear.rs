@@ -11,10 +11,11 @@ use piezoid::System;
 use piezoid::linear::{self, Orders, estimator};
 use piezoid::optimize::swarm;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use serde_json::json;
 
 /// y = a1 y1 + a2 y2 + ... + b0 u + b1 u1 + ...
-#[pyclass(frozen, module = "piezoid")]
+#[pyclass(frozen, module = "piezoid.linear")]
 #[derive(Debug)]
 pub(crate) struct Arx {
     arx: linear::Arx,
@@ -73,7 +74,7 @@ impl Arx {
 
     fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let given = (samples("u", u)?, samples("y", y)?);
-        let (u, y) = (slice(&given.0)?, slice(&given.1)?);
+        let (u, y) = (finite("u", slice(&given.0)?)?, finite("y", slice(&given.1)?)?);
         if u.len() != y.len() {
             let (left, right) = ("u".into(), "y".into());
             return Err(raised(piezoid::Error::Lengths { left, left_len: u.len(), right, right_len: y.len() }));
@@ -84,6 +85,16 @@ impl Arx {
 
     fn __eq__(&self, other: &Self) -> bool {
         self.arx == other.arx
+    }
+
+    /// Makes it anew, where a pickle arrives.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (Vec<f64>, Vec<f64>, f64)) {
+        let arx = &slf.get().arx;
+        (slf.get_type(), (arx.a().to_vec(), arx.b().to_vec(), arx.ts()))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Arx(a={:?}, b={:?}, ts={:?})", self.arx.a(), self.arx.b(), self.arx.ts())
     }
 }
 

@@ -1,6 +1,6 @@
 //! What there is, by name; and excitations, which are nothing but settings.
 
-use crate::error::raised;
+use crate::error::{raised, refused};
 use crate::json::object;
 use crate::samples::array;
 use numpy::PyArray1;
@@ -57,6 +57,11 @@ pub(crate) fn excite(
     let values: Vec<(String, f64)> = values.into_iter().map(|(name, v)| (name.replace('_', "-"), v)).collect();
     let values: Vec<(&str, f64)> = values.iter().map(|(name, v)| (name.as_str(), *v)).collect();
     let excitation = find(name).map_err(raised)?;
-    let u = py.detach(|| excitation.samples(ts, duration, &values)).map_err(raised)?;
+    // Parameters are keywords here, and written as such.
+    let named = |error: piezoid::Error| {
+        let keywords = excitation.parameters.iter().filter(|p| p.name.contains('-'));
+        refused(&keywords.fold(error.to_string(), |told, p| told.replace(p.name, &p.name.replace('-', "_"))))
+    };
+    let u = py.detach(|| excitation.samples(ts, duration, &values)).map_err(named)?;
     Ok(array(py, u).unbind())
 }

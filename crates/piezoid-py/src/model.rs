@@ -5,6 +5,7 @@ use crate::error::{raised, refused};
 use crate::json::object;
 use crate::record::Record;
 use crate::samples::{array, samples, slice};
+use crate::watch::in_pieces;
 use numpy::{Complex64, PyArray1};
 use piezoid::System;
 use piezoid::hammerstein::Beginning;
@@ -106,7 +107,8 @@ impl Model {
             "likely" => Beginning::of(u)[0],
             _ => return Err(refused(&format!("begin = {begin}: must be rest, settled, motion or likely"))),
         };
-        let y = py.detach(|| self.model.resume(&mut self.model.before(u, beginning), u));
+        let mut x = py.detach(|| self.model.before(u, beginning));
+        let y = in_pieces(py, u, |u| self.model.resume(&mut x, u))?;
         Ok(array(py, y).unbind())
     }
 

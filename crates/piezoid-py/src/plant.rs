@@ -3,6 +3,7 @@
 use crate::error::{raised, refused};
 use crate::model::finite;
 use crate::samples::{array, samples, slice};
+use crate::watch::in_pieces;
 use numpy::PyArray1;
 use piezoid::System;
 use piezoid::plant::{self, Spec};
@@ -52,12 +53,10 @@ impl Plant {
         if !["rest", "settled"].contains(&begin) {
             return Err(refused(&format!("begin = {begin}: must be rest or settled")));
         }
-        let (y, saturation) = py.detach(|| {
-            let first = u.first().copied().unwrap_or_default();
-            let mut x = if begin == "rest" { plant.initial() } else { plant.settled(first) };
-            let y: Vec<f64> = plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect();
-            (y, plant.saturation(&x))
-        });
+        let first = u.first().copied().unwrap_or_default();
+        let mut x = if begin == "rest" { plant.initial() } else { plant.settled(first) };
+        let y = in_pieces(py, u, |u| plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect())?;
+        let saturation = plant.saturation(&x);
         Ok((array(py, y).unbind(), saturation.any().then(|| saturation.to_string())))
     }
 

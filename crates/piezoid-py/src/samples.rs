@@ -56,7 +56,8 @@ pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>
 pub(crate) fn frozen<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let array = PyArray1::from_slice(py, values);
     array.call_method1(intern!(py, "setflags"), (false,))?;
-    Ok(array)
+    // A view: one that owns its samples could be made writable again.
+    Ok(array.call_method0(intern!(py, "view"))?.cast_into()?)
 }
 
 /// The samples as a slice.

@@ -10,6 +10,26 @@ use std::time::{Duration, Instant};
 /// How long signals may wait.
 const PATIENCE: Duration = Duration::from_millis(50);
 
+/// Samples between two looks at signals, of what has no stages.
+const PIECE: usize = 1 << 16;
+
+/// What `resume` makes of `u`, piece by piece, without the interpreter's lock; Ctrl-C ends it between two pieces.
+pub(crate) fn in_pieces(
+    py: Python<'_>,
+    u: &[f64],
+    mut resume: impl FnMut(&[f64]) -> Vec<f64> + Send,
+) -> PyResult<Vec<f64>> {
+    if u.len() <= PIECE {
+        return Ok(py.detach(|| resume(u)));
+    }
+    let mut y = Vec::with_capacity(u.len());
+    for piece in u.chunks(PIECE) {
+        y.extend(py.detach(|| resume(piece)));
+        py.check_signals()?;
+    }
+    Ok(y)
+}
+
 /// Does `work` without the interpreter's lock. `progress`, if any, is called with what is done, how far, and of how much; what it
 /// raises ends the work, as Ctrl-C does.
 pub(crate) fn watched<T: Send>(

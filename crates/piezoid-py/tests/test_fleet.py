@@ -157,14 +157,16 @@ def test_models_are_validated_and_turned_around_by_name(undisturbed, tmp_path):
 
 def test_an_actuator_may_have_settings_and_proof_of_its_own():
     own = records(1) | {"operator": "stop", "test": partial(sine, 1, 11.0)}
-    table = pz.fleet.identify({"usual": records(1), "own": own}, **KNOWN)
-    assert list(table.operator) == ["prandtl-ishlinskii", "stop"]
+    usual = records(1) | {"test": None, "data": float("nan")}  # as a DataFrame has what is missing
+    table = pz.fleet.identify({"usual": usual, "own": own, "wrong": records(1) | {"ordre": 2}}, **KNOWN)
+    assert list(table.operator[:2]) == ["prandtl-ishlinskii", "stop"]
+    assert "ordre" in table.error["wrong"] and table.attempts["wrong"] == 1
     assert table.rms_pp_percent["own"] == table.model["own"].validate(sine(1, 11.0)).rms_pp_percent
 
 
 def test_progress_counts_what_is_settled_and_may_end_the_work():
     told = []
-    pz.fleet.run(abs, {-1: -1, -2: "no number", -3: -3}, progress=lambda *now: told.append(now))
+    pz.fleet.run(lambda x: 1 / x, {1: 1, 2: 0, 3: 3}, progress=lambda *now: told.append(now))
     assert told[-1] == ("fleet", 3, 3) and [done for _, done, _ in told] == [1, 1, 2, 2, 3]
 
     def stop(*_: object) -> None:

@@ -8,6 +8,7 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import piezoid as pz
 import pytest
 
@@ -71,13 +72,20 @@ def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[st
     assert "linear block" in capsys.readouterr().err
 
 
-def test_ctrl_c_ends_long_work(rich: pz.Record) -> None:
+@pytest.mark.parametrize("work", ["identify", "simulate", "measure"])
+def test_ctrl_c_ends_long_work(work: str, rich: pz.Record, model: pz.Model) -> None:
+    # Each takes a minute or more.
+    long = {
+        "identify": lambda: [pz.identify(data=rich) for _ in range(100)],
+        "simulate": lambda: [model.simulate(u) for _ in range(300)],
+        "measure": lambda: pz.plants["pl140"].measure(u),
+    }
+    u = np.zeros(10**7)
     pressed = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     pressed.start()
     began = time.perf_counter()
     with pytest.raises(KeyboardInterrupt):
-        for _ in range(100):
-            pz.identify(data=rich)
+        long[work]()
     pressed.join()
     assert time.perf_counter() - began < 20
 

@@ -45,6 +45,8 @@ def test_models_travel_by_file_and_pickle(model: pz.Model, tmp_path: Path) -> No
     model.save(tmp_path / "m.json")
     for again in [pz.load(tmp_path / "m.json"), pickle.loads(pickle.dumps(model)), pz.Model(model.to_json())]:
         assert again == model and hash(again) == hash(model) and again.to_json() == model.to_json()
+    by_hand = pz.Model.from_dict(model.to_dict() | {"fit": {"trials": 5, "notes": "none"}})
+    assert by_hand.trials.empty and by_hand.parameters.empty and by_hand.notes == []
     changed = model.to_dict() | {"offset": 1.0}
     assert pz.Model.from_dict(changed) != model
     with pytest.raises(pz.PiezoidError, match="none.json: there is no such file"):
@@ -81,6 +83,8 @@ def test_validation_gives_the_figures_of_the_command_line(model: pz.Model, unsee
     assert len(found.loops) >= 1 and "measured.width_percent" in found.loops.columns
     free = model.validate(unseen, skip=0.2, offset="free")
     assert free.start == 400 and abs(free.residual[400:].mean()) < 1e-9
+    with pytest.raises(pz.PiezoidError, match="there is no such file"):
+        model.validate("none.csv")
     with pytest.raises(pz.PiezoidError, match="kept or free"):
         model.validate(unseen, offset="none")  # type: ignore[arg-type]
     with pytest.raises(pz.PiezoidError, match="sampled every"):

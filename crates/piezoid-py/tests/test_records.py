@@ -63,12 +63,15 @@ def test_samples_of_a_record_cannot_be_changed_behind_its_back() -> None:
     record = pz.Record(mine, Y, ts=5e-4)
     mine[0] = 99
     assert record.u[0] == 0.0 and not record.u.flags.writeable and record.u is record.u
+    with pytest.raises(ValueError, match="WRITEABLE"):
+        record.u.setflags(write=True)
 
 
 def test_records_travel_and_compare() -> None:
     record = pz.Record(U, Y, ts=5e-4, units=("V", "nm"))
     again = pickle.loads(pickle.dumps(record))
     assert again == record and hash(again) == hash(record) and again.units == ("V", "nm")
+    assert hash(pz.Record(-U, Y, ts=5e-4)) == hash(pz.Record(0.0 - U, Y, ts=5e-4)), "-0.0 is 0.0"
     assert record != pz.Record(U, Y, ts=5e-4)
     assert record.output_in("um").y[1] == 0.02 and len(record.part(5e-4, 1.5e-3)) == 2
     assert "4 samples" in repr(record) and "nm" in record._repr_html_()
@@ -127,6 +130,8 @@ def test_matlabs_newest_files_give_records(tmp_path: Path) -> None:
         ({"t_s": [0, 1, 2, 9], "u_V": U, "y_um": Y}, {}, "row 3, t_s"),
         ({"t_s": T, "u_V": U, "y_um": [1, 2, float("inf"), 4]}, {}, "y_um[2] is inf"),
         ({}, {}, "there is no input column"),
+        ({"t_s": T, "u_V": U, "y_um": Y[:3]}, {}, "left out: y_um (of 3 samples, not 4)"),
+        ({"t_s": T, "u_V": U, "y_um": ["0", "x", "2", "3"]}, {}, "left out: y_um (of shape (4,), <U1)"),
         ({"t_s": T, "u_V": U, "y_um": np.ma.masked_array(Y, Y > 30)}, {}, "y_um is a masked array"),
     ],
 )

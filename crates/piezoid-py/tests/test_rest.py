@@ -26,6 +26,8 @@ def test_every_excitation_is_a_function_that_says_what_it_takes() -> None:
         pz.excite.noise  # noqa: B018
     with pytest.raises(pz.PiezoidError, match="did you mean `amplitude`"):
         pz.excite.sine(ts=1e-3, duration=1, amplitud=3, frequency=5)
+    with pytest.raises(pz.PiezoidError, match="clock_divider"):
+        pz.excite.prbs(ts=1e-3, duration=1, ampl=3)
 
 
 def test_lists_answer_by_name_and_say_what_there_is() -> None:
@@ -94,6 +96,9 @@ def test_linear_blocks_are_fitted_and_run(small: pz.Record) -> None:
     a, b = fit.arx.a, fit.arx.b
     assert np.allclose(fit.arx.simulate(small.u), lfilter(b, np.r_[1, -a], small.u), rtol=1e-9, atol=1e-9)
     assert fit.arx.is_stable and abs(fit.arx.poles[0]["hz"] - 166) < 2 and pz.linear.Arx(a, b, small.ts) == fit.arx
+    assert pickle.loads(pickle.dumps(fit)) == fit and f"{a[0]:.6f}" in repr(fit.arx)
+    with pytest.raises(pz.PiezoidError, match=r"y\[1\] is NaN"):
+        fit.arx.predict([0.0, 1.0], [0.0, float("nan")])
 
 
 def test_blocks_are_fitted_in_one_unit(small: pz.Record) -> None:

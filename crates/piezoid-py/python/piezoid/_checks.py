@@ -3,20 +3,42 @@
 from __future__ import annotations
 
 import operator
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from ._piezoid import PiezoidError
 
-LIMITS = ("driver", "capacitance", "low", "high", "slew", "current", "clip")
-"""Keywords that limit a voltage, as `Model.compensation` describes them."""
+if TYPE_CHECKING:
+    from typing_extensions import Unpack as Unpack
 
 
-def limits(given: dict[str, Any]) -> dict[str, Any]:
+class Limits(TypedDict, total=False):
+    """Keywords that limit a voltage, as `Model.compensation` describes them."""
+
+    driver: str | None
+    capacitance: float | None
+    low: float | None
+    high: float | None
+    slew: float | None
+    current: float | None
+    clip: bool
+
+
+class Settings(Limits, total=False):
+    """Keywords of `Model.compensation`."""
+
+    smooth: float | None
+    zvd: bool
+    notch: bool
+    sweeps: int
+
+
+def limits(given: Limits) -> dict[str, Any]:
     """Limits by their keywords; another is a `TypeError`, as of any function."""
+    known = Limits.__annotations__
     for name in given:
-        if name not in LIMITS:
-            raise TypeError(f"unexpected keyword {name!r}: limits are {', '.join(LIMITS)}")
-    return given
+        if name not in known:
+            raise TypeError(f"unexpected keyword {name!r}: limits are {', '.join(known)}")
+    return dict(given)
 
 
 def whole(name: str, value: Any, least: int = 0) -> int:

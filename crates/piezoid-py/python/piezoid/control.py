@@ -17,6 +17,7 @@ from .plants import Plant, plants
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ._checks import Limits, Unpack
 
 MOST = 1e8
 """Samples of a reference."""
@@ -84,7 +85,7 @@ def control(
     tolerance: tuple[float, int] | None = None,
     seed: int = 1,
     progress: Progress = None,
-    **limits: Any,
+    **limits: Unpack[Limits],
 ) -> Comparison:
     """Drives a twin along references [output unit of the model], by one or several controllers (`pz.controllers`), such as
     "feed-forward+pi", tuned to the model.

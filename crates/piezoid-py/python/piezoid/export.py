@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._checks import limits as checked
 from ._checks import whole
 from ._types import Samples
 from .model import Model
+
+if TYPE_CHECKING:
+    from ._checks import Limits, Unpack
 
 
 class Exported(dict[str, bytes]):
@@ -38,7 +41,7 @@ def export(
     reference: Samples | None = None,
     servo_cycle: Any = None,
     range: tuple[Any, Any] | None = None,
-    **limits: Any,
+    **limits: Unpack[Limits],
 ) -> Exported:
     """What a target (`pz.targets`) makes of a model: files by their paths, written into `folder` where one is named.
 

@@ -18,7 +18,7 @@
 Jobs travel by pickle. A record may be a file, or a function without arguments that gives the record: both are read where
 the work is done, so that ten thousand records need not pass through one machine.
 
-No job stops another, and none is lost: what a job raises stands in its row as `error`. What piezoid refuses is final. Anything
+No job stops another, and none is lost: what a job raises stands in its row as `error`. What piezoid refuses is final, and so is a `TypeError`. Anything
 else, such as a file share that was away or a worker that died, is tried again. Dask gives the work of a worker that died to
 others. A pool of Python's is broken for good when one of its processes dies; the rows that were done then remain, and
 the others have an error. Results do not depend on where they were made, nor on how often work was lost.
@@ -35,7 +35,7 @@ from concurrent import futures
 from contextlib import contextmanager, suppress
 from functools import partial
 from inspect import signature
-from math import ceil
+from math import ceil, isnan
 from platform import node
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
@@ -46,14 +46,15 @@ from ._checks import whole
 from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Offset, Progress
-from .identify import _records
 from .identify import identify as _identify
 from .model import Model, load
-from .records import Record, read_reference
+from .records import Record, read_reference, record, sources
 
 if TYPE_CHECKING:
     import distributed
     import pandas as pd
+
+    from ._checks import Settings, Unpack
 
 Row: TypeAlias = dict[str, Any]
 """The columns of one actuator."""
@@ -129,7 +130,7 @@ def compensate(
     retries: int = 2,
     chunk: int | None = None,
     progress: Progress = None,
-    **settings: Any,
+    **settings: Unpack[Settings],
 ) -> pd.DataFrame:
     """Of each actuator, the voltages for a wanted displacement.
 
@@ -142,7 +143,7 @@ def compensate(
     """
     signature(Model.compensation).bind(None, None, **settings)
     own = references if isinstance(references, Mapping) else dict.fromkeys(models.keys(), references)
-    job = partial(_compensated, settings)
+    job = partial(_compensated, dict(settings))
     table = run(job, _paired(models, own), client, retries=retries, chunk=chunk, progress=progress)
     return table.reindex(columns=["u", "reached", "clipped", "notes", *_ALWAYS])
 
@@ -159,12 +160,12 @@ def run(
     """`function(job)` of each job: a row each, by the names and in the order of `jobs`.
 
     function: gives the columns of a row, as a mapping, or else what stands in the column `value`
-    retries: how often a job that failed is tried again, by itself, unless `PiezoidError` says it would be in vain
+    retries: how often a job that failed is tried again, by itself, unless `PiezoidError` or `TypeError` says it would be in vain
     chunk: how many jobs make one task of the engine, whose overhead is about a millisecond; up to 16 where it is not given
     progress: as of `pz.identify`, told how many jobs are settled; what it raises takes back what has not been started
 
-    Columns beside those of `function`: `attempts`, `seconds` of the last one, `worker` (machine and process), and `error`, a text,
-    missing where all went well.
+    Columns beside those of `function`, in whose place they stand where it has the same: `attempts`, `seconds` of the last one,
+    `worker` (machine and process), and `error`, a text, missing where all went well.
 
     >>> import piezoid as pz
     >>> table = pz.fleet.run(lambda x: {"inverse": 1 / x}, {"a": 2, "b": 0})
@@ -295,6 +296,8 @@ def _row(function: Callable[[Any], Any], job: Any) -> tuple[Row, bool]:
         row = dict(made) if isinstance(made, Mapping) else {"value": made}
     except PiezoidError as refusal:
         error = str(refusal)
+    except TypeError as misuse:  # a keyword that nobody knows, say
+        error = _text(misuse)
     except KeyboardInterrupt:
         raise
     except BaseException as failure:  # one that panics or exits is no reason to lose its neighbours
@@ -309,7 +312,7 @@ def _text(error: BaseException) -> str:
 def _identified(settings: Row, actuator: Any) -> Row:
     given = _made(actuator, "record")
     known = given if isinstance(given, Mapping) and not given.keys().isdisjoint(_SOURCES) else {"data": given}
-    asked = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items()}
+    asked = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items() if not _is_missing(v)}
     known_by = [asked.get(name, []) for name in ("rich", "data", "linear")]
     test = asked.pop("test", None) or known_by[0] + known_by[1] or known_by[2]
     model = _identify(**asked)
@@ -344,9 +347,14 @@ def _paired(models: Any, others: Any) -> dict[Any, tuple[Any, Any]]:
 def _made(given: Any, what: str) -> Any:
     """What was given, or what it makes if it is a function."""
     made = given() if callable(given) else given
-    if made is None or isinstance(made, float):  # pandas has NaN for what is missing
+    if _is_missing(made):
         raise PiezoidError(f"there is no {what} of this actuator: give one, or leave the actuator out")
     return made
+
+
+def _is_missing(given: Any) -> bool:
+    # pandas has NaN for what is missing.
+    return given is None or (isinstance(given, float) and isnan(given))
 
 
 def _model(given: Any) -> Model:
@@ -354,6 +362,6 @@ def _model(given: Any) -> Model:
     return made if isinstance(made, Model) else load(made)
 
 
-def _read(sources: Any) -> list[Record]:
-    made = _made(sources, "record")
-    return [r for one in made for r in _read(one)] if isinstance(made, (list, tuple)) else _records(made)
+def _read(given: Any) -> list[Record]:
+    made = _made(given, "record")
+    return [r for one in made for r in _read(one)] if isinstance(made, (list, tuple)) else [record(source) for source in sources(made)]

@@ -15,13 +15,10 @@ from ._piezoid import PiezoidError, __version__
 from ._progress import told
 from ._types import Progress
 from .model import Model
-from .records import Record, read
+from .records import record, sources
 
 if TYPE_CHECKING:
-    import pandas as pd
-
-    Source: TypeAlias = "Record | str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame"
-    Sources: TypeAlias = "Source | Iterable[Source]"
+    from .records import Sources
 
 
 def identify(
@@ -70,8 +67,8 @@ def identify(
     >>> model.operator
     'prandtl-ishlinskii'
     """
-    files: list[dict[str, str]] = []
-    small, others, everything = (_records(given, files) for given in (linear, rich, data))
+    given = [sources(linear), sources(rich), sources(data)]
+    small, others, everything = ([record(source) for source in part] for part in given)
     if everything and (small or others):
         raise PiezoidError("data is for records of everything: give either data, or linear and rich")
     others += everything
@@ -89,6 +86,7 @@ def identify(
     usual = {"operator": "auto", "creep": True, "seed": 0}
     said = [f"{name}={value!r}" for name, value in asked.items() if value is not None and value != usual.get(name)]
     command = f"piezoid.identify({', '.join([f'method={method!r}', *said])})"
+    files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]
     made = json.dumps({"command": command, "version": __version__, "files": files, "seed": asked["seed"]})
     with told(progress) as watch:
         core, _ = _piezoid.identify(
@@ -97,17 +95,6 @@ def identify(
     return Model._of(core)
 
 
-def _records(given: Sources, files: list[dict[str, str]] | None = None) -> list[Record]:
-    """The records that are meant; of those that are files, names and hashes go to `files`."""
-    if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
-        return [_record(given, files)]
-    return [_record(one, files) for one in given]
-
-
-def _record(given: Any, files: list[dict[str, str]] | None) -> Record:
-    if isinstance(given, Record):
-        return given
-    record = read(given)
-    if files is not None and isinstance(given, (str, os.PathLike)):
-        files.append({"file": Path(given).name, "sha256": sha256(Path(given).read_bytes()).hexdigest()})
-    return record
+def _file(path: str | os.PathLike[str]) -> dict[str, str]:
+    """Name and hash of a file."""
+    return {"file": Path(path).name, "sha256": sha256(Path(path).read_bytes()).hexdigest()}

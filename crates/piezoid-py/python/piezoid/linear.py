@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._checks import whole, wholes
 from ._piezoid import Arx
 from ._progress import told
 from ._types import Progress
-from .records import Record
+from .records import record, sources
+
+if TYPE_CHECKING:
+    from .records import Sources
 
 __all__ = ["Arx", "Fit", "fit"]
 
@@ -31,7 +33,7 @@ class Fit:
 
 
 def fit(
-    records: Record | Iterable[Record],
+    records: Sources,
     order: int | tuple[int, int, int] = 2,
     *,
     estimator: str = "least-squares",
@@ -40,17 +42,24 @@ def fit(
     seed: int = 0,
     progress: Progress = None,
 ) -> Fit:
-    """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records.
+    """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to what `read` makes records of.
 
     order: of the block, or (number of a, number of b, samples of delay)
     estimator: one of `pz.estimators`; `particles`, `iterations` and `seed` are of the swarm
+
+    >>> import piezoid as pz
+    >>> u = pz.excite.prbs(ts=5e-4, duration=2, amplitude=1)
+    >>> block = pz.linear.Arx([1.7, -0.9], [0.0, 3.0, 2.5], ts=5e-4)
+    >>> found = pz.linear.fit(pz.Record(u, block.simulate(u), ts=5e-4))
+    >>> found.arx.a.round(6).tolist()
+    [1.7, -0.9]
     """
-    given = [records] if isinstance(records, Record) else list(records)
+    given = [record(source) for source in sources(records)]
     na, nb, delay = order if isinstance(order, tuple) else (order, order + 1, 0)
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))
     swarm = wholes(particles=particles, iterations=iterations)
     with told(progress) as watch:
         arx, found = _piezoid.fit(
-            [record._core for record in given], orders, estimator, (swarm["particles"], swarm["iterations"], whole("seed", seed)), watch
+            [r._core for r in given], orders, estimator, (swarm["particles"], swarm["iterations"], whole("seed", seed)), watch
         )
     return Fit(arx, **found)

@@ -17,9 +17,13 @@ from ._checks import whole
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units
 from .records import Record
+from .records import record as _record
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from ._checks import Limits, Settings, Unpack
+    from .records import Source
 
 __all__ = ["Compensation", "FeedForward", "Model", "Validation", "load"]
 
@@ -121,17 +125,21 @@ class Model:
     @property
     def notes(self) -> list[str]:
         """What its user should know, as found when it was identified."""
-        return list(self.provenance.get("notes", []))
+        return [str(note) for note in self._found("notes")]
 
     @property
     def trials(self) -> pd.DataFrame:
         """The operators that were tried, with the error on held-out parts and a verdict."""
-        return _frame(self.provenance.get("trials", []))
+        return _frame(self._found("trials"))
 
     @property
     def parameters(self) -> pd.DataFrame:
         """What an engineer asks for, with its standard error."""
-        return _frame(self.provenance.get("parameters", []))
+        return _frame(self._found("parameters"))
+
+    def _found(self, what: str) -> list[Any]:
+        found = self.provenance.get(what)
+        return found if isinstance(found, list) else []
 
     def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
         """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
@@ -153,18 +161,19 @@ class Model:
         """The frequency response of the linear block [output unit / input unit] at `hz` [Hz], both of shape (n,)."""
         return self._core.response(hz)
 
-    def validate(self, record: Record, *, skip: float = 0.0, offset: Offset = "kept") -> Validation:
-        """Compares its free run with a record, best one it has not seen.
+    def validate(self, record: Source, *, skip: float = 0.0, offset: Offset = "kept") -> Validation:
+        """Compares its free run with a record, best one it has not seen; or with what `read` makes a record of.
 
         skip: seconds at the start that do not count
         offset: "free" takes the mean error off first, since sensors drift
         """
         if offset not in ("kept", "free"):
             raise PiezoidError(f"offset = {offset}: must be kept or free")
-        figures, simulated = self._core._validate(record._core, skip, offset == "free")
-        return Validation(record, simulated, figures)
+        measured = _record(record)
+        figures, simulated = self._core._validate(measured._core, skip, offset == "free")
+        return Validation(measured, simulated, figures)
 
-    def inverse(self, late: int = 0, **limits: Any) -> FeedForward:
+    def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
         """The inverse, sample by sample: wanted displacement to voltage, `late` samples late. What is no finite number counts as the
         sample before, and what the limits do not allow is clipped.
 
@@ -172,7 +181,7 @@ class Model:
         """
         return self._core._inverse(whole("late", late), checked(limits))
 
-    def compensate(self, reference: Samples, **settings: Any) -> Array:
+    def compensate(self, reference: Samples, **settings: Unpack[Settings]) -> Array:
         """The voltages [input unit] for a wanted displacement [output unit], both of shape (n,): `compensation(...).u`."""
         return self.compensation(reference, **settings).u
 

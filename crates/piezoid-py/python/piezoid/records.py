@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from .model import Model
+
+    Source: TypeAlias = "Record | str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame"
+    Sources: TypeAlias = "Source | Iterable[Source]"
 
 
 class Record:
@@ -99,7 +104,8 @@ class Record:
         return isinstance(other, Record) and self._core == other._core
 
     def __hash__(self) -> int:
-        return hash((self.ts, self.units, self.u.tobytes(), self.y.tobytes()))
+        u, y = (samples + 0.0 for samples in (self.u, self.y))  # -0.0 is 0.0
+        return hash((self.ts, self.units, u.tobytes(), y.tobytes()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Record, (self.u, self.y, self.ts, self.units)
@@ -117,6 +123,20 @@ class Record:
 
 def _ends(samples: Array) -> tuple[float, float]:
     return float(samples.min()), float(samples.max())
+
+
+def record(source: Source) -> Record:
+    """A record, read where it is none yet."""
+    return source if isinstance(source, Record) else read(source)
+
+
+def sources(given: Sources | None) -> list[Source]:
+    """One source of a record or several, as a list."""
+    if given is None:
+        return []
+    if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
+        return [cast("Source", given)]
+    return list(given)
 
 
 def read(
@@ -139,11 +159,9 @@ def read(
     >>> pz.read({"t_s": np.arange(3) * 1e-3, "u_V": [0, 1, 2], "y_nm": [0, 9, 20]}).units
     ('V', 'nm')
     """
-    columns, about = _columns(source)
-    try:
-        return Record._of(columns.record(ts, (input_col, output_col, time_col), (start, stop)))
-    except PiezoidError as error:
-        raise PiezoidError(f"{about}{error}") from None
+    columns = _columns(source)
+    with columns.named():
+        return Record._of(columns.core.record(ts, (input_col, output_col, time_col), (start, stop)))
 
 
 def read_reference(
@@ -156,18 +174,34 @@ def read_reference(
 ) -> Array:
     """A wanted displacement for a model, in its unit, of shape (n,): the column `r_*`, or else `y_*`, of whatever `read` takes. One
     that is not sampled as the model is refused."""
-    columns, about = _columns(source)
-    try:
-        own, r = columns.reference(ts, (None, output_col, time_col), model.units[1])
-    except PiezoidError as error:
-        raise PiezoidError(f"{about}{error}") from None
-    if abs(own - model.ts) > 1e-6 * model.ts:
-        raise PiezoidError(f"{about}the model is sampled every {model.ts:g} s but the reference every {own:g} s: resample it")
+    columns = _columns(source)
+    with columns.named():
+        own, r = columns.core.reference(ts, (None, output_col, time_col), model.units[1])
+        if abs(own - model.ts) > 1e-6 * model.ts:
+            raise PiezoidError(f"the model is sampled every {model.ts:g} s but the reference every {own:g} s: resample it")
     return r
 
 
-def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
-    """The columns of a source, and its name for errors."""
+@dataclass(frozen=True)
+class _Columns:
+    """The columns of a source."""
+
+    core: _piezoid.Columns
+    about: str = ""
+    """The name of a file, as errors begin."""
+    left: str = ""
+    """What was left out and why, as errors end."""
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """Errors that say whose columns they are about."""
+        try:
+            yield
+        except PiezoidError as error:
+            raise PiezoidError(f"{self.about}{error}{self.left}") from None
+
+
+def _columns(source: Any) -> _Columns:
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
         about = f"{path}: "
@@ -175,10 +209,10 @@ def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
             kind = path.suffix.lower()
             if kind == ".npz":
                 with np.load(path, allow_pickle=False) as arrays:
-                    return _arrays({name: arrays[name] for name in arrays.files}), about
+                    return _arrays({name: arrays[name] for name in arrays.files}, about)
             if kind == ".mat":
-                return _arrays(_mat(path)), about
-            return _piezoid.Columns.from_csv(_files.read(path)), about
+                return _arrays(_mat(path), about)
+            return _Columns(_piezoid.Columns.from_csv(_files.read(path)), about)
         except FileNotFoundError:
             raise PiezoidError(f"{about}there is no such file: check its name and folder") from None
         except PiezoidError as error:
@@ -186,9 +220,9 @@ def _columns(source: Any) -> tuple[_piezoid.Columns, str]:
         except Exception as error:  # readers of other packages raise what they like
             raise PiezoidError(f"{about}cannot be read: {error}") from error
     if hasattr(source, "columns"):
-        return _arrays(_frame(source)), ""
+        return _arrays(_frame(source))
     if isinstance(source, Mapping):
-        return _arrays({str(name): values for name, values in source.items()}), ""
+        return _arrays({str(name): values for name, values in source.items()})
     raise PiezoidError(f"a {type(source).__name__} is no record: give a file, a DataFrame, or a mapping of arrays")
 
 
@@ -198,16 +232,17 @@ def _frame(frame: Any) -> dict[str, Any]:
     index: Any = getattr(frame, "index", None)
     if hasattr(index, "total_seconds"):  # differences in time
         columns.setdefault("t_s", index.total_seconds().to_numpy())
-    elif hasattr(index, "tz") and len(index) > 0:  # instants
-        columns.setdefault("t_s", (index - index[0]).total_seconds().to_numpy())
+    elif hasattr(index, "tz"):  # instants
+        columns.setdefault("t_s", (index - index.min()).total_seconds().to_numpy())
     elif getattr(index, "name", None) is not None:
         columns.setdefault(str(index.name), index.to_numpy())
     return columns
 
 
-def _arrays(columns: dict[str, Any]) -> _piezoid.Columns:
+def _arrays(columns: dict[str, Any], about: str = "") -> _Columns:
     """The vectors among named arrays, those within structures too: of the length that most have."""
     vectors: dict[str, Any] = {}
+    left: list[str] = []
     for name, values in _flat(columns):
         if isinstance(values, np.ma.MaskedArray):
             raise PiezoidError(f"{name} is a masked array: fill it, or leave the masked samples out")
@@ -217,9 +252,13 @@ def _arrays(columns: dict[str, Any]) -> _piezoid.Columns:
                 raise PiezoidError(f"there are two of {name}, in several structures: give one structure")
             # MATLAB's vectors are matrices of one row or column.
             vectors[name] = array.ravel()
+        elif array.size > 1:
+            left.append(f"{name} (of shape {array.shape}, {array.dtype})")
     lengths = [len(v) for v in vectors.values()]
     usual = max(set(lengths), key=lengths.count, default=0)
-    return _piezoid.Columns.from_arrays([(name, v) for name, v in vectors.items() if len(v) == usual])
+    left += [f"{name} (of {len(v)} samples, not {usual})" for name, v in vectors.items() if len(v) != usual]
+    core = _piezoid.Columns.from_arrays([(name, v) for name, v in vectors.items() if len(v) == usual])
+    return _Columns(core, about, f"; left out: {', '.join(left)}" if left else "")
 
 
 def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

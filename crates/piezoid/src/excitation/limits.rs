@@ -170,7 +170,10 @@ impl Limits {
     }
 
     /// Refuses limits that leave nothing or cannot be checked.
-    fn sensible(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn sensible(&self) -> Result<(), Error> {
         for (name, value, unit) in [
             ("slew", self.slew, "volts per second"),
             ("current", self.current, "amperes"),

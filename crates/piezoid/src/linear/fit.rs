@@ -242,12 +242,13 @@ pub(super) fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f6
     for (mut column, size) in matrix.column_iter_mut().zip(&size) {
         column /= *size;
     }
-    let y = DVector::from_iterator(regression.len(), regression.rows.iter().step_by(stride).copied());
+    let mut y = DVector::from_iterator(regression.len(), regression.rows.iter().step_by(stride).copied());
     let qr = matrix.qr();
     let r = qr.r();
+    qr.q_tr_mul(&mut y);
     // Columns have length 1, so a diagonal near rounding means a column that the others already explain.
     let smallest = (0..columns).map(|k| r[(k, k)].abs()).fold(f64::INFINITY, f64::min);
-    let solution = if smallest > 1e-13 { r.solve_upper_triangular(&(qr.q().transpose() * y)) } else { None };
+    let solution = if smallest > 1e-13 { r.solve_upper_triangular(&y.rows(0, columns)) } else { None };
     let Some(solution) = solution else {
         return Err(Error::Unidentifiable {
             what: format!("a linear block of {} a and {} b", regression.orders.na, regression.orders.nb),
