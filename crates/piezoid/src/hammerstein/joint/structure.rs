@@ -19,8 +19,11 @@ use crate::hammerstein::Model;
 use crate::hammerstein::paper::proportional;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
 use crate::hysteresis::{Design, Proportional, operator};
-use crate::linear::{Arx, Choice, Orders, Refinement, output_error, refine as refine_alone, select};
+use crate::linear::{
+    Arx, Choice, Orders, Refinement, estimator, fit, output_error, refine as refine_alone, select, too_low,
+};
 use crate::number::short;
+use crate::optimize::swarm;
 use crate::progress::unwatched;
 use crate::record::Record;
 use crate::series::scatter;
@@ -83,7 +86,10 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= NOTHING * least);
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
     let reason = format!("order {n} as asked, with the delay of {} that leaves least", chosen.orders.delay);
-    Ok((chosen.arx, reason))
+    let predicted =
+        fit(records, Orders::of(n), estimator("least-squares")?, &swarm::Settings::default(), &mut unwatched);
+    let doubt = predicted.ok().and_then(|fit| too_low(records, &fit)).unwrap_or_default();
+    Ok((chosen.arx, reason + &doubt))
 }
 
 /// The record with its input as it arrives behind the driver.

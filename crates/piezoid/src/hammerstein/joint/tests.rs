@@ -74,6 +74,17 @@ fn order_and_delay_are_those_of_the_plant() {
 }
 
 #[test]
+fn an_order_that_is_asked_for_and_too_low_is_told_of() {
+    let plant = plant(5e-4, 1);
+    let rich = rich(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0)]);
+    for (order, is_told) in [(1, true), (2, false)] {
+        let how = Joint { order: Some(order), ..named("prandtl-ishlinskii") };
+        let notes = identified(&[prbs(&plant)], &rich, &how).notes;
+        assert_eq!(notes.iter().any(|note| note.contains("is too low")), is_told, "{notes:?}");
+    }
+}
+
+#[test]
 fn each_record_has_an_offset_of_its_own_however_large_and_the_model_the_middle_one() {
     let plant = plant(5e-4, 1);
     let rich = rich(&plant, 0.4, &[(11.0, -1e6), (29.0, 5.0), (61.0, 1e9)]);
