@@ -16,12 +16,10 @@ use serde_json::json;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A setting, if it is given.
-fn given<'py, T: FromPyObjectOwned<'py>>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>> {
-    match settings.get_item(name)? {
-        None => Ok(None),
-        Some(value) if value.is_none() => Ok(None),
-        Some(value) => value.extract().map(Some).map_err(Into::into),
-    }
+pub(crate) fn given<'py, T: FromPyObjectOwned<'py>>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>> {
+    let Some(value) = settings.get_item(name)?.filter(|value| !value.is_none()) else { return Ok(None) };
+    let read: Result<T, PyErr> = value.extract().map_err(Into::into);
+    read.map(Some).or_else(|error| Err(refused(&format!("{name} = {}: {}", value.repr()?, error.value(settings.py())))))
 }
 
 /// The limits of a driver, where one is named, and those that are named beside it.

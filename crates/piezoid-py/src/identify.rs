@@ -1,6 +1,6 @@
 //! From records to a model.
 
-use crate::compensation::limits;
+use crate::compensation::{given, limits};
 use crate::error::{raised, refused};
 use crate::json::object;
 use crate::model::Model;
@@ -14,24 +14,6 @@ use piezoid::validation::small_signal;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
-
-/// What both ways to identify ask for; a way takes what it knows.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-struct Asked {
-    operator: String,
-    order: Option<usize>,
-    elements: Option<usize>,
-    creep: bool,
-    driver_lag: Option<f64>,
-    seed: u64,
-    estimator: Option<String>,
-    split: Option<String>,
-    bins: Option<usize>,
-    reading: Option<String>,
-    particles: Option<usize>,
-    iterations: Option<usize>,
-}
 
 /// A method with its settings.
 enum Way {
@@ -72,7 +54,8 @@ pub(crate) fn identify(
 }
 
 /// The driver as a block, where anything is known of it.
-fn driver(settings: &Bound<'_, PyDict>, lag: Option<f64>) -> PyResult<Option<Driver>> {
+fn driver(settings: &Bound<'_, PyDict>) -> PyResult<Option<Driver>> {
+    let lag: Option<f64> = given(settings, "driver_lag")?;
     let fastest = Some(limits(settings)?.fastest()).filter(|slew| slew.is_finite());
     if fastest.is_none() && lag.is_none() {
         return Ok(None);
@@ -81,28 +64,33 @@ fn driver(settings: &Bound<'_, PyDict>, lag: Option<f64>) -> PyResult<Option<Dri
 }
 
 fn way(method: &str, settings: &Bound<'_, PyDict>) -> PyResult<Way> {
-    let asked: Asked = settings.extract()?;
     match method {
         "joint" => {
-            let Asked { operator, order, elements, creep, seed, driver_lag, .. } = asked;
-            let driver = driver(settings, driver_lag)?;
-            Ok(Way::Joint(Joint { operator, order, elements, creep, driver, seed }))
+            let usual = Joint::default();
+            Ok(Way::Joint(Joint {
+                operator: given(settings, "operator")?.unwrap_or(usual.operator),
+                order: given(settings, "order")?,
+                elements: given(settings, "elements")?,
+                creep: given(settings, "creep")?.unwrap_or(usual.creep),
+                driver: driver(settings)?,
+                seed: given(settings, "seed")?.unwrap_or(usual.seed),
+            }))
         }
         "paper" => {
             let usual = Paper::default();
+            let splits = [("line", Split::Line), ("direction", Split::Direction)];
+            let readings = [("held", Reading::Held), ("printed", Reading::Printed)];
             Ok(Way::Paper(Paper {
-                order: asked.order.unwrap_or(usual.order),
-                estimator: asked.estimator.unwrap_or(usual.estimator),
-                operator: asked.operator,
-                split: named("split", asked.split, &[("line", Split::Line), ("direction", Split::Direction)])?
-                    .unwrap_or(usual.split),
-                bins: asked.bins.unwrap_or(usual.bins),
-                reading: named("reading", asked.reading, &[("held", Reading::Held), ("printed", Reading::Printed)])?
-                    .unwrap_or(usual.reading),
+                order: given(settings, "order")?.unwrap_or(usual.order),
+                estimator: given(settings, "estimator")?.unwrap_or(usual.estimator),
+                operator: given(settings, "operator")?.unwrap_or(usual.operator),
+                split: named(settings, "split", &splits)?.unwrap_or(usual.split),
+                bins: given(settings, "bins")?.unwrap_or(usual.bins),
+                reading: named(settings, "reading", &readings)?.unwrap_or(usual.reading),
                 swarm: swarm::Settings {
-                    particles: asked.particles.unwrap_or(usual.swarm.particles),
-                    iterations: asked.iterations.unwrap_or(usual.swarm.iterations),
-                    seed: asked.seed,
+                    particles: given(settings, "particles")?.unwrap_or(usual.swarm.particles),
+                    iterations: given(settings, "iterations")?.unwrap_or(usual.swarm.iterations),
+                    seed: given(settings, "seed")?.unwrap_or(usual.swarm.seed),
                     ..usual.swarm
                 },
             }))
@@ -111,9 +99,9 @@ fn way(method: &str, settings: &Bound<'_, PyDict>) -> PyResult<Way> {
     }
 }
 
-/// One of a few by its name.
-fn named<T: Clone>(what: &str, name: Option<String>, known: &[(&str, T)]) -> PyResult<Option<T>> {
-    let Some(name) = name else { return Ok(None) };
+/// One of a few by its name, if it is given.
+fn named<T: Clone>(settings: &Bound<'_, PyDict>, what: &str, known: &[(&str, T)]) -> PyResult<Option<T>> {
+    let Some(name) = given::<String>(settings, what)? else { return Ok(None) };
     let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
     let found = known.iter().find(|(known, _)| *known == name).map(|(_, value)| value.clone());
     found.map(Some).ok_or_else(|| refused(&format!("{what} = {name}: must be {}", names.join(" or "))))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import threading
 import time
 from pathlib import Path
@@ -21,7 +22,24 @@ def test_the_same_records_give_the_same_model_in_any_form(
     assert again == model
     assert again.provenance["command"] == "piezoid.identify(method='joint', operator='prandtl-ishlinskii')"
     [file] = again.provenance["files"]
-    assert file["file"] == "small.csv" and len(file["sha256"]) == 64 and again.provenance["seed"] == 0
+    assert file["file"] == "small.csv" and len(file["sha256"]) == 64 and again.provenance["seed"] == 1
+
+
+BINARY = Path(os.environ.get("CARGO_TARGET_DIR", Path(__file__).parents[3] / "target")) / "debug/piezoid"
+
+
+@pytest.mark.skipif(not BINARY.exists(), reason="SKIPPED: there is no command line to compare with: cargo build makes it")
+@pytest.mark.parametrize("how", ["--operator bouc-wen", "--method paper --iterations 60"])
+def test_the_command_line_finds_the_same_to_the_bit(how: str, small: pz.Record, tmp_path: Path) -> None:
+    u = pz.excite.sine(ts=5e-4, duration=1, amplitude=28, frequency=5)
+    small.save(tmp_path / "small.csv")
+    pz.plants["pl140"].measure(u, 5e-4).save(tmp_path / "sine.csv")
+    line = f"identify --linear small.csv --rich sine.csv {how} -o m.json".split()
+    subprocess.run([BINARY, *line], cwd=tmp_path, check=True, capture_output=True)
+    settings = dict(zip([word[2:] for word in how.split()[::2]], how.split()[1::2], strict=True))
+    numbers = {name: int(value) for name, value in settings.items() if value.isdigit()}
+    found = pz.identify(linear=tmp_path / "small.csv", rich=tmp_path / "sine.csv", **(settings | numbers))
+    assert found == pz.load(tmp_path / "m.json"), "is the command line that of this source? cargo build"
 
 
 def test_the_papers_way_gives_branches(small: pz.Record) -> None:
@@ -36,6 +54,8 @@ def test_the_papers_way_gives_branches(small: pz.Record) -> None:
     [
         ({"operator": "preisac"}, "did you mean `preisach`?"),
         ({"method": "best"}, "joint or paper"),
+        ({"operator": 3}, "operator = 3: "),
+        ({"driver_lag": "1 ms"}, "driver_lag = '1 ms': must be real number"),
         ({"particles": 10}, "particles belongs to the method paper"),
         ({"method": "paper", "elements": 10}, "elements belongs to the method joint"),
         ({"driver": "bd300"}, "capacitance"),

@@ -29,7 +29,7 @@ def identify(
     method: Literal["joint", "paper"] = "joint",
     operator: str = "auto",
     order: int | None = None,
-    seed: int = 0,
+    seed: int = 1,
     elements: int | None = None,
     creep: bool = True,
     driver: str | None = None,
@@ -83,7 +83,7 @@ def identify(
                 raise PiezoidError(f"{name} belongs to the method {way}: leave it out, or ask for that method")
     asked = {"operator": operator, "creep": creep} | only["joint"] | only["paper"]
     asked |= wholes(order=order, seed=seed, elements=elements, bins=bins, particles=particles, iterations=iterations)
-    usual = {"operator": "auto", "creep": True, "seed": 0}
+    usual = {"operator": "auto", "creep": True, "seed": 1}
     said = [f"{name}={value!r}" for name, value in asked.items() if value is not None and value != usual.get(name)]
     command = f"piezoid.identify({', '.join([f'method={method!r}', *said])})"
     files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]

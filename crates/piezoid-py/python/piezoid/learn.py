@@ -74,7 +74,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         method: Literal["joint", "paper"] = "joint",
         operator: str = "auto",
         order: int | None = None,
-        seed: int = 0,
+        seed: int = 1,
         elements: int | None = None,
         creep: bool = True,
         driver: str | None = None,

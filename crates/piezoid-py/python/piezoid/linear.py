@@ -39,7 +39,7 @@ def fit(
     estimator: str = "least-squares",
     particles: int | None = None,
     iterations: int | None = None,
-    seed: int = 0,
+    seed: int = 1,
     progress: Progress = None,
 ) -> Fit:
     """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to what `read` makes records of.

@@ -252,7 +252,7 @@ def _arrays(columns: dict[str, Any], about: str = "") -> _Columns:
                 raise PiezoidError(f"there are two of {name}, in several structures: give one structure")
             # MATLAB's vectors are matrices of one row or column.
             vectors[name] = array.ravel()
-        elif array.size > 1:
+        elif array.size != 1:
             left.append(f"{name} (of shape {array.shape}, {array.dtype})")
     lengths = [len(v) for v in vectors.values()]
     usual = max(set(lengths), key=lengths.count, default=0)
