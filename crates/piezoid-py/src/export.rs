@@ -44,6 +44,12 @@ pub(crate) fn export(
         ("controller", law.is_some()),
         ("reference", reference.is_some()),
     ];
+    if law.is_none() && (tuning.0 > 0 || tuning.1.or(tuning.2).is_some()) {
+        return Err(refused("late, gain_margin and phase_margin are of a controller: name one with controller="));
+    }
+    if (playback.0.is_some() || playback.1.is_some()) && !chosen.heeds.contains(&"reference") {
+        return Err(refused(&format!("servo_cycle and range are not for the target {target_name}")));
+    }
     if let Some((option, _)) = given.iter().find(|(option, given)| *given && !chosen.heeds.contains(option)) {
         return Err(refused(&format!("--{option} is not for the target {target_name}")));
     }

@@ -54,7 +54,7 @@ impl Arx {
         self.arx.is_stable()
     }
 
-    /// Poles: of each its frequency [Hz], its damping, and where it lies in the z plane.
+    /// Poles: of each its frequency [Hz] and damping.
     #[getter]
     fn poles(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         object(py, &json!(self.arx.poles()))

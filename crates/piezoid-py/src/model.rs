@@ -89,11 +89,12 @@ impl Model {
     /// G of the linear block at these frequencies [Hz].
     fn response<'py>(&self, py: Python<'py>, hz: &Bound<'py, PyAny>) -> PyResult<Py<PyArray1<Complex64>>> {
         let hz = samples("hz", hz)?;
+        let hz = finite("hz", slice(&hz)?)?;
         let at = |hz: &f64| {
             let found = self.model.linear().response(*hz);
             Complex64::from_polar(found.gain, found.phase)
         };
-        Ok(PyArray1::from_vec(py, slice(&hz)?.iter().map(at).collect()).unbind())
+        Ok(PyArray1::from_vec(py, hz.iter().map(at).collect()).unbind())
     }
 
     #[pyo3(signature = (u, begin="rest"))]

@@ -4,7 +4,9 @@ use crate::error::raised;
 use piezoid::Error;
 use piezoid::progress::{Progress, Stage};
 use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// How long signals may wait.
@@ -30,6 +32,22 @@ pub(crate) fn in_pieces(
     Ok(y)
 }
 
+/// Does `work` here. A forked process has none of the threads that its parent's pool started, and would wait for them for ever: in one,
+/// each thread works alone.
+fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    static FIRST: OnceLock<u32> = OnceLock::new();
+    thread_local! {
+        // Kept for good, as a pool of the current thread must be.
+        static ALONE: Option<&'static ThreadPool> =
+            ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().ok().map(|pool| &*Box::leak(Box::new(pool)));
+    }
+    let is_forked = *FIRST.get_or_init(std::process::id) != std::process::id();
+    match is_forked.then(|| ALONE.with(|pool| *pool)).flatten() {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
 /// Does `work` without the interpreter's lock. `progress`, if any, is called with what is done, how far, and of how much; what it
 /// raises ends the work, as Ctrl-C does.
 pub(crate) fn watched<T: Send>(
@@ -37,10 +55,10 @@ pub(crate) fn watched<T: Send>(
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&mut Progress) -> Result<T, Error> + Send,
 ) -> PyResult<T> {
-    let mut raised_within = None;
+    let (mut raised_within, mut last) = (None, None);
+    let mut heard = Instant::now();
     let outcome = py.detach(|| {
-        let mut heard = Instant::now();
-        work(&mut |stage: Stage| {
+        let mut tell = |stage: Stage| {
             let now = Instant::now();
             if progress.is_none() && now - heard < PATIENCE {
                 return ControlFlow::Continue(());
@@ -48,8 +66,9 @@ pub(crate) fn watched<T: Send>(
             heard = now;
             let told = Python::attach(|py| {
                 py.check_signals()?;
-                let call = |progress: &Py<PyAny>| progress.call1(py, (stage.what, stage.done, stage.total));
-                progress.as_ref().map(call).transpose().map(drop)
+                let Some(progress) = &progress else { return Ok(()) };
+                last = Some((stage.what.to_string(), stage.done, stage.total));
+                progress.call1(py, (stage.what, stage.done, stage.total)).map(drop)
             });
             match told {
                 Ok(()) => ControlFlow::Continue(()),
@@ -58,10 +77,18 @@ pub(crate) fn watched<T: Send>(
                     ControlFlow::Break(())
                 }
             }
-        })
+        };
+        within_this_process(|| work(&mut tell))
     });
-    match (outcome, raised_within) {
-        (_, Some(error)) => Err(error),
-        (outcome, None) => outcome.map_err(raised),
+    if let Some(error) = raised_within {
+        return Err(error);
     }
+    let made = outcome.map_err(raised)?;
+    // Stages are told as they begin: who counts them hears the end too.
+    if let (Some(progress), Some((what, done, total))) = (&progress, last)
+        && done < total
+    {
+        progress.call1(py, (what, total, total))?;
+    }
+    Ok(made)
 }

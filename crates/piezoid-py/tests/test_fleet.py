@@ -8,7 +8,7 @@ import sys
 import time
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context
 from pathlib import Path
 
 import numpy as np
@@ -119,6 +119,21 @@ def test_what_comes_back_is_tried_again_until_it_is_well(tmp_path):
     assert table.error.isna().all() and list(table.attempts) == [2]
     (tmp_path / "tried").unlink()
     assert pz.fleet.identify({"shy": at_the_second_time}, retries=0, **KNOWN).error["shy"] == "ConnectionError: not yet"
+
+
+@pytest.mark.skipif(condition="fork" not in get_all_start_methods(), reason="SKIPPED: processes do not fork here")
+def test_a_forked_process_works_though_its_parent_did_before(undisturbed):
+    with ProcessPoolExecutor(2, mp_context=get_context("fork")) as processes:
+        table = pz.fleet.identify(fleet(4), processes, **KNOWN)
+    assert list(table.model) == list(undisturbed.model[:4])
+
+
+def test_a_frame_has_an_actuator_a_row():
+    frame = pd.DataFrame({name: [row[name] for row in map(records, range(2))] for name in ("linear", "rich")}, index=["a", "b"])
+    table = pz.fleet.identify(frame, **KNOWN)
+    assert list(table.index) == ["a", "b"] and table.error.isna().all()
+    with pytest.raises(pz.PiezoidError, match="2 rows have 1 names"):
+        pz.fleet.identify(frame.set_axis(["a", "a"]), **KNOWN)
 
 
 def test_processes_give_the_same_bits(undisturbed):

@@ -75,9 +75,17 @@ def test_records_for_everything_go_alone(small: pz.Record, rich: pz.Record) -> N
         pz.identify()
 
 
+def test_a_lag_that_outlasts_the_records_is_no_part_of_a_model(rich: pz.Record) -> None:
+    # A pole at 0.99999 left nothing here, and a constant of 880 um that its state made up for.
+    found = pz.identify(data=rich, operator="prandtl-ishlinskii", order=2, elements=6)
+    assert found.validate(rich).nrmse_percent < 4 and abs(found.offset) < 20
+    assert np.abs(np.roots(np.r_[1.0, -found.a])).max() <= np.exp(-rich.ts / rich.duration) + 1e-9
+
+
 def test_who_watches_is_told_and_may_stop(rich: pz.Record) -> None:
     told: list[tuple[str, int, int]] = []
     pz.identify(data=rich, operator="stop", order=2, progress=lambda *stage: told.append(stage))
+    assert told[-1] == ("stop", 2, 2), "the end is told too"
     assert {what for what, _, _ in told} >= {"linear block", "stop"} and all(done <= total for _, done, total in told)
 
     def stop(what: str, done: int, total: int) -> None:
@@ -90,6 +98,16 @@ def test_who_watches_is_told_and_may_stop(rich: pz.Record) -> None:
 def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[str]) -> None:
     pz.identify(data=rich, operator="stop", order=2, progress=True)
     assert "linear block" in capsys.readouterr().err
+
+    from tqdm import tqdm
+
+    with tqdm(disable=False) as mine:
+        pz.identify(data=rich, operator="stop", order=2, progress=mine)
+        assert mine.n == mine.total == 2
+    pz.identify(data=rich, operator="stop", order=2, progress=tqdm)
+    assert "stop" in capsys.readouterr().err
+    with pytest.raises(pz.PiezoidError, match="progress = 5"):
+        pz.identify(data=rich, progress=5)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("work", ["identify", "simulate", "measure"])

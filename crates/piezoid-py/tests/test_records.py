@@ -106,6 +106,7 @@ def test_archives_of_numpy_and_matlab_give_records(tmp_path: Path) -> None:
         assert pz.read(tmp_path / name) == record, name
     assert pz.read(loadmat(tmp_path / "r.mat")) == record
     assert pz.read(loadmat(tmp_path / "structure.mat")) == record
+    assert pz.read(loadmat(tmp_path / "structure.mat", struct_as_record=False, squeeze_me=True)) == record
     savemat(tmp_path / "two.mat", {"one": {"t_s": T, "u_V": U, "y_um": Y}, "other": {"t_s": T, "u_V": Y, "y_um": U}})
     with pytest.raises(pz.PiezoidError, match="two of"):
         pz.read(tmp_path / "two.mat")
@@ -143,10 +144,36 @@ def test_tables_that_say_too_little_are_refused_by_row_and_keyword(
     assert told in str(raised.value) and "--" not in str(raised.value)
 
 
+def test_units_may_be_said_and_greek_letters_are_read() -> None:
+    columns = {"drive": U, "probe": Y}
+    record = pz.read(columns, ts=5e-4, input_col="drive", output_col="probe", units=("V", "µm"))
+    assert record == pz.Record(U, Y, ts=5e-4) and record.output_in("µm") == record
+    for wrong in ["um", ("V",), ("V", 1)]:
+        with pytest.raises(pz.PiezoidError, match="units = "):
+            pz.Record(U, Y, ts=5e-4, units=wrong)  # type: ignore[arg-type]
+
+
+def test_named_fields_objects_and_instants_are_columns(tmp_path: Path) -> None:
+    record = pz.Record(U, Y, ts=5e-4)
+    fields = np.zeros(4, dtype=[("t_s", float), ("u_V", float), ("y_um", float)])
+    fields["t_s"], fields["u_V"], fields["y_um"] = T, U, Y
+    np.save(tmp_path / "r.npy", fields)
+    assert pz.read(fields) == pz.read(tmp_path / "r.npy") == record
+    instants = np.datetime64("2026-01-01") + (T * 1e6).astype("timedelta64[us]")
+    assert pz.read({"t_s": instants, "u_V": U.astype(object), "y_um": Y}) == record
+
+
+def test_a_record_is_saved_as_what_its_name_says(tmp_path: Path) -> None:
+    with pytest.raises(pz.PiezoidError, match="saved as CSV"):
+        pz.Record(U, Y, ts=5e-4).save(tmp_path / "r.npz")
+    assert not list(tmp_path.iterdir())
+
+
 def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
     (tmp_path / "broken.mat").write_bytes(b"nothing of the kind")
     (tmp_path / "broken.csv").write_text("t_s,u_V,y_um\n0,1,2\n1,x,3\n")
-    for name, told in [("none.csv", "no such file"), ("none.npz", "no such file"), ("broken.mat", "cannot be read"),
+    (tmp_path / "broken.npz").write_text("nothing of the kind")
+    for name, told in [("broken.npz", "damaged"), ("none.csv", "no such file"), ("none.npz", "no such file"), ("broken.mat", "cannot be read"),
                        ("broken.csv", "line 3")]:  # fmt: skip
         with pytest.raises(pz.PiezoidError) as raised:
             pz.read(tmp_path / name)

@@ -67,6 +67,34 @@ def test_controllers_are_compared_on_a_twin(model: pz.Model) -> None:
         pz.control("pl140", model, r, controller="pd")
 
 
+def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Record) -> None:
+    plant, r = pz.plants["pl140"], [0.0, 100.0, 0.0]
+    wrong = {
+        "skip = -1": lambda: model.validate(rich, skip=-1),
+        "start = -1": lambda: rich.part(-1),
+        "stop = 'end'": lambda: rich.part(0, "end"),  # type: ignore[arg-type]
+        "ts = 'x'": lambda: pz.Record([0.0], [0.0], ts="x"),  # type: ignore[arg-type]
+        "peak = -1": lambda: pz.reference("sine", model, peak=-1, frequency=5, duration=1),
+        "tolerance = 2": lambda: plant.drawn(2),
+        "tolerance = 0.1": lambda: pz.control(plant, model, r, tolerance=0.1),  # type: ignore[arg-type]
+        "gain_margin = -1": lambda: pz.control(plant, model, r, gain_margin=-1),
+        "plant = None": lambda: pz.control(None, model, r),  # type: ignore[arg-type]
+        "there is no controller": lambda: pz.control(plant, model, r, controller=[]),
+        "driver_lag = -1": lambda: pz.identify(data=rich, driver_lag=-1),
+        "low = -inf": lambda: model.compensate(r, low=float("-inf")),
+        "range = 3": lambda: pz.export(model, "waveform", reference=r, range=3),  # type: ignore[arg-type]
+        "model = 3": lambda: pz.export(3, "c"),  # type: ignore[arg-type]
+        "controller=": lambda: pz.export(model, "c", late=2),
+        "servo_cycle and range are not for": lambda: pz.export(model, "c", servo_cycle=1e-3),
+        "no values of a plant": lambda: pz.Plant("pl140"),
+        "stands in no model": lambda: pz.Model.from_dict({"ts": {1}}),
+    }
+    for told, call in wrong.items():
+        with pytest.raises(pz.PiezoidError) as raised:
+            call()
+        assert told in str(raised.value)
+
+
 def test_a_model_is_exported_as_code_that_gives_its_numbers(model: pz.Model, tmp_path: Path) -> None:
     files = pz.export(model, "c", tmp_path / "bender", name="bender", controller="pi", driver="pl140")
     assert {path.name for path in (tmp_path / "bender").iterdir()} == set(files)

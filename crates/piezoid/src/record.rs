@@ -60,6 +60,11 @@ pub struct Record {
     units: Units,
 }
 
+/// A unit with the Greek letter of micro written as `u`.
+pub(crate) fn plain(unit: &str) -> String {
+    unit.replace(['\u{b5}', '\u{3bc}'], "u")
+}
+
 impl Record {
     /// A record in volts and micrometres.
     ///
@@ -83,9 +88,9 @@ impl Record {
         Ok(Record { ts, u, y, units: Units::default() })
     }
 
-    /// The same numbers, said to be in other units.
+    /// The same numbers, said to be in other units. The Greek letter of micro is written as `u`.
     pub fn with_units(self, units: Units) -> Self {
-        Record { units, ..self }
+        Record { units: Units { u: plain(&units.u), y: plain(&units.y) }, ..self }
     }
 
     /// Sampling period [s].
@@ -133,6 +138,7 @@ impl Record {
     /// # Errors
     /// Refused when no factor between the units is known (see [`factor`]).
     pub fn output_in(&self, unit: &str) -> Result<Self, Error> {
+        let unit = &*plain(unit);
         let k = factor(&self.units.y, unit).ok_or_else(|| Error::Units {
             what: "the output of the record".into(),
             found: self.units.y.clone(),

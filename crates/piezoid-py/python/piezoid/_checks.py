@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from ._piezoid import PiezoidError
@@ -39,6 +41,41 @@ def limits(given: Limits) -> dict[str, Any]:
         if name not in known:
             raise TypeError(f"unexpected keyword {name!r}: limits are {', '.join(known)}")
     return dict(given)
+
+
+def number(name: str, value: Any) -> float:
+    """A number."""
+    try:
+        return float(value) if not isinstance(value, str) else float("")
+    except (TypeError, ValueError):
+        raise PiezoidError(f"{name} = {value!r}: must be a number") from None
+
+
+def tuning(late: Any, gain_margin: Any, phase_margin: Any) -> tuple[int, float | None, float | None]:
+    """How a controller is tuned."""
+    margins = {"gain_margin": gain_margin, "phase_margin": phase_margin}
+    gain_db, phase_deg = (None if given is None else number(name, given) for name, given in margins.items())
+    return whole("late", late), gain_db, phase_deg
+
+
+def some(name: str, value: Any, what: str) -> tuple[Any, ...]:
+    """As many as `what` names, such as "low, high"; a list does as well."""
+    count = what.count(",") + 1
+    if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != count:
+        raise PiezoidError(f"{name} = {value!r}: must be ({what})")
+    return tuple(value)
+
+
+@contextmanager
+def called(**names: str) -> Iterator[None]:
+    """Errors about settings of the library, by what they are called here."""
+    try:
+        yield
+    except PiezoidError as error:
+        for theirs, ours in names.items():
+            if (told := str(error)).startswith(f"{theirs} = "):
+                raise PiezoidError(f"{ours}{told[len(theirs) :]}") from None
+        raise
 
 
 def whole(name: str, value: Any, least: int = 0) -> int:

@@ -134,7 +134,7 @@ class Arx:
 
     @property
     def poles(self) -> list[dict[str, Any]]:
-        """Of each its frequency [Hz], its damping, and where it lies in the z plane."""
+        """Of each (one of a conjugate pair) its frequency `hz` and its `damping`."""
 
     @property
     def zeros(self) -> list[dict[str, Any]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from ._piezoid import PiezoidError
@@ -12,29 +13,44 @@ from ._types import Progress, Told
 
 @contextmanager
 def told(progress: Progress) -> Iterator[Told | None]:
-    """What the library calls as work advances: a bar that goes away at the end, a function of the caller, or nothing."""
+    """What the library calls as work advances: bars that go away at the end, the caller's bar or function, or nothing."""
     if progress is None or progress is False:
         yield None
-    elif progress is True:
-        bars = _Bars()
+    elif progress is True or (isinstance(progress, type) and hasattr(progress, "update")):
+        bars = _Bars(_tqdm() if progress is True else progress)
         try:
             yield bars
         finally:
             bars.close()
-    else:
+    elif hasattr(progress, "update") and hasattr(progress, "n"):
+        yield partial(_advance, progress)
+    elif callable(progress):
         yield progress
+    else:
+        raise PiezoidError(f"progress = {progress!r}: must be True, a bar of tqdm, or a function of (what, done, total)")
+
+
+def _tqdm() -> Any:
+    try:
+        from tqdm.auto import tqdm
+    except ImportError as error:
+        raise PiezoidError(f"a bar needs {error.name}: pip install piezoid[progress], or give a function") from None
+    return tqdm
+
+
+def _advance(bar: Any, what: str, done: int, total: int) -> None:
+    """Moves a bar, back as well where the next kind of work begins."""
+    bar.total = total
+    if hasattr(bar, "set_description"):
+        bar.set_description(what, refresh=False)
+    bar.update(done - bar.n)
 
 
 class _Bars:
-    """One tqdm bar for each kind of work, in turn."""
+    """One bar for each kind of work, in turn."""
 
-    def __init__(self) -> None:
-        try:
-            from tqdm.auto import tqdm
-        except ImportError as error:
-            raise PiezoidError(f"a bar needs {error.name}: pip install piezoid[progress], or give a function") from None
-
-        self.make: Any = tqdm
+    def __init__(self, make: Any) -> None:
+        self.make: Any = make
         self.bar: Any = None
         self.what = ""
 

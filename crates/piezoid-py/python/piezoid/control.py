@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
+from ._checks import called, number, some, tuning, whole
 from ._checks import limits as checked
-from ._checks import whole
 from ._progress import told
 from ._types import Array, Progress, Samples
-from .model import Model
+from .model import Model, as_model
 from .plants import Plant, plants
 
 if TYPE_CHECKING:
@@ -42,7 +43,8 @@ class Comparison:
             if controller in (None, run["controller"]) and reference in (None, run["reference"]):
                 return run
         names = sorted({f"{run['controller']} along {run['reference']}" for run in self.runs})
-        raise _piezoid.PiezoidError(f"there is no run of {controller} along {reference}: there are {', '.join(names)}")
+        asked = f"{controller or 'any'} along {reference or 'any'}"
+        raise _piezoid.PiezoidError(f"there is no run of {asked}: there are {', '.join(names)}")
 
     @property
     def table(self) -> pd.DataFrame:
@@ -55,8 +57,11 @@ class Comparison:
             rows.setdefault(run["reference"], {})[run["controller"]] = run.get("percent_of_stroke", float("nan"))
         return pd.DataFrame.from_dict(rows, orient="index")
 
+    def __repr__(self) -> str:
+        return f"<Comparison: rms errors [% of height]>\n{self.table}"
 
-def reference(name: str, model: Model, *, peak: float, frequency: float, duration: float) -> Array:
+
+def reference(name: str, model: Model | str | os.PathLike[str], *, peak: float, frequency: float, duration: float) -> Array:
     """A reference by name (`pz.references`) [output unit], of shape (n,), for this `duration` [s].
 
     >>> import piezoid as pz
@@ -66,15 +71,17 @@ def reference(name: str, model: Model, *, peak: float, frequency: float, duratio
     >>> len(r), float(abs(r).max())
     (400, 2.0)
     """
-    if not 1 <= duration / model.ts <= MOST:
+    model = as_model(model)
+    if not 1 <= number("duration", duration) / model.ts <= MOST:
         raise _piezoid.PiezoidError(f"duration = {duration:g} s: must be from 1 to {MOST:g} samples of {model.ts:g} s")
     n = round(duration / model.ts)
-    return _piezoid.follow(name, model.ts, n, peak, frequency)
+    with called(amplitude="peak"):
+        return _piezoid.follow(name, model.ts, n, number("peak", peak), number("frequency", frequency))
 
 
 def control(
     plant: Plant | str,
-    model: Model,
+    model: Model | str | os.PathLike[str],
     reference: Samples | Mapping[str, Samples],
     *,
     controller: str | Iterable[str] = ("gain", "feed-forward", "integral-notch", "feed-forward+integral-notch"),
@@ -96,20 +103,26 @@ def control(
     limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as of `Model.compensation`
     """
     named = reference if isinstance(reference, Mapping) else {"reference": reference}
-    twin = plants[plant] if isinstance(plant, str) else plant
+    twin, known = plants[plant] if isinstance(plant, str) else plant, as_model(model)
+    if not isinstance(twin, Plant):
+        raise _piezoid.PiezoidError(f"plant = {plant!r}: must be a Plant, or the name of one")
     schemes = [controller] if isinstance(controller, str) else list(controller)
-    with told(progress) as watch:
+    if not schemes or not named:
+        raise _piezoid.PiezoidError(f"there is no {'reference' if schemes else 'controller'}: give one at least")
+    share = None if tolerance is None else some("tolerance", tolerance, "share, draws")
+    names = {"gain_db": "gain_margin", "phase_deg": "phase_margin", "share": "tolerance"}
+    with told(progress) as watch, called(**names):
         figures, runs, html = _piezoid.control(
             (twin.name, twin._core),
-            model._core,
+            known._core,
             schemes,
-            list(named.items()),
+            [(str(name), r) for name, r in named.items()],
             checked(limits),
-            (whole("late", late), gain_margin, phase_margin),
+            tuning(late, gain_margin, phase_margin),
             None if preview is None else whole("preview", preview),
             whole("seed", seed),
-            tolerance,
+            None if share is None else (number("tolerance", share[0]), whole("draws", share[1])),
             watch,
         )
-    return Comparison(figures, runs, html, model.ts)
+    return Comparison(figures, runs, html, known.ts)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
+from ._checks import number
 from ._piezoid import excite as _samples
 from ._types import Array
 from .lists import ALL
@@ -43,8 +44,8 @@ class Excitation:
         self.__signature__ = inspect.Signature([*own, *settings], return_annotation=Array)
 
     def __call__(self, *, ts: float, duration: float, **settings: float) -> Array:
-        given = [(name, float(value)) for name, value in settings.items()]
-        return _samples(self.kind, float(ts), float(duration), given)
+        given = [(name, number(name, value)) for name, value in settings.items()]
+        return _samples(self.kind, number("ts", ts), number("duration", duration), given)
 
     def __repr__(self) -> str:
         return f"<excitation {self.__name__}{self.__signature__}>"

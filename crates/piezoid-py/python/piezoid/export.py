@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._checks import limits as checked
-from ._checks import whole
+from ._checks import number, some, tuning, whole
 from ._types import Samples
-from .model import Model
+from .model import Model, as_model
 
 if TYPE_CHECKING:
     from ._checks import Limits, Unpack
@@ -27,7 +28,7 @@ class Exported(dict[str, bytes]):
 
 
 def export(
-    model: Model,
+    model: Model | str | os.PathLike[str],
     target: str,
     folder: str | os.PathLike[str] | None = None,
     *,
@@ -40,7 +41,7 @@ def export(
     phase_margin: Any = None,
     reference: Samples | None = None,
     servo_cycle: Any = None,
-    range: tuple[Any, Any] | None = None,
+    range: Sequence[Any] | None = None,
     **limits: Unpack[Limits],
 ) -> Exported:
     """What a target (`pz.targets`) makes of a model: files by their paths, written into `folder` where one is named.
@@ -58,15 +59,17 @@ def export(
     >>> sorted(pz.export(model, "c", name="bender", low=-30.0, high=30.0))
     ['bender.c', 'bender.h', 'bender.md', 'bender_test.c']
     """
+    low_high = None if range is None else some("range", range, "low, high")
+    ends = None if low_high is None else (number("range", low_high[0]), number("range", low_high[1]))
     files, notes = _piezoid.export(
-        model._core,
+        as_model(model)._core,
         target,
         name,
         (float, whole("preview", preview), controller),
-        (whole("late", late), gain_margin, phase_margin),
+        tuning(late, gain_margin, phase_margin),
         checked(limits),
         reference,
-        (servo_cycle, range),
+        (None if servo_cycle is None else number("servo_cycle", servo_cycle), ends),
         folder,
     )
     return Exported(files, notes)

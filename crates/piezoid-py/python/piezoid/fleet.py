@@ -24,7 +24,8 @@ others. A pool of Python's is broken for good when one of its processes dies; th
 the others have an error. Results do not depend on where they were made, nor on how often work was lost.
 
 A worker process should have one thread, and RAYON_NUM_THREADS=1 in its environment: otherwise each uses all cores, and they
-are in each other's way, by a fifth of the time of short fits with 16 threads a core. `local` starts such workers.
+are in each other's way, by a fifth of the time of short fits with 16 threads a core. `local` starts such workers. A process that was
+forked after its parent identified something works on one thread by itself.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Offset, Progress
 from .identify import identify as _identify
-from .model import Model, load
+from .model import Model, as_model
 from .records import Record, read_reference, record, sources
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Engine(Protocol):
 
 
 def identify(
-    actuators: Mapping[Any, Any] | pd.Series[Any],
+    actuators: Mapping[Any, Any] | pd.Series[Any] | pd.DataFrame,
     client: Engine | None = None,
     *,
     retries: int = 2,
@@ -84,7 +85,7 @@ def identify(
 
     actuators: by name, the keywords of `pz.identify`: records as `linear`, `rich` or `data`, settings of its own, and as `test`
         records to judge the model by (those it was identified on, where there are none). A record alone is `data`. Functions
-        without arguments may stand for any of these.
+        without arguments may stand for any of these. A DataFrame has an actuator a row, and these keywords as columns.
     settings: of `pz.identify`, for all
     retries, chunk, progress: see `run`
 
@@ -94,6 +95,11 @@ def identify(
     """
     signature(_identify).bind(**settings)
     job = partial(_identified, settings)
+    if hasattr(actuators, "columns"):  # a row each
+        columns: Any = actuators
+        actuators = {name: dict(row) for name, row in zip(columns.index, columns.to_dict("records"), strict=True)}
+        if len(actuators) < len(columns):
+            raise PiezoidError(f"{len(columns)} rows have {len(actuators)} names: give each its own")
     table = run(job, actuators, client, retries=retries, chunk=chunk, progress=progress)
     return table.reindex(columns=["model", "operator", "resonance_hz", "damping", "dc_gain", *_FIGURES, *_ALWAYS])
 
@@ -142,7 +148,8 @@ def compensate(
     way, `notes`, and those of `run`.
     """
     signature(Model.compensation).bind(None, None, **settings)
-    own = references if isinstance(references, Mapping) else dict.fromkeys(models.keys(), references)
+    named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series of such
+    own = references if named else dict.fromkeys(dict(_items(models, "models")), references)
     job = partial(_compensated, dict(settings))
     table = run(job, _paired(models, own), client, retries=retries, chunk=chunk, progress=progress)
     return table.reindex(columns=["u", "reached", "clipped", "notes", *_ALWAYS])
@@ -174,7 +181,7 @@ def run(
     """
     import pandas as pd
 
-    named = dict(jobs.items())
+    named = dict(_items(jobs, "jobs"))
     if len(named) < len(jobs):
         raise PiezoidError(f"{len(jobs)} jobs have {len(named)} names: give each its own")
     whole("retries", retries)
@@ -340,8 +347,14 @@ def _largest(model: Model, records: list[Record], **settings: Any) -> Row:
 
 def _paired(models: Any, others: Any) -> dict[Any, tuple[Any, Any]]:
     """Both by name, with None where one is missing."""
-    left, right = dict(models.items()), dict(others.items())
+    left, right = dict(_items(models, "models")), dict(_items(others, "records or references"))
     return {name: (left.get(name), right.get(name)) for name in left | right}
+
+
+def _items(given: Any, what: str) -> Any:
+    if not hasattr(given, "items"):
+        raise PiezoidError(f"a {type(given).__name__} has no names: give the {what} in a mapping from names, or a Series")
+    return given.items()
 
 
 def _made(given: Any, what: str) -> Any:
@@ -358,8 +371,7 @@ def _is_missing(given: Any) -> bool:
 
 
 def _model(given: Any) -> Model:
-    made = _made(given, "model")
-    return made if isinstance(made, Model) else load(made)
+    return as_model(_made(given, "model"))
 
 
 def _read(given: Any) -> list[Record]:

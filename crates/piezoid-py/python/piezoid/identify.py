@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from . import _piezoid
-from ._checks import wholes
+from ._checks import called, whole, wholes
 from ._piezoid import PiezoidError, __version__
 from ._progress import told
 from ._types import Progress
@@ -58,8 +58,8 @@ def identify(
     The paper's way alone: `estimator` of the linear block, how a loop is `split`, averages a branch (`bins`), `reading` of held
     inputs, `particles` and `iterations` of the swarm.
 
-    progress: True shows a bar (tqdm); a function is called with what is being done, how far, and of how much. What it raises
-        ends the work, as Ctrl-C does.
+    progress: True shows a bar (tqdm), a bar of yours is moved; a function is called with what is being done, how far, and of how
+        much. What it raises ends the work, as Ctrl-C does.
 
     >>> import piezoid as pz
     >>> u = pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4)
@@ -82,13 +82,15 @@ def identify(
             if value is not None and method in only and way != method:
                 raise PiezoidError(f"{name} belongs to the method {way}: leave it out, or ask for that method")
     asked = {"operator": operator, "creep": creep} | only["joint"] | only["paper"]
-    asked |= wholes(order=order, seed=seed, elements=elements, bins=bins, particles=particles, iterations=iterations)
+    asked |= wholes(order=order, seed=seed, bins=bins, particles=particles, iterations=iterations)
+    if elements is not None:
+        asked["elements"] = whole("elements", elements, least=1)
     usual = {"operator": "auto", "creep": True, "seed": 1}
     said = [f"{name}={value!r}" for name, value in asked.items() if value is not None and value != usual.get(name)]
     command = f"piezoid.identify({', '.join([f'method={method!r}', *said])})"
     files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]
     made = json.dumps({"command": command, "version": __version__, "files": files, "seed": asked["seed"]})
-    with told(progress) as watch:
+    with told(progress) as watch, called(**{"driver.lag_s": "driver_lag"}):
         core, _ = _piezoid.identify(
             ([r._core for r in small], [r._core for r in others]), method, asked, made, watch
         )

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
-from ._checks import whole, wholes
+from ._checks import some, whole, wholes
 from ._piezoid import Arx
 from ._progress import told
 from ._types import Progress
@@ -34,7 +35,7 @@ class Fit:
 
 def fit(
     records: Sources,
-    order: int | tuple[int, int, int] = 2,
+    order: int | Sequence[int] = 2,
     *,
     estimator: str = "least-squares",
     particles: int | None = None,
@@ -55,7 +56,8 @@ def fit(
     [1.7, -0.9]
     """
     given = [record(source) for source in sources(records)]
-    na, nb, delay = order if isinstance(order, tuple) else (order, order + 1, 0)
+    is_one = isinstance(order, str) or not isinstance(order, Sequence)
+    na, nb, delay = (order, whole("order", order) + 1, 0) if is_one else some("order", order, "a, b, delay")
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))
     swarm = wholes(particles=particles, iterations=iterations)
     with told(progress) as watch:

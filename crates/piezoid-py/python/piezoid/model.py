@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _files, _html, _piezoid
+from ._checks import called, number, whole
 from ._checks import limits as checked
-from ._checks import whole
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units
 from .records import Record
@@ -45,6 +45,8 @@ class Model:
 
     def __init__(self, text: str) -> None:
         """From the text of a model file."""
+        if not isinstance(text, str):
+            raise PiezoidError(f"a {type(text).__name__} is no text of a model: Model.from_dict takes documents, pz.load files")
         self._core = _piezoid.Model.from_json(text)
 
     @classmethod
@@ -56,7 +58,7 @@ class Model:
     @classmethod
     def from_dict(cls, document: dict[str, Any]) -> Model:
         """From the document that a model file holds."""
-        return cls(json.dumps(document))
+        return cls(json.dumps(document, default=_plain))
 
     def to_dict(self) -> dict[str, Any]:
         """The document that its file holds."""
@@ -170,7 +172,8 @@ class Model:
         if offset not in ("kept", "free"):
             raise PiezoidError(f"offset = {offset}: must be kept or free")
         measured = _record(record)
-        figures, simulated = self._core._validate(measured._core, skip, offset == "free")
+        with called(**{"from": "skip"}):
+            figures, simulated = self._core._validate(measured._core, number("skip", skip), offset == "free")
         return Validation(measured, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
@@ -233,6 +236,22 @@ class Model:
 
     def _repr_html_(self) -> str:
         return _html.model(self)
+
+
+def _plain(values: Any) -> Any:
+    """Arrays as lists, for a document."""
+    if isinstance(values, (np.ndarray, np.generic)):
+        return values.tolist()
+    raise PiezoidError(f"a {type(values).__name__} stands in no model: give numbers, texts, lists and dicts")
+
+
+def as_model(given: Any) -> Model:
+    """A model, or the one in a file."""
+    if isinstance(given, (str, os.PathLike)):
+        return load(given)
+    if not isinstance(given, Model):
+        raise PiezoidError(f"model = {given!r}: must be a Model, or the file of one")
+    return given
 
 
 def load(path: str | os.PathLike[str]) -> Model:
@@ -354,6 +373,11 @@ class Compensation:
     """Samples at which a limit was in the way."""
     notes: list[str]
     """What is worth knowing."""
+
+    def __repr__(self) -> str:
+        low, high = (float(end(self.u)) for end in (np.min, np.max)) if len(self.u) else (float("nan"), float("nan"))
+        told = "".join(f"; {note}" for note in self.notes)
+        return f"<Compensation of {len(self.u)} samples: {low:.4g} to {high:.4g}, {self.clipped} clipped{told}>"
 
 
 def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:

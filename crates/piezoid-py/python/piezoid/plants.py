@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from . import _piezoid
-from ._checks import whole
+from ._piezoid import PiezoidError
+from ._checks import called, number, whole
 from ._types import Array, Samples
 from .lists import ALL, Rows
 from .records import Record
@@ -25,7 +26,11 @@ class Plant:
 
     def __init__(self, values: Mapping[str, Any] | str, name: str = "plant") -> None:
         """From its values, as `to_dict` gives them or as a JSON text."""
-        self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
+        try:
+            self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
+        except (PiezoidError, TypeError) as error:
+            told = str(error).split("; start from")[0]
+            raise PiezoidError(f"these are no values of a plant: {told}; begin with pz.plants['pl140'].to_dict()") from None
         self.name = name
 
     def simulate(
@@ -36,7 +41,7 @@ class Plant:
         `seed` is that of the noise. `begin` says what came before: rest, or the first voltage, which had stood for long.
         Limits that were reached are a `UserWarning`.
         """
-        y, reached = self._core._measured(u, ts, whole("seed", seed), begin)
+        y, reached = self._core._measured(u, number("ts", ts), whole("seed", seed), begin)
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=2)
         return y
@@ -45,7 +50,7 @@ class Plant:
         self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled"] = "rest"
     ) -> Record:
         """The same as a record."""
-        y, reached = self._core._measured(u, ts, whole("seed", seed), begin)
+        y, reached = self._core._measured(u, number("ts", ts), whole("seed", seed), begin)
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=2)
         return Record(u, y, ts)
@@ -53,7 +58,9 @@ class Plant:
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
         """One of a fleet, whose values differ by up to `tolerance` of each, as catalogue values do: number `index` of `seed`."""
         made = Plant.__new__(Plant)
-        made._core, made.name = self._core.drawn(tolerance, whole("seed", seed), whole("index", index)), f"{self.name}-{index}"
+        made.name = f"{self.name}-{index}"
+        with called(share="tolerance"):
+            made._core = self._core.drawn(number("tolerance", tolerance), whole("seed", seed), whole("index", index))
         return made
 
     def to_dict(self) -> dict[str, Any]:

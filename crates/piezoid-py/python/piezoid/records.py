@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _files, _html, _piezoid
+from ._checks import called, number, some
 from ._piezoid import PiezoidError
 from ._types import Array, Samples, Units
 
@@ -40,7 +42,7 @@ class Record:
     __slots__ = ("_core", "__weakref__")
 
     def __init__(self, u: Samples, y: Samples, ts: float, units: Units = ("V", "um")) -> None:
-        self._core = _piezoid.Record(u, y, ts, units)
+        self._core = _piezoid.Record(u, y, number("ts", ts), _units(units))
 
     @classmethod
     def _of(cls, core: _piezoid.Record) -> Record:
@@ -80,7 +82,8 @@ class Record:
 
     def part(self, start: float = 0.0, stop: float = float("inf")) -> Record:
         """What lies from `start` up to `stop` [s], counted from the first sample."""
-        return Record._of(self._core.part(start, stop))
+        with called(**_ENDS):
+            return Record._of(self._core.part(number("start", start), number("stop", stop)))
 
     def output_in(self, unit: str) -> Record:
         """The same with its output in another unit of length."""
@@ -95,6 +98,8 @@ class Record:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a CSV file that `read` and the command line take."""
+        if Path(path).suffix.lower() in (".npz", ".npy", ".mat", ".json"):
+            raise PiezoidError(f"{path}: records are saved as CSV: name it .csv")
         _files.write(path, self._core.to_csv())
 
     def __len__(self) -> int:
@@ -119,6 +124,17 @@ class Record:
 
     def _repr_html_(self) -> str:
         return _html.record(self)
+
+
+_ENDS = {"from": "start", "to": "stop"}
+"""What the library calls the ends of a part."""
+
+
+def _units(units: Any) -> Units:
+    u, y = some("units", units, "input, output")
+    if not (isinstance(u, str) and isinstance(y, str)):
+        raise PiezoidError(f"units = {units!r}: must be names, such as ('V', 'um')")
+    return u, y
 
 
 def _ends(samples: Array) -> tuple[float, float]:
@@ -146,22 +162,26 @@ def read(
     input_col: str | None = None,
     output_col: str | None = None,
     time_col: str | None = None,
+    units: Units | None = None,
     start: float = 0.0,
     stop: float = float("inf"),
 ) -> Record:
     """A record from a file (.csv, .txt, .npz, .mat), a DataFrame, or a mapping of arrays, as `scipy.io.loadmat` gives it.
 
     Columns are found by name: time `t_s` (or `ts`, the sampling period [s]), input `u_V` or the only `u_*`, output the
-    only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` name others. Only what lies from
-    `start` up to `stop` [s] is taken. Nothing is guessed: what could mean two things is refused with the names there are.
+    only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` name others, whose names may end in
+    `_mm`, `[mm]` or `(mm)`; where they say no unit, `units` does. Only what lies from `start` up to `stop` [s] is taken.
+    Nothing is guessed: what could mean two things is refused with the names there are.
 
     >>> import numpy as np, piezoid as pz
     >>> pz.read({"t_s": np.arange(3) * 1e-3, "u_V": [0, 1, 2], "y_nm": [0, 9, 20]}).units
     ('V', 'nm')
     """
     columns = _columns(source)
-    with columns.named():
-        return Record._of(columns.core.record(ts, (input_col, output_col, time_col), (start, stop)))
+    part = number("start", start), number("stop", stop)
+    with columns.named(), called(**_ENDS):
+        record = Record._of(columns.core.record(ts, (input_col, output_col, time_col), part))
+    return record if units is None else Record(record.u, record.y, record.ts, units)
 
 
 def read_reference(
@@ -207,9 +227,8 @@ def _columns(source: Any) -> _Columns:
         about = f"{path}: "
         try:
             kind = path.suffix.lower()
-            if kind == ".npz":
-                with np.load(path, allow_pickle=False) as arrays:
-                    return _arrays({name: arrays[name] for name in arrays.files}, about)
+            if kind in (".npz", ".npy"):
+                return _arrays(_numpy(path), about)
             if kind == ".mat":
                 return _arrays(_mat(path), about)
             return _Columns(_piezoid.Columns.from_csv(_files.read(path)), about)
@@ -223,7 +242,23 @@ def _columns(source: Any) -> _Columns:
         return _arrays(_frame(source))
     if isinstance(source, Mapping):
         return _arrays({str(name): values for name, values in source.items()})
-    raise PiezoidError(f"a {type(source).__name__} is no record: give a file, a DataFrame, or a mapping of arrays")
+    if isinstance(source, np.ndarray) and source.dtype.names:
+        return _arrays({field: source[field] for field in source.dtype.names})
+    raise PiezoidError(
+        f"a {type(source).__name__} is no record: give a file, a DataFrame, a mapping of arrays, or an array with named fields"
+    )
+
+
+def _numpy(path: Path) -> dict[str, Any]:
+    """The arrays in a file of numpy."""
+    try:
+        arrays = np.load(path, allow_pickle=False)
+    except ValueError:
+        raise PiezoidError(f"{path}: holds no arrays of numbers, or is damaged") from None
+    if isinstance(arrays, np.ndarray):
+        return {field: arrays[field] for field in arrays.dtype.names or ()}
+    with arrays:
+        return {name: arrays[name] for name in arrays.files}
 
 
 def _frame(frame: Any) -> dict[str, Any]:
@@ -246,7 +281,7 @@ def _arrays(columns: dict[str, Any], about: str = "") -> _Columns:
     for name, values in _flat(columns):
         if isinstance(values, np.ma.MaskedArray):
             raise PiezoidError(f"{name} is a masked array: fill it, or leave the masked samples out")
-        array = np.asarray(values)
+        array = _numbers(name, values)
         if array.size > 0 and array.size == max(array.shape, default=0) and array.dtype.kind in "fiub":
             if name in vectors:
                 raise PiezoidError(f"there are two of {name}, in several structures: give one structure")
@@ -261,11 +296,30 @@ def _arrays(columns: dict[str, Any], about: str = "") -> _Columns:
     return _Columns(core, about, f"; left out: {', '.join(left)}" if left else "")
 
 
+def _numbers(name: str, values: Any) -> npt.NDArray[Any]:
+    """An array; of numbers where its objects are such, and of seconds where they are instants."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise PiezoidError(f"{name} is no array: {error}") from None
+    if array.dtype.kind == "O":
+        with suppress(TypeError, ValueError):
+            return array.astype(np.float64)
+    if array.dtype.kind in "mM" and array.size:
+        seconds: npt.NDArray[Any] = (array - array.min()) / np.timedelta64(1, "s")
+        return seconds
+    return array
+
+
 def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Names and arrays; of a structure, as scipy reads them from MATLAB's files, its fields."""
     for name, values in columns.items():
+        if name.startswith("__"):  # what scipy says of a file
+            continue
         if isinstance(values, Mapping):
             yield from _flat(values)
+        elif hasattr(values, "_fieldnames"):
+            yield from _flat({field: getattr(values, field) for field in values._fieldnames})
         elif isinstance(values, np.ndarray) and values.dtype.names and values.size == 1:
             yield from _flat({field: values[field].item() for field in values.dtype.names})
         else:
@@ -289,5 +343,5 @@ def _mat(path: Path) -> dict[str, Any]:
         from scipy.io import loadmat
     except ImportError as error:
         raise PiezoidError(f"{path}: MATLAB files need {error.name}: pip install piezoid[mat]") from None
-    variables = loadmat(path, simplify_cells=True)
-    return {name: v for name, v in variables.items() if not name.startswith("__")}
+    variables: dict[str, Any] = loadmat(path, simplify_cells=True)
+    return variables

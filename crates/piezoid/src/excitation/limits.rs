@@ -181,6 +181,11 @@ impl Limits {
         ] {
             value.map_or(Ok(0.0), |value| positive(name, value, unit))?;
         }
+        for (name, value) in [("low", self.low), ("high", self.high)] {
+            if let Some(value) = value.filter(|value| !value.is_finite()) {
+                return Err(Error::parameter(name, value, "must be a finite number of volts; leave it out for none"));
+            }
+        }
         if self.current.is_some() && self.capacitance.is_none() {
             return Err(Error::parameter(
                 "capacitance",

@@ -7,6 +7,7 @@
 use super::quote::{listed, shortened};
 use super::table::{Column, Table};
 use crate::Error;
+use crate::record::plain;
 
 /// What the user says about the columns; the names decide wherever it says nothing.
 ///
@@ -163,7 +164,7 @@ pub(super) fn unit(name: &str, prefix: &str) -> String {
         .or_else(|| bracketed('[', ']').or_else(|| bracketed('(', ')')).map(|(_, unit)| unit))
         .or_else(|| name.rsplit_once('_').map(|(_, unit)| unit).filter(|unit| !unit.contains(char::is_numeric)))
         .unwrap_or_default();
-    unit.trim().replace(['\u{b5}', '\u{3bc}'], "u")
+    plain(unit.trim())
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ fn one(section: Section, title: &str, label: &str, bins: &[Bin], unit: &str) -> 
         return section;
     }
     let table = Table::new(title).number(label).text("of").number(format!("rms error [{unit}]"));
-    let table = table.number("rms / rms of y [%]").number("rms / peak-to-peak [%]");
+    let table = table.number("rms / std of y [%]").number("rms / peak-to-peak [%]");
     let row = |b: &Bin| {
         let of = match (b.source, b.cycles) {
             (Source::Cycles, 1) => "1 cycle".into(),
@@ -45,7 +45,7 @@ fn figure(title: &str, label: &str, bins: &[Bin]) -> Figure {
         let (at, share) = (short(w.at), short(w.nrmse_percent));
         format!("Rms error over rms of the output. It is largest at {at} {unit}, where it is {share} %.")
     });
-    let axes = Axes::new(Axis::log(label), Axis::log("rms error / rms of y [%]")).height(0.8);
+    let axes = Axes::new(Axis::log(label), Axis::log("rms error / std of y [%]")).height(0.8);
     let kinds = [(Source::Cycles, "cycles", Role::Accent1), (Source::Spectrum, "spectrum", Role::Accent2)];
     let axes = kinds.into_iter().fold(axes, |axes, (source, name, role)| {
         let of = |f: fn(&Bin) -> f64| bins.iter().filter(|b| b.source == source).map(f).collect::<Vec<_>>();

@@ -15,7 +15,8 @@ from ..model import Validation
 from ._panels import Panels, label, legend, panels, plain, several, span, stacked, unit, width, zero
 from ._style import COLOURS, EQUALS
 
-MARKERS = "osD^v"
+MARKERS = "osD^vP"
+"""One more than there are colours, so that no two of thirty series look the same."""
 
 Several: TypeAlias = Validation | Iterable[Validation]
 
@@ -49,7 +50,7 @@ def frequencies(
         raise PiezoidError("there is nothing but validations to draw here: give one, several, or several by name")
     u, y = map(unit, every[0].record.units)
     measures = {
-        "nrmse_percent": "rms error / rms of y [%]",
+        "nrmse_percent": "rms error / std of y [%]",
         "rms_pp_percent": "rms error / peak-to-peak [%]",
         "rmse": f"rms error [{y}]",
     }
@@ -60,7 +61,8 @@ def frequencies(
         for name, some in runs.items()
     }
     if all(rows.empty for rows in tables.values()):
-        raise PiezoidError(f"these records have no errors by {by}: their inputs have no cycles; try by=\"frequency\"")
+        remedy = '; try by="frequency"' if by == "amplitude" else ""
+        raise PiezoidError(f"these records have no errors by {by}: their inputs have no cycles{remedy}")
 
     [a] = panels(ax, [[0]], 0.65)
     values: list[float] = []

@@ -92,9 +92,15 @@ def width(share: float = 1.0) -> float:
 
 
 def stacked(axes: Sequence[Axes]) -> None:
-    """Panels over one x axis: the lowest labels it, and the labels of y stand in one line."""
-    for ax in axes:
+    """Panels over one x axis: the lowest of a column labels it, and the labels of y stand in one line."""
+    columns = {ax: spec.colspan for ax in axes if (spec := ax.get_subplotspec()) is not None}
+    for k, ax in enumerate(axes):
+        x = ax.get_xlabel()
         ax.label_outer()
+        # With an empty place below it is the lowest all the same.
+        if ax in columns and not any(columns.get(below) == columns[ax] for below in axes[k + 1 :]):
+            ax.xaxis.set_tick_params(labelbottom=True)
+            ax.set_xlabel(x)
     figure = axes[0].get_figure(root=True)
     assert figure is not None
     figure.align_ylabels(axes)

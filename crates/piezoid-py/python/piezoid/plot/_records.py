@@ -36,7 +36,10 @@ def loops(
         [a] = panels(ax, [[0]], 0.8)
         for k, (name, record) in enumerate(many.items()):
             colour = COLOURS["reference"] if len(many) == 1 else EQUALS[k % len(EQUALS)]
-            a.plot(record.u, record.y, color=colour, linewidth=width(0.8), label=name or "measured")
+            # What covers most lies below.
+            order = 2.0 + 1.0 / (1.0 + float(np.abs(np.diff(record.u)).sum()))
+            thin = width(0.8 if len(many) == 1 else 0.5)
+            a.plot(record.u, record.y, color=colour, linewidth=thin, zorder=order, label=name or "measured")
         _over_input(a, next(iter(many.values())), "y")
         legend(a)
         return a

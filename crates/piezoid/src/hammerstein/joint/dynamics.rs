@@ -24,7 +24,29 @@ pub(super) fn slowest_pole(how: &Joint, lags: &[Lag]) -> f64 {
 
 /// A pole of the block that is creep.
 pub(super) fn creeping(arx: &Arx, slowest: f64) -> Option<Pole> {
-    arx.poles().into_iter().find(|pole| pole.z.im == 0.0 && pole.z.re > 0.0 && pole.hz < slowest)
+    arx.poles().into_iter().find(|pole| is_lag(pole) && pole.hz < slowest)
+}
+
+/// The frequency of a lag as long as the longest record [Hz]. To the records a slower one is a constant, whose gain could be anything.
+pub(super) fn told_from<'r>(records: impl Iterator<Item = &'r Record>) -> f64 {
+    1.0 / (TAU * records.map(Record::duration).fold(f64::MIN_POSITIVE, f64::max))
+}
+
+/// The block with lags slower than `slowest` [Hz] made as quick as that, which changes its static gain.
+pub(super) fn quickened(arx: Arx, slowest: f64) -> Result<Arx, Error> {
+    let ts = arx.ts();
+    let mut denominator = arx.denominator();
+    for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest) {
+        let rest = without_factor(&denominator, pole.z.re);
+        let p = (-TAU * slowest * ts).exp();
+        let shifted = std::iter::once(0.0).chain(rest.iter().map(|c| -p * c));
+        denominator = rest.iter().chain(&[0.0]).zip(shifted).map(|(c, s)| c + s).collect();
+    }
+    Arx::new(ts, denominator[1..].iter().map(|a| -a).collect(), arx.b().to_vec())
+}
+
+fn is_lag(pole: &Pole) -> bool {
+    pole.z.im == 0.0 && pole.z.re > 0.0
 }
 
 /// A linear block from z to y, and the squared error it left.
@@ -121,5 +143,17 @@ mod tests {
         let lag = Arx::new(5e-4, vec![0.9999], vec![1.0]).unwrap();
         assert!(Dynamics { arx: lag.clone(), cost: 0.0 }.without_creep(3.0).unwrap().is_none());
         assert_eq!(Dynamics { arx: lag.clone(), cost: 0.0 }.without_creep(0.001).unwrap().unwrap().arx, lag);
+    }
+
+    #[test]
+    fn lags_slower_than_the_records_are_made_as_quick_and_all_else_stays() {
+        let p = |hz: f64| (-TAU * hz * 5e-4).exp();
+        let block = |p: f64| {
+            let a = vec![1.7424 + p, -0.9453 - 1.7424 * p, 0.9453 * p];
+            Arx::new(5e-4, a, vec![0.0, 3.4, 3.3]).unwrap()
+        };
+        assert_close(quickened(block(p(0.01)), 0.5).unwrap().a(), block(p(0.5)).a(), 1e-9, 0.0);
+        assert_eq!(quickened(block(p(1.0)), 0.5).unwrap().b(), block(p(1.0)).b());
+        assert_eq!(quickened(block(p(1.0)), 0.5).unwrap().a(), block(p(1.0)).a());
     }
 }

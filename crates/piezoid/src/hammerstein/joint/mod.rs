@@ -38,7 +38,7 @@ pub use uncertainty::Parameter;
 
 use super::paper::{Identified, common_units, unexcited};
 use super::rich::LinearPart;
-use super::{Beginning, Domain};
+use super::{Beginning, Domain, Model};
 use crate::creep::Lag;
 use crate::driver::{Driver, SUBSTEPS};
 use crate::error::Error;
@@ -46,7 +46,7 @@ use crate::hysteresis::{Design, Operator};
 use crate::number::short;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
-use crate::series::{ends, scatter};
+use crate::series::{ends, mean, scatter};
 use crate::system::System;
 use estimate::{Estimate, Responses};
 use layout::Layout;
@@ -209,14 +209,16 @@ fn better(here: Fitted, there: Fitted, runs: &[Run]) -> Fitted {
 /// Mean square, over the squared heights of the records, of what the model leaves of them in free run, each with a constant of its own.
 fn free_run(fitted: &Fitted, runs: &[Run]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
-    let left = |run: &Run| {
-        let (u, y) = (run.record.u(), run.record.y());
-        let simulated = model.resume(&mut model.before(u, Beginning::of(u)[0]), u);
-        let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
-        let errors: Vec<f64> = errors.collect();
-        run.scale.powi(2) * scatter(&errors) / errors.len() as f64
-    };
-    runs.iter().map(left).sum()
+    runs.iter().map(|run| (run.scale * left_of(run, &model).1).powi(2)).sum()
+}
+
+/// What a free run of the model leaves of a record: its mean, and the rms about it.
+fn left_of(run: &Run, model: &Model) -> (f64, f64) {
+    let (u, y) = (run.record.u(), run.record.y());
+    let simulated = model.resume(&mut model.before(u, Beginning::of(u)[0]), u);
+    let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
+    let errors: Vec<f64> = errors.collect();
+    (mean(&errors), (scatter(&errors) / errors.len() as f64).sqrt())
 }
 
 /// Lags a decade apart.
@@ -225,15 +227,22 @@ fn ladder(from: f64, to: f64) -> Vec<Lag> {
     rungs.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()
 }
 
-/// The constant in the output of the model: the middle one of all records, whose sensors may have drifted.
+/// How far the constant of a record may lie from what its free run asks for, over its height.
+const APART: f64 = 0.005;
+
+/// The constant in the output of the model: the middle one of all records, whose sensors may have drifted. Where the fit cannot tell
+/// constant and state of a slow lag apart, it is what the free run asks for.
 fn offset(fitted: &Fitted, runs: &[Run], notes: &mut Vec<String>, unit: &str) -> f64 {
     let estimate = &fitted.estimate;
     let layout = Layout::of(estimate);
     let constant = layout.constant - layout.parameters();
+    let free = estimate.model(0.0).ok();
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&Run, &Vec<f64>)| {
         let first = products::dot(Responses::before(estimate, run).now(), &estimate.weights);
-        run.level + own[constant] - estimate.linear.dc_gain() * creep * first
+        let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
+        let Some((mean, rms)) = free.as_ref().map(|model| left_of(run, model)) else { return fits };
+        if (mean - fits).abs() > rms.max(APART / run.scale) { mean } else { fits }
     };
     let mut offsets: Vec<f64> = runs.iter().zip(&fitted.own).map(of).collect();
     offsets.sort_by(f64::total_cmp);

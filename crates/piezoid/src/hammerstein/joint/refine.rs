@@ -2,6 +2,7 @@
 //!
 //! First the weights alone, then with the gains of creep, then everything.
 
+use super::dynamics::{creeping, told_from};
 use super::equations::{Normal, OfRun, equations};
 use super::estimate::Estimate;
 use super::held_out::{HeldOut, cross_validate};
@@ -130,10 +131,12 @@ pub(super) fn refine(start: Estimate, runs: &mut [Run], freed: Freed, watch: Wat
 
 /// The next point, of lower cost; none where none is found.
 fn lower(point: &Point, runs: &[Run], cost: f64, lambda: f64, damping: &mut f64, freed: Freed) -> Option<Point> {
+    let slowest = told_from(runs.iter().map(|run| run.record));
     let (mut positive, mut harder) = (vec![true; point.prior.now().len()], 2.0);
     for _ in 0..TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, freed, &mut positive)?;
-        if let Some(estimate) = point.estimate.moved(x.as_slice()) {
+        let moved = point.estimate.moved(x.as_slice());
+        if let Some(estimate) = moved.filter(|estimate| creeping(&estimate.linear, slowest).is_none()) {
             let next = Point::at(estimate, runs, &point.own(&x));
             if next.cost(lambda) < cost {
                 *damping = (*damping * 0.1).max(1e-9);

@@ -6,7 +6,7 @@
 //! n + 1 of them. The simplest structure is taken that foretells held-out parts as well as the best.
 
 use super::Joint;
-use super::dynamics::{Dynamics, NOTHING, creeping, dynamics, slowest_pole};
+use super::dynamics::{Dynamics, NOTHING, creeping, dynamics, quickened, slowest_pole, told_from};
 use super::estimate::{Estimate, Responses};
 use super::products::dot;
 use super::refine::{Fitted, Watch, refine};
@@ -45,6 +45,7 @@ const COARSE: usize = 12;
 /// hysteresis that jumps at reversals may turn small signals round.
 pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
     let (linear, reason) = by_small(small, how, lags)?;
+    let linear = quickened(linear, told_from(small.iter().chain(rich)))?;
     let turned = proportional(&linear, 0.0, rich)?.0 < 0.0;
     Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
 }
@@ -167,7 +168,8 @@ pub(super) fn of_rich(
     let mut left_out = Vec::new();
     for one in found {
         let (n, delay) = (one.arx.a().len(), one.arx.delay());
-        let fit = refine(start(rescaled(&one.arx, gain)?)?, runs, Freed::All, watch)?;
+        let linear = quickened(one.arx, told_from(rich.iter()))?;
+        let fit = refine(start(rescaled(&linear, gain)?)?, runs, Freed::All, watch)?;
         match creeping(&fit.estimate.linear, slowest) {
             Some(pole) if how.order.is_none() => left_out.push((n, pole.hz)),
             _ => tried.push((format!("order {n} with a delay of {delay} samples"), fit)),
