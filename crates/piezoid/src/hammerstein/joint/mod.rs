@@ -48,6 +48,7 @@ use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
 use crate::system::System;
+use dynamics::{creeping, told_from};
 use estimate::{Estimate, Responses};
 use layout::Layout;
 use refine::{Fitted, refine};
@@ -227,8 +228,8 @@ fn ladder(from: f64, to: f64) -> Vec<Lag> {
     rungs.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()
 }
 
-/// How far the constant of a record may lie from what its free run asks for, over its height.
-const APART: f64 = 0.005;
+/// A lag is slow where the longest record is shorter than so many of its time constants.
+const SLOW: f64 = 20.0;
 
 /// The constant in the output of the model: the middle one of all records, whose sensors may have drifted. Where the fit cannot tell
 /// constant and state of a slow lag apart, it is what the free run asks for.
@@ -236,13 +237,14 @@ fn offset(fitted: &Fitted, runs: &[Run], notes: &mut Vec<String>, unit: &str) ->
     let estimate = &fitted.estimate;
     let layout = Layout::of(estimate);
     let constant = layout.constant - layout.parameters();
-    let free = estimate.model(0.0).ok();
+    let slow = creeping(&estimate.linear, SLOW * told_from(runs.iter().map(|run| run.record))).is_some();
+    let free = estimate.model(0.0).ok().filter(|_| slow);
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&Run, &Vec<f64>)| {
         let first = products::dot(Responses::before(estimate, run).now(), &estimate.weights);
         let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
         let Some((mean, rms)) = free.as_ref().map(|model| left_of(run, model)) else { return fits };
-        if (mean - fits).abs() > rms.max(APART / run.scale) { mean } else { fits }
+        if (mean - fits).abs() > rms { mean } else { fits }
     };
     let mut offsets: Vec<f64> = runs.iter().zip(&fitted.own).map(of).collect();
     offsets.sort_by(f64::total_cmp);
