@@ -74,7 +74,7 @@ impl How {
             }
             None => {
                 let rule = "must be given, as the model does not say which inputs it was identified on";
-                Err(Error::parameter("low, high", "none", rule))
+                Err(Error::parameter("limits", "none", rule))
             }
         }
     }

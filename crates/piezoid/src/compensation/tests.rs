@@ -154,7 +154,7 @@ fn references_and_models_that_make_no_sense_are_refused() {
     let refused = |model: Model, how: How| FeedForward::new(&model, how).unwrap_err().to_string();
     let proportional = |k: f64| Arc::new(crate::hysteresis::Proportional::new(TS, k).unwrap());
     let plain = |k: f64| Model::new(proportional(k), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    assert!(refused(plain(1.0), How::default()).contains("low, high = none"));
+    assert!(refused(plain(1.0), How::default()).contains("limits = none"));
     let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
     let within = How { limits: volts, ..How::default() };
     assert!(refused(plain(0.0), within).contains("gives no inverse of its hysteresis"));
