@@ -7,6 +7,7 @@ import signal
 import subprocess
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -110,6 +111,15 @@ def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[st
         pz.identify(data=rich, progress=5)  # type: ignore[arg-type]
 
 
+@pytest.fixture
+def heeded() -> Iterator[None]:
+    """Ctrl-C, which who starts work in the background ignores."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("work", ["identify", "simulate", "measure"])
 def test_ctrl_c_ends_long_work(work: str, rich: pz.Record, model: pz.Model) -> None:
     # Each takes a minute or more.
