@@ -2,7 +2,6 @@
 
 use crate::compensation::{given, limits};
 use crate::error::{raised, refused};
-use crate::json::object;
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
@@ -10,7 +9,6 @@ use piezoid::driver::Driver;
 use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
 use piezoid::optimize::swarm;
-use piezoid::validation::small_signal;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -30,7 +28,7 @@ pub(crate) fn identify(
     settings: &Bound<'_, PyDict>,
     provenance: &str,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(Model, Py<PyAny>)> {
+) -> PyResult<Model> {
     let way = way(method, settings)?;
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, rich) = (own(&records.0), own(&records.1));
@@ -46,11 +44,7 @@ pub(crate) fn identify(
             made[name] = known;
         }
     }
-    let linearity: Vec<_> = small.iter().map(|record| small_signal(record).ok()).collect();
-    let loops: Vec<Value> =
-        found.loops.iter().map(|l| json!({"frequency_hz": l.frequency_hz, "u": l.u, "z": l.z})).collect();
-    let beside = object(py, &json!({"loops": loops, "linearity": linearity, "reason": found.linear.reason}))?;
-    Ok((found.model.with_provenance(made).into(), beside))
+    Ok(found.model.with_provenance(made).into())
 }
 
 /// The driver as a block, where anything is known of it.

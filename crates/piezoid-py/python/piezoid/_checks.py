@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from ._piezoid import PiezoidError
@@ -45,10 +45,10 @@ def limits(given: Limits) -> dict[str, Any]:
 
 def number(name: str, value: Any) -> float:
     """A number."""
-    try:
-        return float(value) if not isinstance(value, str) else float("")
-    except (TypeError, ValueError):
-        raise PiezoidError(f"{name} = {value!r}: must be a number") from None
+    if not isinstance(value, str):
+        with suppress(TypeError, ValueError):
+            return float(value)
+    raise PiezoidError(f"{name} = {value!r}: must be a number")
 
 
 def tuning(late: Any, gain_margin: Any, phase_margin: Any) -> tuple[int, float | None, float | None]:

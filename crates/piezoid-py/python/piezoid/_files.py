@@ -3,10 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from . import _piezoid
 from ._piezoid import PiezoidError
+
+
+@contextmanager
+def named(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Errors that begin with the file they are about."""
+    try:
+        yield
+    except PiezoidError as error:
+        told = str(error)
+        raise PiezoidError(told if told.startswith(str(path)) else f"{path}: {told}") from None
 
 
 def write(path: str | os.PathLike[str], text: str) -> None:

@@ -152,7 +152,7 @@ def identify(
     settings: dict[str, Any],
     provenance: str,
     progress: Told | None,
-) -> tuple[Model, dict[str, Any]]: ...
+) -> Model: ...
 def fit(
     records: list[Record],
     orders: tuple[int, int, int],

@@ -18,8 +18,8 @@
 Jobs travel by pickle. A record may be a file, or a function without arguments that gives the record: both are read where
 the work is done, so that ten thousand records need not pass through one machine.
 
-No job stops another, and none is lost: what a job raises stands in its row as `error`. What piezoid refuses is final, and so is a `TypeError`. Anything
-else, such as a file share that was away or a worker that died, is tried again. Dask gives the work of a worker that died to
+No job stops another, and none is lost: what a job raises stands in its row as `error`. What piezoid refuses is final, and
+so is a `TypeError`. Anything else, such as a file share that was away or a worker that died, is tried again. Dask gives the work of a worker that died to
 others. A pool of Python's is broken for good when one of its processes dies; the rows that were done then remain, and
 the others have an error. Results do not depend on where they were made, nor on how often work was lost.
 
@@ -49,7 +49,7 @@ from ._progress import told
 from ._types import Offset, Progress
 from .identify import identify as _identify
 from .model import Model, as_model
-from .records import Record, read_reference, record, sources
+from .records import Record, as_records, read_reference
 
 if TYPE_CHECKING:
     import distributed
@@ -376,4 +376,6 @@ def _model(given: Any) -> Model:
 
 def _read(given: Any) -> list[Record]:
     made = _made(given, "record")
-    return [r for one in made for r in _read(one)] if isinstance(made, (list, tuple)) else [record(source) for source in sources(made)]
+    if isinstance(made, (list, tuple)):
+        return [record for one in made for record in _read(one)]
+    return as_records(made)

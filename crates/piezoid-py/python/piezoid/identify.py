@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _piezoid
 from ._checks import called, whole, wholes
@@ -15,7 +14,7 @@ from ._piezoid import PiezoidError, __version__
 from ._progress import told
 from ._types import Progress
 from .model import Model
-from .records import record, sources
+from .records import as_record, sources
 
 if TYPE_CHECKING:
     from .records import Sources
@@ -68,7 +67,7 @@ def identify(
     'prandtl-ishlinskii'
     """
     given = [sources(linear), sources(rich), sources(data)]
-    small, others, everything = ([record(source) for source in part] for part in given)
+    small, others, everything = ([as_record(source) for source in part] for part in given)
     if everything and (small or others):
         raise PiezoidError("data is for records of everything: give either data, or linear and rich")
     others += everything
@@ -91,9 +90,7 @@ def identify(
     files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]
     made = json.dumps({"command": command, "version": __version__, "files": files, "seed": asked["seed"]})
     with told(progress) as watch, called(**{"driver.lag_s": "driver_lag"}):
-        core, _ = _piezoid.identify(
-            ([r._core for r in small], [r._core for r in others]), method, asked, made, watch
-        )
+        core = _piezoid.identify(([r._core for r in small], [r._core for r in others]), method, asked, made, watch)
     return Model._of(core)
 
 

@@ -25,7 +25,7 @@ from ._piezoid import PiezoidError
 from ._types import Array, Units
 from .identify import identify
 from .model import Model
-from .records import Record, record, sources
+from .records import Record, as_records
 
 try:
     from scipy.sparse import issparse
@@ -156,7 +156,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 def stack(records: Iterable[Record]) -> tuple[Array, Array, npt.NDArray[np.int64]]:
     """X, of shape (n, 2), and y, of shape (n,), of records one after the other, and the number of its record for each row,
     of shape (n,), as `groups` of a cross-validation."""
-    given = [record(source) for source in sources(records)]
+    given = as_records(records)
     if len(kinds := {(r.ts, r.units) for r in given}) != 1:
         told = "; ".join(sorted(f"every {ts:g} s in {u} and {y}" for ts, (u, y) in kinds)) or "none"
         raise PiezoidError(f"records to stack must share sampling period and units, and be one at least: these are {told}")

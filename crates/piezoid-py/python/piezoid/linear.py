@@ -11,7 +11,7 @@ from ._checks import some, whole, wholes
 from ._piezoid import Arx
 from ._progress import told
 from ._types import Progress
-from .records import record, sources
+from .records import as_records
 
 if TYPE_CHECKING:
     from .records import Sources
@@ -55,7 +55,7 @@ def fit(
     >>> found.arx.a.round(6).tolist()
     [1.7, -0.9]
     """
-    given = [record(source) for source in sources(records)]
+    given = as_records(records)
     is_one = isinstance(order, str) or not isinstance(order, Sequence)
     na, nb, delay = (order, whole("order", order) + 1, 0) if is_one else some("order", order, "a, b, delay")
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))

@@ -16,8 +16,7 @@ from ._checks import called, number, whole
 from ._checks import limits as checked
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units
-from .records import Record
-from .records import record as _record
+from .records import Record, as_record
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -171,7 +170,7 @@ class Model:
         """
         if offset not in ("kept", "free"):
             raise PiezoidError(f"offset = {offset}: must be kept or free")
-        measured = _record(record)
+        measured = as_record(record)
         with called(**{"from": "skip"}):
             figures, simulated = self._core._validate(measured._core, number("skip", skip), offset == "free")
         return Validation(measured, simulated, figures)
@@ -256,13 +255,11 @@ def as_model(given: Any) -> Model:
 
 def load(path: str | os.PathLike[str]) -> Model:
     """The model in a file."""
-    try:
-        return Model(_files.read(path).decode())
-    except UnicodeDecodeError:
-        raise PiezoidError(f"{path}: this is not a text file (it is not UTF-8)") from None
-    except PiezoidError as error:
-        told = str(error)
-        raise PiezoidError(told if told.startswith(str(path)) else f"{path}: {told}") from None
+    with _files.named(path):
+        try:
+            return Model(_files.read(path).decode())
+        except UnicodeDecodeError:
+            raise PiezoidError("this is not a text file (it is not UTF-8)") from None
 
 
 @dataclass(frozen=True, eq=False)

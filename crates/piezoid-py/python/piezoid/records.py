@@ -141,7 +141,7 @@ def _ends(samples: Array) -> tuple[float, float]:
     return float(samples.min()), float(samples.max())
 
 
-def record(source: Source) -> Record:
+def as_record(source: Source) -> Record:
     """A record, read where it is none yet."""
     return source if isinstance(source, Record) else read(source)
 
@@ -153,6 +153,11 @@ def sources(given: Sources | None) -> list[Source]:
     if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
         return [cast("Source", given)]
     return list(given)
+
+
+def as_records(given: Sources | None) -> list[Record]:
+    """The records of one source or several."""
+    return [as_record(source) for source in sources(given)]
 
 
 def read(
@@ -224,20 +229,20 @@ class _Columns:
 def _columns(source: Any) -> _Columns:
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
-        about = f"{path}: "
-        try:
-            kind = path.suffix.lower()
-            if kind in (".npz", ".npy"):
-                return _arrays(_numpy(path), about)
-            if kind == ".mat":
-                return _arrays(_mat(path), about)
-            return _Columns(_piezoid.Columns.from_csv(_files.read(path)), about)
-        except FileNotFoundError:
-            raise PiezoidError(f"{about}there is no such file: check its name and folder") from None
-        except PiezoidError as error:
-            raise error if str(error).startswith(str(path)) else PiezoidError(f"{about}{error}") from None
-        except Exception as error:  # readers of other packages raise what they like
-            raise PiezoidError(f"{about}cannot be read: {error}") from error
+        kind, about = path.suffix.lower(), f"{path}: "
+        with _files.named(path):
+            try:
+                if kind in (".npz", ".npy"):
+                    return _arrays(_numpy(path), about)
+                if kind == ".mat":
+                    return _arrays(_mat(path), about)
+                return _Columns(_piezoid.Columns.from_csv(_files.read(path)), about)
+            except PiezoidError:
+                raise
+            except FileNotFoundError:
+                raise PiezoidError("there is no such file: check its name and folder") from None
+            except Exception as error:  # readers of other packages raise what they like
+                raise PiezoidError(f"cannot be read: {error}") from error
     if hasattr(source, "columns"):
         return _arrays(_frame(source))
     if isinstance(source, Mapping):
@@ -254,7 +259,7 @@ def _numpy(path: Path) -> dict[str, Any]:
     try:
         arrays = np.load(path, allow_pickle=False)
     except ValueError:
-        raise PiezoidError(f"{path}: holds no arrays of numbers, or is damaged") from None
+        raise PiezoidError("holds no arrays of numbers, or is damaged") from None
     if isinstance(arrays, np.ndarray):
         return {field: arrays[field] for field in arrays.dtype.names or ()}
     with arrays:
@@ -342,6 +347,6 @@ def _mat(path: Path) -> dict[str, Any]:
                 return opened(hdf5)
         from scipy.io import loadmat
     except ImportError as error:
-        raise PiezoidError(f"{path}: MATLAB files need {error.name}: pip install piezoid[mat]") from None
+        raise PiezoidError(f"MATLAB files need {error.name}: pip install piezoid[mat]") from None
     variables: dict[str, Any] = loadmat(path, simplify_cells=True)
     return variables
