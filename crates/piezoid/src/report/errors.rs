@@ -43,7 +43,9 @@ fn figure(title: &str, label: &str, bins: &[Bin]) -> Figure {
     let caption = worst.map_or(String::new(), |w| {
         let unit = label.split(['[', ']']).nth(1).unwrap_or_default();
         let (at, share) = (short(w.at), short(w.nrmse_percent));
-        format!("Rms error over rms of the output. It is largest at {at} {unit}, where it is {share} %.")
+        format!(
+            "Rms error over the standard deviation of the output. It is largest at {at} {unit}, where it is {share} %."
+        )
     });
     let axes = Axes::new(Axis::log(label), Axis::log("rms error / std of y [%]")).height(0.8);
     let kinds = [(Source::Cycles, "cycles", Role::Accent1), (Source::Spectrum, "spectrum", Role::Accent2)];
