@@ -51,8 +51,8 @@ pub(crate) struct Identify {
     /// The way to identify.
     #[arg(long, value_name = "WAY", value_enum, default_value_t = Method::Joint)]
     method: Method,
-    /// The hysteresis operator, by name (see `piezoid operators`). Auto tries all and takes the simplest that foretells
-    /// held-out parts as well as the best; the paper's way takes its branches.
+    /// The hysteresis operator, by name (see `piezoid operators`). Of several, separated by commas, and of all (auto) the
+    /// simplest is taken that foretells held-out parts as well as the best; the paper's way takes its branches.
     #[arg(long, value_name = "NAME", default_value = "auto")]
     operator: String,
     /// Order of the linear block [default: chosen; 2 the paper's way].
@@ -151,7 +151,7 @@ impl Identify {
         apart(&[Some(&self.output), self.json.as_deref()], &files)?;
         files::ready(&[Some(&self.output), self.json.as_deref()])?;
         if self.operator != "auto" {
-            argument(piezoid::hysteresis::operator(&self.operator))?;
+            argument(piezoid::hysteresis::operators(&self.operator))?;
         }
         let way = self.way()?;
         let mut origins = Vec::new();

@@ -48,7 +48,8 @@ def identify(
         frequencies); data: records for everything, where no small-signal one was taken. Each a record or several, or
         what `read` makes records of.
     method: "joint" finds all parts together, by the free-run error; "paper" takes the paper's six steps
-    operator: one of `pz.operators`; "auto" takes the simplest that foretells held-out parts as well as the best
+    operator: one of `pz.operators`; of several, separated by commas, and of all ("auto") the simplest is taken that foretells
+        held-out parts as well as the best
     order: of the linear block; chosen where it is not given (2 the paper's way)
     seed: of the swarm
 

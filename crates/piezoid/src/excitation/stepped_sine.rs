@@ -1,9 +1,10 @@
 //! Stepped sine: a sine held for equal times, the paper's "periodic step-wise" test signal.
 //!
-//! `u = offset + amplitude sin(2 pi k / steps)` while the k-th part of the period lasts. Every step is held equally long,
-//! which is what catches a model that reads a held input as a falling one. The paper states neither the number of steps
-//! nor their form; 20 a period give errors next to those of its Table 1. Where a step would be shorter than a sample,
-//! steps are left out. A [`Staircase`](super::Staircase) has steps of equal height instead.
+//! `u = offset + amplitude sin(2 pi k / steps) / max_j sin(2 pi j / steps)` while the k-th part of the period lasts. Every
+//! step is held equally long, which is what catches a model that reads a held input as a falling one. The paper states
+//! neither the form nor the number of steps; 7 a period come nearest to its Table 1 (the study shows all from 4 to 40).
+//! Where a step would be shorter than a sample, steps are left out. A [`Staircase`](super::Staircase) has steps of equal
+//! height instead.
 //!
 //! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
 //! 2025, section 3.
@@ -14,7 +15,8 @@ use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET, Parameter};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// A sine in steps of equal length.
+/// A sine in steps of equal length. The highest step reaches the amplitude, whatever their number: the input runs
+/// between the same ends as a sine of that amplitude.
 ///
 /// ```
 /// use piezoid::excitation::SteppedSine;
@@ -28,16 +30,16 @@ pub struct SteppedSine {
     pub amplitude: f64,
     /// Periods a second [Hz].
     pub frequency: f64,
-    /// Steps a period, at least 2.
+    /// Steps a period, at least 3.
     pub steps: u32,
     /// Mean [V].
     pub offset: f64,
 }
 
 impl Default for SteppedSine {
-    /// 1 V, 1 Hz, 20 steps, no offset.
+    /// 1 V, 1 Hz, 7 steps, no offset.
     fn default() -> Self {
-        SteppedSine { amplitude: 1.0, frequency: 1.0, steps: 20, offset: 0.0 }
+        SteppedSine { amplitude: 1.0, frequency: 1.0, steps: 7, offset: 0.0 }
     }
 }
 
@@ -45,20 +47,24 @@ impl SteppedSine {
     /// `n` samples [V], every `ts` [s].
     ///
     /// # Errors
-    /// The amplitude must be positive, the frequency positive and below half the sampling rate, the steps at least 2.
+    /// The amplitude must be positive, the frequency positive and below half the sampling rate, the steps at least 3.
     pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
         const ROUNDING: f64 = 1e-9; // sample 20 of 400 begins step 1 of 20 however the quotient rounds
         let drive = Drive::new(self.amplitude, self.offset, ts)?;
         let frequency = drive.shows("frequency", self.frequency)?;
-        if self.steps < 2 {
-            return Err(Error::parameter("steps", self.steps, "must be at least 2"));
+        // Two steps would both stand where the sine is zero.
+        if self.steps < 3 {
+            return Err(Error::parameter("steps", self.steps, "must be at least 3"));
         }
         let steps = f64::from(self.steps);
-        Ok(drive.periodic(frequency, n, |passed| (TAU * (passed * steps + ROUNDING).floor() / steps).sin()))
+        let step = |k: f64| (TAU * k / steps).sin();
+        let quarter = (0.25 * steps).floor();
+        let highest = step(quarter).max(step(quarter + 1.0));
+        Ok(drive.periodic(frequency, n, |passed| step((passed * steps + ROUNDING).floor()) / highest))
     }
 }
 
-const STEPS: Parameter = Parameter { name: "steps", unit: "", default: Some(20.0), help: "steps a period, at least 2" };
+const STEPS: Parameter = Parameter { name: "steps", unit: "", default: Some(7.0), help: "steps a period, at least 3" };
 
 pub(super) const ROW: Excitation = Excitation {
     name: "stepped-sine",
@@ -82,11 +88,25 @@ mod tests {
 
     #[test]
     fn every_step_is_equally_long_and_on_the_sine() {
-        let u = SteppedSine { amplitude: 30.0, frequency: 5.0, ..SteppedSine::default() }.samples(5e-4, 400).unwrap();
+        let u = SteppedSine { amplitude: 30.0, frequency: 5.0, steps: 20, offset: 0.0 }.samples(5e-4, 400).unwrap();
         for (k, step) in u.chunks(20).enumerate() {
             assert!(step.iter().all(|v| *v == step[0]), "step {k}");
             crate::testing::assert_close(&step[..1], &[30.0 * (TAU * k as f64 / 20.0).sin()], 0.0, 1e-12);
         }
+    }
+
+    #[test]
+    fn the_highest_and_the_lowest_step_reach_the_amplitude_whatever_their_number() {
+        for steps in 3..=41 {
+            let u = SteppedSine { amplitude: 30.0, steps, ..SteppedSine::default() }.samples(1e-3, 1000).unwrap();
+            let (low, high) = crate::series::ends(u.iter().copied());
+            crate::testing::assert_close(&[low, high], &[-30.0, 30.0], 1e-12, 0.0);
+        }
+    }
+
+    #[test]
+    fn two_steps_are_refused_since_both_would_be_zero() {
+        assert!(SteppedSine { steps: 2, ..SteppedSine::default() }.samples(1e-3, 10).is_err());
     }
 
     #[test]

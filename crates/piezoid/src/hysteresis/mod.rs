@@ -135,6 +135,14 @@ pub fn operator(name: &str) -> Result<&'static Operator, Error> {
     OPERATORS.iter().copied().find(|o| o.name == name).ok_or_else(|| Error::unknown("operator", name, known()))
 }
 
+/// The operators of these names, which commas separate.
+///
+/// # Errors
+/// As [`operator`].
+pub fn operators(names: &str) -> Result<Vec<&'static Operator>, Error> {
+    names.split(',').map(|name| operator(name.trim())).collect()
+}
+
 /// Writes an operator as `{"operator": name, ...params}`.
 pub(crate) fn save(hysteresis: &dyn Hysteresis) -> Value {
     let mut document = Map::new();

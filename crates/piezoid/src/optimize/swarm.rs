@@ -12,10 +12,11 @@
 //! (doi:10.1109/ICEC.1998.699146); acceleration: Ratnaweera et al. 2004 (doi:10.1109/TEVC.2004.826071).
 //!
 //! r1 and r2 are one number each a particle and iteration, as (2) is written. (Drawn for every dimension, as is common
-//! too, they end on the kinks of a sum of absolute errors more often.) Where the paper is silent: a velocity is limited
-//! to a share of the box; a particle that reaches a wall stays on it and loses the velocity that took it there; a cost
-//! that is not a number counts as the worst there is. Each particle draws from a random stream of its own, so threads
-//! change nothing.
+//! too, they end on the kinks of a sum of absolute errors more often.) The paper leaves g_best open: the custom is the best
+//! position any particle has ever had, its equation (4) as printed is the best of the current positions. [`GlobalBest`] has
+//! both. Where the paper is silent: a velocity is limited to a share of the box; a particle that reaches a wall stays on it
+//! and loses the velocity that took it there; a cost that is not a number counts as the worst there is. Each particle
+//! draws from a random stream of its own, so threads change nothing.
 
 use super::{Bounds, Minimum, Reason};
 use crate::error::Error;
@@ -45,6 +46,17 @@ impl<F: Fn(&[f64]) -> f64 + Sync> Cost for F {
     }
 }
 
+/// Which position g_best of equation (2) is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GlobalBest {
+    /// The best that any particle has ever had, as is customary.
+    #[default]
+    Ever,
+    /// The best of the positions of this iteration: the paper's equation (4) as printed.
+    Current,
+}
+
 /// How the swarm searches. The defaults are the paper's where it states them, else what is customary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -59,6 +71,8 @@ pub struct Settings {
     pub inertia_min: f64,
     /// Largest velocity, as a share of the box a step.
     pub velocity_max: f64,
+    /// The g_best that draws every particle.
+    pub global_best: GlobalBest,
     /// Stop once the cost is at or below this.
     pub threshold: Option<f64>,
     /// Stop once the cost has not fallen for this many iterations.
@@ -77,6 +91,7 @@ impl Default for Settings {
             inertia_max: 0.9,
             inertia_min: 0.4,
             velocity_max: 0.2,
+            global_best: GlobalBest::Ever,
             threshold: None,
             stall: None,
             seed: 1,
@@ -209,7 +224,7 @@ impl Swarm {
         };
         let best = self.history[self.iteration()];
         let (history, courses) = (self.history.clone(), self.courses.clone());
-        Minimum { x: self.g_best.clone(), cost: best, history, courses, reason }
+        Minimum { x: courses[self.iteration()].clone(), cost: best, history, courses, reason }
     }
 
     /// Step 7: whether the search has ended, and why.
@@ -253,29 +268,36 @@ impl Swarm {
     fn judge(&mut self, cost: &impl Cost) {
         let d = self.bounds.dimension();
         let mut costs = vec![f64::MAX; self.settings.particles];
+        // Costs above a particle's own best matter only where the best of the current positions is asked for.
+        let current = self.settings.global_best == GlobalBest::Current;
+        let unlimited = if current { vec![f64::MAX; costs.len()] } else { Vec::new() };
+        let limits = if current { &unlimited } else { &self.p_cost };
         if self.settings.parallel {
             let share = costs.len().div_ceil(rayon::current_num_threads());
-            (self.x.par_chunks(share * d), self.p_cost.par_chunks(share), costs.par_chunks_mut(share))
+            (self.x.par_chunks(share * d), limits.par_chunks(share), costs.par_chunks_mut(share))
                 .into_par_iter()
                 .for_each(|(x, limits, costs)| cost.evaluate(x, limits, costs));
         } else {
-            cost.evaluate(&self.x, &self.p_cost, &mut costs);
+            cost.evaluate(&self.x, limits, &mut costs);
         }
         let mut best = self.history.last().copied().unwrap_or(f64::MAX);
-        for (m, &f) in costs.iter().enumerate() {
-            let particle = m * d..(m + 1) * d;
+        let mut course = self.courses.last().cloned().unwrap_or_else(|| self.x[..d].to_vec());
+        for (m, (&f, x)) in costs.iter().zip(self.x.chunks_exact(d)).enumerate() {
             if f < self.p_cost[m] {
                 self.p_cost[m] = f;
-                self.p_best[particle.clone()].copy_from_slice(&self.x[particle.clone()]);
+                self.p_best[m * d..(m + 1) * d].copy_from_slice(x);
             }
-            if self.p_cost[m] < best {
-                best = self.p_cost[m];
-                self.g_best.copy_from_slice(&self.p_best[particle]);
+            if f < best {
+                best = f;
+                course.copy_from_slice(x);
                 self.improved = self.history.len();
             }
         }
+        // A cost that is no number counts as the largest there is.
+        let least = (1..costs.len()).fold(0, |m, k| if costs[k] < costs[m].min(f64::MAX) { k } else { m });
+        self.g_best.copy_from_slice(if current { &self.x[least * d..][..d] } else { &course });
         self.history.push(best);
-        self.courses.push(self.g_best.clone());
+        self.courses.push(course);
     }
 
     /// The random stream of particle `m`, from the 32-bit word `at` on.
@@ -346,6 +368,26 @@ mod tests {
     }
 
     #[test]
+    fn g_best_is_the_best_ever_or_the_best_of_the_current_positions() {
+        for global_best in [GlobalBest::Ever, GlobalBest::Current] {
+            let settings = Settings { particles: 8, iterations: 40, global_best, ..Settings::default() };
+            let mut swarm = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
+            let mut streams: Vec<_> = (0..8).map(|m| swarm.stream(m, words(2, 0))).collect();
+            let mut fell_back = 0;
+            for _ in 0..40 {
+                swarm.advance(&mut streams);
+                swarm.judge(&rosenbrock);
+                let best = swarm.history[swarm.iteration()];
+                let now = swarm.x.chunks(2).map(rosenbrock).fold(f64::MAX, f64::min);
+                let wanted = if global_best == GlobalBest::Ever { best } else { now };
+                assert_eq!(rosenbrock(&swarm.g_best), wanted);
+                fell_back += usize::from(now > best);
+            }
+            assert!(fell_back > 0, "the two never differed");
+        }
+    }
+
+    #[test]
     fn an_interrupted_search_gives_the_same_bytes_as_one_that_was_not() {
         let settings = Settings { iterations: 120, ..Settings::default() };
         let whole = minimise(&rosenbrock, bounds(3), settings.clone(), &mut unwatched).unwrap();
@@ -366,10 +408,12 @@ mod tests {
 
     #[test]
     fn threads_change_nothing() {
-        let settings = Settings { iterations: 60, ..Settings::default() };
-        let parallel = Settings { parallel: true, ..settings.clone() };
-        let one = minimise(&rosenbrock, bounds(4), settings, &mut unwatched).unwrap();
-        assert_eq!(minimise(&rosenbrock, bounds(4), parallel, &mut unwatched).unwrap(), one);
+        for global_best in [GlobalBest::Ever, GlobalBest::Current] {
+            let settings = Settings { iterations: 60, global_best, ..Settings::default() };
+            let parallel = Settings { parallel: true, ..settings.clone() };
+            let one = minimise(&rosenbrock, bounds(4), settings, &mut unwatched).unwrap();
+            assert_eq!(minimise(&rosenbrock, bounds(4), parallel, &mut unwatched).unwrap(), one);
+        }
     }
 
     #[test]
@@ -403,8 +447,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_best_never_worsens_and_is_a_point_that_was_visited(seed: u64, particles in 1..20usize) {
-            let settings = Settings { seed, particles, iterations: 30, ..Settings::default() };
+        fn the_best_never_worsens_and_is_a_point_that_was_visited(seed: u64, particles in 1..20usize, current: bool) {
+            let global_best = if current { GlobalBest::Current } else { GlobalBest::Ever };
+            let settings = Settings { seed, particles, iterations: 30, global_best, ..Settings::default() };
             let minimum = minimise(&rosenbrock, bounds(3), settings, &mut unwatched).unwrap();
             prop_assert!(minimum.history.windows(2).all(|w| w[1] <= w[0]));
             prop_assert_eq!(rosenbrock(&minimum.x), minimum.cost);

@@ -68,7 +68,8 @@ const CREEPS: f64 = 0.1;
 /// How to identify jointly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// Name of the hysteresis operator, or `auto`: the simplest that foretells held-out parts as well as the best.
+    /// Name of the hysteresis operator. Of several, which commas separate, and of all (`auto`) the simplest is taken that
+    /// foretells held-out parts as well as the best.
     pub operator: String,
     /// Order of the linear block; none has it chosen.
     pub order: Option<usize>,

@@ -74,6 +74,18 @@ fn order_and_delay_are_those_of_the_plant() {
 }
 
 #[test]
+fn of_operators_that_are_named_those_alone_are_tried_and_the_better_is_taken() {
+    let plant = plant(5e-4, 1);
+    let rich = rich(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let found = identified(&[prbs(&plant)], &rich, &named("bouc-wen, prandtl-ishlinskii"));
+    let tried: Vec<_> = found.trials.iter().map(|trial| (trial.operator, trial.verdict)).collect();
+    assert_eq!(tried, [("bouc-wen", ""), ("prandtl-ishlinskii", "taken")]);
+    assert_eq!(found.model.hysteresis().operator().name, "prandtl-ishlinskii");
+    let error = identify_joint(&[], &rich, &named("bouc-wen,prandl"), &mut unwatched).unwrap_err().to_string();
+    assert!(error.contains("no operator called `prandl`"), "{error}");
+}
+
+#[test]
 fn an_order_that_is_asked_for_and_too_low_is_told_of() {
     let plant = plant(5e-4, 1);
     let rich = rich(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0)]);

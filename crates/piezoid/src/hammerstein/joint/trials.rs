@@ -2,7 +2,7 @@
 
 use super::refine::Fitted;
 use crate::error::Error;
-use crate::hysteresis::{OPERATORS, Operator, operator};
+use crate::hysteresis::{OPERATORS, Operator, operators};
 use crate::number::short;
 use crate::record::Record;
 use crate::series::ends;
@@ -34,7 +34,7 @@ pub struct Trial {
     pub refused: Option<String>,
 }
 
-/// The operators to try. Where the records hold no minor loops, nothing in them tells operators apart that differ there; then
+/// The operators to try: those that are named, or of all what the records allow. Where the records hold no minor loops, nothing in them tells operators apart that differ there; then
 /// of all only those are tried that do what measured ceramics do: follow minor loops, and wipe them out. And where rich
 /// records stand `alone`, rate belongs to the linear block they tell, for nothing tells the two apart.
 pub(super) fn candidates(
@@ -44,7 +44,7 @@ pub(super) fn candidates(
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'static Operator>, Error> {
     if name != "auto" {
-        return Ok(vec![operator(name)?]);
+        return operators(name);
     }
     let all = || OPERATORS.iter().copied().filter(|o| o.rate_independent || !alone);
     let (low, high) = ends(rich.iter().flat_map(|record| record.u()).copied());
