@@ -95,10 +95,7 @@ fn golden() -> Result<(), String> {
 }
 
 fn docs() -> Result<(), String> {
-    step(&mut cargo(&["run", "--release", "--", "study", "--plant", "paper", "--out", "target/study"]))?;
-    let (drawn, kept) = (root().join("target/study/paper-error.svg"), root().join("docs/error.svg"));
-    std::fs::copy(&drawn, &kept).map_err(|e| format!("cannot copy {} to docs: {e}", drawn.display()))?;
-    for example in ["matrix", "accuracy", "tracking"] {
+    for example in ["paper", "matrix", "accuracy", "tracking"] {
         step(&mut cargo(&["run", "--release", "--package", "piezoid", "--example", example, "--", "docs"]))?;
     }
     step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;

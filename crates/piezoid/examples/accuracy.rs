@@ -8,7 +8,7 @@
 
 pub(crate) mod page;
 
-use page::cell;
+use page::{cell, row};
 use piezoid::driver::Driver;
 use piezoid::excitation::{Multisine, Prbs, RisingSine, Sine, Staircase};
 use piezoid::hammerstein::{Identified, Joint, Model, Paper, identify_joint, identify_paper};
@@ -147,12 +147,12 @@ pub(crate) fn error(model: &Model, record: &Record) -> f64 {
     Metrics::of(record.y(), &model.simulate(record.u())).rms_pp_percent
 }
 
-/// The middle and the largest of some errors.
-pub(crate) fn median_and_worst(errors: &[f64]) -> (f64, f64) {
+/// The least, the middle and the largest of some errors.
+pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     let mut sorted = errors.to_vec();
     sorted.sort_by(f64::total_cmp);
     let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
-    (0.5 * (low + high), sorted[sorted.len() - 1])
+    [sorted[0], 0.5 * (low + high), sorted[sorted.len() - 1]]
 }
 
 /// A way to identify.
@@ -216,21 +216,22 @@ fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'
     KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)
 }
 
-/// Median and worst by way, and how far below the paper's the joint errors are; then the records where that is not far.
+/// Least, median and worst by way, and how far below the paper's the joint errors are; then the records where that is not far.
 fn summary(twins: &[Vec<Outcome>]) -> String {
-    let titles = ["twin", "identified", "operator", "median", "worst", "below `paper`", "below `paper, helped`"];
-    let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|\n";
+    let titles =
+        ["twin", "identified", "operator", "least", "median", "worst", "below `paper`", "below `paper, helped`"];
+    let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
     for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
     {
-        let (median, worst) = median_and_worst(&o.errors.concat());
+        let [lowest, median, worst] = range(&o.errors.concat());
         let least = |paper| times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
         let below = |paper| {
             if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
         };
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
         let [paper, helped] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
-        text +=
-            &row(&[name, o.way.name.into(), operator, format!("{median:.3}"), format!("{worst:.2}"), paper, helped]);
+        let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
+        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, helped]);
     }
     text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
 }
@@ -258,11 +259,6 @@ fn table(twins: &[Vec<Outcome>]) -> String {
         }
     }
     text
-}
-
-/// A row of a table.
-pub(crate) fn row(cells: &[String]) -> String {
-    format!("| {} |\n", cells.join(" | "))
 }
 
 /// The largest error of the kinds of record against frequency, a panel a twin.

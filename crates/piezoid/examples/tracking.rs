@@ -10,8 +10,8 @@
 #[path = "accuracy.rs"]
 pub(crate) mod accuracy;
 
-use accuracy::page::{self, cell};
-use accuracy::{TS, TWINS, Twin, row};
+use accuracy::page::{self, cell, row};
+use accuracy::{TS, TWINS, Twin};
 use piezoid::compensation::How;
 use piezoid::control::{CONTROLLERS, Comparison, Drive, Driven, Scheme, Target, Tolerance, Wanted, compare, reference};
 use piezoid::excitation::Limits;

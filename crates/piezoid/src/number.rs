@@ -48,3 +48,12 @@ mod tests {
         assert_eq!(shown, ["120", "-30", "1e-7", "0", "-"]);
     }
 }
+
+/// "a, b and c".
+pub(crate) fn join(items: &[impl ToString]) -> String {
+    let texts: Vec<String> = items.iter().map(ToString::to_string).collect();
+    match texts.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => texts.concat(),
+    }
+}

@@ -7,7 +7,7 @@
 #[path = "../examples/accuracy.rs"]
 mod accuracy;
 
-use accuracy::{KINDS, TWINS, Twin, error, median_and_worst};
+use accuracy::{KINDS, TWINS, Twin, error, range};
 use piezoid::plant::{HysteresisSpec, Spec, find};
 
 /// Frequencies below, at and above the resonance [Hz]. At the last the driver's current limit shapes every wave.
@@ -20,7 +20,7 @@ fn is_foretold(twin: &str, operator: &str) {
     let model = on_bench.joint(operator, true).expect("a model").model;
     let records = KINDS.iter().flat_map(|kind| FREQUENCIES.map(|hz| on_bench.unseen(kind, hz).expect("a record")));
     let errors: Vec<f64> = records.map(|record| error(&model, &record)).collect();
-    let (median, worst) = median_and_worst(&errors);
+    let [_, median, worst] = range(&errors);
     assert!(median <= 0.35 && worst <= 1.2, "{twin} as {operator}: median {median} %, worst {worst} %: {errors:.3?}");
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use piezoid::number::{round, short as number};
 use piezoid::plant;
-use piezoid::study::{self, METHODS, PRINTED_MSE, Study as Outcome};
+use piezoid::study::{self, METHODS, PRINTED_MSE, STEPS_USED, Study as Outcome};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -92,7 +92,11 @@ fn summary(study: &Outcome, console: &Console) -> String {
         let rows: Vec<_> = study.frequencies.iter().map(row).collect();
         format!("\n{}\n{}", title, table(&header, &rows, console.room()))
     };
-    text += &of_frequencies("Table 1: mean squared error on the stepped sine [mm^2]", &|r| r.metrics.mse, true);
+    text += &of_frequencies(
+        &format!("Table 1: mean squared error on the stepped sine of {STEPS_USED} steps [mm^2]"),
+        &|r| r.metrics.mse,
+        true,
+    );
     text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
 
     let coefficients = |b: &study::Block| {

@@ -1,5 +1,7 @@
 //! What examples that write a table into a page of docs/ share.
 
+#![allow(dead_code)] // none of them needs all of it
+
 use std::error::Error;
 use std::path::Path;
 
@@ -10,6 +12,11 @@ pub(crate) fn cell(percent: f64) -> String {
         p if p < 1e-4 => "0".into(),
         p => format!("{p:.*}", (1.0 - p.log10().floor()).clamp(0.0, 5.0) as usize),
     }
+}
+
+/// A row of a table.
+pub(crate) fn row(cells: &[String]) -> String {
+    format!("| {} |\n", cells.join(" | "))
 }
 
 /// Replaces what stands in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.

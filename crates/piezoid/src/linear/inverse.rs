@@ -11,8 +11,8 @@
 
 use super::analysis::Root;
 use super::arx::{Arx, shift_in};
-use super::regression::join;
 use crate::error::Error;
+use crate::number::join;
 use crate::system::System;
 
 /// Zeros closer to the unit circle than this are taken to lie on it.

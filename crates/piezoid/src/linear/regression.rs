@@ -138,12 +138,3 @@ impl Regression {
         centred
     }
 }
-
-/// "a, b and c".
-pub(crate) fn join(items: &[impl ToString]) -> String {
-    let texts: Vec<String> = items.iter().map(ToString::to_string).collect();
-    match texts.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => texts.concat(),
-    }
-}

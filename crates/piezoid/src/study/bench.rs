@@ -1,6 +1,9 @@
 //! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
 
-use super::{AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, Row, SETTLING, Seen, TS, Way};
+use super::{
+    AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, Row, SETTLING, STEPS_USED, Seen, TS,
+    Way, table_2,
+};
 use crate::error::Error;
 use crate::excitation::{RisingSine, Sine, SteppedSine};
 use crate::hammerstein::{HiddenLoop, Model, hidden, proportional};
@@ -38,14 +41,18 @@ impl Bench {
         what: &str,
         limits: &mut Vec<(String, Saturation)>,
     ) -> Result<Record, Error> {
-        let number = u.iter().fold(self.seed, |hash, u| hash.rotate_left(5) ^ u.to_bits());
-        let run = self.plant.clone().with_seed(number).run(&u);
-        if run.saturation.any() {
-            limits.push((what.into(), run.saturation));
+        let (y, saturation) = self.answer(&u);
+        if saturation.any() {
+            limits.push((what.into(), saturation));
         }
-        let units = Units { u: "V".into(), y: "mm".into() };
-        let y = run.y.iter().map(|y| 1e3 * y).collect();
-        Ok(Record::new(TS, u, y)?.with_units(units))
+        Ok(Record::new(TS, u, y)?.with_units(Units { u: "V".into(), y: "mm".into() }))
+    }
+
+    /// What the sensor reads from rest on [mm], with noise of its own, and the limits that were reached.
+    pub(super) fn answer(&self, u: &[f64]) -> (Vec<f64>, Saturation) {
+        let number = u.iter().fold(self.seed, |hash, u| hash.rotate_left(5) ^ u.to_bits());
+        let run = self.plant.clone().with_seed(number).run(u);
+        (run.y.iter().map(|y| 1e3 * y).collect(), run.saturation)
     }
 
     /// The amplitude [V] at which the answers to all `drives` stay well within the sensor's range: lowered from the whole
@@ -78,14 +85,13 @@ impl Bench {
         &self,
         hz: f64,
         own: &(Arx, f64),
-        table_2: &Arx,
         joint: &Model,
         limits: &mut Vec<(String, Saturation)>,
     ) -> Result<Frequency, Error> {
         let n = (DURATION / TS) as usize;
         let frequency = hz;
         let sine = |amplitude| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
-        let stepped = |amplitude| SteppedSine { amplitude, frequency, ..SteppedSine::default() }.samples(TS, n);
+        let stepped = |amplitude| SteppedSine { amplitude, frequency, steps: STEPS_USED, offset: 0.0 }.samples(TS, n);
         let amplitude = self.amplitude(&[&sine, &stepped])?;
         let sine = self.measure(sine(amplitude)?, &format!("sine of {hz} Hz"), limits)?;
         let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
@@ -98,7 +104,8 @@ impl Bench {
             Ok(HiddenLoop { frequency_hz: Some(hz), u, z, found })
         };
         let loop_by = |arx: &Arx, offset: f64| loop_of(&hidden(arx, offset, sine.y())?.0);
-        let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(table_2, 0.0)?);
+        let table_2 = table_2(hz)?;
+        let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(&table_2, 0.0)?);
         // Without the driver, whose lag is no hysteresis, but sampled as often as behind it.
         let faster = (TS / joint.hysteresis().ts()).round() as usize;
         let between = |w: &[f64]| {
@@ -117,7 +124,7 @@ impl Bench {
             let (model, loop_width_percent) = match method.way {
                 Way::Branches(seen, reading) => {
                     let (arx, offset, found) = match seen {
-                        Seen::ByTable2 => (table_2, 0.0, &by_table_2.found),
+                        Seen::ByTable2 => (&table_2, 0.0, &by_table_2.found),
                         Seen::ByOwn => (&own.0, own.1, &by_own.found),
                     };
                     let block = TwoBranch::new(TS, found.branches.clone(), reading)?;
@@ -131,7 +138,7 @@ impl Bench {
             };
             let simulated = model.simulate(whole.u())[settled..].to_vec();
             let metrics = Metrics::of(test.y(), &simulated);
-            Ok(Row { method: method.name, metrics, loop_width_percent, simulated })
+            Ok(Row { method: method.name, model, metrics, loop_width_percent, simulated })
         });
         let rows = rows.collect::<Result<_, Error>>()?;
         Ok(Frequency { hz, amplitude, own: by_own, by_table_2, joint: of_joint, test, rows })

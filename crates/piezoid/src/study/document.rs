@@ -1,6 +1,6 @@
 //! The study as a document for scripts.
 
-use super::{Block, Frequency, PRINTED_MSE, RISING, Row, Study};
+use super::{Block, Frequency, PRINTED_MSE, RISING, Row, Study, TestSignal, verdict};
 use crate::hammerstein::Trial;
 use serde_json::{Map, Value, json};
 
@@ -14,9 +14,12 @@ pub fn to_json(studies: &[Study]) -> Value {
             "table1": table1(s),
             "table2": table2(s),
             "convergence": s.convergence,
+            "convergence_as_printed": s.convergence_as_printed,
             "optimum": s.optimum,
             "noise_gain": s.noise_gain,
             "joint": joint(s),
+            "test_signals": s.test_signals.iter().flat_map(test_signal).collect::<Vec<_>>(),
+            "verdict": verdict(s),
             "notes": s.notes,
         })
     };
@@ -43,6 +46,20 @@ fn table1(study: &Study) -> Vec<Value> {
         })
     };
     study.frequencies.iter().flat_map(|f| f.rows.iter().map(move |r| row(f, r))).collect()
+}
+
+/// A row a method: errors at the frequencies of Table 1.
+fn test_signal(signal: &TestSignal) -> impl Iterator<Item = Value> {
+    let row = |(method, mse): &(&str, [f64; 4])| {
+        json!({
+            "form": signal.form,
+            "steps": signal.steps,
+            "method": method,
+            "mse": mse,
+            "deviation_percent": 100.0 * signal.deviation(method),
+        })
+    };
+    signal.mse.iter().map(row)
 }
 
 fn table2(study: &Study) -> Vec<Value> {

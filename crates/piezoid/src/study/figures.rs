@@ -1,6 +1,7 @@
 //! The figures of the study: the paper's Figs 2 to 5, and those that show why its errors come about.
 
-use super::{Frequency, METHODS, PRINTED_MSE, Study, TS};
+use super::words;
+use super::{FORMS, Frequency, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, TestSignal, nearest};
 use crate::hysteresis::Branches;
 use crate::linear::Arx;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
@@ -23,6 +24,8 @@ pub fn figures(study: &Study) -> Vec<(String, Figure)> {
     all.extend(study.frequencies.iter().map(|f| (name(&format!("test-{:03.0}hz", f.hz)), test(f))));
     all.push((name("width"), width(study)));
     all.push((name("error"), error(study)));
+    all.push((name("test-signal"), test_signal(study)));
+    all.push((name("deviation"), deviation(study)));
     all
 }
 
@@ -33,18 +36,28 @@ fn iterations(n: usize) -> Vec<f64> {
 /// The swarm's best cost over the optimum: Fig 3, first half.
 pub(super) fn convergence(study: &Study) -> Figure {
     let best = &study.convergence;
-    let last = best.last().copied().unwrap_or(f64::NAN);
+    let printed = &study.convergence_as_printed;
+    let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / study.optimum - 1.0).max(1e-12);
     let caption = format!(
-        "The best sum of absolute errors falls from {:.3} to {last:.6} mm in {} iterations. No block of this form can go \
-         below {:.6} mm, which linear programming finds exactly: the swarm ends above it by a share of {:.0e}.",
+        "The best sum of absolute errors so far falls from {:.3} to {:.6} mm in {} iterations. No block of this form can go \
+         below {:.6} mm, which linear programming finds exactly: the swarm ends above it by a share of {:.0e}. All particles are \
+         drawn to the best position any of them has had, as is customary; with the best of the current positions, as the paper \
+         prints equation (4), they end above it by {:.0e}.",
         best[0],
+        best[best.len() - 1],
         best.len() - 1,
         study.optimum,
-        (last / study.optimum - 1.0).max(1e-12)
+        above(best),
+        above(printed)
     );
     Figure::new("Swarm convergence", caption).panel(
         Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
-            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("best of the swarm"))
+            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best ever"))
+            .with(
+                Series::dashed(&iterations(printed.len()), printed)
+                    .role(Role::Residual)
+                    .named("of the current positions"),
+            )
             .at_y(study.optimum, "exact optimum"),
     )
 }
@@ -66,8 +79,9 @@ pub(super) fn courses(study: &Study) -> Figure {
         if end.len() == 5 { [vec![0.01 * size(0..2); 2], vec![0.01 * size(2..5); 3]].concat() } else { Vec::new() };
     let away = |theta: &Vec<f64>| theta.iter().zip(&end).zip(&room).any(|((now, end), room)| (now - end).abs() > *room);
     let caption = format!(
-        "The coefficients of the best particle by iteration (the paper's Fig. 3). From iteration {} on they stay within 1 % of where \
-         they end, a measured by the largest a and b by the largest b.",
+        "The coefficients of the best position so far, by iteration. The paper's Fig. 3 shows courses of the search and does not say of \
+         which particle. From iteration {} on these stay within 1 % of where they end, a measured by the largest a and b by the \
+         largest b.",
         courses.iter().rposition(away).map_or(0, |last| last + 1)
     );
     Figure::new("Course of the estimated coefficients", caption).panel(a).panel(b).stacked()
@@ -192,7 +206,7 @@ pub(super) fn width(study: &Study) -> Figure {
 }
 
 /// Errors below this are drawn as this [mm^2].
-const FLOOR: f64 = 1e-6;
+pub(super) const FLOOR: f64 = 1e-6;
 
 /// Mean squared error of every method against frequency, with the printed Table 1.
 pub(super) fn error(study: &Study) -> Figure {
@@ -208,6 +222,79 @@ pub(super) fn error(study: &Study) -> Figure {
     axes = axes.with(Series::marked(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
     let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
     let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
-    let caption = super::words::verdict(study) + &floor;
+    let caption = format!(
+        "Mean squared error of every method on a stepped sine of {STEPS_USED} steps a period, and the values of the paper's Table 1.{floor}"
+    );
     Figure::new("Error on the test signal against frequency", caption).panel(axes)
+}
+
+/// Methods shown over the test signal: name, words for stepped sines and for staircases, role.
+const SHOWN: [(&str, [&str; 2], Role); 3] = [
+    ("printed-rule", ["rule as printed", "of staircases"], Role::Descending),
+    ("held-direction", ["direction held", ""], Role::Model),
+    ("table2-arx", ["Table 2's block", ""], Role::Residual),
+];
+
+/// An axis of steps and levels.
+fn steps() -> Axis {
+    let ends = (f64::from(*STEPS.start()), f64::from(*STEPS.end()));
+    Axis::new("steps a period, or levels")
+        .ticks(&[4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0])
+        .range(ends.0, ends.1)
+}
+
+/// A curve of each form: solid of stepped sines, dashed of staircases.
+fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl Fn(&TestSignal) -> f64) -> Axes {
+    let kinds: [fn(&[f64], &[f64]) -> Series; 2] = [Series::line, Series::dashed];
+    FORMS.iter().zip(kinds).zip(names).fold(axes, |axes, ((form, kind), name)| {
+        let signals = study.test_signals.iter().filter(|s| s.form == form.name);
+        let (steps, values): (Vec<f64>, Vec<f64>) = signals.map(|s| (f64::from(s.steps), value(s))).unzip();
+        axes.with(kind(&steps, &values).role(role).named(name))
+    })
+}
+
+/// Table 1 over the form and the number of steps of the test signal.
+pub(super) fn test_signal(study: &Study) -> Figure {
+    let title = "Table 1 over the test signal";
+    over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
+}
+
+/// The same as a figure a frequency.
+pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
+    over_steps(study).into_iter().zip(PRINTED_MSE).map(|(axes, (hz, printed))| {
+        Figure::new(format!("Test signals of {hz} Hz"), format!("Table 1 has {printed} mm².")).panel(axes)
+    })
+}
+
+/// Mean squared errors against steps and levels, a panel a frequency of Table 1.
+fn over_steps(study: &Study) -> Vec<Axes> {
+    let panel = |(k, (hz, printed)): (usize, &(f64, f64))| {
+        let y = Axis::log("MSE [mm²]").from(FLOOR);
+        let axes = Axes::new(steps(), y).titled(format!("{hz} Hz")).at_y(*printed, "Table 1");
+        SHOWN.iter().fold(axes, |axes, (method, names, role)| {
+            let names = if k == 0 { *names } else { [""; 2] };
+            by_form(study, axes, *role, names, |signal| signal.of(method)[k].max(FLOOR))
+        })
+    };
+    PRINTED_MSE.iter().enumerate().map(panel).collect()
+}
+
+/// How near each test signal comes to Table 1.
+pub(super) fn deviation(study: &Study) -> Figure {
+    let found = |method: &str| {
+        let found = nearest(&study.test_signals, method);
+        found.map_or(String::new(), |s| format!("{} ({:.0} %)", s.words(), 100.0 * s.deviation(method)))
+    };
+    let caption = format!(
+        "The largest of the four deviations from Table 1, of the paper's value. Solid: sines in equal times, against steps a period; \
+         dashed: staircases, against levels. Nearest by the rule as printed is a {}; by the same rule with the block of Table 2 a {}.",
+        found("printed-rule"),
+        found("table2-arx")
+    );
+    let axes = Axes::new(steps(), Axis::log("largest deviation from Table 1 [%]"));
+    let shown = SHOWN.iter().filter(|(method, ..)| *method != "held-direction");
+    let axes = shown.fold(axes, |axes, (method, names, role)| {
+        by_form(study, axes, *role, *names, |signal| 100.0 * signal.deviation(method))
+    });
+    Figure::new("How near each test signal comes to Table 1", caption).panel(axes)
 }

@@ -1,7 +1,10 @@
 //! What the study found, in words.
 
-use super::{Frequency, PRINTED_MSE, RISING, Study};
+use super::figures::FLOOR;
+use super::{AMPLITUDE, Frequency, PRINTED_MSE, RISING, Row, STEPS, STEPS_USED, Study, TestSignal, nearest};
+use crate::number::join;
 use crate::plant::Saturation;
+use crate::series::ends;
 
 /// Four decimals as in the paper's Table 1, or one digit with its power of ten below them.
 pub(super) fn mse(x: f64) -> String {
@@ -15,30 +18,28 @@ pub(super) fn percent(x: f64) -> String {
 
 /// What the errors of a study say, in words.
 pub fn verdict(study: &Study) -> String {
-    let at = |method: &str, hz: f64| {
-        study.frequencies.iter().find(|f| f.hz == hz).and_then(|f| f.row(method)).map_or(f64::NAN, |r| r.metrics.mse)
-    };
+    paragraphs(study).join(" ")
+}
+
+/// The same in paragraphs: beside Table 1, over all frequencies, and of the joint model.
+pub(super) fn paragraphs(study: &Study) -> [String; 3] {
     let rms = |method: &str| {
         let of = |f: &Frequency| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
-        study
-            .frequencies
-            .iter()
-            .map(|f| (of(f), f.hz))
-            .fold((0.0, 0.0), |worst: (f64, f64), x| if x.0 > worst.0 { x } else { worst })
+        let all = study.frequencies.iter().map(|f| (of(f), f.hz));
+        all.fold((0.0, 0.0), |worst: (f64, f64), x| if x.0 > worst.0 { x } else { worst })
     };
     let [(worst, worst_hz), (linear, _)] = ["held-direction", "linear"].map(rms);
-    let of_table_2 = PRINTED_MSE.iter().map(|(hz, _)| (at("table2-arx", *hz), *hz));
-    let (most, most_hz) = of_table_2.fold((0.0, 0.0), |most: (f64, f64), x| if x.0 > most.0 { x } else { most });
-    let beaten: Vec<String> = study
-        .frequencies
-        .iter()
-        .filter(|f| f.rows.iter().any(|r| r.method != "joint" && 1.01 * r.metrics.mse < at("held-direction", f.hz)))
-        .map(|f| f.hz.to_string())
-        .collect();
-    let beaten = match beaten.as_slice() {
-        [] => String::new(),
-        some => format!(" At {} Hz another method leaves less than the direction held.", some.join(", ")),
+    let error = |f: &Frequency, method: &str| f.row(method).map_or(f64::NAN, |r| r.metrics.mse);
+    let at_hz = |is: &dyn Fn(&Frequency) -> bool| {
+        let some: Vec<String> = study.frequencies.iter().filter(|f| is(f)).map(|f| f.hz.to_string()).collect();
+        (!some.is_empty()).then(|| join(&some))
     };
+    let needless = at_hz(&|f| error(f, "linear") < error(f, "printed-rule"));
+    let needless = needless.map_or(String::new(), |hz| format!(", less than the rule as printed at {hz} Hz"));
+    let other = |f: &Frequency, r: &Row| r.method != "joint" && 1.01 * r.metrics.mse < error(f, "held-direction");
+    let beaten = at_hz(&|f| f.rows.iter().any(|r| other(f, r)));
+    let beaten =
+        beaten.map_or(String::new(), |hz| format!(" At {hz} Hz another method leaves less than the direction held."));
     let width = |f: &Frequency| 100.0 * f.own.found.branches.width().abs();
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
     let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
@@ -51,19 +52,95 @@ pub fn verdict(study: &Study) -> String {
             width(&study.frequencies[0])
         )
     });
+    let over_frequencies = format!(
+        "With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model without hysteresis \
+         leaves up to {linear:.1} %{needless}.{beaten}{grown}"
+    );
+    [against_table_1(study), over_frequencies, joint(study)]
+}
+
+/// Table 1 beside the paper's values, by the test signal of the study.
+fn against_table_1(study: &Study) -> String {
+    let at = |method: &str, hz: f64| {
+        study.frequencies.iter().find(|f| f.hz == hz).and_then(|f| f.row(method)).map_or(f64::NAN, |r| r.metrics.mse)
+    };
+    let of = |method: &str| PRINTED_MSE.map(|(hz, _)| at(method, hz));
+    let over = |method: &str| PRINTED_MSE.map(|(hz, printed)| at(method, hz) / printed);
+    let listed = |values: [f64; 4]| join(&values.map(mse));
+    let (printed, hz) = (PRINTED_MSE.map(|(_, mse)| mse), PRINTED_MSE.map(|(hz, _)| hz.to_string()));
+    let growth = |[first, .., last]: [f64; 4]| last / first;
+    let (least, most) = ends(over("table2-arx").into_iter());
+    let by_its_own = nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
+        let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
+        format!("; the test signal by which that block comes nearest, a {signal}, misses by up to {off:.0} %")
+    });
     format!(
-        "At 5 Hz the rule as printed leaves {} mm², beside {:.4} in the paper; holding the direction leaves {}. At 80 Hz the rule as printed \
-         leaves {}, beside {:.4}: here its error does not grow with frequency, since fewer samples are held. With the linear block of the \
-         paper's Table 2 the error grows from {:.3} mm² at 5 Hz to {most:.3} at {most_hz} Hz; the paper's grows too, and the growth comes \
-         with that block. With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model \
-         without hysteresis leaves up to {linear:.1} %.{beaten}{grown} {}",
-        mse(at("printed-rule", 5.0)),
-        PRINTED_MSE[0].1,
-        mse(at("held-direction", 5.0)),
-        mse(at("printed-rule", 80.0)),
-        PRINTED_MSE[3].1,
-        at("table2-arx", 5.0),
-        joint(study)
+        "The paper states neither the form nor the number of steps of its test signal. {} By it the rule as printed leaves {} mm² at {} \
+         Hz, beside {} in the paper's Table 1: at 80 Hz the error is {:.1} times that at 5 Hz, in the paper {:.1} times, with a linear \
+         block that is estimated here. Holding the direction leaves at most {} mm². With the linear block of the paper's Table 2 the \
+         rule as printed leaves {least:.0} to {most:.0} times the paper's values{by_its_own}.",
+        chosen(study),
+        listed(of("printed-rule")),
+        join(&hz),
+        listed(printed),
+        growth(of("printed-rule")),
+        growth(printed),
+        mse(of("held-direction").into_iter().fold(0.0, f64::max)),
+    )
+}
+
+/// Which test signal is used, and which comes nearest to Table 1.
+fn chosen(study: &Study) -> String {
+    let percent = |signal: &TestSignal| format!("{:.0} %", 100.0 * signal.deviation("printed-rule"));
+    let used = study.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == STEPS_USED);
+    let (Some(nearest), Some(used)) = (nearest(&study.test_signals, "printed-rule"), used) else {
+        return String::new();
+    };
+    let (low, high) = (STEPS.start(), STEPS.end());
+    let tried = format!("stepped sines of {low} to {high} steps a period and staircases of as many levels");
+    if nearest == used {
+        format!("Of {tried}, a {} comes nearest, within {}, and is used here.", used.words(), percent(used))
+    } else {
+        format!(
+            "Used here is a {}, which comes nearest on the paper's plant. On this one it misses by up to {}; of {tried}, a {} comes \
+             nearest, and misses by up to {}.",
+            used.words(),
+            percent(used),
+            nearest.words(),
+            percent(nearest)
+        )
+    }
+}
+
+/// What the figure of Table 1 over the test signal shows, and how much the steps matter at the highest frequency.
+pub(super) fn over_test_signals(study: &Study) -> String {
+    let stepped = study.test_signals.iter().filter(|s| s.form == "stepped-sine");
+    let last = PRINTED_MSE.len() - 1;
+    let by = |p: &(f64, u32), q: &(f64, u32)| p.0.total_cmp(&q.0);
+    let errors: Vec<(f64, u32)> = stepped.map(|s| (s.of("printed-rule")[last], s.steps)).collect();
+    let (Some(least), Some(most)) = (errors.iter().copied().min_by(by), errors.iter().copied().max_by(by)) else {
+        return String::new();
+    };
+    format!(
+        "Mean squared error at the paper's four frequencies. Solid: sines in equal times, against steps a period; dashed: staircases in \
+         equal heights, against levels; the horizontal line is the paper's value. Errors below {FLOOR:e} mm² are drawn there. By the rule as \
+         printed, the error at {} Hz goes from {} mm² with {} steps to {} with {}; the rest of the study uses {STEPS_USED} steps.",
+        PRINTED_MSE[last].0,
+        mse(most.0),
+        most.1,
+        mse(least.0),
+        least.1
+    )
+}
+
+/// What Tables 1 and 2 leave open of their units.
+pub(super) fn units(study: &Study) -> String {
+    let moved = study.blocks[0].arx.dc_gain() * AMPLITUDE;
+    format!(
+        "The paper states the unit of neither table. Table 1 is taken in mm², Table 2 in mm and V. By the static gain of Table 2 {AMPLITUDE} V \
+         move the tip by {moved:.3} mm, where the catalogue has 1 mm; a sine of that height has a mean square of {:.4} mm², less than \
+         every value of Table 1, so the two tables can hardly both be in mm.",
+        0.5 * moved * moved
     )
 }
 
