@@ -64,11 +64,13 @@ Behind in error, or behind or the same in time.
   a column of ones, as the time of piezoid includes the same. Output error: `least_squares` (Levenberg-Marquardt) on
   `lfilter`, begun at least squares, with the past and a constant free. SysIdentPy has no output error; its ARX of the
   same order stands there for what its free run leaves.
-- **Swarm.** 50 particles, {iterations} iterations, the same rows, box, inertia and accelerations; numpy computes the
-  costs of all particles in one product, in arrays that are kept: made anew in each iteration, as one would write it
-  at first, they cost up to ten times as much in a fresh process. Only its search is timed, where the time of piezoid
-  includes building the rows. pyswarms draws r1 and r2 for every dimension, piezoid once a particle, as the paper has
-  it. HiGHS gets the linear program with sparse matrices.
+- **Swarm.** 50 particles, {iterations} iterations, the same rows and box. pyswarms knows constant weights only, here
+  c1 = c2 = {weights[c1]} and w = {weights[w]}, and its velocity is not clamped; those of piezoid change with the iteration,
+  equations (5) to (7), and its velocity is at most a fifth of the box. pyswarms draws r1 and r2 for every dimension,
+  piezoid once a particle, as the paper has it. So errors compare two searches, times as many evaluations of the same
+  cost. That cost is written for numpy in three ways: a loop over particles; all particles in one product, in arrays made
+  anew in each iteration; the same in one array that is kept. Only its search is timed, where the time of piezoid includes
+  building the rows. HiGHS gets the linear program with sparse matrices.
 - **Plays** in numpy: all plays of a sample at once; and all samples between two turning points of the input at once,
   where a play is a maximum, which is the best we know for inputs that turn seldom. Numba and other compilers are not
   compared.
@@ -114,13 +116,14 @@ def main() -> None:
     load = f", load {os.getloadavg()[0]:.1f} at the end" if hasattr(os, "getloadavg") else ""
     packages = ["numpy", "scipy", "pyswarms", "sysidentpy"]
     text = TEXT.format(
-        machine=f"{os.cpu_count()} cores, {platform.machine()}, {platform.system()}{load}",
+        machine=f"{own.processor()}, {os.cpu_count()} cores, {platform.machine()}, {platform.system()}{load}",
         versions=", ".join([f"Python {platform.python_version()}", *[f"{name} {version(name)}" for name in packages]]),
         table=table.markdown(table.HEADS, [row.cells() for row in page.rows], 3),
         facts="\n".join(f"- {fact}" for fact in page.facts),
         unseen="\n\n".join(table.markdown(heads, rows, 1) for heads, *rows in page.unseen),
         behind=table.behind(page.rows),
         iterations=rivals.ITERATIONS,
+        weights=rivals.WEIGHTS,
         settings=len(fits.SETTINGS),
     )
     print(text)

@@ -15,6 +15,7 @@ use piezoid::linear::{AbsoluteError, Arx, Orders, Regression, estimator, fit};
 use piezoid::optimize::swarm::{Cost, Settings};
 use piezoid::plant::{Plant, find};
 use piezoid::progress::unwatched;
+use piezoid::study;
 use piezoid::{Error, Record, System};
 use serde_json::{Map, Value};
 use std::hint::black_box;
@@ -283,6 +284,22 @@ fn models() -> Result<Vec<Named>, Error> {
     ])
 }
 
+/// The study as `piezoid study` runs it, on both twins, with figures and page: 5 s on two cores were asked for.
+fn study(c: &mut Criterion) {
+    let mut group = c.benchmark_group("study");
+    group.sample_size(10);
+    let whole = |names: &[&str]| -> Result<usize, Error> {
+        let studies =
+            names.iter().map(|name| study::run(find(name)?, 1, &mut unwatched)).collect::<Result<Vec<_>, _>>()?;
+        let drawn: usize = studies.iter().flat_map(study::figures).map(|(_, figure)| figure.svg().len()).sum();
+        Ok(drawn + study::page(&studies).html().len())
+    };
+    for names in [&["paper"][..], &["pl140"], &["paper", "pl140"]] {
+        group.bench_function(names.join(" and "), |b| b.iter(|| whole(black_box(names))));
+    }
+    group.finish();
+}
+
 /// A system without a run of its own.
 #[derive(Debug)]
 struct Stepped(Model);
@@ -305,5 +322,5 @@ fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation, bases, inverses, feed_forward, predictive);
+criterion_group!(benches, cost, estimators, simulation, bases, inverses, feed_forward, predictive, study);
 criterion_main!(benches);

@@ -133,17 +133,20 @@ def swarms(page: Page) -> None:
         lambda: ours("least-absolute"), lambda: rivals.least_absolute(y, rows), repeats=1 if page.quick else 3
     )
     least = min(took.result for took in exact)
-    ours("swarm"), rivals.swarm(y, psi, 0, 2)  # warm-up
-    pairs = [
-        in_turn(partial(ours, "swarm", seed), partial(rivals.swarm, y, psi, seed, iterations), repeats=1)
-        for seed in seeds
-    ]
-    runs = [Took([took.result for took in side], [took.seconds for took in side]) for side in zip(*pairs)]
+    for cost in rivals.COSTS:
+        ours("swarm"), rivals.swarm(y, psi, 0, 2, cost)  # warm-up
+
+    def theirs(seed: int) -> list[Callable[[], float]]:
+        return [partial(rivals.swarm, y, psi, seed, iterations, cost) for cost in rivals.COSTS]
+
+    rounds = [in_turn(partial(ours, "swarm", seed), *theirs(seed), repeats=1) for seed in seeds]
+    mine, *others = [Took([took.result for took in side], [took.seconds for took in side]) for side in zip(*rounds)]
     measure = "sum above the least [um]"
-    for name, of in [("median", statistics.median), ("worst", max)]:
-        errors = of(runs[0].result) - least, of(runs[1].result) - least
-        title = f"swarm, least absolute error, {name} of {len(seeds)} seeds"
-        page.add(title, "pyswarms 1.3", measure, errors, *runs)
+    for cost, other in zip(rivals.COSTS, others):
+        for name, of in [("median", statistics.median), ("worst", max)]:
+            errors = of(mine.result) - least, of(other.result) - least
+            title = f"swarm, least absolute error, {name} of {len(seeds)} seeds"
+            page.add(title, f"pyswarms 1.3, cost in {cost}", measure, errors, mine, other)
     errors = exact[0].result - least, exact[1].result - least
     page.add("least absolute error, exact", "`linprog`, HiGHS", measure, errors, *exact)
     page.facts.append(f"The least sum of absolute errors is {least:.4f} um.")

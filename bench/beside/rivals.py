@@ -25,27 +25,46 @@ def regression(u: Array, y: Array, order: int) -> tuple[Array, Array]:
     return y[order:], np.column_stack([*past, np.ones(n - order)])
 
 
-def swarm(y: Array, psi: Array, seed: int, iterations: int = ITERATIONS) -> float:
-    """The cost that pyswarms 1.3 ends at: least absolute error of y - theta psi, `psi` of shape (5, n)."""
-    import pyswarms
+def looped(y: Array, psi: Array) -> Callable[[Array], Array]:
+    """The sum of absolute errors y - theta psi of each particle, one after the other."""
+    return lambda theta: np.array([np.abs(y - x @ psi).sum() for x in theta])
 
-    b_max = np.abs(y).max() / np.abs(psi[2:]).max()
-    high = np.array([2.0, 1.0, b_max, b_max, b_max])
-    np.random.seed(seed)
-    search = pyswarms.single.GlobalBestPSO(
-        PARTICLES, 5, options={"c1": 1.5, "c2": 1.5, "w": 0.65}, bounds=(-high, high)
-    )
+
+def plain(y: Array, psi: Array) -> Callable[[Array], Array]:
+    """The same of all particles in one product, in arrays that are made anew in each iteration."""
+    return lambda theta: np.asarray(np.abs(y - theta @ psi).sum(axis=1))
+
+
+def kept(y: Array, psi: Array) -> Callable[[Array], Array]:
+    """The same in one array that is kept, which spares a fresh process its page faults."""
     errors = np.empty((PARTICLES, len(y)))
 
     def fitness(theta: Array) -> Array:
-        # Arrays made anew each time would cost most of the time, in page faults of a fresh process.
         np.matmul(theta, psi, out=errors)
         np.subtract(y, errors, out=errors)
         np.abs(errors, out=errors)
         return np.asarray(errors.sum(axis=1))
 
-    cost, _ = search.optimize(fitness, iters=iterations, verbose=False)
-    return float(cost)
+    return fitness
+
+
+COSTS = {"a loop over particles": looped, "plain arrays": plain, "arrays that are kept": kept}
+"""Three ways to write the cost of a swarm with numpy."""
+
+WEIGHTS = {"c1": 1.5, "c2": 1.5, "w": 0.65}
+"""What pyswarms is given: its swarm knows constants only."""
+
+
+def swarm(y: Array, psi: Array, seed: int, iterations: int = ITERATIONS, cost: str = "arrays that are kept") -> float:
+    """What pyswarms 1.3 ends at: least absolute error of y - theta psi, `psi` of shape (5, n), by one of `COSTS`."""
+    import pyswarms
+
+    b_max = np.abs(y).max() / np.abs(psi[2:]).max()
+    high = np.array([2.0, 1.0, b_max, b_max, b_max])
+    np.random.seed(seed)
+    search = pyswarms.single.GlobalBestPSO(PARTICLES, 5, options=WEIGHTS, bounds=(-high, high))
+    least, _ = search.optimize(COSTS[cost](y, psi), iters=iterations, verbose=False)
+    return float(least)
 
 
 def least_absolute(y: Array, psi: Array) -> float:

@@ -2,8 +2,11 @@
 //!
 //! Needs a Rust toolchain with rustfmt and clippy; all but `docs` need Python 3 too. What is missing is said.
 
+mod skipped;
+
+use skipped::Skipped;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::{Command, ExitCode, ExitStatus};
 use std::time::Instant;
 
 /// What a verb does; the error says which step failed.
@@ -48,15 +51,26 @@ fn test() -> Result<(), String> {
             ));
         }
     }
+    let mut skipped = Skipped::default();
     step(&mut cargo(&["fmt", "--all", "--check"]))?;
     step(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
-    step(&mut cargo(&["test", "--workspace"]))?;
+    skipped.step(&mut cargo(&["test", "--workspace"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
-    python_package()
+    python_tests(&mut skipped)?;
+    eprint!("{skipped}");
+    Ok(())
 }
 
-/// Builds the package into an environment of its own, and runs its tests there. What is missing for that is said, and fails in CI.
+/// Builds the Python package into an environment of its own, and runs its tests there.
 fn python_package() -> Result<(), String> {
+    let mut skipped = Skipped::default();
+    python_tests(&mut skipped)?;
+    eprint!("{skipped}");
+    Ok(())
+}
+
+/// As [`python_package`], and `skipped` is told what is missing for that; in CI it fails.
+fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
     let home = root().join("target/python");
     let inside = || Command::new(home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" }));
     let package = root().join("crates/piezoid-py");
@@ -69,7 +83,8 @@ fn python_package() -> Result<(), String> {
     };
     match ready() {
         Err(what) if std::env::var_os("CI").is_none() => {
-            eprintln!("SKIPPED: the Python package, which needs Python 3.10 with venv, and packages from PyPI: {what}");
+            let missing = format!("no Python 3.10 with venv, or no packages from PyPI ({what})");
+            skipped.add("the Python package, all tests", &missing);
             return Ok(());
         }
         ready => ready?,
@@ -77,7 +92,7 @@ fn python_package() -> Result<(), String> {
     let build = ["-m", "maturin", "develop", "--quiet", "--extras", extras, "--manifest-path"];
     step(inside().args(build).arg(package.join("Cargo.toml")).env("VIRTUAL_ENV", &home).env_remove("CONDA_PREFIX"))?;
     let settings = package.join("pyproject.toml");
-    step(inside().args(["-m", "pytest", "--config-file"]).arg(settings).arg(package.join("tests")))
+    skipped.step(inside().args(["-m", "pytest", "-rs", "--config-file"]).arg(settings).arg(package.join("tests")))
 }
 
 fn bench() -> Result<(), String> {
@@ -105,10 +120,20 @@ fn docs() -> Result<(), String> {
 
 /// Runs a command in the workspace, its output on ours.
 fn step(command: &mut Command) -> Result<(), String> {
+    let line = announced(command);
+    let status = command.current_dir(root()).status().map_err(|e| format!("cannot start `{line}`: {e}"))?;
+    succeeded(&line, status)
+}
+
+/// Prints a command as it is about to run: what it was.
+fn announced(command: &Command) -> String {
     let line: Vec<_> = std::iter::once(command.get_program()).chain(command.get_args()).collect();
     let line = line.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ");
     eprintln!("== {line}");
-    let status = command.current_dir(root()).status().map_err(|e| format!("cannot start `{line}`: {e}"))?;
+    line
+}
+
+fn succeeded(line: &str, status: ExitStatus) -> Result<(), String> {
     if status.success() { Ok(()) } else { Err(format!("`{line}` failed ({status})")) }
 }
 

@@ -32,6 +32,15 @@ pub fn round(x: f64) -> String {
     if exponent.is_empty() { digits.into() } else { format!("{digits}e{exponent}") }
 }
 
+/// "a, b and c".
+pub(crate) fn join(items: &[impl ToString]) -> String {
+    let texts: Vec<String> = items.iter().map(ToString::to_string).collect();
+    match texts.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
+        _ => texts.concat(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,14 +55,5 @@ mod tests {
     fn round_numbers_have_no_zeros_at_their_end() {
         let shown = [120.0, -30.0, 1e-7, 0.0, f64::NAN].map(round);
         assert_eq!(shown, ["120", "-30", "1e-7", "0", "-"]);
-    }
-}
-
-/// "a, b and c".
-pub(crate) fn join(items: &[impl ToString]) -> String {
-    let texts: Vec<String> = items.iter().map(ToString::to_string).collect();
-    match texts.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
-        _ => texts.concat(),
     }
 }

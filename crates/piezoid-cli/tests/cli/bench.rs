@@ -2,7 +2,6 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -170,9 +169,4 @@ fn stock() -> BTreeMap<String, Vec<u8>> {
     }
     bench.run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv -o model.json").ok();
     bench.files().into_iter().filter(|(name, _)| !["drive.csv", "drive20.csv"].contains(&name.as_str())).collect()
-}
-
-/// Says, past the capture of test output, that something is not tested here.
-pub(crate) fn skipped(why: &str) {
-    let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
 }

@@ -23,3 +23,6 @@ mod study;
 mod usage;
 mod waveform;
 mod workflow;
+
+#[path = "../../../piezoid/tests/common/skipped.rs"]
+mod skipped;

@@ -57,7 +57,7 @@ class Study:
 
 
 def study(plant: str = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
-    """The paper's experiment on one of `pz.plants`: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines."""
+    """The paper's experiment on one of `pz.plants`: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines of 7 steps."""
     with told(progress) as watch:
         figures, svg, html, verdict = _piezoid.study(plant, whole("seed", seed), watch)
     return Study(figures, dict(svg), html, verdict)

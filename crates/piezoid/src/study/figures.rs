@@ -245,11 +245,11 @@ fn steps() -> Axis {
 
 /// A curve of each form: solid of stepped sines, dashed of staircases.
 fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl Fn(&TestSignal) -> f64) -> Axes {
-    let kinds: [fn(&[f64], &[f64]) -> Series; 2] = [Series::line, Series::dashed];
-    FORMS.iter().zip(kinds).zip(names).fold(axes, |axes, ((form, kind), name)| {
+    FORMS.iter().zip(names).enumerate().fold(axes, |axes, (k, (form, name))| {
         let signals = study.test_signals.iter().filter(|s| s.form == form.name);
         let (steps, values): (Vec<f64>, Vec<f64>) = signals.map(|s| (f64::from(s.steps), value(s))).unzip();
-        axes.with(kind(&steps, &values).role(role).named(name))
+        let series = if k == 0 { Series::line(&steps, &values) } else { Series::dashed(&steps, &values) };
+        axes.with(series.role(role).named(name))
     })
 }
 

@@ -69,7 +69,7 @@ fn against_table_1(study: &Study) -> String {
     let listed = |values: [f64; 4]| join(&values.map(mse));
     let (printed, hz) = (PRINTED_MSE.map(|(_, mse)| mse), PRINTED_MSE.map(|(hz, _)| hz.to_string()));
     let growth = |[first, .., last]: [f64; 4]| last / first;
-    let (least, most) = ends(over("table2-arx").into_iter());
+    let (least, most) = ends(over("table2-arx"));
     let by_its_own = nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
         let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
         format!("; the test signal by which that block comes nearest, a {signal}, misses by up to {off:.0} %")
