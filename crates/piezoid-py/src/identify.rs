@@ -8,7 +8,7 @@ use crate::watch::watched;
 use piezoid::driver::Driver;
 use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
-use piezoid::optimize::swarm;
+use piezoid::optimize::swarm::{self, GlobalBest};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -85,12 +85,18 @@ fn way(method: &str, settings: &Bound<'_, PyDict>) -> PyResult<Way> {
                     particles: given(settings, "particles")?.unwrap_or(usual.swarm.particles),
                     iterations: given(settings, "iterations")?.unwrap_or(usual.swarm.iterations),
                     seed: given(settings, "seed")?.unwrap_or(usual.swarm.seed),
+                    global_best: global_best(given(settings, "global_best")?)?,
                     ..usual.swarm
                 },
             }))
         }
         other => Err(refused(&format!("method = {other}: must be joint or paper"))),
     }
+}
+
+/// The swarm's g_best by its name.
+pub(crate) fn global_best(name: Option<String>) -> PyResult<GlobalBest> {
+    name.map_or(Ok(GlobalBest::default()), |name| GlobalBest::find(&name).map_err(raised))
 }
 
 /// One of a few by its name, if it is given.

@@ -1,6 +1,7 @@
 //! The linear block alone: difference equations, their fits, and the swarm.
 
 use crate::error::raised;
+use crate::identify::global_best;
 use crate::json::object;
 use crate::model::finite;
 use crate::record::Record;
@@ -105,7 +106,7 @@ pub(crate) fn fit(
     records: Vec<Py<Record>>,
     orders: (usize, usize, usize),
     by: &str,
-    swarm: (Option<usize>, Option<usize>, u64),
+    swarm: (Option<usize>, Option<usize>, u64, Option<String>),
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Arx, Py<PyAny>)> {
     let mut own = Vec::with_capacity(records.len());
@@ -124,6 +125,7 @@ pub(crate) fn fit(
         particles: swarm.0.unwrap_or(usual.particles),
         iterations: swarm.1.unwrap_or(usual.iterations),
         seed: swarm.2,
+        global_best: global_best(swarm.3)?,
         ..usual
     };
     let estimator = estimator(by).map_err(raised)?;

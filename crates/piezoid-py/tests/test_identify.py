@@ -48,6 +48,14 @@ def test_the_papers_way_gives_branches(small: pz.Record) -> None:
     sine = pz.plants["pl140"].measure(u, 5e-4)
     found = pz.identify(linear=small, rich=sine, method="paper", particles=20, iterations=60)
     assert found.operator == "two-branch" and len(found.a) == 2
+    # Equation (4) as printed is another search, and ends elsewhere when it is cut short.
+    printed = pz.identify(linear=small, rich=sine, method="paper", particles=20, iterations=60, global_best="current")
+    assert printed.a.tolist() != found.a.tolist() and printed.a == pytest.approx(found.a, rel=0.5)
+
+
+def test_of_several_operators_the_better_is_taken(small: pz.Record, rich: pz.Record) -> None:
+    found = pz.identify(linear=small, rich=rich, operator="proportional, prandtl-ishlinskii")
+    assert found.operator == "prandtl-ishlinskii"
 
 
 @pytest.mark.parametrize(
@@ -61,6 +69,7 @@ def test_the_papers_way_gives_branches(small: pz.Record) -> None:
         ({"method": "paper", "elements": 10}, "elements belongs to the method joint"),
         ({"driver": "bd300"}, "capacitance"),
         ({"method": "paper", "split": "half"}, "line or direction"),
+        ({"method": "paper", "global_best": "last"}, "known are ever, current"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(rich: pz.Record, settings: dict[str, object], told: str) -> None:

@@ -8,7 +8,7 @@ use page::row;
 use piezoid::number::short;
 use piezoid::plant::find;
 use piezoid::progress::unwatched;
-use piezoid::study::{self, METHODS, PRINTED_MSE, Study, nearest};
+use piezoid::study::{self, METHODS, PRINTED_MSE, Study, UPPER_RULE, nearest};
 
 /// Figures of the study that docs/ keep: their names there, and here.
 const KEPT: [(&str, &str); 3] =
@@ -27,12 +27,12 @@ fn table_1(study: &Study) -> String {
     text
 }
 
-/// For the rule as printed and for the block of Table 2, the nearest test signals of each form.
+/// For both readings of the rule and for the block of Table 2, the nearest test signals of each form.
 fn signals(study: &Study) -> String {
     let heads = ["method", "test signal"].map(String::from).into_iter();
     let heads = heads.chain(PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);
     let mut text = row(&heads.collect::<Vec<_>>()) + "|---|---|" + &"--:|".repeat(PRINTED_MSE.len() + 1) + "\n";
-    for method in ["printed-rule", "table2-arx"] {
+    for method in ["printed-rule", UPPER_RULE, "table2-arx"] {
         for form in study::FORMS {
             let some: Vec<_> = study.test_signals.iter().filter(|s| s.form == form.name).cloned().collect();
             let Some(signal) = nearest(&some, method) else { continue };

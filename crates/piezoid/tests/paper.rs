@@ -11,7 +11,7 @@ use piezoid::linear::{self, Orders};
 use piezoid::optimize::swarm::{self, GlobalBest};
 use piezoid::plant::{Plant, find};
 use piezoid::progress::{Stage, unwatched};
-use piezoid::study::{self, FREQUENCIES, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, nearest};
+use piezoid::study::{self, FREQUENCIES, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, UPPER_RULE, nearest};
 use piezoid::{Error, Record};
 use serde_json::Value;
 use std::ops::ControlFlow;
@@ -66,6 +66,21 @@ fn the_test_signal_of_the_study_is_the_nearest_to_table_1_of_all_that_are_tried(
     let twenty = PAPER.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == 20).expect("20 steps");
     let [slow, .., fast] = twenty.of("printed-rule");
     assert!(fast < 0.5 * slow, "{slow} mm^2 at 5 Hz, {fast} at 80 Hz");
+}
+
+#[test]
+fn with_the_branch_that_lies_above_read_as_upper_the_error_grows_for_most_test_signals() {
+    let grows = |method: &str| {
+        let growing = PAPER.test_signals.iter().filter(|s| s.of(method)[3] > 1.5 * s.of(method)[0]);
+        growing.count()
+    };
+    assert!(grows(UPPER_RULE) > 60 && grows("printed-rule") < 15, "{} {}", grows(UPPER_RULE), grows("printed-rule"));
+    let within = |method: &str| PAPER.test_signals.iter().filter(|s| s.deviation(method) <= 0.2).count();
+    assert!(within(UPPER_RULE) > 5 && within("printed-rule") == 1, "{} {}", within(UPPER_RULE), within("printed-rule"));
+    // Neither reading is nearer than the one of the study with its own test signal.
+    let upper = nearest(&PAPER.test_signals, UPPER_RULE).expect("a test signal");
+    let used = nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
+    assert!(used.deviation("printed-rule") < upper.deviation(UPPER_RULE));
 }
 
 #[test]
@@ -196,7 +211,7 @@ fn the_document_has_the_tables_that_scripts_rely_on() {
         assert_eq!((row["a"].as_array().map(Vec::len), row["b"].as_array().map(Vec::len)), (Some(2), Some(3)));
     }
     let signals = document["studies"][0]["test_signals"].as_array().expect("a list").clone();
-    assert_eq!(signals.len(), 2 * 37 * 3);
+    assert_eq!(signals.len(), 2 * 37 * 4);
     for row in signals {
         assert!(row["form"].is_string() && row["method"].is_string() && row["steps"].is_u64(), "{row}");
         assert!(row["mse"].as_array().is_some_and(|mse| mse.len() == 4) && row["deviation_percent"].is_f64(), "{row}");

@@ -12,7 +12,7 @@ use piezoid::Record;
 use piezoid::driver::Driver;
 use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
 use piezoid::hysteresis::{Reading, Split};
-use piezoid::optimize::swarm;
+use piezoid::optimize::swarm::{self, GlobalBest};
 use piezoid::validation::{Linearity, Settings, small_signal, validate};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -51,8 +51,8 @@ pub(crate) struct Identify {
     /// The way to identify.
     #[arg(long, value_name = "WAY", value_enum, default_value_t = Method::Joint)]
     method: Method,
-    /// The hysteresis operator, by name (see `piezoid operators`). Of several, separated by commas, and of all (auto) the
-    /// simplest is taken that foretells held-out parts as well as the best; the paper's way takes its branches.
+    /// The hysteresis operator, by name (see `piezoid operators`), or several, separated by commas; auto tries all. The
+    /// simplest is taken that foretells held-out parts as well as the best. The paper's way takes its branches.
     #[arg(long, value_name = "NAME", default_value = "auto")]
     operator: String,
     /// Order of the linear block [default: chosen; 2 the paper's way].
@@ -118,6 +118,9 @@ struct OfPaper {
     /// Iterations of the swarm [default: 500].
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     iterations: Option<usize>,
+    /// The position that draws all particles, g_best of equation (2) [default: ever].
+    #[arg(long, value_name = "WHICH", value_enum)]
+    global_best: Option<Best>,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -142,6 +145,14 @@ enum Read {
     Held,
     /// The descending one: the paper's rule to the letter.
     Printed,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Best {
+    /// The best that any particle has ever had.
+    Ever,
+    /// The best of the current positions: equation (4) as printed.
+    Current,
 }
 
 impl Identify {
@@ -219,6 +230,7 @@ impl Identify {
                         ("--reading", paper.reading.is_some()),
                         ("--particles", paper.particles.is_some()),
                         ("--iterations", paper.iterations.is_some()),
+                        ("--global-best", paper.global_best.is_some()),
                     ],
                 )?;
                 Ok(Way::Joint(Joint {
@@ -262,6 +274,10 @@ impl Identify {
                     swarm: swarm::Settings {
                         particles: paper.particles.unwrap_or(usual.swarm.particles),
                         iterations: paper.iterations.unwrap_or(usual.swarm.iterations),
+                        global_best: match paper.global_best {
+                            Some(Best::Current) => GlobalBest::Current,
+                            _ => GlobalBest::Ever,
+                        },
                         seed: self.seed,
                         ..usual.swarm
                     },

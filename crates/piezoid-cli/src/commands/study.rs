@@ -115,10 +115,11 @@ fn summary(study: &Outcome, console: &Console) -> String {
         vec![b.name.into(), part(&|p| p.hz), part(&|p| p.damping), zeros.join("  "), inverse.into()]
     };
     let rows: Vec<_> = study.blocks.iter().map(dynamics).collect();
-    let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse (8)"];
+    let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse, (8)"];
     text += &format!("\nWhat it means\n{}", table(&header, &rows, console.room()));
     text += "\n";
-    text += &console.paragraph(&study::verdict(study), "");
+    let paragraphs: Vec<String> = study::verdict(study).split("\n\n").map(|p| console.paragraph(p, "")).collect();
+    text += &paragraphs.join("\n");
     for note in &study.notes {
         text += "\n";
         text += &console.paragraph(&format!("* {note}"), "  ");

@@ -74,6 +74,7 @@ fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
     let bench = stocked();
     for (line, says) in [
         ("identify --data sine5.csv --bins 9 -o m.json", "--bins belongs to --method paper"),
+        ("identify --data sine5.csv --global-best current -o m.json", "--global-best belongs to --method paper"),
         ("identify --data sine5.csv --method paper --no-creep -o m.json", "--no-creep belongs to --method joint"),
         ("identify --data sine5.csv --driver bd300 -o m.json", "--capacitance"),
         ("identify --data sine5.csv --driver bd30 -o m.json", "did you mean `bd300`?"),

@@ -157,7 +157,7 @@ def fit(
     records: list[Record],
     orders: tuple[int, int, int],
     by: str,
-    swarm: tuple[int | None, int | None, int],
+    swarm: tuple[int | None, int | None, int, str | None],
     progress: Told | None,
 ) -> tuple[Arx, dict[str, Any]]: ...
 def lists() -> dict[str, list[dict[str, Any]]]: ...

@@ -40,6 +40,7 @@ def identify(
     reading: Literal["held", "printed"] | None = None,
     particles: int | None = None,
     iterations: int | None = None,
+    global_best: Literal["ever", "current"] | None = None,
     progress: Progress = None,
 ) -> Model:
     """A model of the actuator that the records show; `model.notes` says what its user should know.
@@ -56,7 +57,7 @@ def identify(
     The joint way alone: `elements` (thresholds, levels or knots of the operator), `creep`, and the driver that the records were
     taken with, where its limits matter: `driver` by name, `capacitance` of the load [F], `driver_lag` [s].
     The paper's way alone: `estimator` of the linear block, how a loop is `split`, averages a branch (`bins`), `reading` of held
-    inputs, `particles` and `iterations` of the swarm.
+    inputs, `particles` and `iterations` of the swarm, and its `global_best` (the best position ever, or of the current ones).
 
     progress: True shows a bar (tqdm), a bar of yours is moved; a function is called with what is being done, how far, and of how
         much. What it raises ends the work, as Ctrl-C does.
@@ -75,7 +76,7 @@ def identify(
     only: dict[str, dict[str, Any]] = {
         "joint": {"elements": elements, "driver": driver, "capacitance": capacitance, "driver_lag": driver_lag},
         "paper": {"estimator": estimator, "split": split, "bins": bins, "reading": reading, "particles": particles,
-                  "iterations": iterations},
+                  "iterations": iterations, "global_best": global_best},
     }  # fmt: skip
     for way, settings in only.items():
         for name, value in settings.items():

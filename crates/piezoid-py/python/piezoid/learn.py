@@ -86,6 +86,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         reading: Literal["held", "printed"] | None = None,
         particles: int | None = None,
         iterations: int | None = None,
+        global_best: Literal["ever", "current"] | None = None,
     ) -> None:
         self.ts = ts
         self.units = units
@@ -105,6 +106,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.reading = reading
         self.particles = particles
         self.iterations = iterations
+        self.global_best = global_best
 
     def fit(self, X: npt.ArrayLike, y: npt.ArrayLike) -> HammersteinRegressor:
         """Identifies `model_` on the records in X and y."""

@@ -40,13 +40,14 @@ def fit(
     estimator: str = "least-squares",
     particles: int | None = None,
     iterations: int | None = None,
+    global_best: Literal["ever", "current"] | None = None,
     seed: int = 1,
     progress: Progress = None,
 ) -> Fit:
     """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to what `read` makes records of.
 
     order: of the block, or (number of a, number of b, samples of delay)
-    estimator: one of `pz.estimators`; `particles`, `iterations` and `seed` are of the swarm
+    estimator: one of `pz.estimators`; `particles`, `iterations`, `seed` and `global_best` are of the swarm
 
     >>> import piezoid as pz
     >>> u = pz.excite.prbs(ts=5e-4, duration=2, amplitude=1)
@@ -62,6 +63,6 @@ def fit(
     swarm = wholes(particles=particles, iterations=iterations)
     with told(progress) as watch:
         arx, found = _piezoid.fit(
-            [r._core for r in given], orders, estimator, (swarm["particles"], swarm["iterations"], whole("seed", seed)), watch
+            [r._core for r in given], orders, estimator, (swarm["particles"], swarm["iterations"], whole("seed", seed), global_best), watch
         )
     return Fit(arx, **found)

@@ -171,6 +171,11 @@ impl Branches {
         Ok(Branches { ascending, descending })
     }
 
+    /// The same with the ascending and the descending branch exchanged.
+    pub(crate) fn exchanged(&self) -> Self {
+        Branches { ascending: self.descending.clone(), descending: self.ascending.clone() }
+    }
+
     /// z on the ascending branch.
     pub fn ascending(&self, u: f64) -> f64 {
         self.ascending.at(u)

@@ -12,11 +12,11 @@
 //! (doi:10.1109/ICEC.1998.699146); acceleration: Ratnaweera et al. 2004 (doi:10.1109/TEVC.2004.826071).
 //!
 //! r1 and r2 are one number each a particle and iteration, as (2) is written. (Drawn for every dimension, as is common
-//! too, they end on the kinks of a sum of absolute errors more often.) The paper leaves g_best open: the custom is the best
-//! position any particle has ever had, its equation (4) as printed is the best of the current positions. [`GlobalBest`] has
-//! both. Where the paper is silent: a velocity is limited to a share of the box; a particle that reaches a wall stays on it
-//! and loses the velocity that took it there; a cost that is not a number counts as the worst there is. Each particle
-//! draws from a random stream of its own, so threads change nothing.
+//! too, they end on the kinks of a sum of absolute errors more often.) Equation (4) prints g_best as the best of the current
+//! positions; the custom is the best position that any particle has ever had. [`GlobalBest`] has both. Where the paper is
+//! silent: the largest velocity is a share of the box; a particle that reaches a wall stays on it and loses the velocity that
+//! took it there; a cost that is not a number counts as the worst there is. Each particle draws from a random stream of its
+//! own, so threads change nothing.
 
 use super::{Bounds, Minimum, Reason};
 use crate::error::Error;
@@ -55,6 +55,18 @@ pub enum GlobalBest {
     Ever,
     /// The best of the positions of this iteration: the paper's equation (4) as printed.
     Current,
+}
+
+impl GlobalBest {
+    /// `ever` or `current`.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<Self, Error> {
+        let known = [("ever", GlobalBest::Ever), ("current", GlobalBest::Current)];
+        let found = known.iter().find(|(known, _)| *known == name).map(|(_, which)| *which);
+        found.ok_or_else(|| Error::unknown("global_best", name, known.map(|(known, _)| known)))
+    }
 }
 
 /// How the swarm searches. The defaults are the paper's where it states them, else what is customary.
@@ -170,7 +182,7 @@ impl Swarm {
     /// Places the particles and their velocities at random in the box and evaluates them (steps 1 to 5).
     ///
     /// # Errors
-    /// Refuses a swarm without particles or iterations, weights or velocity limits that are not positive and finite.
+    /// Refuses a swarm without particles or iterations, inertia outside 0 to 1, and a largest velocity that is not positive.
     pub fn new(cost: &impl Cost, bounds: Bounds, settings: Settings) -> Result<Self, Error> {
         check(&settings)?;
         let (s, d) = (settings.particles, bounds.dimension());

@@ -25,7 +25,7 @@ const SHEET_BOUC_WEN: &str = "PI datasheet PL112-PL140, 31.07.2020; Low & Guo 19
 pub static PLANTS: &[Preset] = &[
     Preset {
         name: "paper",
-        summary: "PL140 as in the paper: one mode at 146.7 Hz, Bouc-Wen 13 %, ideal driver and sensor",
+        summary: "PL140 after the paper: one mode at the poles of its Table 2 (146.7 Hz), Bouc-Wen 13 %, no noise",
         reference: "L. Kuklisova Pavelkova, ICINCO 2025, Table 2 (poles); Low & Guo 1995, DOI 10.1109/84.475550",
         spec: paper,
     },

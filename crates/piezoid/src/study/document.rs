@@ -88,6 +88,7 @@ fn joint(study: &Study) -> Value {
             "parameters": t.parameters,
             "held_out_percent": t.held_out_percent,
             "as_good": t.as_good,
+            "verdict": t.verdict,
             "shape": t.shape.iter().map(|&(name, value)| (name.to_string(), value.into())).collect::<Map<_, _>>(),
             "refused": t.refused,
         })

@@ -1,7 +1,7 @@
 //! The figures of the study: the paper's Figs 2 to 5, and those that show why its errors come about.
 
 use super::words;
-use super::{FORMS, Frequency, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, TestSignal, nearest};
+use super::{FORMS, Frequency, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, TestSignal, UPPER_RULE, nearest};
 use crate::hysteresis::Branches;
 use crate::linear::Arx;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
@@ -98,8 +98,8 @@ pub(super) fn response(study: &Study) -> Figure {
     let phase = |arx: &Arx| curve(arx, &|r| r.phase.to_degrees());
     let axis = || Axis::log("f [Hz]").ticks(&[2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 900.0]).tight();
     let caption = format!(
-        "Gain over static gain, and phase. At 80 Hz the block of the paper's Table 2 leads by {:.0}°, the block estimated here is at \
-         {:.0}°. A lead that no beam has is put back by the inverse as a lag, which is a loop where there is none.",
+        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, of the block estimated here {:.0}°. The \
+         inverse of a block that leads more delays z by the difference, which widens the loop.",
         printed.response(80.0).phase.to_degrees(),
         own.response(80.0).phase.to_degrees()
     );
@@ -176,16 +176,15 @@ pub(super) fn test(f: &Frequency) -> Figure {
 /// Width of the loops by the estimated block and by that of Table 2.
 pub(super) fn width(study: &Study) -> Figure {
     let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
-    let widths = |found: &dyn Fn(&Frequency) -> f64| {
-        study.frequencies.iter().map(|f| 100.0 * found(f).abs()).collect::<Vec<_>>()
-    };
+    let widths =
+        |found: &dyn Fn(&Frequency) -> f64| study.frequencies.iter().map(|f| 100.0 * found(f)).collect::<Vec<_>>();
     let own = widths(&|f| f.own.found.branches.width());
     let printed = widths(&|f| f.by_table_2.found.branches.width());
     let joint = widths(&|f| f.joint.found.branches.width());
     let caption = format!(
         "The same records, seen through two linear blocks. By the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
-         at {} Hz; by that of the paper's Table 2 it seems to go from {:.0} % to {:.0} %. The joint model sees no record through an \
-         inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz, and changes with the amplitude of the sine.",
+         at {} Hz; by that of the paper's Table 2 it goes from {:.0} % to {:.0} %. Below zero a loop is inverted. The joint model \
+         sees no record through an inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
         own[0],
         hz[0],
         own[own.len() - 1],
@@ -219,7 +218,8 @@ pub(super) fn error(study: &Study) -> Figure {
         axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
-    axes = axes.with(Series::marked(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
+    // Dashed, for the line beneath to be seen where they are alike.
+    axes = axes.with(Series::dashed(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
     let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
     let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
     let caption = format!(
@@ -229,8 +229,9 @@ pub(super) fn error(study: &Study) -> Figure {
 }
 
 /// Methods shown over the test signal: name, words for stepped sines and for staircases, role.
-const SHOWN: [(&str, [&str; 2], Role); 3] = [
-    ("printed-rule", ["rule as printed", "of staircases"], Role::Descending),
+const SHOWN: [(&str, [&str; 2], Role); 4] = [
+    ("printed-rule", ["rule as printed", "staircase"], Role::Descending),
+    (UPPER_RULE, ["upper branch", ""], Role::Ascending),
     ("held-direction", ["direction held", ""], Role::Model),
     ("table2-arx", ["Table 2's block", ""], Role::Residual),
 ];
@@ -255,14 +256,14 @@ fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl 
 
 /// Table 1 over the form and the number of steps of the test signal.
 pub(super) fn test_signal(study: &Study) -> Figure {
-    let title = "Table 1 over the test signal";
+    let title = "The paper's Table 1 over the test signal";
     over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
 }
 
 /// The same as a figure a frequency.
 pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
     over_steps(study).into_iter().zip(PRINTED_MSE).map(|(axes, (hz, printed))| {
-        Figure::new(format!("Test signals of {hz} Hz"), format!("Table 1 has {printed} mm².")).panel(axes)
+        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm².")).panel(axes)
     })
 }
 
@@ -270,7 +271,7 @@ pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
 fn over_steps(study: &Study) -> Vec<Axes> {
     let panel = |(k, (hz, printed)): (usize, &(f64, f64))| {
         let y = Axis::log("MSE [mm²]").from(FLOOR);
-        let axes = Axes::new(steps(), y).titled(format!("{hz} Hz")).at_y(*printed, "Table 1");
+        let axes = Axes::new(steps(), y).titled(format!("{hz} Hz")).at_y(*printed, "paper");
         SHOWN.iter().fold(axes, |axes, (method, names, role)| {
             let names = if k == 0 { *names } else { [""; 2] };
             by_form(study, axes, *role, names, |signal| signal.of(method)[k].max(FLOOR))
@@ -279,22 +280,24 @@ fn over_steps(study: &Study) -> Vec<Axes> {
     PRINTED_MSE.iter().enumerate().map(panel).collect()
 }
 
-/// How near each test signal comes to Table 1.
+/// How near each test signal comes to the paper's Table 1.
 pub(super) fn deviation(study: &Study) -> Figure {
     let found = |method: &str| {
         let found = nearest(&study.test_signals, method);
         found.map_or(String::new(), |s| format!("{} ({:.0} %)", s.words(), 100.0 * s.deviation(method)))
     };
     let caption = format!(
-        "The largest of the four deviations from Table 1, of the paper's value. Solid: sines in equal times, against steps a period; \
-         dashed: staircases, against levels. Nearest by the rule as printed is a {}; by the same rule with the block of Table 2 a {}.",
+        "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of equal length, against \
+         steps a period; dashed: staircases, against levels. Nearest by the rule as printed is a {}; with its upper branch as the one that \
+         lies above a {}; with the linear block of the paper's Table 2 a {}.",
         found("printed-rule"),
+        found(UPPER_RULE),
         found("table2-arx")
     );
-    let axes = Axes::new(steps(), Axis::log("largest deviation from Table 1 [%]"));
+    let axes = Axes::new(steps(), Axis::log("largest deviation from the paper's Table 1 [%]"));
     let shown = SHOWN.iter().filter(|(method, ..)| *method != "held-direction");
     let axes = shown.fold(axes, |axes, (method, names, role)| {
         by_form(study, axes, *role, *names, |signal| 100.0 * signal.deviation(method))
     });
-    Figure::new("How near each test signal comes to Table 1", caption).panel(axes)
+    Figure::new("How near each test signal comes to the paper's Table 1", caption).panel(axes)
 }

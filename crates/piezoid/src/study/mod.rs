@@ -2,7 +2,7 @@
 //! Table 1 depends on the test signal, of which the paper states no more than that it is periodic and step-wise.
 //!
 //! The paper's methods make a model of each frequency, from the PRBS and a sine of that frequency and amplitude. The joint
-//! one makes a single model of all, from the same PRBS and four rising sines; most frequencies of the test it has never
+//! one makes a single model of all, from the same PRBS and four rising sines; half of the frequencies of the test it has never
 //! seen. What differs is told by each row of [`METHODS`]; what is the paper's and what is ours is in its summary. The plant
 //! is asked only for what an experimenter could measure, and no model sees a test record. The joint model is given lag and
 //! current limit of the plant's driver, which its experimenter knows.
@@ -17,7 +17,7 @@ mod words;
 pub use document::to_json;
 pub use figures::figures;
 pub use page::page;
-pub use test_signal::{FORMS, Form, STEPS, TestSignal, nearest};
+pub use test_signal::{FORMS, Form, STEPS, TestSignal, UPPER_RULE, nearest};
 pub use words::{four_decimals, verdict};
 
 use crate::driver::Driver;
@@ -53,7 +53,7 @@ const AMPLITUDE: f64 = 30.0;
 /// Amplitude of the PRBS [V], at which the hysteresis opens by less than 1 %.
 const SMALL: f64 = 1.0;
 
-/// Steps a period of the test signal: of all that are tried on the paper's plant the nearest to its Table 1 ([`nearest`]).
+/// Steps a period of the test signal: of all that are tried on twin `paper` the nearest to the paper's Table 1 ([`nearest`]).
 pub const STEPS_USED: u32 = 7;
 
 /// Length of a sine, plain or stepped, and the part at its start that is left to settle [s].
@@ -71,7 +71,7 @@ pub const RISING: [f64; 4] = [5.0, 20.0, 80.0, 160.0];
 const RISING_DURATION: f64 = 1.0;
 
 /// Operators of the joint model, of which the better is taken: the usual law of the literature, and what measured ceramics are
-/// most alike. All sixteen (`auto`) would take ten times as long.
+/// most alike. Fits of all sixteen (`auto`) would take ten times as long.
 const OPERATORS: &str = "bouc-wen, preisach";
 
 /// Levels of the Preisach operator.
@@ -109,7 +109,7 @@ enum Seen {
 pub static METHODS: &[Method] = &[
     Method {
         name: "printed-rule",
-        summary: "the paper's two branches, read by its rule to the letter",
+        summary: "the paper's two branches by its rule: ascending while u rises, otherwise descending",
         way: Way::Branches(Seen::ByOwn, Reading::Printed),
     },
     Method {

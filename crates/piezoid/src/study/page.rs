@@ -27,9 +27,9 @@ fn introduction() -> Section {
         )
         .text(format!(
             "The test signal of the paper is periodic and step-wise; no more is known of it. Here it is a sine in {STEPS_USED} steps a \
-             period, each held equally long, the highest at the amplitude of the sine that the branches come from. On the paper's plant \
-             this comes nearest to its Table 1, of all numbers of steps and levels that are tried. While a step is held, the rule as \
-             printed reads the descending branch; with the direction held, the model stays on the branch it was on.",
+             period, each held as equally long as whole samples allow, the highest at the amplitude of the sine that the branches come from. On \
+             twin “paper” this comes nearest to the paper's Table 1, of all numbers of steps and levels that are tried. While a step is \
+             held, the rule as printed reads the descending branch; with the direction held, the model stays on the branch it was on.",
         ))
 }
 
@@ -64,10 +64,10 @@ fn linear_block(study: &Study) -> Section {
     }
     section = section.text(
         "Equation (1) has no constant, and a sensor has: one a record is found by least squares and taken off before the swarm starts. \
-         Nor does the paper state the box that the swarm starts in, its size, its inertia or its largest velocity. Here a1 and a2 are \
-         sought within the bounds of a stable block, 2 and 1, each b within the largest output over the largest input; 50 particles, \
-         inertia from 0.9 to 0.4, and a fifth of the box a step are customary. As the swarm ends at the optimum, they change nothing \
-         else.",
+         Nor does the paper state the box that the swarm starts in, the number of particles, their inertia or their largest velocity. Here \
+         a1 and a2 are sought within the bounds of a stable block, 2 and 1, each b within the largest output over the largest input; 50 \
+         particles, inertia from 0.9 to 0.4, and a fifth of the box per iteration are customary. How near the swarm comes to the least \
+         cost there is, the next figure says.",
     );
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
 }
@@ -158,10 +158,9 @@ fn joint(study: &Study) -> Section {
         None => "",
     };
     let words = format!(
-        "The same PRBS and rising sines of {} Hz, a second each, identify hysteresis, creep and dynamics together: operators that \
-         remember where the voltage has turned are driven by it, filtered through the linear block, and weighted so that their sum \
-         is the measured displacement. Nothing is inverted, so the zeros of the block do not matter; one model serves every \
-         frequency and amplitude.{driver}",
+        "The same PRBS and rising sines of {} Hz, a second each, identify hysteresis, creep and dynamics together, by the error of the \
+         free run: an operator that remembers where the voltage has turned, behind it the linear block. Nothing is inverted, so the \
+         zeros of the block do not matter; one model serves every frequency and amplitude.{driver}",
         rising.join(", ")
     );
     let section =
@@ -176,7 +175,7 @@ fn joint(study: &Study) -> Section {
 
 fn tests(study: &Study) -> Section {
     let caption = "Two periods of the test signal in free run, and the error of each reading. With the rule as printed every held \
-                   step falls to the descending branch, so the error comes and goes with the steps.";
+                   step falls to the descending branch.";
     let section = Section::new(format!("Twin “{}”: the tests", study.plant.name));
     let section = words::paragraphs(study).into_iter().fold(section, Section::text);
     section
@@ -207,12 +206,12 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&Row) 
         cells
     };
     let table = study.frequencies.iter().fold(table, |table, f| table.row(row(f)));
-    table.note("u: amplitude of sine and test signal; lowered where the tip would leave the sensor's range.")
+    table.note("u: amplitude of sine and test signal; lowered so that the tip stays within 60 % of the range of a sensor that has one.")
 }
 
 /// Table 1 over what the paper leaves open of its test signal.
 fn test_signal(study: &Study) -> Section {
-    let title = "The nearest test signals: mean squared error by the rule as printed [mm²], and the largest deviation from Table 1";
+    let title = "The nearest test signals: mean squared error by the rule as printed [mm²], and the largest deviation from the paper's Table 1";
     let table =
         PRINTED_MSE.iter().fold(Table::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
     let row = |words: String, errors: [f64; 4], off: String| -> Vec<Cell> {
@@ -226,8 +225,13 @@ fn test_signal(study: &Study) -> Section {
         let off = format!("{:.0}", 100.0 * signal.deviation("printed-rule"));
         table.row(row(signal.words(), signal.of("printed-rule"), off))
     });
-    Section::new(format!("Twin “{}”: Table 1 over the test signal", study.plant.name))
-        .figures(2, "Table 1 over the test signal", words::over_test_signals(study), figures::test_signals(study))
+    Section::new(format!("Twin “{}”: the paper's Table 1 over the test signal", study.plant.name))
+        .figures(
+            2,
+            "The paper's Table 1 over the test signal",
+            words::over_test_signals(study),
+            figures::test_signals(study),
+        )
         .figure(figures::deviation(study))
         .table(table)
 }
