@@ -35,7 +35,10 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("identify --data sine5.csv --bins 0 -o m.json", &["'0'", "--bins"]),
         ("identify --data sine5.csv --global-best last -o m.json", &["'last'", "ever", "current"]),
         ("identify --data sine5.csv --operator preisach,dhal -o m.json", &["`dhal`", "did you mean `dahl`"]),
-        ("excite stepped-sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --steps 2 -o u.csv", &["steps", "at least 3"]),
+        (
+            "excite stepped-sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --steps 2 -o u.csv",
+            &["steps", "at least 3"],
+        ),
         ("identify --data sine5.csv --method jiont -o m.json", &["'jiont'", "joint", "paper"]),
         ("identify --data sine5.csv -o - --json -", &["stdout"]),
         ("identify --data sine5.csv -o m.json --json m.json", &["m.json", "another file"]),

@@ -4,6 +4,7 @@ use super::words::{self, four_decimals, mse, percent};
 use super::{Block, Frequency, METHODS, PRINTED_MSE, RISING, Row, STEPS_USED, Study, figures};
 use crate::hammerstein::Trial;
 use crate::page::{Cell, Fact, Page, Section, Table, Text, sentence};
+use crate::series::ends;
 
 /// The report on one or more studies: one file that opens from disk.
 pub fn page(studies: &[Study]) -> Page {
@@ -107,12 +108,21 @@ fn loops(study: &Study) -> Section {
     let mut words = "Grey dots are samples of voltage and hidden variable, hidden by the curves where these fit; so is the loop of the joint model. The dashed line through the two turning points splits them; \
                      the curves are splines through the averages on either side. Which side is the ascending one the data decide."
         .to_string();
+    let slowest = &study.frequencies[0];
+    let span = |x: &[f64]| ends(x.iter().copied()).1 - ends(x.iter().copied()).0;
+    let times = span(&slowest.own.z) / span(&slowest.own.u);
+    if !(0.67..1.5).contains(&times) {
+        words += &format!(
+            " At {} Hz z spans {times:.1} times the voltage: by so much the static gain of the estimated block is off.",
+            slowest.hz
+        );
+    }
     let against = |f: &&Frequency| f.own.found.line[1].1 < f.own.found.line[0].1;
     let against: Vec<String> = study.frequencies.iter().filter(against).map(|f| f.hz.to_string()).collect();
     if !against.is_empty() {
         words += &format!(
-            " At {} Hz the line falls: z runs against u, lagging by more than a quarter of a period. No ceramic does that; the linear \
-             block leaves it to z.",
+            " At {} Hz the line falls: z runs against u, lagging by more than a quarter of a period. No ceramic does that; what the \
+             linear block lacks, and the driver's lag, are left to z.",
             against.join(", ")
         );
     }
