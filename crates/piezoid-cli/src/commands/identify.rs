@@ -143,7 +143,7 @@ enum SplitBy {
 enum Read {
     /// That of the last movement.
     Held,
-    /// The descending one: the paper's rule to the letter.
+    /// The descending one, by the "otherwise" of the paper's rule.
     Printed,
 }
 

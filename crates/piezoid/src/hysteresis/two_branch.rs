@@ -1,8 +1,9 @@
 //! The paper's hysteresis block: one function of u for rising and one for falling input (section 2.2).
 //!
-//! The rule as printed reads the ascending function when u_t > u_{t-1} and the other one *otherwise*, so every sample
-//! at which u is held falls to the descending branch. On a step-wise input that is most samples. The default
-//! therefore holds the last direction while u stands.
+//! The rule as printed reads one function when u_t > u_{t-1} and the other one *otherwise*, so every sample at which u is held
+//! falls to the other one. On a step-wise input that is most samples. The default therefore holds the last direction while
+//! u stands. The paper calls the first function "upper"; here it is the ascending branch, which the data decide, and which
+//! lies below on a piezo loop.
 //!
 //! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
 //! the loop jumps to the other branch), and no change of amplitude or offset.
@@ -30,7 +31,7 @@ pub enum Reading {
     /// That of the last movement: how long an input is held changes nothing.
     #[default]
     Held,
-    /// The descending one, the paper's rule to the letter: the output then depends on how long an input is held.
+    /// The descending one, by the "otherwise" of the paper's rule: the output then depends on how long an input is held.
     Printed,
 }
 
