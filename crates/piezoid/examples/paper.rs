@@ -34,8 +34,8 @@ fn signals(study: &Study) -> String {
     let mut text = row(&heads.collect::<Vec<_>>()) + "|---|---|" + &"--:|".repeat(PRINTED_MSE.len() + 1) + "\n";
     for method in ["printed-rule", UPPER_RULE, "table2-arx"] {
         for form in study::FORMS {
-            let some: Vec<_> = study.test_signals.iter().filter(|s| s.form == form.name).cloned().collect();
-            let Some(signal) = nearest(&some, method) else { continue };
+            let some = study.test_signals.iter().filter(|s| s.form == form.name);
+            let Some(signal) = nearest(some, method) else { continue };
             let errors = signal.of(method).map(|mse| format!("{mse:.4}"));
             let off = format!("{:.0} %", 100.0 * signal.deviation(method));
             let cells = [format!("`{method}`"), signal.words()].into_iter().chain(errors).chain([off]);

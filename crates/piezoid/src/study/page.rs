@@ -1,7 +1,7 @@
 //! The page of the study: what was done, what is seen, and why.
 
 use super::words::{self, four_decimals, mse, percent};
-use super::{Block, Frequency, METHODS, PRINTED_MSE, RISING, Row, STEPS_USED, Study, figures};
+use super::{Block, Frequency, METHODS, PRINTED_MSE, RANGE_USED, RISING, Row, STEPS_USED, Study, figures};
 use crate::hammerstein::Trial;
 use crate::page::{Cell, Fact, Page, Section, Table, Text, sentence};
 use crate::series::ends;
@@ -216,7 +216,10 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&Row) 
         cells
     };
     let table = study.frequencies.iter().fold(table, |table, f| table.row(row(f)));
-    table.note("u: amplitude of sine and test signal; lowered so that the tip stays within 60 % of the range of a sensor that has one.")
+    table.note(format!(
+        "u: amplitude of sine and test signal; lowered so that the tip stays within {:.0} % of the range of a sensor that has one.",
+        100.0 * RANGE_USED
+    ))
 }
 
 /// Table 1 over what the paper leaves open of its test signal.

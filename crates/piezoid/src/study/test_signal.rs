@@ -76,8 +76,8 @@ impl TestSignal {
 }
 
 /// The test signal by which `method` comes nearest to Table 1; none where there are no signals.
-pub fn nearest<'s>(signals: &'s [TestSignal], method: &str) -> Option<&'s TestSignal> {
-    signals.iter().min_by(|p, q| p.deviation(method).total_cmp(&q.deviation(method)))
+pub fn nearest<'s>(signals: impl IntoIterator<Item = &'s TestSignal>, method: &str) -> Option<&'s TestSignal> {
+    signals.into_iter().min_by(|p, q| p.deviation(method).total_cmp(&q.deviation(method)))
 }
 
 /// Every form with every number of steps.

@@ -198,13 +198,13 @@ const EXACT: f64 = 1e-4;
 
 /// What the joint model gains, and where it does not.
 fn joint(study: &Study) -> String {
-    let error = |f: &Frequency, method: &str| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
+    let rms = |f: &Frequency, method: &str| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
     let (better, worse): (Vec<&Frequency>, Vec<&Frequency>) =
-        study.frequencies.iter().partition(|f| error(f, "joint") < error(f, "held-direction"));
+        study.frequencies.iter().partition(|f| rms(f, "joint") < rms(f, "held-direction"));
     let listed = |some: &[&Frequency]| {
         let hz: Vec<String> = some.iter().map(|f| f.hz.to_string()).collect();
-        let (least, most) = ends(some.iter().map(|f| error(f, "joint")));
-        let worst = some.iter().find(|f| error(f, "joint") == most).map_or(f64::NAN, |f| f.hz);
+        let (least, most) = ends(some.iter().map(|f| rms(f, "joint")));
+        let worst = some.iter().find(|f| rms(f, "joint") == most).map_or(f64::NAN, |f| f.hz);
         let several = format!("{} to {} % rms of peak-to-peak, most at {worst} Hz", percent(least), percent(most));
         (hz.join(", "), if some.len() > 1 { several } else { format!("{} % rms of peak-to-peak", percent(most)) })
     };
@@ -223,7 +223,7 @@ fn joint(study: &Study) -> String {
              this test has none but those at the ends."
         );
     }
-    if better.iter().any(|f| error(f, "joint") < EXACT) {
+    if better.iter().any(|f| rms(f, "joint") < EXACT) {
         words +=
             " So little is left because this twin obeys that operator and has no noise; no measured actuator does.";
     }
