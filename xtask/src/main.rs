@@ -111,7 +111,7 @@ fn golden() -> Result<(), String> {
 
 fn docs() -> Result<(), String> {
     for example in ["paper", "matrix", "accuracy", "tracking"] {
-        step(&mut cargo(&["run", "--release", "--package", "piezoid", "--example", example, "--", "docs"]))?;
+        step(&mut cargo(&["run", "--release", "--package", "piezoid-bench", "--example", example, "--", "docs"]))?;
     }
     step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;
     eprintln!("open {}", root().join("target/doc/piezoid/index.html").display());

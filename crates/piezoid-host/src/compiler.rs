@@ -1,7 +1,7 @@
 //! The C compiler of this machine, for exports that take a library with them.
 
 use piezoid::Error;
-use piezoid::export::{Compiler, File};
+use piezoid_export::{Compiler, File};
 use std::ffi::OsString;
 use std::process::Command;
 

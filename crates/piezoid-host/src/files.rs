@@ -1,7 +1,7 @@
 //! Files that are whole or not there: written beside their place and renamed.
 
 use piezoid::Error;
-use piezoid::export::File;
+use piezoid_export::File;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;

@@ -9,7 +9,7 @@ use crate::samples::{array, samples, slice};
 use crate::watch::watched;
 use piezoid::System;
 use piezoid::control::{Drive, Scheme, Target, Tolerance, Wanted, compare, reference};
-use piezoid::report;
+use piezoid_report::report;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 

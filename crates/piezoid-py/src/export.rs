@@ -6,7 +6,7 @@ use crate::error::{raised, refused};
 use crate::model::Model;
 use crate::samples::{samples, slice};
 use piezoid::control::{Drive, Scheme, controller};
-use piezoid::export::{Playback, Wanted, target as chosen};
+use piezoid_export::{Playback, Wanted, target as chosen};
 use piezoid_host::{compiler, files};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};

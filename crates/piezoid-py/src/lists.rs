@@ -6,10 +6,10 @@ use crate::samples::array;
 use numpy::PyArray1;
 use piezoid::control::{CONTROLLERS, FEEDS, REFERENCES};
 use piezoid::excitation::{DRIVERS, EXCITATIONS, find};
-use piezoid::export::TARGETS;
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
+use piezoid_export::TARGETS;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 

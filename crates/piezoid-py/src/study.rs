@@ -4,7 +4,7 @@ use crate::error::raised;
 use crate::json::object;
 use crate::watch::watched;
 use piezoid::plant;
-use piezoid::study::{figures, page, run, to_json, verdict};
+use piezoid_report::study::{figures, page, run, to_json, verdict};
 use pyo3::prelude::*;
 
 /// A study as a document, its figures by name as SVG, its page, and its verdict.

@@ -120,7 +120,7 @@ pub(crate) fn log_growth_slope(x: f64) -> f64 {
 const SMALL: f64 = 0.01;
 
 /// The same for programs, and what else every language can do but not in the same way.
-pub(crate) fn block() -> Block {
+pub fn block() -> Block {
     Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
 }
 

@@ -142,18 +142,18 @@ pub enum Error {
 
 impl Error {
     /// A setting outside its domain.
-    pub(crate) fn parameter(name: impl Into<String>, value: impl ToString, rule: impl Into<String>) -> Self {
+    pub fn parameter(name: impl Into<String>, value: impl ToString, rule: impl Into<String>) -> Self {
         Error::Parameter { name: name.into(), value: value.to_string(), rule: rule.into() }
     }
 
     /// An unknown name, with the names there are.
-    pub(crate) fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+    pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         Error::Unknown { kind, name: name.into(), known: known.into_iter().map(String::from).collect() }
     }
 }
 
 /// Refuses a setting that is not a positive finite number.
-pub(crate) fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
+pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {
@@ -162,7 +162,7 @@ pub(crate) fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error>
 }
 
 /// Refuses a series with a sample that is not finite.
-pub(crate) fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
+pub fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
     match samples.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(index) => Err(Error::NotFinite { what: what.into(), index, value: samples[index] }),

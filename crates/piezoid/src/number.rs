@@ -33,7 +33,7 @@ pub fn round(x: f64) -> String {
 }
 
 /// "a, b and c".
-pub(crate) fn join(items: &[impl ToString]) -> String {
+pub fn join(items: &[impl ToString]) -> String {
     let texts: Vec<String> = items.iter().map(ToString::to_string).collect();
     match texts.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),

@@ -1,7 +1,7 @@
 //! What is asked of many series of numbers.
 
 /// The smallest and the largest; infinities the wrong way round of none.
-pub(crate) fn ends(x: impl IntoIterator<Item = f64>) -> (f64, f64) {
+pub fn ends(x: impl IntoIterator<Item = f64>) -> (f64, f64) {
     x.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 

@@ -137,7 +137,7 @@ impl Control {
             files::write(path, &record(&compared, &attempt.run)?, console)?;
         }
         if let Some(path) = &self.report {
-            files::write(path, &piezoid::report::tracking(&compared).html(), console)?;
+            files::write(path, &piezoid_report::report::tracking(&compared).html(), console)?;
         }
         files::write_json(self.json.as_deref(), &compared.to_json(), console)
     }

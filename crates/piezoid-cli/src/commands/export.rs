@@ -10,7 +10,7 @@ use clap::Args;
 use piezoid::Model;
 use piezoid::compensation::How;
 use piezoid::control::{Drive, Scheme, controller};
-use piezoid::export::{Playback, TARGETS, Target, Wanted, target};
+use piezoid_export::{Playback, TARGETS, Target, Wanted, target};
 use piezoid_host::{compiler, files as host};
 use std::path::{Path, PathBuf};
 

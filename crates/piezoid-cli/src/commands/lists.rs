@@ -7,10 +7,10 @@ use anyhow::{Context, Result};
 use clap::Args;
 use piezoid::control::{CONTROLLERS, FEEDS};
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
-use piezoid::export::TARGETS;
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::{self, PLANTS, Spec};
+use piezoid_export::TARGETS;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

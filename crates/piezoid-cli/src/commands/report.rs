@@ -6,7 +6,7 @@ use crate::files;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::report::{Trial, report};
+use piezoid_report::report::{Trial, report};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

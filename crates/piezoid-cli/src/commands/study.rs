@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use piezoid::number::{round, short as number};
 use piezoid::plant;
-use piezoid::study::{self, METHODS, PRINTED_MSE, STEPS_USED, Study as Outcome};
+use piezoid_report::study::{self, METHODS, PRINTED_MSE, STEPS_USED, Study as Outcome};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

@@ -1,7 +1,7 @@
 //! C by two compilers, unoptimised and optimised, watched by sanitizers.
 
 use crate::{exported, models, run, self_tested, there};
-use piezoid::export::Wanted;
+use piezoid_export::Wanted;
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow -ffp-contract=off";
 
@@ -20,7 +20,7 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
 fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwards_within_a_few_of_them() {
     for (name, model) in models() {
         let wanted = Wanted { single: true, ..Wanted::new(&model, &name) };
-        let whole = piezoid::export::Whole::new(&wanted).unwrap();
+        let whole = piezoid_export::Whole::new(&wanted).unwrap();
         for entry in &whole.entries {
             let vectors = &entry.vectors;
             println!("{name} {}: {:.1e}", entry.step, vectors.off);

@@ -2,9 +2,9 @@
 
 use crate::{TS, exported, models, run, there};
 use piezoid::Model;
-use piezoid::export::{Wanted, Whole};
 use piezoid::hysteresis::{Design, operator};
 use piezoid::linear::Arx;
+use piezoid_export::{Wanted, Whole};
 use std::path::Path;
 
 const BUILD: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -ffp-contract=off -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \

@@ -2,7 +2,7 @@
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there};
 use piezoid::control::Pi;
-use piezoid::export::{Wanted, target};
+use piezoid_export::{Wanted, target};
 use std::path::Path;
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow";

@@ -15,10 +15,10 @@ mod skipped;
 
 use piezoid::creep::Creep;
 use piezoid::driver::{Driver, SUBSTEPS};
-use piezoid::export::{File, Made, Wanted, target};
 use piezoid::hysteresis::{OPERATORS, operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
+use piezoid_export::{File, Made, Wanted, target};
 use skipped::skipped;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,7 +1,7 @@
 //! Modules of Rust, built by the compiler that is here: for every operator, in both precisions, with and without `std`.
 
 use crate::{exported, models, skipped, there};
-use piezoid::export::Wanted;
+use piezoid_export::Wanted;
 use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;

@@ -3,9 +3,9 @@
 use crate::{TS, exported, model, models, run, there};
 use piezoid::Model;
 use piezoid::control::Pi;
-use piezoid::export::{Wanted, Whole, target};
 use piezoid::linear::Arx;
 use piezoid::record::Units;
+use piezoid_export::{Wanted, Whole, target};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -2,7 +2,7 @@
 
 use crate::structured_text::{Library, Value};
 use crate::{exported, models, there};
-use piezoid::export::{Wanted, target};
+use piezoid_export::{Wanted, target};
 use std::process::Command;
 
 #[test]

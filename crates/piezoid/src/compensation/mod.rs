@@ -23,7 +23,7 @@ pub use fir::Fir;
 pub use learning::{Learned, Learning, learn};
 pub use preview::{Design, Preview};
 pub use sample::Causal;
-pub(crate) use sample::LATEST;
+pub use sample::LATEST;
 
 use crate::error::{Error, finite};
 use crate::excitation::{Limits, Usage};
@@ -342,7 +342,7 @@ impl FeedForward {
     }
 
     /// What the voltages `u` have that the model was not identified on.
-    pub(crate) fn beyond(&self, u: &[f64]) -> Vec<String> {
+    pub fn beyond(&self, u: &[f64]) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(known) = self.model.identified() {
             let used = Domain::of_input(u, self.model.ts());

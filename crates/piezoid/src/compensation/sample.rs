@@ -36,7 +36,7 @@ pub struct Causal {
 }
 
 /// The latest: with it the filter has as many taps as can be solved for.
-pub(crate) const LATEST: usize = 488;
+pub const LATEST: usize = 488;
 
 /// Numbers of the state before the references.
 const BEFORE: usize = 1;

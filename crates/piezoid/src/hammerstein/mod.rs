@@ -14,9 +14,8 @@ mod program;
 mod rich;
 mod start;
 
-pub(crate) use paper::proportional;
+pub use paper::proportional;
 
-pub use crate::waveform::dominant_frequency;
 pub use domain::Domain;
 pub use joint::{Joint, Parameter, Trial, identify_joint};
 pub use loops::HiddenLoop;

@@ -257,7 +257,7 @@ fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
 
 /// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any, or when
 /// G is unstable.
-pub(crate) fn proportional(arx: &Arx, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
+pub fn proportional(arx: &Arx, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
     if records.is_empty() || !arx.is_stable() {
         return Ok((1.0, offset));
     }

@@ -172,7 +172,7 @@ impl Branches {
     }
 
     /// The same with the ascending and the descending branch exchanged.
-    pub(crate) fn exchanged(&self) -> Self {
+    pub fn exchanged(&self) -> Self {
         Branches { ascending: self.descending.clone(), descending: self.ascending.clone() }
     }
 

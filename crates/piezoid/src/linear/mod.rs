@@ -23,7 +23,7 @@ pub use delay::{Delay, input_delay};
 pub use fit::{ESTIMATORS, Estimator, Fit, Residuals, estimator, fit, too_low};
 pub use fit_modes::{Mode, Modes, fit_modes};
 pub use inverse::Inverse;
-pub(crate) use modes::SEEN;
+pub use modes::SEEN;
 pub use modes::{Oscillator, PoleKind, PoleShare, Reading};
 pub use output_error::{OutputError, Refinement, output_error, refine};
 pub use regression::{Orders, Regression};

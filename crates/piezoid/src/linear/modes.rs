@@ -27,7 +27,7 @@ use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
 /// Of half the sampling rate, the share up to which a pole is what it seems.
-pub(crate) const SEEN: f64 = 0.9;
+pub const SEEN: f64 = 0.9;
 
 /// What a pole, or a conjugate pair, is in mechanics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -30,6 +30,7 @@ mod slope;
 mod tree;
 mod words;
 
+pub use crate::elementary::block as elementary;
 pub use run::{Counts, Machine};
 pub use tree::{Expr, Function, Kind, Limit, Op, Parameter, Place, Step};
 

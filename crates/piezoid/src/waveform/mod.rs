@@ -8,7 +8,7 @@ mod repetition;
 pub(crate) use band::band;
 pub(crate) use cycles::{Cycle, cycles, turns};
 pub(crate) use motion::{in_motion, lead};
-pub(crate) use repetition::period;
+pub use repetition::period;
 
 use crate::series::ends;
 
@@ -17,7 +17,7 @@ use crate::series::ends;
 ///
 /// ```
 /// let u: Vec<f64> = (0..1000).map(|t| (f64::from(t) * 0.02).sin()).collect();
-/// let hz = piezoid::hammerstein::dominant_frequency(&u, 1e-3).unwrap();
+/// let hz = piezoid::waveform::dominant_frequency(&u, 1e-3).unwrap();
 /// assert!((hz - 0.02 / std::f64::consts::TAU * 1e3).abs() < 0.01);
 /// ```
 pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {

@@ -11,7 +11,7 @@ const SAME: f64 = 1e-3;
 const OTHER: f64 = 0.5;
 
 /// Samples after which `u` repeats, all through; `None` where it does not do so at least once.
-pub(crate) fn period(u: &[f64]) -> Option<usize> {
+pub fn period(u: &[f64]) -> Option<usize> {
     let (n, middle) = (u.len(), mean(u));
     let variance = scatter(u) / n as f64;
     if variance.is_nan() || variance <= 0.0 {

@@ -119,7 +119,7 @@ pub fn identify_joint(
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
     let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };
-    let frequencies = rich.iter().filter_map(|r| super::dominant_frequency(r.u(), ts)).collect();
+    let frequencies = rich.iter().filter_map(|r| crate::waveform::dominant_frequency(r.u(), ts)).collect();
     let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
     let design = Design { ts: faster, range, elements: how.elements, frequencies };
 

@@ -1,0 +1,286 @@
+//! How accurate joint identification is on data it has not seen, beside the paper's method: two twins of a bender with
+//! creep, noise and a driver, records a user could take, and one model of all frequencies.
+//!
+//! ```text
+//! cargo run --release -p piezoid-bench --example accuracy -- docs
+//! ```
+//! writes the errors into docs/accuracy.md, between two comments, and draws docs/accuracy.svg.
+
+pub(crate) mod page;
+
+use page::{cell, row};
+use piezoid::driver::Driver;
+use piezoid::excitation::{Multisine, Prbs, RisingSine, Sine, Staircase};
+use piezoid::hammerstein::{Identified, Joint, Model, Paper, identify_joint, identify_paper};
+use piezoid::hysteresis::Split;
+use piezoid::plant::{Plant, Spec, find};
+use piezoid::progress::unwatched;
+use piezoid::validation::Metrics;
+use piezoid::{Error, Record, System};
+use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
+use std::f64::consts::{SQRT_2, TAU};
+
+/// Sampling period [s].
+pub(crate) const TS: f64 = 5e-4;
+
+/// The twins: the truth is a Preisach density, and a Bouc-Wen law.
+pub(crate) const TWINS: [&str; 2] = ["pl140", "pl140-bouc-wen"];
+
+/// Frequencies of the sines to identify from [Hz], and their length [s].
+const SEEN: [(f64, f64); 6] = [(1.0, 8.0), (5.0, 4.0), (20.0, 3.0), (40.0, 3.0), (80.0, 3.0), (160.0, 3.0)];
+
+/// Periods of the PRBS, of 2047 samples each.
+const PERIODS: usize = 3;
+
+/// Frequencies of the records to be foretold [Hz].
+const UNSEEN: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
+
+/// Their least length, and their least number of periods [s].
+const DURATION: f64 = 2.0;
+const CYCLES: f64 = 6.0;
+
+/// The largest amplitude [V], lowered where the tip would leave this distance to either side [um].
+const AMPLITUDE: f64 = 28.0;
+const REACH: f64 = 1200.0;
+
+/// The drive of a record to be foretold, by frequency [Hz], amplitude [V] and number of samples.
+type Drive = fn(f64, f64, usize) -> Result<Vec<f64>, Error>;
+
+/// A kind of record to be foretold.
+pub(crate) struct Kind {
+    pub(crate) name: &'static str,
+    drive: Drive,
+}
+
+/// The kinds there are; none of them is identified from.
+pub(crate) static KINDS: [Kind; 3] = [
+    Kind {
+        name: "staircase",
+        drive: |frequency, amplitude, n| Staircase { amplitude, frequency, ..Staircase::default() }.samples(TS, n),
+    },
+    Kind {
+        name: "modulated sine",
+        drive: |hz, amplitude, n| Ok((0..n).map(|t| modulated(hz, amplitude, t)).collect()),
+    },
+    Kind {
+        name: "multisine",
+        drive: |hz, amplitude, n| {
+            let random = Multisine { seed: 1, ..Multisine::default() };
+            Multisine { amplitude, frequency_low: hz / 12.0, frequency_high: hz, ..random }.samples(TS, n)
+        },
+    },
+];
+
+/// A sine whose amplitude comes and goes at a frequency that its own is no multiple of.
+fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
+    let turns = TAU * hz * TS * t as f64;
+    amplitude * (0.5 + 0.5 * (turns * SQRT_2 / 9.0).sin()) * turns.sin()
+}
+
+/// A twin on a bench.
+pub(crate) struct Twin {
+    plant: Plant,
+    driver: Option<Driver>,
+}
+
+impl Twin {
+    /// The twin called `name`.
+    pub(crate) fn new(name: &str) -> Result<Self, Error> {
+        Twin::of(&(find(name)?.spec)())
+    }
+
+    /// The twin of these parameters.
+    pub(crate) fn of(spec: &Spec) -> Result<Self, Error> {
+        Ok(Twin { plant: Plant::new(spec, TS)?, driver: Driver::of_twin(&spec.driver)? })
+    }
+
+    /// Measures a drive from rest [um], at the largest amplitude that keeps the tip within reach. The seed is of the noise.
+    fn measure(&self, drive: impl Fn(f64) -> Result<Vec<f64>, Error>, seed: f64) -> Result<Record, Error> {
+        let plant = self.plant.clone().with_seed(seed as u64);
+        let mut amplitude = AMPLITUDE;
+        loop {
+            let u = drive(amplitude)?;
+            let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+            let peak = y.iter().fold(0.0f64, |peak, y| peak.max(y.abs()));
+            if peak <= REACH {
+                return Record::new(TS, u, y);
+            }
+            amplitude *= (0.99 * REACH / peak).max(0.5);
+        }
+    }
+
+    /// A PRBS of 1 V.
+    fn small(&self) -> Result<Record, Error> {
+        let prbs = Prbs::default();
+        self.measure(|_| prbs.samples(TS, PERIODS * prbs.period() as usize), 0.0)
+    }
+
+    /// A record of each frequency to identify from.
+    fn sines(&self, drive: Drive) -> Result<Vec<Record>, Error> {
+        let record = |(hz, s)| self.measure(|amplitude| drive(hz, amplitude, (s / TS) as usize), hz);
+        SEEN.into_iter().map(record).collect()
+    }
+
+    /// One joint model of all frequencies, from the PRBS and rising sines.
+    pub(crate) fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
+        let rising =
+            |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
+        let how = Joint { operator: operator.into(), driver: self.driver.filter(|_| driver), ..Joint::default() };
+        identify_joint(&[self.small()?], &self.sines(rising)?, &how, &mut unwatched)
+    }
+
+    /// The paper's model, whose loops need steady sines.
+    fn paper(&self, how: &Paper) -> Result<Identified, Error> {
+        let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
+        identify_paper(&[self.small()?], &self.sines(steady)?, how, &mut unwatched)
+    }
+
+    /// A record to be foretold.
+    pub(crate) fn unseen(&self, kind: &Kind, hz: f64) -> Result<Record, Error> {
+        let n = (DURATION.max(CYCLES / hz) / TS) as usize;
+        self.measure(|amplitude| (kind.drive)(hz, amplitude, n), 1000.0 + hz)
+    }
+}
+
+/// What a free run of `model` from rest leaves of a record [% rms of peak-to-peak].
+pub(crate) fn error(model: &Model, record: &Record) -> f64 {
+    Metrics::of(record.y(), &model.simulate(record.u())).rms_pp_percent
+}
+
+/// The least, the middle and the largest of some errors.
+pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
+    let mut sorted = errors.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let (low, high) = (sorted[(sorted.len() - 1) / 2], sorted[sorted.len() / 2]);
+    [sorted[0], 0.5 * (low + high), sorted[sorted.len() - 1]]
+}
+
+/// A way to identify.
+struct Way {
+    name: &'static str,
+    role: Role,
+    identify: fn(&Twin) -> Result<Identified, Error>,
+}
+
+/// The paper's ways, then the joint ones.
+static WAYS: [Way; 4] = [
+    Way { name: "paper", role: Role::Descending, identify: |twin| twin.paper(&Paper::default()) },
+    Way {
+        name: "paper, helped",
+        role: Role::Muted,
+        identify: |twin| {
+            let estimator = "output-error".into();
+            twin.paper(&Paper { order: 4, estimator, split: Split::Direction, ..Paper::default() })
+        },
+    },
+    Way { name: "joint, driver unknown", role: Role::Accent5, identify: |twin| twin.joint("auto", false) },
+    Way { name: "joint, driver given", role: Role::Model, identify: |twin| twin.joint("auto", true) },
+];
+const PAPER: std::ops::Range<usize> = 0..2;
+
+/// What one way made of one twin.
+struct Outcome {
+    twin: &'static str,
+    way: &'static Way,
+    operator: &'static str,
+    /// By kind, then by frequency [% rms of peak-to-peak]; infinite where the run diverged.
+    errors: Vec<Vec<f64>>,
+}
+
+/// An error that says no more than that the run diverged [% of peak-to-peak].
+const DIVERGED: f64 = 1000.0;
+
+/// How many times below the paper's errors the joint ones are meant to be.
+const TIMES: f64 = 10.0;
+
+/// What every way makes of a twin.
+fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
+    let twin = Twin::new(name)?;
+    let of_kind = |kind| UNSEEN.into_iter().map(|hz| twin.unseen(kind, hz)).collect::<Result<Vec<_>, _>>();
+    let unseen = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
+    let outcome = |way: &'static Way| {
+        let model = (way.identify)(&twin)?.model;
+        let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
+        let errors: Vec<Vec<f64>> = unseen.iter().map(|records| records.iter().map(left).collect()).collect();
+        eprintln!("{name}, {}: {errors:.3?}", way.name);
+        Ok(Outcome { twin: name, way, operator: model.hysteresis().operator().name, errors })
+    };
+    WAYS.iter().map(outcome).collect()
+}
+
+/// How many times below the errors of one outcome those of another are, by kind and frequency.
+fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'static str, f64, f64)> + 'a {
+    let of_kind = |((kind, p), j): ((&'static Kind, &'a Vec<f64>), &'a Vec<f64>)| {
+        UNSEEN.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
+    };
+    KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)
+}
+
+/// Least, median and worst by way, and how far below the paper's the joint errors are; then the records where that is not far.
+fn summary(twins: &[Vec<Outcome>]) -> String {
+    let titles =
+        ["twin", "identified", "operator", "least", "median", "worst", "below `paper`", "below `paper, helped`"];
+    let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
+    for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
+    {
+        let [lowest, median, worst] = range(&o.errors.concat());
+        let least = |paper| times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
+        let below = |paper| {
+            if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
+        };
+        let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
+        let [paper, helped] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
+        let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
+        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, helped]);
+    }
+    text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
+}
+
+/// The records of a twin on which the best joint model is not far below the best of the paper's.
+fn near(outcomes: &[Outcome]) -> String {
+    let [_, helped, .., given] = outcomes else { return String::new() };
+    let near = times(helped, given).filter(|(.., times)| *times < TIMES);
+    let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
+    let (way, than) = (given.way.name, helped.way.name);
+    format!("\n`{}`, {way}: less than {TIMES} times below `{than}` are {}.\n", given.twin, near.join(", "))
+}
+
+/// Every error.
+fn table(twins: &[Vec<Outcome>]) -> String {
+    let titles = ["twin", "record", "identified"].map(String::from).into_iter();
+    let titles: Vec<String> = titles.chain(UNSEEN.map(|hz| hz.to_string())).collect();
+    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(UNSEEN.len()) + "\n";
+    for outcomes in twins {
+        for (k, kind) in KINDS.iter().enumerate() {
+            for o in outcomes {
+                let names = [format!("`{}`", o.twin), kind.name.into(), o.way.name.into()].into_iter();
+                text += &row(&names.chain(o.errors[k].iter().map(|e| cell(*e))).collect::<Vec<_>>());
+            }
+        }
+    }
+    text
+}
+
+/// The largest error of the kinds of record against frequency, a panel a twin.
+fn figure(twins: &[Vec<Outcome>]) -> Figure {
+    let caption = "Error of the free run on records not seen, the largest of three kinds at each frequency: of the paper's method, \
+                   of the same helped, and of the joint model without and with the driver given. Each has one model of all \
+                   frequencies.";
+    let panel = |outcomes: &Vec<Outcome>| {
+        let axes = Axes::new(Axis::log("f [Hz]").ticks(&UNSEEN), Axis::log("rms error [% of peak-to-peak]"));
+        outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {
+            let largest = |k: usize| o.errors.iter().map(|of_kind| of_kind[k]).fold(0.0, f64::max);
+            let errors: Vec<f64> = (0..UNSEEN.len()).map(largest).collect();
+            axes.with(Series::marked(&UNSEEN, &errors).role(o.way.role).named(o.way.name))
+        })
+    };
+    twins.iter().map(panel).fold(Figure::new("Accuracy on data not seen", caption), Figure::panel)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: accuracy FOLDER")?);
+    let twins = TWINS.into_iter().map(outcomes).collect::<Result<Vec<_>, _>>()?;
+    page::write(&folder.join("accuracy.md"), "summary", &summary(&twins))?;
+    page::write(&folder.join("accuracy.md"), "errors", &table(&twins))?;
+    Ok(std::fs::write(folder.join("accuracy.svg"), figure(&twins).svg())?)
+}

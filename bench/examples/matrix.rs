@@ -1,0 +1,130 @@
+//! Who explains whom: each operator as the truth, behind a resonance, identified as each operator.
+//!
+//! ```text
+//! cargo run --release -p piezoid-bench --example matrix -- docs
+//! ```
+//! writes the errors on unseen records into docs/operators.md, between two comments, and draws docs/operators.svg.
+
+mod page;
+
+use page::cell;
+use piezoid::excitation::{Prbs, RisingSine, Staircase};
+use piezoid::hammerstein::{Joint, Model, identify_joint};
+use piezoid::hysteresis::{OPERATORS, Operator};
+use piezoid::linear::Arx;
+use piezoid::progress::unwatched;
+use piezoid::validation::Metrics;
+use piezoid::{Error, Record, System};
+use piezoid_report::plot::style;
+use std::f64::consts::{SQRT_2, TAU};
+use std::fmt::Write;
+
+/// Sampling period [s].
+const TS: f64 = 5e-4;
+
+/// Frequency [Hz] and damping ratio of the resonance behind the hysteresis.
+const RESONANCE: (f64, f64) = (147.0, 0.06);
+
+/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the examples.
+const RISING: [(f64, f64); 6] = [(5.0, 30.0), (20.0, 30.0), (80.0, 30.0), (5.0, 20.0), (20.0, 20.0), (80.0, 20.0)];
+const DURATION: f64 = 0.8;
+
+/// Amplitude of the records nobody has seen [V].
+const UNSEEN: f64 = 29.0;
+
+/// The example of an operator before a resonance, without noise.
+fn plant(truth: &Operator) -> Result<Model, Error> {
+    let (hz, damping) = RESONANCE;
+    let radius = (-damping * TAU * hz * TS).exp();
+    let turn = TAU * hz * TS * (1.0f64 - damping * damping).sqrt();
+    let a = [2.0 * radius * turn.cos(), -radius * radius];
+    let half = 0.5 * (1.0 - a[0] - a[1]);
+    let linear = Arx::new(TS, a.into(), vec![0.0, 1.1 * half, 0.9 * half])?;
+    Model::new((truth.example)(TS)?, linear, 0.3)
+}
+
+/// The rms error [% of peak-to-peak] that `model`, identified jointly on records of `truth`, leaves of two it has not seen: a
+/// sine of a wandering amplitude, and a staircase.
+pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
+    let plant = plant(truth)?;
+    let record = |u: Vec<f64>| Record::new(TS, u.clone(), plant.simulate(&u));
+    let n = (DURATION / TS) as usize;
+    let small = record(Prbs { order: 10, amplitude: 1.0, ..Prbs::default() }.samples(TS, 1023)?)?;
+    let rising =
+        |(frequency, amplitude)| record(RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n)?);
+    let rich = RISING.into_iter().map(rising).collect::<Result<Vec<_>, _>>()?;
+    let how = Joint { operator: model.name.into(), ..Joint::default() };
+    let found = identify_joint(&[small], &rich, &how, &mut unwatched)?.model;
+
+    let wandering = |t: usize| {
+        let t = TS * t as f64;
+        UNSEEN * (0.5 + 0.5 * (TAU * 3.7 * SQRT_2 * t).sin()) * (TAU * 17.3 * t).sin()
+    };
+    let staircase = Staircase { amplitude: UNSEEN, frequency: 3.0, levels: 15, offset: 0.0 }.samples(TS, 4000)?;
+    let left = [(0..4000).map(wandering).collect(), staircase]
+        .map(|u| Metrics::of(&plant.simulate(&u), &found.simulate(&u)).rms_pp_percent);
+    Ok((0.5 * (left[0] * left[0] + left[1] * left[1])).sqrt())
+}
+
+/// The errors as the table of docs/operators.md.
+fn table(errors: &[Vec<f64>]) -> String {
+    let numbers: Vec<String> = (1..=errors.len()).map(|k| k.to_string()).collect();
+    let mut text = format!("| truth | {} |\n|---|{}\n", numbers.join(" | "), "--:|".repeat(errors.len()));
+    for ((row, truth), number) in errors.iter().zip(OPERATORS).zip(&numbers) {
+        let cells: Vec<String> = row.iter().map(|e| cell(*e)).collect();
+        let _ = writeln!(text, "| {number} `{}` | {} |", truth.name, cells.join(" | "));
+    }
+    text
+}
+
+/// Width of the names, height of the numbers above, and size of a cell [units of the drawing].
+const NAMES: usize = 250;
+const HEAD: usize = 60;
+const CELL: usize = 48;
+
+/// The errors as a map, the darker the larger, by decades from 0.01 to 10 %.
+fn map(errors: &[Vec<f64>]) -> String {
+    let n = errors.len();
+    let (width, height) = (NAMES + n * CELL + 14, HEAD + n * CELL + 14);
+    let text = |x: usize, y: usize, anchor: &str, class: &str, words: &str| {
+        format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"{anchor}\" class=\"{class}\">{words}</text>\n")
+    };
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\">\n\
+         <title>Who explains whom</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
+         .soft{{fill:var(--pz-soft)}}.bold{{font-weight:600;fill:var(--pz-model)}}</style>\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"var(--pz-paper)\"/>\n",
+        style()
+    );
+    svg += &text(14, 22, "start", "", "rms error on unseen records [% of peak-to-peak]");
+    svg += &text(14, HEAD - 10, "start", "soft", "truth");
+    svg += &text(NAMES - 14, HEAD - 10, "end", "soft", "identified as");
+    for (i, (row, truth)) in errors.iter().zip(OPERATORS).enumerate() {
+        let (middle, y) = (HEAD + i * CELL + CELL / 2 + 5, HEAD + i * CELL);
+        svg += &text(14, middle, "start", "", &format!("{} {}", i + 1, truth.name));
+        svg += &text(NAMES + i * CELL + CELL / 2, HEAD - 10, "middle", "soft", &(i + 1).to_string());
+        for (j, &error) in row.iter().enumerate() {
+            let (x, shade) = (NAMES + j * CELL, ((error.max(1e-2).log10() + 2.0) / 3.0).clamp(0.0, 1.0));
+            let _ = writeln!(
+                svg,
+                "<rect x=\"{x}\" y=\"{y}\" width=\"{CELL}\" height=\"{CELL}\" fill=\"var(--pz-descending)\" fill-opacity=\"{:.2}\" \
+                 stroke=\"var(--pz-paper)\"/>",
+                0.03 + 0.6 * shade
+            );
+            svg += &text(x + CELL / 2, middle, "middle", if i == j { "bold" } else { "" }, &cell(error));
+        }
+    }
+    svg + "</svg>\n"
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: matrix FOLDER")?);
+    let mut errors = Vec::new();
+    for truth in OPERATORS {
+        errors.push(OPERATORS.iter().map(|model| error(truth, model).unwrap_or(f64::NAN)).collect());
+        eprintln!("{}: {:.4?}", truth.name, errors.last());
+    }
+    page::write(&folder.join("operators.md"), "matrix", &table(&errors))?;
+    std::fs::write(folder.join("operators.svg"), map(&errors))?;
+    Ok(())
+}

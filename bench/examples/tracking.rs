@@ -1,0 +1,181 @@
+//! How closely two twins of a bender follow references under each scheme of control, their models identified from their records
+//! alone, and what tolerances make of it.
+//!
+//! ```text
+//! cargo run --release -p piezoid-bench --example tracking -- docs
+//! ```
+//! writes the errors into docs/control.md, between comments, and draws docs/control.svg.
+
+#[allow(dead_code)] // all but the twins on their bench
+#[path = "accuracy.rs"]
+pub(crate) mod accuracy;
+
+use accuracy::page::{self, cell, row};
+use accuracy::{TS, TWINS, Twin};
+use piezoid::compensation::How;
+use piezoid::control::{CONTROLLERS, Comparison, Drive, Driven, Scheme, Target, Tolerance, Wanted, compare, reference};
+use piezoid::excitation::Limits;
+use piezoid::plant::find;
+use piezoid::progress::unwatched;
+use piezoid::{Error, Model};
+use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
+
+/// The schemes side by side.
+pub(crate) const SCHEMES: [&str; 6] =
+    ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
+
+/// References by name and frequency [Hz].
+pub(crate) const PATHS: [(&str, f64); 10] = [
+    ("sine", 1.0),
+    ("sine", 5.0),
+    ("sine", 20.0),
+    ("sine", 40.0),
+    ("triangle", 1.0),
+    ("triangle", 5.0),
+    ("triangle", 20.0),
+    ("triangle", 40.0),
+    ("staircase", 1.0),
+    ("random", 20.0),
+];
+
+/// Their peak, 80 % of the catalogue's displacement [um].
+const PEAK: f64 = 800.0;
+
+/// Samples known ahead where not all is.
+const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
+
+/// Along which reference tolerances are tried, and their seed.
+pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
+const SEED: u64 = 7;
+
+/// A reference.
+pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<Wanted, Error> {
+    let n = (f64::max(1.0, 4.0 / hz) / TS) as usize;
+    Ok(Wanted::new(format!("{kind} {hz}"), TS, (reference(kind)?.samples)(TS, n, PEAK, hz)?))
+}
+
+/// A scheme for a model, its reference known so far ahead.
+pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<Drive, Error> {
+    let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+    let mut drive = Drive::new(Scheme::named(name)?, model, How { limits, ..How::default() }, 0, &Target::default())?;
+    drive.ahead = ahead;
+    Ok(drive)
+}
+
+/// Drives on a twin along these references.
+pub(crate) fn compared(
+    twin: &'static str,
+    drives: Vec<Drive>,
+    paths: &[(&str, f64)],
+    tolerance: Option<&Tolerance>,
+) -> Result<Comparison, Error> {
+    let plant = find(twin)?;
+    let paths = paths.iter().copied().map(wanted).collect::<Result<Vec<_>, _>>()?;
+    compare((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut unwatched)
+}
+
+/// The rms error along each reference [% of its height]; infinite where it was refused.
+pub(crate) fn errors(driven: &Driven) -> Vec<f64> {
+    let percent = |a: &Result<piezoid::control::Attempt, Error>| {
+        a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
+    };
+    driven.attempts.iter().map(percent).collect()
+}
+
+/// A table of errors by reference; each row begins with these names.
+fn table<'a>(titles: &[&str], rows: impl Iterator<Item = (Vec<String>, &'a Driven)>) -> String {
+    let head = titles.iter().map(|t| t.to_string()).chain(PATHS.map(|(kind, hz)| format!("{kind} {hz}")));
+    let rule = "|".to_string() + &"---|".repeat(titles.len()) + &"--:|".repeat(PATHS.len()) + "\n";
+    let body =
+        rows.map(|(names, d)| row(&names.into_iter().chain(errors(d).into_iter().map(cell)).collect::<Vec<_>>()));
+    row(&head.collect::<Vec<_>>()) + &rule + &body.collect::<String>()
+}
+
+fn code(name: impl std::fmt::Display) -> String {
+    format!("`{name}`")
+}
+
+/// The loops of every feedback with a law.
+fn margins(drives: &[Drive]) -> String {
+    let titles =
+        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "where flattest [Hz]"];
+    let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));
+    let body = figures.map(|(name, m, least)| {
+        let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
+        row(&[code(name)].into_iter().chain(figures).collect::<Vec<_>>())
+    });
+    row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
+}
+
+/// What draws of tolerance leave under each scheme.
+fn spreads(drawn: &Comparison) -> String {
+    let titles = ["controller", "this plant", "median", "9 of 10", "worst", "unstable"];
+    let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
+        let shares = [0.5, 0.9, 1.0].map(|share| cell(spread.percent_of_stroke(share)));
+        let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
+        let unstable = d.drive.scheme.law.map_or("-".into(), counted);
+        let nominal = cell(errors(d)[0]);
+        row(&[code(d.name()), nominal].into_iter().chain(shares).chain([unstable]).collect::<Vec<_>>())
+    });
+    row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
+}
+
+/// Errors along triangles of the first twin by frequency, and over tolerances.
+fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
+    let role = |name: &str| match SCHEMES.iter().position(|s| *s == name) {
+        Some(0) | None => Role::Muted,
+        Some(k) => Role::accent(k - 1),
+    };
+    let (at, hz): (Vec<usize>, Vec<f64>) =
+        PATHS.iter().enumerate().filter(|(_, p)| p.0 == "triangle").map(|(k, p)| (k, p.1)).unzip();
+    let axes = Axes::new(Axis::log("f [Hz]").ticks(&hz), Axis::log("rms error [% of the height]")).titled("triangles");
+    let by_frequency = tracked.driven.iter().fold(axes, |axes, d| {
+        let all = errors(d);
+        let of: Vec<f64> = at.iter().map(|k| all[*k]).collect();
+        axes.with(Series::marked(&hz, &of).role(role(&d.name())).named(d.name()))
+    });
+    let title = format!("{} {} Hz, tolerance of 20 %", TRIED.0, TRIED.1);
+    let axes = Axes::new(Axis::log("rms error [% of the height]"), "share of 200 draws [%]").titled(title);
+    let shares: Vec<f64> = (0..=100).map(f64::from).collect();
+    let shown = drawn.driven.iter().filter(|d| SCHEMES.contains(&&*d.name()));
+    let by_share = shown.filter_map(|d| Some((d, d.spread.as_ref()?))).fold(axes, |axes, (d, spread)| {
+        let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
+        axes.with(Series::line(&percent, &shares).role(role(&d.name())))
+    });
+    let caption = "Tracking error of the twin pl140 under a model identified from its records: by frequency of a triangle of 80 % of the \
+                   stroke, and over plants whose values lie within 20 %.";
+    Figure::new("Control side by side", caption).panel(by_frequency).panel(by_share)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: tracking FOLDER")?);
+    let page = folder.join("control.md");
+    let models = TWINS.iter().map(|twin| Ok(Twin::new(twin)?.joint("auto", false)?.model));
+    let models: Vec<Model> = models.collect::<Result<_, Error>>()?;
+    let all = |model: &Model, names: &[&str], ahead| {
+        names.iter().map(|name| drive(model, name, ahead)).collect::<Result<Vec<_>, Error>>()
+    };
+
+    let tracked =
+        |(twin, model): (&&'static str, &Model)| compared(twin, all(model, &SCHEMES, usize::MAX)?, &PATHS, None);
+    let tracked = TWINS.iter().zip(&models).map(tracked).collect::<Result<Vec<_>, Error>>()?;
+    let rows = tracked.iter().flat_map(|c| c.driven.iter().map(|d| (vec![code(&c.plant), code(d.name())], d)));
+    page::write(&page, "tracking", &table(&["twin", "controller"], rows))?;
+
+    let causal = ["feed-forward", "feed-forward+integral-notch", "predictive"];
+    let known = |ahead: usize| Ok((ahead, compared(TWINS[0], all(&models[0], &causal, ahead)?, &PATHS, None)?));
+    let known = AHEAD.into_iter().map(known).collect::<Result<Vec<_>, Error>>()?;
+    let rows = known.iter().flat_map(|(n, c)| c.driven.iter().map(move |d| (vec![n.to_string(), code(d.name())], d)));
+    page::write(&page, "ahead", &table(&["known ahead", "controller"], rows))?;
+
+    let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();
+    page::write(&page, "margins", &margins(&all(&models[0], &feedbacks, usize::MAX)?))?;
+    let with: Vec<String> = feedbacks.iter().map(|name| format!("feed-forward+{name}")).collect();
+    let with = with.iter().map(String::as_str).filter(|name| !name.ends_with("predictive"));
+    let tried: Vec<&str> =
+        ["gain", "feed-forward"].into_iter().chain(feedbacks.iter().copied()).chain(with).chain(["learning"]).collect();
+    let drives = all(&models[0], &tried, usize::MAX)?;
+    let drawn = compared(TWINS[0], drives, &[TRIED], Some(&Tolerance { seed: SEED, ..Tolerance::default() }))?;
+    page::write(&page, "tolerance", &spreads(&drawn))?;
+    Ok(std::fs::write(folder.join("control.svg"), figure(&tracked[0], &drawn).svg())?)
+}

@@ -1,0 +1,41 @@
+//! Writes the vector files: a model of every operator, inputs, and what it answers, for other languages to be held against.
+//!
+//! `cargo run -p piezoid-bench --example vectors -- crates/piezoid/tests/vectors`
+
+use piezoid::creep::Creep;
+use piezoid::driver::{Driver, SUBSTEPS};
+use piezoid::hysteresis::{OPERATORS, operator};
+use piezoid::linear::Arx;
+use piezoid::{Error, Model};
+use piezoid_export::{Wanted, Whole};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Sampling period [s].
+const TS: f64 = 5e-4;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = std::env::args().nth(1).ok_or("name the folder of the vector files")?;
+    let driver = Driver::new(1e-4, Some(2e4))?;
+    let driven = ("driven", model("prandtl-ishlinskii", Some(driver)));
+    for (name, model) in OPERATORS.iter().map(|o| (o.name, model(o.name, None))).chain([driven]) {
+        let model = model?;
+        let whole = Whole::new(&Wanted::new(&model, "m"))?;
+        let document: Value = serde_json::from_str(&model.to_json())?;
+        let mut vectors = json!({"model": document});
+        for entry in &whole.entries {
+            let inputs: Vec<f64> = entry.vectors.inputs.iter().map(|row| row[0]).collect();
+            vectors[entry.step] = json!({"inputs": inputs, "outputs": entry.vectors.outputs});
+        }
+        std::fs::write(Path::new(&folder).join(format!("{name}.json")), format!("{vectors}\n"))?;
+    }
+    Ok(())
+}
+
+/// The operator's example before creep and a resonance, behind a driver or not.
+fn model(name: &str, driver: Option<Driver>) -> Result<Model, Error> {
+    let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+    let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
+    let model = Model::driven(driver, (operator(name)?.example)(TS / faster)?, block, 2.0)?;
+    model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
+}

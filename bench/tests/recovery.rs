@@ -1,0 +1,94 @@
+//! Joint identification finds what is there: each operator's example, from records a user could take.
+
+#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+
+#[allow(dead_code)] // what draws
+#[path = "../examples/matrix.rs"]
+mod matrix;
+
+use matrix::error;
+use piezoid::hysteresis::{OPERATORS, Operator, operator};
+
+/// A millionth of peak-to-peak, in percent.
+const RECOVERED: f64 = 1e-4;
+
+const PAGE: &str = include_str!("../../docs/operators.md");
+
+/// The table of docs/operators.md: errors by truth and model.
+fn kept() -> Vec<(String, Vec<String>)> {
+    let rows = PAGE.lines().skip_while(|line| !line.starts_with("| truth")).skip(2).take_while(|l| l.starts_with('|'));
+    rows.map(|line| {
+        let mut cells = line.trim_matches('|').split('|').map(|cell| cell.trim().to_string());
+        let name = cells.next().and_then(|name| Some(name.split_once(' ')?.1.trim_matches('`').to_string()));
+        (name.expect("a number and a name"), cells.collect())
+    })
+    .collect()
+}
+
+#[track_caller]
+fn is_recovered(names: &[&str]) {
+    for name in names {
+        let row = operator(name).expect("an operator");
+        let left = error(row, row).expect("a model");
+        assert!(left <= RECOVERED, "{name}: {left} % of peak-to-peak");
+    }
+}
+
+/// The grids and the longest search, which take seconds; the others take less together.
+const SLOW: [&str; 3] = ["preisach", "krasnoselskii-pokrovskii", "bouc-wen-baber-noori"];
+
+#[test]
+fn every_operator_of_few_parameters_is_recovered_to_a_millionth_of_peak_to_peak() {
+    let fast: Vec<&str> = OPERATORS.iter().map(|o| o.name).filter(|name| !SLOW.contains(name)).collect();
+    assert_eq!(fast.len() + SLOW.len(), OPERATORS.len());
+    is_recovered(&fast);
+}
+
+#[test]
+fn a_preisach_grid_is_recovered() {
+    is_recovered(&SLOW[..1]);
+}
+
+#[test]
+fn a_grid_of_kernels_is_recovered() {
+    is_recovered(&SLOW[1..2]);
+}
+
+#[test]
+fn wear_and_pinching_are_recovered() {
+    is_recovered(&SLOW[2..]);
+}
+
+#[test]
+fn the_page_of_operators_has_a_section_and_a_place_in_the_matrix_for_each() {
+    let rows = kept();
+    assert!(rows.iter().map(|(name, _)| name.as_str()).eq(OPERATORS.iter().map(|o| o.name)), "{rows:?}");
+    for (k, (name, cells)) in rows.iter().enumerate() {
+        assert!(PAGE.contains(&format!("\n### `{name}`\n")), "{name} has no section");
+        assert_eq!(cells.len(), OPERATORS.len(), "{name}");
+        assert_eq!(cells[k], "0", "{name} is recovered");
+    }
+}
+
+#[test]
+fn the_matrix_in_the_documentation_is_what_comes_out() {
+    let rows = kept();
+    let place = |name: &str| OPERATORS.iter().position(|o: &&Operator| o.name == name).expect("an operator");
+    for (truth, model) in [
+        ("prandtl-ishlinskii", "proportional"),
+        ("bouc-wen", "prandtl-ishlinskii"),
+        ("prandtl-ishlinskii", "bouc-wen"),
+        ("asymmetric-bouc-wen", "bouc-wen"),
+        ("dahl", "bouc-wen"),
+        ("bouc-wen", "duhem"),
+    ] {
+        let (i, j) = (place(truth), place(model));
+        let now = error(OPERATORS[i], OPERATORS[j]).expect("a model");
+        let kept: f64 = rows[i].1[j].parse().expect("a number");
+        // Two digits stand there.
+        assert!(
+            (now - kept).abs() <= 0.06 * kept,
+            "{truth} as {model}: {now} %, the page says {kept}: run `cargo xtask docs`"
+        );
+    }
+}

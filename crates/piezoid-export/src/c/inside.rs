@@ -1,0 +1,143 @@
+//! The words of C99 inside functions.
+
+use super::{C, shortest};
+use crate::language::{Language, Words, less_one};
+use piezoid::program::{Block, Expr, Function, Place};
+
+impl C<'_> {
+    /// Whether this is a parameter, of which only states have fields.
+    fn pointed(&self, function: &Function, root: &str) -> bool {
+        function.takes.iter().any(|p| p.name == root)
+    }
+
+    /// Whether a place is a state that was handed over by its address.
+    fn addressed(&self, function: &Function, place: &Place) -> bool {
+        self.pointed(function, &place.root) && place.path.is_empty()
+    }
+
+    fn arguments(&self, arguments: &[Expr], words: &Words) -> Vec<String> {
+        let argument = |a: &Expr| match a {
+            Expr::Part(place) if self.addressed(words.function, place) => place.root.clone(),
+            Expr::Part(place) => format!("&{}", self.place(place, words)),
+            a => words.expr(a),
+        };
+        arguments.iter().map(argument).collect()
+    }
+}
+
+impl Language for C<'_> {
+    fn single(&self) -> bool {
+        self.single
+    }
+
+    fn real(&self, value: f64) -> String {
+        if self.counts.is_some() {
+            return format!("{}", value as i64);
+        }
+        format!("{}{}", shortest(value, self.single), if self.single { "f" } else { "" })
+    }
+
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+        let name = self.own(&format!("{}_{name}", block.name));
+        index.map_or(name.clone(), |index| format!("{name}[{}]", words.expr(index)))
+    }
+
+    fn place(&self, place: &Place, words: &Words) -> String {
+        let mut text = place.root.clone();
+        for (k, field) in place.path.iter().enumerate() {
+            text += if k == 0 && self.pointed(words.function, &place.root) { "->" } else { "." };
+            text += field;
+        }
+        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
+        text
+    }
+
+    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+        if self.counts.is_some() && name == "wide" {
+            return format!("(int64_t){}", words.expr(&arguments[0]));
+        }
+        format!("{}({})", self.own(name), self.arguments(arguments, words).join(", "))
+    }
+
+    fn to_real(&self, value: String) -> String {
+        format!("({})({value})", self.number())
+    }
+
+    fn to_whole(&self, value: String) -> String {
+        format!("(int)({value})")
+    }
+
+    fn note(&self, text: &str) -> String {
+        format!("/* {} */", text.replace("*/", "* /"))
+    }
+
+    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+        let (Some((first, rest)), kind) =
+            (names.split_first(), if value.whole() { "int" } else { self.number_in(words.function) })
+        else {
+            return Vec::new();
+        };
+        let zero = self.real(0.0);
+        let mut lines: Vec<String> = rest.iter().map(|name| format!("{kind} {name} = {zero};")).collect();
+        let value = match value {
+            Expr::Call(function, arguments) if !rest.is_empty() => {
+                let given = self.arguments(arguments, words);
+                let given: Vec<String> = given.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
+                format!("{}({})", self.own(function), given.join(", "))
+            }
+            value => words.expr(value),
+        };
+        // C99 knows no constants among its variables, but who reads it should.
+        let changed = words.function.changes(first);
+        lines.push(format!("{}{kind} {first} = {value};", if changed { "" } else { "const " }));
+        lines
+    }
+
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
+        let from = if self.addressed(words.function, of) { format!("*{}", of.root) } else { self.place(of, words) };
+        let copy = format!("{} {name} = {from};", self.state(block));
+        if !zero {
+            return vec![copy];
+        }
+        // No aggregate is initialised: compilers disagree on the braces.
+        let clear = self.cleared(block, &format!("{name}."));
+        std::iter::once(format!("{} {name};", self.state(block))).chain(clear).collect()
+    }
+
+    fn room(&self, name: &str, n: usize) -> Vec<String> {
+        vec![format!("{} {name}[{n}] = {{{}}};", self.number(), self.real(0.0))]
+    }
+
+    fn done(&self, call: &Expr, words: &Words) -> String {
+        let gives = words.gives(call);
+        format!("{}{};", if gives { "(void)" } else { "" }, words.expr(call))
+    }
+
+    fn if_holds(&self, holds: String) -> String {
+        format!("if ({holds}) {{")
+    }
+
+    fn else_if(&self, holds: String) -> String {
+        format!("}} else if ({holds}) {{")
+    }
+
+    fn or_else(&self) -> String {
+        "} else {".into()
+    }
+
+    fn otherwise_nothing(&self) -> Vec<String> {
+        vec!["} else {".into(), "    /* all stays as it is */".into()]
+    }
+
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
+        let (first, last, to) = (words.expr(from), words.expr(&less_one(to)), words.expr(to));
+        match down {
+            false => format!("for (int {name} = {first}; {name} < {to}; {name}++) {{"),
+            true => format!("for (int {name} = {last}; {name} >= {first}; {name}--) {{"),
+        }
+    }
+
+    fn as_long_as(&self, holds: String) -> String {
+        format!("while ({holds}) {{")
+    }
+}

@@ -1,0 +1,188 @@
+//! How much a count is worth: a power of two for every number a program names, by the largest it ever holds.
+
+use piezoid::program::{Expr, Function, Holds, Kind, Machine, Op, Place, Program, Step};
+use std::collections::HashMap;
+
+/// A number with a name, or what a function gives.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) enum Key {
+    /// A variable, parameter or room of a function.
+    Local(String, String),
+    /// A field of a block.
+    Field(String, String),
+    /// What a function gives, in order.
+    Gives(String, usize),
+}
+
+/// The formats of a program.
+#[derive(Debug, Default)]
+pub(crate) struct Formats {
+    largest: HashMap<Key, f64>,
+    expressions: HashMap<*const Expr, f64>,
+    /// Fields that add to themselves, of 64 bits: what they gain in a sample may be far less than a count.
+    long: Vec<(String, String)>,
+}
+
+/// Functions that compare and pass on, whatever a count of theirs is worth.
+pub(crate) const PLAIN: &[&str] = &["clamp", "magnitude", "way"];
+
+/// More bits of what adds to itself.
+pub(crate) const MORE: i32 = 20;
+
+/// The exponent of a count, so that numbers up to `largest` are at most 2^30: what is up to twice as large still fits in 32 bits.
+pub(crate) fn fitting(largest: f64) -> i32 {
+    if largest > 0.0 { above(largest) - 30 } else { -30 }
+}
+
+/// The least power of two above `v` > 0.
+pub(crate) fn above(v: f64) -> i32 {
+    ((v.to_bits() >> 52) & 0x7FF) as i32 - 1022
+}
+
+impl Formats {
+    /// Of what machines have seen at work.
+    pub(crate) fn of(program: &Program, machines: &[Machine]) -> Self {
+        let mut formats = Formats { long: adding(program), ..Formats::default() };
+        for function in program.functions.iter().filter(|f| !PLAIN.contains(&f.name.as_str())) {
+            function.expressions(&mut |expr| {
+                let seen = machines
+                    .iter()
+                    .filter_map(|m| m.largest(expr))
+                    .fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
+                seen.map(|seen| formats.expressions.insert(expr, seen));
+            });
+        }
+        for block in &program.blocks {
+            for field in &block.fields {
+                let at_rest = match &field.holds {
+                    Holds::Number(v) => v.abs(),
+                    Holds::Numbers(values) => values.iter().fold(0.0, |most, v| v.abs().max(most)),
+                    Holds::Block(_) => continue,
+                };
+                formats.raise(Key::Field(block.name.clone(), field.name.clone()), at_rest);
+            }
+        }
+        // What passes through a pair of numbers has one format on both sides.
+        for _ in 0..3 {
+            program.functions.iter().for_each(|function| formats.gather(program, function));
+        }
+        formats
+    }
+
+    fn gather(&mut self, program: &Program, function: &Function) {
+        let local = |name: &str| Key::Local(function.name.clone(), name.to_owned());
+        for (k, expr) in function.returns.iter().enumerate() {
+            self.raise(Key::Gives(function.name.clone(), k), self.seen(expr));
+        }
+        let mut steps = |step: &Step| match step {
+            Step::Let(names, Expr::Call(called, _)) if names.len() > 1 => {
+                for (k, name) in names.iter().enumerate() {
+                    let (inside, outside) = (Key::Gives(called.clone(), k), local(name));
+                    let most = self.most(&inside).max(self.most(&outside));
+                    self.raise(inside, most);
+                    self.raise(outside, most);
+                }
+            }
+            Step::Let(names, expr) if !expr.whole() => self.raise(local(&names[0]), self.seen(expr)),
+            Step::Set(place, expr) if !expr.whole() => {
+                self.raise(key(program, function, place), self.seen(expr));
+            }
+            _ => {}
+        };
+        function.steps.iter().for_each(|step| step.all(&mut steps));
+        function.expressions(&mut |expr| {
+            let Expr::Call(name, arguments) = expr else { return };
+            for (takes, given) in program.function(name).iter().flat_map(|f| f.takes.iter().zip(arguments)) {
+                if takes.kind == Kind::Real {
+                    self.raise(Key::Local(name.clone(), takes.name.clone()), self.seen(given));
+                }
+            }
+        });
+    }
+
+    /// Makes room for numbers as large as `most`.
+    pub(crate) fn raise(&mut self, key: Key, most: f64) {
+        let largest = self.largest.entry(key).or_insert(0.0);
+        *largest = largest.max(most);
+    }
+
+    /// The largest that is known of a number.
+    pub(crate) fn most(&self, key: &Key) -> f64 {
+        self.largest.get(key).copied().unwrap_or(0.0)
+    }
+
+    /// The exponent of a number.
+    pub(crate) fn exponent(&self, key: &Key) -> i32 {
+        fitting(self.most(key)) - if matches!(key, Key::Field(b, f) if self.is_long(b, f)) { MORE } else { 0 }
+    }
+
+    /// The exponent of what an expression gives, if it was ever reached.
+    pub(crate) fn given(&self, expr: &Expr) -> Option<i32> {
+        self.expressions.get(&std::ptr::from_ref(expr)).map(|largest| fitting(*largest))
+    }
+
+    fn seen(&self, expr: &Expr) -> f64 {
+        self.expressions.get(&std::ptr::from_ref(expr)).copied().unwrap_or(0.0)
+    }
+
+    /// Whether a field has 64 bits.
+    pub(crate) fn is_long(&self, block: &str, field: &str) -> bool {
+        self.long.iter().any(|(b, f)| b == block && f == field)
+    }
+}
+
+/// What stands at a place of a function.
+pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key {
+    let Some((last, path)) = place.path.split_last() else {
+        return Key::Local(function.name.clone(), place.root.clone());
+    };
+    let mut block = None;
+    for takes in function.takes.iter().filter(|p| p.name == place.root) {
+        if let Kind::Part(of) = &takes.kind {
+            block = Some(of);
+        }
+    }
+    function.steps.iter().for_each(|step| {
+        step.all(&mut |step| match step {
+            Step::Copy { name, block: of, .. } if *name == place.root => block = Some(of),
+            _ => {}
+        });
+    });
+    let mut block = block.map_or("", String::as_str);
+    for name in path {
+        let field = program.block(block).and_then(|b| b.fields.iter().find(|f| f.name == *name));
+        if let Some(Holds::Block(inner)) = field.map(|f| &f.holds) {
+            block = inner;
+        }
+    }
+    Key::Field(block.to_owned(), last.clone())
+}
+
+/// Fields that add to themselves.
+pub(crate) fn adding(program: &Program) -> Vec<(String, String)> {
+    let mut long = Vec::new();
+    for function in &program.functions {
+        let mut look = |step: &Step| {
+            if let Step::Set(place, Expr::Binary(Op::Add, left, _)) = step
+                && **left == Expr::At(place.clone())
+                && let Key::Field(block, field) = key(program, function, place)
+            {
+                long.push((block, field));
+            }
+        };
+        function.steps.iter().for_each(|step| step.all(&mut look));
+    }
+    long
+}
+
+/// The block and the field of each number in the state of a block, in order.
+pub(crate) fn fields(program: &Program, block: &str) -> Vec<(String, String)> {
+    let fields = program.block(block).map_or(&[][..], |b| &b.fields);
+    let own = |name: &str| (block.to_owned(), name.to_owned());
+    let each = fields.iter().flat_map(|field| match &field.holds {
+        Holds::Number(_) => vec![own(&field.name)],
+        Holds::Numbers(values) => vec![own(&field.name); values.len()],
+        Holds::Block(inner) => self::fields(program, inner),
+    });
+    each.collect()
+}

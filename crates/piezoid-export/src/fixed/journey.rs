@@ -1,0 +1,98 @@
+//! Where a program is taken to see how large its numbers become, and how far off counts are.
+
+use super::formats::{adding, fields, fitting};
+use super::number::counts;
+use crate::Wanted;
+use crate::vectors::{turned, wander};
+use crate::whole::{Entry, Whole};
+use piezoid::series::ends;
+use piezoid::system::System;
+
+/// Samples of each part of a journey.
+pub(super) const PART: usize = 500;
+
+/// The journeys of an entry: the same inputs from several states.
+pub(super) struct Journeys {
+    /// The states they start from: at rest, and where all that is slow has come to at both ends.
+    pub(super) starts: Vec<Vec<f64>>,
+    /// Over all that the model knows and a tenth more they wander, jump, and sweep from slow to fast.
+    pub(super) inputs: Vec<Vec<f64>>,
+}
+
+/// The journeys of each entry.
+pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
+    let model = wanted.model;
+    let (low, high) = model.known_inputs().unwrap_or((-1.0, 1.0));
+    let more = 0.05 * (high - low);
+    let far = (low - more, high + more);
+    let slow = wander(far, PART);
+    let u = in_counts([&slow[..], &jumping(far, PART), &sweep(far, PART)].concat());
+    let still = model.simulate(&slow);
+    let r = in_counts([&still[..], &jumping(ends(still.iter().copied()), PART)].concat());
+    let z = ends(model.hysteresis().simulate(&slow));
+    let long = adding(&whole.program);
+    let of = |entry: &Entry| {
+        let numbers = fields(&whole.program, entry.state);
+        let at_rest = whole.program.at_rest(entry.state);
+        let settled = |u: f64, z: f64| {
+            let crept = z * (1.0 + model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>());
+            let there = |(field, at_rest): (&(String, String), &f64)| match (&*field.0, &*field.1) {
+                ("creep", _) => z,
+                ("linear", "inputs") => crept,
+                ("linear", _) if model.linear().dc_gain().is_finite() => model.linear().dc_gain() * crept,
+                // An integral can be as large as what it drives.
+                ("control_state", _) if long.contains(field) => u,
+                _ => *at_rest,
+            };
+            numbers.iter().zip(&at_rest).map(there).collect()
+        };
+        let inputs = match entry.step {
+            "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
+            "ff_step" => r.iter().map(|r| vec![*r]).collect(),
+            _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.25 * r, *u]).collect(),
+        };
+        Journeys { starts: vec![at_rest.clone(), settled(far.0, z.0), settled(far.1, z.1)], inputs }
+    };
+    whole.entries.iter().map(of).collect()
+}
+
+/// The nearest numbers that are whole counts in any format, so that what is equal in double precision is equal in counts too.
+fn in_counts(values: Vec<f64>) -> Vec<f64> {
+    let exponent = fitting(values.iter().fold(0.0, |most, v| v.abs().max(most))) + COARSER;
+    values.into_iter().map(|v| counts(v, exponent) * 2f64.powi(exponent)).collect()
+}
+
+/// How many bits less.
+const COARSER: i32 = 8;
+
+/// Jumps to anywhere, and to the ends, each kept for up to 16 samples.
+fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
+    let (mut state, mut level, mut left) = (1u64, low, 0);
+    (0..n)
+        .map(|_| {
+            if left == 0 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let share = (state >> 40) as f64 / (1u64 << 24) as f64;
+                level = low + (high - low) * (1.5 * share - 0.25).clamp(0.0, 1.0);
+                left = (state >> 20) % 16 + 1;
+            }
+            left -= 1;
+            level
+        })
+        .collect()
+}
+
+/// A sine that goes from standing still to half the sampling rate: sums and products alone, for the same bits on every machine.
+fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
+    // By pi / 500 in each sample.
+    let faster = (0.9999802608561371, 0.006283143965558951);
+    let (mut turn, mut at) = ((1.0, 0.0), (1.0, 0.0));
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    (0..n)
+        .map(|_| {
+            turn = turned(faster, turn);
+            at = turned(turn, at);
+            middle + half * at.1
+        })
+        .collect()
+}

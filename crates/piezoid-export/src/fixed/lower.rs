@@ -1,0 +1,370 @@
+//! A program in whole counts for one in real numbers.
+//!
+//! ```text
+//! v = n 2^e           n: the count, in 32 bits; e: known for every name before the program runs
+//! a + b               both as counts of the finer of the two, in 64 bits
+//! a b                 n_a n_b in 64 bits, then once to the nearest count of what it goes to
+//! a / b               n_a 2^s / n_b in 64 bits, to the nearest
+//! ```
+//! How many bits a number may take is known too, whatever the inputs: what is computed never takes more than 62, and is held within
+//! the ends of 32 where it is given a name. Fields that add to themselves keep 20 bits more. `epsilon` is 2^-30. Other limits of
+//! floating-point numbers have no meaning in counts: programs that use them are refused.
+
+use super::formats::{Formats, Key, MORE, PLAIN, above, fitting, key};
+use super::number::{NARROW, Number, WIDE, WIDEST, aligned, binary, call, counts, power, sum};
+use piezoid::error::Error;
+use piezoid::program::{Block, Expr, Function, Holds, Kind, Limit, Op, Place, Program, Step};
+
+/// Whether something holds.
+#[derive(Debug)]
+enum Condition {
+    Always,
+    If(Expr),
+}
+
+/// The program in counts.
+pub(super) fn lowered(program: &Program, formats: &Formats) -> Result<Program, Error> {
+    let blocks = program.blocks.iter().map(|block| in_counts(block, formats)).collect();
+    let functions = program.functions.iter().map(|function| {
+        if PLAIN.contains(&function.name.as_str()) {
+            return Ok(function.clone());
+        }
+        Lowering { program, formats, function }.lowered()
+    });
+    Ok(Program { blocks, functions: functions.collect::<Result<_, _>>()? })
+}
+
+/// What a constant's counts are worth.
+fn of_constant(values: &[f64]) -> i32 {
+    fitting(values.iter().fold(0.0, |most, v| v.abs().max(most)))
+}
+
+fn in_counts(block: &Block, formats: &Formats) -> Block {
+    let mut block = block.clone();
+    for constant in &mut block.constants {
+        let exponent = of_constant(&constant.values);
+        constant.values.iter_mut().for_each(|v| *v = counts(*v, exponent));
+    }
+    for field in &mut block.fields {
+        let exponent = formats.exponent(&Key::Field(block.name.clone(), field.name.clone()));
+        match &mut field.holds {
+            Holds::Number(v) => *v = counts(*v, exponent),
+            Holds::Numbers(values) => values.iter_mut().for_each(|v| *v = counts(*v, exponent)),
+            Holds::Block(_) => {}
+        }
+    }
+    block
+}
+
+fn unsuited<T>(because: String) -> Result<T, Error> {
+    Err(Error::Unsuited { what: "export in fixed point".into(), because })
+}
+
+struct Lowering<'l> {
+    program: &'l Program,
+    formats: &'l Formats,
+    function: &'l Function,
+}
+
+impl Lowering<'_> {
+    fn lowered(&self) -> Result<Function, Error> {
+        let f = self.function;
+        let returns = f.returns.iter().enumerate().map(|(k, expr)| self.stored(expr, &Key::Gives(f.name.clone(), k)));
+        Ok(Function { steps: self.steps(&f.steps)?, returns: returns.collect::<Result<_, _>>()?, ..f.clone() })
+    }
+
+    fn steps(&self, steps: &[Step]) -> Result<Vec<Step>, Error> {
+        let mut out = Vec::new();
+        for step in steps {
+            out.extend(self.step(step)?);
+        }
+        Ok(out)
+    }
+
+    fn step(&self, step: &Step) -> Result<Vec<Step>, Error> {
+        Ok(vec![match step {
+            Step::Note(_) | Step::Copy { .. } | Step::Room(..) => step.clone(),
+            Step::Let(names, Expr::Call(called, given)) if names.len() > 1 => {
+                Step::Let(names.clone(), call(called, self.arguments(called, given)?))
+            }
+            Step::Let(names, expr) => Step::Let(names.clone(), self.assigned(expr, &self.local(&names[0]))?),
+            Step::Set(place, expr) => Step::Set(self.place(place)?, self.assigned(expr, &self.key(place))?),
+            Step::Do(Expr::Call(called, given)) => Step::Do(call(called, self.arguments(called, given)?)),
+            Step::Do(_) => return Ok(Vec::new()),
+            Step::If(holds, yes, no) => match self.holds(holds)? {
+                Condition::Always => return self.steps(yes),
+                Condition::If(holds) => Step::If(holds, self.steps(yes)?, self.steps(no)?),
+            },
+            Step::For { name, from, to, down, steps } => Step::For {
+                name: name.clone(),
+                from: self.whole(from)?,
+                to: self.whole(to)?,
+                down: *down,
+                steps: self.steps(steps)?,
+            },
+            Step::While(holds, steps) => match self.holds(holds)? {
+                Condition::Always => return unsuited(format!("`{}` would not end", self.function.name)),
+                Condition::If(holds) => Step::While(holds, self.steps(steps)?),
+            },
+        }])
+    }
+
+    fn local(&self, name: &str) -> Key {
+        Key::Local(self.function.name.clone(), name.to_owned())
+    }
+
+    fn key(&self, place: &Place) -> Key {
+        key(self.program, self.function, place)
+    }
+
+    fn place(&self, place: &Place) -> Result<Place, Error> {
+        let index = place.index.as_ref().map(|index| self.whole(index)).transpose()?;
+        Ok(Place { index: index.map(Box::new), ..place.clone() })
+    }
+
+    fn arguments(&self, called: &str, given: &[Expr]) -> Result<Vec<Expr>, Error> {
+        let takes = self.program.function(called).map_or(&[][..], |f| &f.takes);
+        let argument = |(takes, given): (&piezoid::program::Parameter, &Expr)| match takes.kind {
+            Kind::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
+            Kind::Whole => self.whole(given),
+            _ => Ok(given.clone()),
+        };
+        takes.iter().zip(given).map(argument).collect()
+    }
+
+    fn assigned(&self, expr: &Expr, to: &Key) -> Result<Expr, Error> {
+        if expr.whole() { self.whole(expr) } else { self.stored(expr, to) }
+    }
+
+    /// An expression as the counts of what it goes to, held within its ends.
+    fn stored(&self, expr: &Expr, to: &Key) -> Result<Expr, Error> {
+        let exponent = self.formats.exponent(to);
+        let number = self.real(expr, Some(exponent))?;
+        match to {
+            Key::Field(block, field) if self.formats.is_long(block, field) => {
+                let there = number.to(exponent);
+                Ok(if there.literal.is_some() { there.expr } else { call("keep", vec![there.expr]) })
+            }
+            _ => Ok(number.narrow(exponent)),
+        }
+    }
+
+    fn whole(&self, expr: &Expr) -> Result<Expr, Error> {
+        Ok(match expr {
+            Expr::Call(name, given) if name == "whole" => {
+                let number = self.real(&given[0], None)?;
+                let (op, unit) = match number.exponent {
+                    0.. => return Ok(call("whole", vec![number.to(0).expr])),
+                    e => (Op::Divide, Expr::Real(power(-e))),
+                };
+                call("whole", vec![binary(op, number.expr, unit)])
+            }
+            Expr::Binary(op, left, right) => binary(*op, self.whole(left)?, self.whole(right)?),
+            expr => expr.clone(),
+        })
+    }
+
+    /// A number; in products and quotients, in counts of the worth that is wanted if there is room.
+    fn real(&self, expr: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
+        if let Some(v) = literal(expr) {
+            return Ok(Number::literal(v));
+        }
+        Ok(match expr {
+            Expr::Limit(limit) => {
+                let limit = if *limit == Limit::Most { "largest" } else { "least positive" };
+                return unsuited(format!("`{}` needs the {limit} floating-point number", self.function.name));
+            }
+            Expr::Variable(name, _) => Number::named(expr.clone(), self.formats.exponent(&self.local(name))),
+            Expr::Constant(block, name, index) => {
+                let constant = self.program.blocks[*block].constants.iter().find(|c| c.name == *name);
+                let exponent = of_constant(constant.map_or(&[], |c| &c.values));
+                let index = index.as_ref().map(|index| self.whole(index)).transpose()?;
+                Number::named(Expr::Constant(*block, name.clone(), index.map(Box::new)), exponent)
+            }
+            Expr::At(place) => {
+                let (key, at) = (self.key(place), Expr::At(self.place(place)?));
+                let number = Number::named(at, self.formats.exponent(&key));
+                match &key {
+                    Key::Field(block, field) if self.formats.is_long(block, field) => {
+                        Number { bits: NARROW + MORE, wide: true, ..number }
+                    }
+                    _ => number,
+                }
+            }
+            Expr::Call(name, given) if name == "real" => Number::named(call(name, vec![self.whole(&given[0])?]), 0),
+            Expr::Call(name, given) if PLAIN.contains(&name.as_str()) => {
+                let numbers = given.iter().map(|g| self.real(g, wanted)).collect::<Result<Vec<_>, _>>()?;
+                let numbers = aligned(numbers);
+                let (exponent, bits) = (numbers[0].exponent, numbers.iter().map(|n| n.bits).max().unwrap_or(0));
+                let passed = call(name, numbers.into_iter().map(|n| n.expr).collect());
+                if name == "way" { Number::computed(passed, 0, 1) } else { Number::computed(passed, exponent, bits) }
+            }
+            Expr::Call(name, given) => {
+                let exponent = self.formats.exponent(&Key::Gives(name.clone(), 0));
+                Number::named(call(name, self.arguments(name, given)?), exponent)
+            }
+            Expr::Negative(inner) => {
+                let number = self.real(inner, wanted)?;
+                let (exponent, bits) = (number.exponent, number.bits);
+                Number::computed(Expr::Negative(Box::new(number.long())), exponent, bits)
+            }
+            Expr::Binary(Op::Multiply, left, right) => self.product(left, right, wanted)?,
+            Expr::Binary(Op::Divide, left, right) => self.quotient(expr, left, right, wanted)?,
+            Expr::Binary(op, left, right) => {
+                let (left, right) = (self.real(left, wanted)?, self.real(right, wanted)?);
+                match (left.literal, right.literal) {
+                    (Some(0.0), _) if *op == Op::Add => right,
+                    (_, Some(0.0)) => left,
+                    _ => sum(*op, left, right),
+                }
+            }
+            Expr::Real(_) | Expr::Whole(_) | Expr::Part(_) => return unsuited(format!("{expr:?} is no real number")),
+        })
+    }
+
+    /// A factor in 32 bits, of its own largest size.
+    fn factor(&self, expr: &Expr) -> Result<Number, Error> {
+        let given = self.formats.given(expr);
+        let number = self.real(expr, given)?;
+        if !number.wide {
+            return Ok(number);
+        }
+        let room = number.exponent + (number.bits - NARROW).max(0);
+        let exponent = given.map_or(room, |given| given.max(number.exponent)).min(room);
+        Ok(Number::named(number.narrow(exponent), exponent))
+    }
+
+    fn product(&self, left: &Expr, right: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
+        for (one, other) in [(left, right), (right, left)] {
+            // A power of two is in what a count is worth.
+            if let Some(v) = literal(one)
+                && v > 0.0
+                && v == power(above(v) - 1)
+            {
+                let n = above(v) - 1;
+                let number = self.real(other, wanted.map(|wanted| wanted - n))?;
+                return Ok(Number { exponent: number.exponent + n, ..number });
+            }
+        }
+        let (a, b) = (self.factor(left)?, self.factor(right)?);
+        let exponent = a.exponent + b.exponent;
+        let n = wanted.map_or(0, |wanted| wanted - exponent).clamp(WIDEST - WIDE, WIDEST - 1);
+        let product = call("product", vec![a.expr, b.expr, Expr::Whole(n.unsigned_abs() as usize)]);
+        Ok(Number::computed(product, exponent + n, WIDEST - n + 1))
+    }
+
+    fn quotient(&self, expr: &Expr, left: &Expr, right: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
+        if let Some(v) = literal(right) {
+            return self.product(left, &Expr::Real(1.0 / v), wanted);
+        }
+        let (a, b) = (self.factor(left)?, self.factor(right)?);
+        let difference = a.exponent - b.exponent;
+        let exponent = self.formats.given(expr).or(wanted).unwrap_or(difference);
+        let n = (difference - exponent).clamp(0, WIDEST - NARROW);
+        let quotient = call("quotient", vec![a.expr, b.expr, Expr::Whole(n.unsigned_abs() as usize)]);
+        Ok(Number::named(quotient, difference - n))
+    }
+
+    fn holds(&self, expr: &Expr) -> Result<Condition, Error> {
+        let Expr::Binary(op, left, right) = expr else {
+            return unsuited(format!("`{}` has a condition that is none", self.function.name));
+        };
+        Ok(match op {
+            Op::And | Op::Or => match (self.holds(left)?, self.holds(right)?) {
+                (Condition::If(left), Condition::If(right)) => Condition::If(binary(*op, left, right)),
+                (Condition::If(holds), _) | (_, Condition::If(holds)) if *op == Op::And => Condition::If(holds),
+                _ => Condition::Always,
+            },
+            // Counts are always numbers.
+            Op::AtMost if **right == Expr::Limit(Limit::Most) => Condition::Always,
+            _ if left.whole() => Condition::If(binary(*op, self.whole(left)?, self.whole(right)?)),
+            _ => {
+                let numbers = vec![self.real(left, None)?, self.real(right, None)?];
+                let mut numbers = aligned(numbers).into_iter().map(|n| n.expr);
+                match (numbers.next(), numbers.next()) {
+                    (Some(left), Some(right)) => Condition::If(binary(*op, left, right)),
+                    _ => Condition::Always,
+                }
+            }
+        })
+    }
+}
+
+/// What an expression is in every run.
+fn literal(expr: &Expr) -> Option<f64> {
+    match expr {
+        Expr::Real(v) => Some(*v),
+        Expr::Limit(Limit::Epsilon) => Some(power(-30)),
+        Expr::Negative(inner) => Some(-literal(inner)?),
+        Expr::Binary(op, left, right) => {
+            let (a, b) = (literal(left)?, literal(right)?);
+            match op {
+                Op::Add => Some(a + b),
+                Op::Subtract => Some(a - b),
+                Op::Multiply => Some(a * b),
+                Op::Divide => Some(a / b),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid::program::Machine;
+
+    /// The program of a text, as it is and in counts, and its formats, after these inputs.
+    fn both(text: &str, inputs: &[f64]) -> (Program, Formats, Program) {
+        let block = Block::new("sum", "all so far").number("total", 0.0).text(text);
+        let program = Program::new(vec![piezoid::program::elementary(), block]).unwrap();
+        let mut machine = Machine::new(&program, "sum", false).watched();
+        inputs.iter().for_each(|u| drop(machine.call("sum", &[*u]).unwrap()));
+        let mut formats = Formats::of(&program, &[machine]);
+        let most = inputs.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        formats.raise(Key::Local("sum".into(), "u".into()), most);
+        let mut kept = program;
+        kept.keep(&["sum", "clamp"]);
+        let counted = lowered(&kept, &formats).unwrap();
+        (kept, formats, counted)
+    }
+
+    #[test]
+    fn what_is_gained_below_a_count_of_32_bits_is_not_lost() {
+        let text = "fn sum(x: sum, u) { x.total += 1e-9 * (u - x.total); return x.total; }";
+        let (program, formats, counted) = both(text, &[1.0; 1000]);
+        assert!(formats.is_long("sum", "total"));
+        let mut machine = Machine::new(&counted, "sum", false);
+        let mut exact = Machine::new(&program, "sum", false);
+        let one = counts(1.0, formats.exponent(&Key::Local("sum".into(), "u".into())));
+        for _ in 0..1000 {
+            machine.call("sum", &[one]).unwrap();
+            exact.call("sum", &[1.0]).unwrap();
+        }
+        let worth = 2f64.powi(formats.exponent(&Key::Field("sum".into(), "total".into())));
+        assert!((machine.state()[0] * worth / exact.state()[0] - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_far_beyond_what_was_seen_is_held_at_the_end() {
+        let text = "fn sum(x: sum, u) { x.total = u * u * u; return x.total + u; }";
+        let (_, _, counted) = both(text, &[0.5, 1.0]);
+        let mut machine = Machine::new(&counted, "sum", false);
+        let most = 2f64.powi(31) - 1.0;
+        assert_eq!(machine.call("sum", &[most]).unwrap(), [most]);
+        assert_eq!(machine.call("sum", &[-most]).unwrap(), [-most]);
+    }
+
+    #[test]
+    fn limits_of_floating_point_are_refused_but_where_they_ask_whether_a_number_is_one() {
+        let text = "fn sum(x: sum, u) { if magnitude(u) <= most { x.total = u; } return x.total; }";
+        let (_, _, counted) = both(text, &[1.0]);
+        let step = &counted.function("sum").unwrap().steps[0];
+        assert!(matches!(step, Step::Set(..)), "{step:?}");
+        let block = Block::new("sum", "").number("total", 0.0).text("fn sum(x: sum, u) { return u * least; }");
+        let program = Program::new(vec![block]).unwrap();
+        let error = lowered(&program, &Formats::of(&program, &[])).unwrap_err().to_string();
+        assert!(error.contains("`sum` needs the least positive"), "{error}");
+    }
+}

@@ -1,0 +1,305 @@
+//! Fixed point: a header and a source file in C99 that count in whole numbers, for cores without a floating-point unit and as what
+//! a circuit is checked against.
+//!
+//! ```text
+//! v = n 2^e        n: int32_t, e fixed for every number with a name
+//! ```
+//! The program is run in double precision along inputs that wander, jump and sweep over everything the model knows and a tenth
+//! more; the largest size of each number gives its e ([`formats`]). It is then written anew in counts ([`lower`]), and that is what is
+//! printed, run here for the vectors, and held against double precision. What it is off by more than 1e-4 of the stroke is refused.
+//!
+//! It does not do: Newton's method, so that there is a feed-forward only where the inverse of the hysteresis is closed.
+
+mod formats;
+mod helpers;
+mod journey;
+mod lower;
+mod number;
+
+pub(super) use formats::PLAIN;
+pub(super) use helpers::helpers;
+
+use super::c::{C, checked, comment};
+use super::readme::{calls, opening, taken};
+use super::vectors::Vectors;
+use super::whole::{Entry, Signal, Whole};
+use super::{File, Made, Target, Wanted};
+use formats::{Formats, Key, fields};
+use journey::{Journeys, PART, journeys};
+use lower::lowered;
+use number::counts;
+use piezoid::error::Error;
+use piezoid::number::short;
+use piezoid::program::{Holds, Machine};
+use piezoid::series::ends;
+use piezoid::system::System;
+
+pub(super) const TARGET: Target = Target {
+    name: "fixed",
+    summary: "a header and a source file in C99 that count in whole numbers, with a self-test and the error",
+    reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
+    heeds: &["preview", "controller"],
+    make: |wanted| {
+        let fixed = Fixed::new(checked(wanted)?, wanted)?;
+        let (c, name) = (fixed.c(wanted), wanted.name);
+        let files = vec![
+            File::text(format!("{name}.h"), c.header(&fixed.whole, wanted)),
+            File::text(format!("{name}.c"), c.source(&fixed.whole)),
+            File::text(format!("{name}_test.c"), c.test(&fixed.whole)),
+            File::text(format!("{}.md", wanted.name), fixed.readme(wanted)),
+        ];
+        Ok(Made { files, notes: fixed.whole.notes })
+    },
+};
+
+/// The largest error there may be, over the stroke.
+const MOST: f64 = 1e-4;
+
+/// What is exported, in counts.
+pub(super) struct Fixed {
+    whole: Whole,
+    formats: Formats,
+    proofs: Vec<Proof>,
+}
+
+/// How far off counts are.
+struct Proof {
+    /// Root of the mean square of the difference to double precision, over the stroke.
+    rms: f64,
+    /// The largest difference, over the stroke.
+    most: f64,
+}
+
+impl Fixed {
+    fn new(mut whole: Whole, wanted: &Wanted) -> Result<Self, Error> {
+        closed_alone(&mut whole);
+        loop {
+            let (k, because) = match Fixed::of(&whole, wanted) {
+                Ok(fixed) => match fixed.proofs.iter().position(|p| p.rms.is_nan() || p.most > MOST) {
+                    None => return Ok(fixed),
+                    Some(k) => {
+                        let (step, off) = (whole.entries[k].step, short(fixed.proofs[k].most));
+                        (k, format!("counts of 32 bits move `{step}` by {off} of its stroke, more than {MOST:e}"))
+                    }
+                },
+                Err(Error::Unsuited { because, .. }) => (feed_forward(&whole).unwrap_or(0), because),
+                Err(error) => return Err(error),
+            };
+            if whole.entries[k].step != FEED_FORWARD {
+                let because = format!("{because}; take the target `c`");
+                return Err(Error::Unsuited { what: "export in fixed point".into(), because });
+            }
+            whole.notes.push(format!("there is no feed-forward: {because}"));
+            leave_out(&mut whole, k);
+        }
+    }
+
+    fn of(whole: &Whole, wanted: &Wanted) -> Result<Self, Error> {
+        let journeys = journeys(whole, wanted);
+        let (mut machines, mut exact) = (Vec::new(), Vec::new());
+        for (entry, Journeys { starts, inputs }) in whole.entries.iter().zip(&journeys) {
+            let mut machine = Machine::new(&whole.program, entry.state, false).watched();
+            let outputs = starts.iter().map(|start| run(&mut machine, entry, start, inputs));
+            exact.push(outputs.collect::<Result<Vec<_>, _>>()?);
+            machines.push(machine);
+        }
+        let mut formats = Formats::of(&whole.program, &machines);
+        formats.join(whole, &journeys);
+        let mut counted = Whole { program: lowered(&whole.program, &formats)?, ..whole.clone() };
+        let mut proofs = Vec::new();
+        for (k, (Journeys { starts, inputs }, exact)) in journeys.iter().zip(exact).enumerate() {
+            let entry = &whole.entries[k];
+            let mut machine = Machine::new(&counted.program, entry.state, false);
+            let fields = fields(&whole.program, entry.state).into_iter();
+            let state: Vec<i32> = fields.map(|(block, field)| formats.exponent(&Key::Field(block, field))).collect();
+            let given: Vec<i32> = entry.inputs.iter().map(|i| formats.exponent(&outside(entry, i.name))).collect();
+            let row =
+                |row: &[f64], worth: &[i32]| row.iter().zip(worth).map(|(v, e)| counts(*v, *e)).collect::<Vec<_>>();
+            let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &given)).collect::<Vec<_>>();
+            let unit = 2f64.powi(formats.exponent(&gives(entry)));
+            let (low, high) = ends(exact[0][..PART].iter().copied());
+            // Of slow models the inputs leave the ends before they come there.
+            let stroke = (high - low).max(exact[2][0] - exact[1][0]);
+            let (mut squares, mut most, journey) = (0.0, 0.0f64, rows(inputs));
+            for (start, exact) in starts.iter().zip(&exact) {
+                for (n, v) in run(&mut machine, entry, &row(start, &state), &journey)?.iter().zip(exact) {
+                    let off = (n * unit - v) / stroke;
+                    squares += off * off;
+                    most = most.max(off.abs());
+                }
+            }
+            let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
+            let inputs = rows(&entry.vectors.inputs);
+            let at_rest = row(&starts[0], &state);
+            let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
+            counted.entries[k].vectors = Vectors { inputs, outputs, ..entry.vectors.clone() };
+            proofs.push(Proof { rms, most });
+        }
+        for entry in &mut counted.entries {
+            let worth = |key: &Key, unit: &str| format!("2^{} {unit}", formats.exponent(key));
+            for k in 0..entry.inputs.len() {
+                entry.inputs[k].unit = worth(&outside(entry, entry.inputs[k].name), &entry.inputs[k].unit);
+            }
+            entry.output.unit = worth(&gives(entry), &entry.output.unit);
+        }
+        Ok(Fixed { whole: counted, formats, proofs })
+    }
+
+    fn c<'c>(&'c self, wanted: &'c Wanted) -> C<'c> {
+        C { counts: Some(self), ..C::of(&self.whole, wanted) }
+    }
+
+    /// Whether a field has 64 bits.
+    pub(super) fn is_long(&self, block: &str, field: &str) -> bool {
+        self.formats.is_long(block, field)
+    }
+
+    /// Names of signals, how many bits of a count of theirs are fractions of the unit, and what it is worth.
+    fn ports(&self) -> Vec<(&'static str, i32, String)> {
+        let mut ports = Vec::new();
+        for entry in &self.whole.entries {
+            let input = |i: &Signal| (i.name, -self.formats.exponent(&outside(entry, i.name)), i.unit.clone());
+            ports.extend(entry.inputs.iter().map(input));
+            ports.push((entry.output.name, -self.formats.exponent(&gives(entry)), entry.output.unit.clone()));
+        }
+        ports.sort_unstable();
+        ports.dedup();
+        ports
+    }
+
+    /// What a count is worth and how far off counts are, for the header.
+    pub(super) fn scales(&self, guard: &str) -> String {
+        let errors = self.whole.entries.iter().zip(&self.proofs).map(|(entry, proof)| {
+            format!(
+                "{} is off by {} of the stroke, rms, and {} at most.",
+                entry.step,
+                short(proof.rms),
+                short(proof.most)
+            )
+        });
+        let about: Vec<String> =
+            ["Counts are held within -(2^31 - 1) .. 2^31 - 1. Against double precision:".to_owned()]
+                .into_iter()
+                .chain(errors)
+                .collect();
+        let line = |(name, bits, worth): (&str, i32, String)| {
+            let name_of = name.to_uppercase();
+            let worth = worth.replace("*/", "* /");
+            format!("#define {guard}_{name_of}_BITS ({bits}) /* a count of {name} is worth {worth} */\n")
+        };
+        let lines: String = self.ports().into_iter().map(line).collect();
+        format!("#include <stdint.h>\n\n{}{lines}\n", comment(&about, ""))
+    }
+
+    fn readme(&self, wanted: &Wanted) -> String {
+        let (name, upper) = (wanted.name, wanted.name.to_uppercase());
+        let mut out = opening(wanted, &self.whole, "C99 in fixed point", "int32_t");
+        out += &calls(name, &self.whole, &format!("{} s", wanted.model.ts()));
+        out += "No floating point anywhere, no heap, no globals that change, no recursion, no library but what the compiler brings for \
+                products and quotients of 64 bits.\n\n## Counts\n\n| signal | a count is worth | from | to |\n|---|--:|--:|--:|\n";
+        for (signal, bits, worth) in self.ports() {
+            let end = short(2f64.powi(31 - bits));
+            let name_of = signal.to_uppercase();
+            out += &format!("| `{signal}` | {worth} (`{upper}_{name_of}_BITS` is {bits}) | -{end} | {end} |\n");
+        }
+        out += "\nEvery number with a name has such a worth of its own, a power of two: by the largest it came to while the model ran in double precision \
+                along inputs that wandered, jumped and swept to half the sampling rate over 105 % of the known range, and at least as much again is left \
+                above that. Beyond, numbers are held at the ends of 32 bits, so that no input whatever makes anything overflow. Sums are formed \
+                in 64 bits, products rounded once to the nearest; states that add to themselves, as those of creep, have 52 bits. Negative numbers are \
+                never shifted, as C99 leaves open what that does.\n\n";
+        out += "## Error\n\nAgainst double precision along the same inputs, over the stroke:\n\n| function | rms | at most |\n|---|--:|--:|\n";
+        for (entry, proof) in self.whole.entries.iter().zip(&self.proofs) {
+            out += &format!("| `{name}_{}` | {} | {} |\n", entry.step, short(proof.rms), short(proof.most));
+        }
+        out += &format!(
+            "\nThe rounding of inputs to counts comes on top. What is off by more than {MOST:e} is not exported.\n\n"
+        );
+        out += &taken(name, &self.whole, |state| self.bytes(state));
+        out += &format!(
+            "Operations of the model a sample, on average along the vectors of the self-test and at most; shifts and the holding of ends come on \
+             top.\n\n## Proof\n\n```sh\ncc -std=c99 -O2 {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\nThe self-test compares with what \
+             piezoid counts in the same arithmetic: no count may differ, on any machine, with any compiler, at any level. The tables in \
+             `{name}_test.c` check a circuit as well.\n"
+        );
+        out
+    }
+
+    /// Bytes of the state of a block.
+    fn bytes(&self, block: &str) -> usize {
+        let fields = self.whole.program.block(block).map_or(&[][..], |b| &b.fields);
+        let size = |field: &str| if self.formats.is_long(block, field) { 8 } else { 4 };
+        let held = fields.iter().map(|f| match &f.holds {
+            Holds::Number(_) => size(&f.name),
+            Holds::Numbers(values) => size(&f.name) * values.len(),
+            Holds::Block(inner) => self.bytes(inner),
+        });
+        held.sum()
+    }
+}
+
+/// What a machine answers from a state on.
+fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
+    machine.state().copy_from_slice(start);
+    inputs.iter().map(|row| Ok(machine.call(entry.step, row)?[0])).collect()
+}
+
+/// What is given to the outside.
+fn gives(entry: &Entry) -> Key {
+    Key::Gives(entry.step.into(), 0)
+}
+
+/// What is given from outside.
+fn outside(entry: &Entry, input: &str) -> Key {
+    Key::Local(entry.step.into(), input.into())
+}
+
+/// Leaves the closed inverse alone, or the feed-forward out if there is none: Newton's method needs floating point.
+fn closed_alone(whole: &mut Whole) {
+    let closed = whole.program.function("hysteresis_closed").is_some();
+    let inverse = whole.program.functions.iter_mut().find(|f| f.name == "hysteresis_inverse");
+    if let (true, Some(inverse)) = (closed, inverse) {
+        inverse.steps.truncate(1);
+    }
+    keep(whole);
+    let sought = whole.program.functions.iter().any(|f| f.name.ends_with("_by_trials"));
+    if let (true, Some(k)) = (sought, feed_forward(whole)) {
+        let because = "the inverse of this hysteresis is not closed, and Newton's method needs floating point";
+        whole.notes.push(format!("there is no feed-forward: {because}"));
+        leave_out(whole, k);
+    }
+}
+
+const FEED_FORWARD: &str = "ff_step";
+
+fn feed_forward(whole: &Whole) -> Option<usize> {
+    whole.entries.iter().position(|entry| entry.step == FEED_FORWARD)
+}
+
+fn leave_out(whole: &mut Whole, k: usize) {
+    whole.entries.remove(k);
+    keep(whole);
+}
+
+fn keep(whole: &mut Whole) {
+    let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).chain(["clamp"]).collect();
+    whole.program.keep(&kept);
+}
+
+impl Formats {
+    /// One format for all that has the unit of the input, and one for all that has that of the output.
+    fn join(&mut self, whole: &Whole, journeys: &[Journeys]) {
+        let mut ports: Vec<(&str, Key, f64)> = Vec::new();
+        for (entry, Journeys { inputs, .. }) in whole.entries.iter().zip(journeys) {
+            for (k, input) in entry.inputs.iter().enumerate() {
+                let most = inputs.iter().fold(0.0, |most: f64, row| most.max(row[k].abs()));
+                ports.push((&input.unit, outside(entry, input.name), most));
+            }
+            let key = gives(entry);
+            ports.push((&entry.output.unit, key.clone(), self.most(&key)));
+        }
+        for (unit, key, _) in &ports {
+            let alike = ports.iter().filter(|(other, _, _)| other == unit).map(|(_, _, most)| *most);
+            self.raise(key.clone(), alike.fold(0.0, f64::max));
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Counts on their way: what they are worth, and how many bits they may take.
+
+use super::formats::{above, fitting};
+use piezoid::program::{Expr, Op};
+
+/// Bits of a number with a name.
+pub(super) const NARROW: i32 = 31;
+/// Bits of what is added and compared.
+pub(super) const WIDE: i32 = 52;
+/// Bits of products, and of numerators.
+pub(super) const WIDEST: i32 = 62;
+
+/// A number on its way: counts of 2^exponent, and at most 2^bits of them.
+#[derive(Debug, Clone)]
+pub(super) struct Number {
+    pub(super) expr: Expr,
+    pub(super) exponent: i32,
+    pub(super) bits: i32,
+    /// Whether it has the type of 64 bits.
+    pub(super) wide: bool,
+    /// What it is exactly, if it stands in the text.
+    pub(super) literal: Option<f64>,
+}
+
+/// `v` in counts of 2^exponent.
+pub(super) fn counts(v: f64, exponent: i32) -> f64 {
+    (v * 2f64.powi(-exponent)).round() + 0.0
+}
+
+pub(super) fn call(name: &str, arguments: Vec<Expr>) -> Expr {
+    Expr::Call(name.into(), arguments)
+}
+
+pub(super) fn binary(op: Op, left: Expr, right: Expr) -> Expr {
+    Expr::Binary(op, Box::new(left), Box::new(right))
+}
+
+pub(super) fn power(n: i32) -> f64 {
+    2f64.powi(n)
+}
+
+impl Number {
+    pub(super) fn named(expr: Expr, exponent: i32) -> Self {
+        Number { expr, exponent, bits: NARROW, wide: false, literal: None }
+    }
+
+    pub(super) fn literal(v: f64) -> Self {
+        let exponent = fitting(v.abs());
+        Number { literal: Some(v), ..Number::named(Expr::Real(counts(v, exponent)), exponent) }
+    }
+
+    pub(super) fn computed(expr: Expr, exponent: i32, bits: i32) -> Self {
+        Number { expr, exponent, bits, wide: true, literal: None }
+    }
+
+    /// The bits it takes in counts of another worth.
+    pub(super) fn bits(&self, exponent: i32) -> i32 {
+        match self.literal {
+            Some(0.0) => 0,
+            Some(v) => (above(v.abs()) - exponent).max(0) + 1,
+            None if exponent > self.exponent => (self.bits - (exponent - self.exponent)).max(0) + 1,
+            None => self.bits + self.exponent - exponent,
+        }
+    }
+
+    /// In counts of another worth, held within [`WIDE`] bits where those are finer.
+    pub(super) fn to(self, exponent: i32) -> Self {
+        let (bits, finer) = (self.bits(exponent), self.exponent - exponent);
+        if let Some(v) = self.literal {
+            let count = counts(v, exponent).clamp(-power(WIDE), power(WIDE));
+            return Number { expr: Expr::Real(count), exponent, bits: bits.min(WIDE), ..self };
+        }
+        let expr = match finer {
+            0 => return self,
+            _ if finer < -WIDEST => Expr::Real(0.0),
+            _ if finer < 0 => call("shift", vec![self.expr, Expr::Whole(finer.unsigned_abs() as usize)]),
+            _ if bits <= WIDE => binary(Op::Multiply, self.long(), Expr::Real(power(finer))),
+            // What is held there is far beyond what it goes to.
+            _ => {
+                let end = power((WIDE - finer).max(0)) - 1.0;
+                let held = call("clamp", vec![self.expr, Expr::Real(-end), Expr::Real(end)]);
+                binary(Op::Multiply, held, Expr::Real(power(finer.min(WIDE))))
+            }
+        };
+        Number::computed(expr, exponent, bits.min(WIDE))
+    }
+
+    /// As an expression of 64 bits.
+    pub(super) fn long(self) -> Expr {
+        if self.wide { self.expr } else { call("wide", vec![self.expr]) }
+    }
+
+    /// As an expression of 32 bits with counts of this worth.
+    pub(super) fn narrow(self, exponent: i32) -> Expr {
+        let there = self.to(exponent);
+        match there.expr {
+            Expr::Real(v) => Expr::Real(v.clamp(-power(NARROW) + 1.0, power(NARROW) - 1.0)),
+            expr if there.wide => call("narrow", vec![expr]),
+            expr => expr,
+        }
+    }
+}
+
+/// Both in counts of the finer worth, as far as there is room.
+pub(super) fn aligned(numbers: Vec<Number>) -> Vec<Number> {
+    let named = numbers.iter().filter(|n| n.literal.is_none());
+    let exponent = named.map(|n| n.exponent).min().unwrap_or(-30);
+    let excess = numbers.iter().map(|n| n.bits(exponent) - WIDE).max().unwrap_or(0).max(0);
+    numbers.into_iter().map(|n| n.to(exponent + excess)).collect()
+}
+
+pub(super) fn sum(op: Op, left: Number, right: Number) -> Number {
+    let mut numbers = aligned(vec![left, right]).into_iter();
+    let (Some(left), Some(right)) = (numbers.next(), numbers.next()) else { return Number::literal(0.0) };
+    let (exponent, bits) = (left.exponent, left.bits.max(right.bits) + 1);
+    let left = if right.wide { left.expr } else { left.long() };
+    Number::computed(binary(op, left, right.expr), exponent, bits)
+}

@@ -1,0 +1,302 @@
+//! Functional mock-up units for co-simulation: what every system simulator imports.
+//!
+//! An FMU is a zip file: a description of its variables in XML, C sources, and a shared library where a compiler is at hand. Each
+//! entry of the program is one FMU: the model `NAME.fmu`, its feed-forward `NAME_ff.fmu`, its controller `NAME_control.fmu`.
+//!
+//! ```text
+//! modelDescription.xml      units, start values, causality, structure
+//! documentation/index.html  the same for people
+//! sources/                  NAME.h, NAME.c as of the target `c`, and NAME_fmu.c around them
+//! binaries/                 the shared library
+//! ```
+//! All of it is bytes, the same whenever they are made; what compiles the sources is handed in ([`Compiler`](super::Compiler)).
+//!
+//! A step is a whole number of samples, the input held: what is set at t_k and answered after the step to t_k + Ts is the sample that
+//! `simulate` gives at t_k. States can be set before the run, kept, serialised and brought back. There are no derivatives, no events,
+//! no interpolation of inputs, and no model exchange: the model is a difference equation.
+//!
+//! Reference: Functional Mock-up Interface 2.0.5 and 3.0.2, Modelica Association, <https://fmi-standard.org>.
+
+mod documentation;
+mod fmi2;
+mod fmi3;
+mod variables;
+mod wrapper;
+mod xml;
+
+pub(super) use {fmi2::TARGET as FMI2, fmi3::TARGET as FMI3};
+
+use super::c::{C, checked};
+use super::whole::{Entry, Whole};
+use super::{File, Made, Wanted, named};
+use piezoid::error::Error;
+use std::io::{Cursor, Write};
+use variables::Variable;
+use zip::write::{SimpleFileOptions, ZipWriter};
+use zip::{CompressionMethod, DateTime};
+
+/// What differs between the versions of the standard.
+struct Version {
+    /// As it is written.
+    number: &'static str,
+    /// Its types and functions in C.
+    functions: &'static str,
+    /// Writes modelDescription.xml.
+    description: fn(&Fmu, token: &str) -> String,
+    /// Writes sources/buildDescription.xml, where there is one.
+    build: Option<fn(&Fmu) -> String>,
+    /// The folder of binaries for a machine such as `x86_64-linux`.
+    folder: fn(platform: &str) -> &str,
+}
+
+/// One FMU on its way.
+struct Fmu<'f> {
+    wanted: &'f Wanted<'f>,
+    version: &'f Version,
+    /// The program with one entry.
+    whole: Whole,
+    /// What file, library and model are called.
+    name: String,
+    variables: Vec<Variable>,
+}
+
+/// Headers of C, which that of the model would stand before.
+const HEADERS: &[&str] = &["float", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string"];
+
+fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
+    named(wanted.name, HEADERS)?;
+    let whole = checked(wanted)?;
+    let mut made = Made { files: Vec::new(), notes: whole.notes.clone() };
+    for entry in &whole.entries {
+        let fmu = Fmu::new(wanted, version, &whole, entry);
+        let mut files = fmu.files();
+        match fmu.library(&files) {
+            Ok(library) => files.push(library),
+            Err(why) => made.notes.push(format!("{}.fmu has sources alone: {why}", fmu.name)),
+        }
+        made.files.push(File { path: format!("{}.fmu", fmu.name), bytes: packed(&files)? });
+    }
+    Ok(made)
+}
+
+/// What made it.
+const TOOL: &str = concat!("piezoid ", env!("CARGO_PKG_VERSION"));
+
+/// What the logger is told, by category.
+const CATEGORIES: &[(&str, &str)] =
+    &[("logStatusError", "why a call was refused"), ("logEvents", "instantiated, initialised, reset, terminated")];
+
+/// The folder of the sources.
+const SOURCES: &str = "sources/";
+
+impl<'f> Fmu<'f> {
+    fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Self {
+        let mut whole = Whole { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
+        whole.program.keep(&[entry.step]);
+        let variables = variables::of(wanted, &whole.program, entry);
+        Fmu { wanted, version, whole, name: entry.named(wanted.name), variables }
+    }
+
+    fn entry(&self) -> &Entry {
+        &self.whole.entries[0]
+    }
+
+    /// All but the library.
+    fn files(&self) -> Vec<File> {
+        let token = self.token();
+        let source = |name: &str, text| File::text(format!("{SOURCES}{name}"), text);
+        let mut files = vec![
+            File::text("modelDescription.xml", (self.version.description)(self, &token)),
+            File::text("documentation/index.html", documentation::page(self)),
+        ];
+        let [header, code, wrapper] = self.names();
+        let c = C::of(&self.whole, self.wanted);
+        files.push(source(&header, c.header(&self.whole, self.wanted)));
+        files.push(source(&code, c.source(&self.whole)));
+        files.push(source(&wrapper, wrapper::source(self, &token)));
+        files.extend(self.version.build.map(|build| source("buildDescription.xml", build(self))));
+        files
+    }
+
+    /// The names of the sources: the header, and two that are compiled.
+    fn names(&self) -> [String; 3] {
+        let name = self.wanted.name;
+        [format!("{name}.h"), format!("{name}.c"), format!("{}_fmu.c", self.name)]
+    }
+
+    /// The library of the sources among these files.
+    fn library(&self, files: &[File]) -> Result<File, Error> {
+        let none = "no C compiler is at hand; who imports it has to compile them";
+        let compiler = self.wanted.compiler.ok_or_else(|| Error::Content(none.into()))?;
+        let source = |file: &File| {
+            let name = file.path.strip_prefix(SOURCES)?;
+            Some(File { path: name.into(), bytes: file.bytes.clone() })
+        };
+        let bytes = (compiler.run)(&files.iter().filter_map(source).collect::<Vec<_>>())?;
+        let extension = match compiler.platform.rsplit('-').next() {
+            Some("windows") => "dll",
+            Some("darwin") => "dylib",
+            _ => "so",
+        };
+        let folder = (self.version.folder)(compiler.platform);
+        Ok(File { path: format!("binaries/{folder}/{}.{extension}", self.name), bytes })
+    }
+
+    /// What description and library know each other by: a hash of all they are made from (FNV-1a of 128 bits).
+    fn token(&self) -> String {
+        let c = C::of(&self.whole, self.wanted);
+        let texts = [
+            (self.version.description)(self, ""),
+            c.header(&self.whole, self.wanted),
+            c.source(&self.whole),
+            wrapper::source(self, ""),
+        ];
+        let start: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+        let hash =
+            texts.concat().bytes().fold(start, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul((1 << 88) + 0x13b));
+        let hex = format!("{hash:032x}");
+        format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
+    }
+}
+
+/// A zip file of these files, stored, without times: the same bytes whenever it is made.
+fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
+    let unpacked = |error: &dyn std::fmt::Display| Error::Content(format!("the FMU cannot be packed: {error}"));
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for file in files {
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .last_modified_time(DateTime::default())
+            .unix_permissions(0o644);
+        zip.start_file(file.path.as_str(), options).map_err(|error| unpacked(&error))?;
+        zip.write_all(&file.bytes).map_err(|error| unpacked(&error))?;
+    }
+    Ok(zip.finish().map_err(|error| unpacked(&error))?.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Compiler, target};
+    use super::*;
+    use piezoid::hammerstein::Model;
+    use piezoid::hysteresis::operator;
+    use piezoid::linear::Arx;
+    use piezoid::record::Units;
+    use roxmltree::Document;
+    use std::io::Read;
+
+    fn model(unit: &str) -> Model {
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap(), 2.0).unwrap();
+        model.with_units(Units { u: "V".into(), y: unit.into() })
+    }
+
+    fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Made {
+        (target(version).unwrap().make)(&Wanted { compiler, ..Wanted::new(model, "bender") }).unwrap()
+    }
+
+    fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
+        Some(Compiler { platform: "x86_64-linux", run })
+    }
+
+    fn text(file: &File, name: &str) -> String {
+        let mut archive = zip::ZipArchive::new(Cursor::new(&file.bytes[..])).unwrap();
+        let mut text = String::new();
+        archive.by_name(name).unwrap().read_to_string(&mut text).unwrap();
+        text
+    }
+
+    fn names(file: &File) -> Vec<String> {
+        let archive = zip::ZipArchive::new(Cursor::new(&file.bytes[..])).unwrap();
+        archive.file_names().map(|name| name.unwrap().into_owned()).collect()
+    }
+
+    #[test]
+    fn the_library_goes_where_the_version_looks_for_it_and_is_made_of_the_sources() {
+        let listed = by(|files| Ok(files.iter().map(|file| file.path.clone() + ";").collect::<String>().into()));
+        for (version, path) in [("fmu2", "binaries/linux64/bender.so"), ("fmu3", "binaries/x86_64-linux/bender.so")] {
+            let made = made(version, &model("um"), listed);
+            assert_eq!(made.files[0].path, "bender.fmu");
+            assert!(text(&made.files[0], path).starts_with("bender.h;bender.c;bender_fmu.c;"));
+        }
+    }
+
+    #[test]
+    fn without_a_library_a_note_says_why() {
+        let none = made("fmu3", &model("um"), None);
+        assert!(none.notes.iter().any(|note| note.contains("no C compiler")), "{:?}", none.notes);
+        let failed = made("fmu3", &model("um"), by(|_| Err(Error::Content("the disk is full".into()))));
+        assert!(failed.notes.iter().any(|note| note.contains("the disk is full")), "{:?}", failed.notes);
+        assert_eq!(failed.files, none.files);
+        assert!(!names(&none.files[0]).iter().any(|name| name.starts_with("binaries")));
+    }
+
+    #[test]
+    fn the_same_model_gives_the_same_bytes_and_another_another_token() {
+        let token = |version: &str, model: &Model, single: bool| {
+            let wanted = Wanted { single, ..Wanted::new(model, "bender") };
+            let made = (target(version).unwrap().make)(&wanted).unwrap();
+            let xml = text(&made.files[0], "modelDescription.xml");
+            let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
+            let document = Document::parse(&xml).unwrap();
+            let token = document.root_element().attribute(attribute).unwrap().to_owned();
+            assert!(text(&made.files[0], "sources/bender_fmu.c").contains(&format!("#define TOKEN \"{token}\"")));
+            token
+        };
+        for version in ["fmu2", "fmu3"] {
+            assert_eq!(made(version, &model("um"), None), made(version, &model("um"), None));
+            let first = token(version, &model("um"), false);
+            assert_eq!(first, token(version, &model("um"), false));
+            assert_ne!(first, token(version, &model("nm"), false));
+            assert_ne!(first, token(version, &model("um"), true));
+        }
+    }
+
+    #[test]
+    fn value_references_count_the_variables_as_the_wrapper_does() {
+        let model = model("um");
+        let made = made("fmu3", &model, None);
+        let xml = text(&made.files[0], "modelDescription.xml");
+        let document = Document::parse(&xml).unwrap();
+        let variables: Vec<_> = document.descendants().filter(|n| n.has_tag_name("Float64")).collect();
+        for (k, variable) in variables.iter().enumerate() {
+            assert_eq!(variable.attribute("valueReference"), Some(k.to_string().as_str()));
+        }
+        let names: Vec<&str> = variables.iter().map(|v| v.attribute("name").unwrap()).collect();
+        assert_eq!(names[..7], ["time", "u", "u_gain", "u_offset", "y", "ts", "state.hysteresis.last"]);
+        let order = model.program().unwrap().order("state");
+        assert_eq!(names.len(), 6 + order);
+        let wrapper = text(&made.files[0], "sources/bender_fmu.c");
+        for line in [
+            "GAIN = 2,",
+            "OFFSET = 3,",
+            "OUTPUT = 4,",
+            "PERIOD = 5,",
+            "STATE = 6,",
+            &format!("VARIABLES = {},", 6 + order),
+        ] {
+            assert!(wrapper.contains(line), "{line}");
+        }
+    }
+
+    #[test]
+    fn names_of_headers_are_refused() {
+        let model = model("um");
+        let error = (target("fmu2").unwrap().make)(&Wanted::new(&model, "stdio")).unwrap_err();
+        assert!(error.to_string().contains("take another"), "{error}");
+    }
+
+    #[test]
+    fn units_are_told_in_the_si_where_they_are_known_and_never_become_markup() {
+        let units = |unit: &str| {
+            let xml = text(&made("fmu2", &model(unit), None).files[0], "modelDescription.xml");
+            let document = Document::parse(&xml).unwrap();
+            let found = document.descendants().find(|n| n.has_tag_name("Unit") && n.attribute("name") == Some(unit));
+            let base = found.unwrap().first_element_child();
+            base.map(|base| (base.attribute("m").map(String::from), base.attribute("factor").map(String::from)))
+        };
+        assert_eq!(units("um"), Some((Some("1".into()), Some("1e-6".into()))));
+        assert_eq!(units("m"), Some((Some("1".into()), None)));
+        assert_eq!(units("<a> & \"b\""), None);
+    }
+}

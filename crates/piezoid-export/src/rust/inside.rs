@@ -1,0 +1,197 @@
+//! What stands within a function of Rust.
+
+use super::{RESERVED, Rust, constant_of, type_of};
+use crate::c::shortest;
+use crate::language::{Language, Words};
+use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Step};
+
+/// A function on its way into Rust.
+pub(super) struct Inside<'i> {
+    pub(super) rust: &'i Rust<'i>,
+    pub(super) function: &'i Function,
+    /// Whether it is a method.
+    pub(super) own: bool,
+}
+
+impl Inside<'_> {
+    /// A name that is neither a word of the language nor a function, and begins with `_` where nothing reads it.
+    pub(super) fn local(&self, name: &str) -> String {
+        if self.own && self.function.takes.first().is_some_and(|p| p.name == name) {
+            return "self".into();
+        }
+        let function = self.rust.whole.program.function(name).is_some() || ["real", "whole"].contains(&name);
+        let taken = function || RESERVED.contains(&name);
+        format!("{}{name}{}", if self.reads(name) { "" } else { "_" }, if taken { "_value" } else { "" })
+    }
+
+    fn reads(&self, name: &str) -> bool {
+        let mut reads = false;
+        self.function.expressions(&mut |expr| match expr {
+            Expr::Variable(known, _) => reads |= known == name,
+            Expr::At(place) | Expr::Part(place) => reads |= place.root == name,
+            _ => {}
+        });
+        let mut look = |step: &Step| match step {
+            Step::Set(place, _) | Step::Copy { of: place, .. } => reads |= place.root == name,
+            _ => {}
+        };
+        self.function.steps.iter().for_each(|step| step.all(&mut look));
+        reads
+    }
+
+    /// Whether a state or room of this name is changed after it was made.
+    fn changes(&self, name: &str) -> bool {
+        let program = &self.rust.whole.program;
+        let mut changes = false;
+        self.function.steps.iter().for_each(|step| {
+            step.all(&mut |step| changes |= matches!(step, Step::Set(place, _) if place.root == name));
+        });
+        self.function.expressions(&mut |expr| {
+            if let Expr::Call(called, arguments) = expr {
+                let takes = program.function(called).map_or(&[][..], |f| &f.takes);
+                let part = |a: &Expr| matches!(a, Expr::Part(place) if place.root == name);
+                changes |= takes.iter().zip(arguments).any(|(p, a)| p.changed && part(a));
+            }
+        });
+        changes
+    }
+
+    fn made(&self, name: &str) -> String {
+        format!("let {}{}", if self.changes(name) { "mut " } else { "" }, self.local(name))
+    }
+}
+
+impl Language for Inside<'_> {
+    fn single(&self) -> bool {
+        self.rust.single
+    }
+
+    fn real(&self, value: f64) -> String {
+        shortest(value, self.rust.single)
+    }
+
+    fn limit(&self, limit: Limit) -> String {
+        let name = match limit {
+            Limit::Epsilon => "EPSILON",
+            Limit::Least => "MIN_POSITIVE",
+            Limit::Most => "MAX",
+        };
+        format!("{}::{name}", self.rust.number())
+    }
+
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+        let name = constant_of(block, name);
+        index.map_or(name.clone(), |index| format!("{name}[{}]", words.expr(index)))
+    }
+
+    fn place(&self, place: &Place, words: &Words) -> String {
+        let mut text = self.local(&place.root);
+        place.path.iter().for_each(|field| text += &format!(".{field}"));
+        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
+        text
+    }
+
+    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+        let takes = words.program.function(name).map_or(&[][..], |f| &f.takes);
+        let argument = |(k, a): (usize, &Expr)| match a {
+            // Parameters are references already.
+            Expr::Part(place) if place.path.is_empty() && self.function.takes.iter().any(|p| p.name == place.root) => {
+                self.local(&place.root)
+            }
+            Expr::Part(place) => {
+                let changed = takes.get(k).is_some_and(|p| p.changed);
+                format!("&{}{}", if changed { "mut " } else { "" }, self.place(place, words))
+            }
+            a => words.expr(a),
+        };
+        let given: Vec<String> = arguments.iter().enumerate().map(argument).collect();
+        match (self.rust.stepped(name), given.split_first()) {
+            (Some(_), Some((state, rest))) => {
+                format!("{}.step({})", state.trim_start_matches("&mut "), rest.join(", "))
+            }
+            _ => format!("{name}({})", given.join(", ")),
+        }
+    }
+
+    fn to_real(&self, value: String) -> String {
+        format!("real({value})")
+    }
+
+    fn to_whole(&self, value: String) -> String {
+        format!("whole({value})")
+    }
+
+    fn note(&self, text: &str) -> String {
+        format!("// {text}")
+    }
+
+    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+        let name = |name: &String| {
+            let changes = if self.function.changes(name) { "mut " } else { "" };
+            format!("{changes}{}", self.local(name))
+        };
+        let names: Vec<String> = names.iter().map(name).collect();
+        // Of a number that stands alone nobody knows what kind it is.
+        let kind = if matches!(value, Expr::Whole(_)) { ": usize" } else { "" };
+        vec![match &names[..] {
+            [one] => format!("let {one}{kind} = {};", words.expr(value)),
+            more => format!("let ({}) = {};", more.join(", "), words.expr(value)),
+        }]
+    }
+
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
+        let reference = of.path.is_empty() && self.function.takes.iter().any(|p| p.name == of.root);
+        let value = match (zero, self.place(of, words)) {
+            (true, _) => format!("{}::ZERO", type_of(block)),
+            (false, of) => format!("{}{of}", if reference { "*" } else { "" }),
+        };
+        vec![format!("{} = {value};", self.made(name))]
+    }
+
+    fn room(&self, name: &str, n: usize) -> Vec<String> {
+        vec![format!("{} = [0.0; {n}];", self.made(name))]
+    }
+
+    fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
+        let itself = |expr: &Expr| match expr {
+            Expr::At(now) => now == place,
+            Expr::Variable(name, _) => *name == place.root && place.path.is_empty() && place.index.is_none(),
+            _ => false,
+        };
+        let (onto, with) = match value {
+            Expr::Binary(op, left, right) if op.binds() >= Op::Add.binds() && itself(left) => (Some(*op), right),
+            Expr::Binary(op @ (Op::Add | Op::Multiply), left, right) if itself(right) => (Some(*op), left),
+            _ => return self.set(self.place(place, words), words.expr(value)),
+        };
+        let between = onto.map_or("", |op| self.between(op, false));
+        format!("{} {between}= {};", self.place(place, words), words.expr(with))
+    }
+
+    fn done(&self, call: &Expr, words: &Words) -> String {
+        format!("{};", words.expr(call))
+    }
+
+    fn if_holds(&self, holds: String) -> String {
+        format!("if {holds} {{")
+    }
+
+    fn else_if(&self, holds: String) -> String {
+        format!("}} else if {holds} {{")
+    }
+
+    fn or_else(&self) -> String {
+        "} else {".into()
+    }
+
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
+        let (name, from, to) = (self.local(name), words.expr(from), words.expr(to));
+        match down {
+            false => format!("for {name} in {from}..{to} {{"),
+            true => format!("for {name} in ({from}..{to}).rev() {{"),
+        }
+    }
+
+    fn as_long_as(&self, holds: String) -> String {
+        format!("while {holds} {{")
+    }
+}

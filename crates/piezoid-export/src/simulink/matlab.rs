@@ -1,0 +1,469 @@
+//! MATLAB and GNU Octave, as both read it.
+//!
+//! States are structs that functions take and hand back beside what they give: `[x, y] = bender_creep(x, z)`. Functions are
+//! local ones, behind the class: Octave 7 knows them there as MATLAB does, they hide nothing on the path, and a call costs less
+//! than one of a static method (in Octave 7.3 by a sixth). Each keeps its constants in a persistent variable, since a class
+//! looks up a property anew every time.
+//!
+//! Whole numbers are doubles, in single precision too. There every literal is told to be `single`, as MATLAB's are doubles, and
+//! two of them would meet in double precision.
+
+use super::alone::{Alone, fresh, known};
+use super::line;
+use crate::c::{shortest, titled, wrapped};
+use crate::language::{Begun, Language, Words, less_one};
+use crate::whole::Whole;
+use crate::{Wanted, named};
+use piezoid::error::Error;
+use piezoid::program::{Block, Expr, Field, Function, Holds, Kind, Op, Place, Program};
+
+/// The words of MATLAB and Octave.
+const KEYWORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile \
+    enumeration events for function global if methods otherwise parfor persistent properties return spmd switch try \
+    until unwind_protect while";
+
+/// What the class has, and what it and its functions call.
+const TAKEN: &str = "abs add_block add_line ans close_system control_reset control_simulate control_state control_step \
+    double error exist ff_reset ff_simulate ff_state ff_step fileparts floor fprintf fullfile handle isempty isscalar \
+    load_system mat2str max mex mfilename mod nargin new_system numel onCleanup repmat reset set_param sim simulate \
+    single size sprintf state step strjoin struct sum Ts typecast uint32 uint64 units zeros";
+
+/// The longest name that MATLAB tells from others.
+const LONGEST: usize = 63;
+
+/// The language, with the functions of a program as it takes them.
+pub(super) struct Matlab<'m> {
+    program: Program,
+    pub(super) name: &'m str,
+    pub(super) single: bool,
+}
+
+impl<'m> Matlab<'m> {
+    /// Of what is exported.
+    ///
+    /// # Errors
+    /// Refuses a name that MATLAB or Octave has taken, and one that its functions would be too long with.
+    pub(super) fn of(whole: &Whole, wanted: &'m Wanted) -> Result<Self, Error> {
+        let reserved: Vec<&str> = KEYWORDS.split_whitespace().chain(TAKEN.split_whitespace()).collect();
+        named(wanted.name, &reserved)?;
+        let mut program = whole.program.clone();
+        for function in &mut program.functions {
+            // What is called from outside hands its state back even where that never changes.
+            let outside = whole.entries.iter().any(|entry| entry.step == function.name);
+            function.takes.iter_mut().filter(|p| matches!(p.kind, Kind::Part(_))).for_each(|p| p.changed |= outside);
+        }
+        program.functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
+        let constants = program.blocks.iter().map(|block| constants_of(&block.name).len());
+        let added = program.functions.iter().map(|f| f.name.len()).chain(constants).max().unwrap_or(0) + 1;
+        if wanted.name.len() + added > LONGEST {
+            let rule =
+                format!("must be of {} characters at most: MATLAB knows {LONGEST} of a function", LONGEST - added);
+            return Err(Error::parameter("name", format!("`{}`", wanted.name), rule));
+        }
+        Ok(Matlab { program, name: wanted.name, single: wanted.single })
+    }
+
+    /// The functions, block by block, and those that begin anew.
+    pub(super) fn functions(&self, whole: &Whole) -> String {
+        let mut out = String::new();
+        for (number, block) in self.program.blocks.iter().enumerate() {
+            let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
+            if functions.is_empty() {
+                continue;
+            }
+            out += &format!("\n%% {}\n", line(&titled(&block.about)));
+            out += &self.constants(block);
+            for function in functions {
+                out += &format!("\n{}", self.function(function));
+            }
+        }
+        for entry in &whole.entries {
+            out += &format!("\nfunction s = {}()\n    % The state at rest.\n", self.own(entry.reset));
+            out += &self.rest(entry.state, "s", false).iter().map(|line| format!("    {line}\n")).collect::<String>();
+            out += "end\n";
+        }
+        out
+    }
+
+    /// The constants of a block.
+    fn constants(&self, block: &Block) -> String {
+        let mut out = String::new();
+        for constant in &block.constants {
+            out += &match constant.table {
+                false => format!("    constants.{} = {};\n", constant.name, self.real(constant.values[0])),
+                true => format!("    constants.{} = {};\n", constant.name, self.column(&constant.values, "    ")),
+            };
+        }
+        if out.is_empty() {
+            out
+        } else {
+            format!("\nfunction constants = {}()\n{out}end\n", self.own(&constants_of(&block.name)))
+        }
+    }
+
+    fn function(&self, function: &Function) -> String {
+        let words = Words { program: &self.program, function, language: self };
+        let mut known = known(function);
+        let mut gives: Vec<String> = function.takes.iter().filter(|p| p.changed).map(|p| p.name.clone()).collect();
+        let mut last = String::new();
+        for expr in &function.returns {
+            match expr {
+                // Another name for what has one would be idle.
+                Expr::Variable(name, _) if !gives.contains(name) => gives.push(name.clone()),
+                expr => {
+                    let name = fresh("result", &mut known);
+                    last += &format!("    {name} = {};\n", words.expr(expr));
+                    gives.push(name);
+                }
+            }
+        }
+        let takes: Vec<&str> = function.takes.iter().map(|p| p.name.as_str()).collect();
+        let mut out = format!("function {}{}({})\n", handed(&gives), self.own(&function.name), takes.join(", "));
+        out += &function.about.iter().map(|about| format!("    % {about}\n")).collect::<String>();
+        if !constants_in(function).is_empty() {
+            let name = self.own(&constants_of(&self.program.blocks[function.block].name));
+            out += &format!(
+                "    persistent constants\n    if isempty(constants)\n        constants = {name}();\n    end\n"
+            );
+        }
+        out + &words.steps(&function.steps, 1) + &last + "end\n"
+    }
+
+    /// What puts the state of a block at rest, or makes it zero, line by line.
+    fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
+        let fields = self.program.block(block).map_or(&[][..], |b| &b.fields);
+        let line = |field: &Field| match (&field.holds, format!("{prefix}.{}", field.name)) {
+            (Holds::Block(inner), name) => self.rest(inner, &name, zero),
+            (Holds::Number(_), name) if zero => vec![format!("{name} = {};", self.real(0.0))],
+            (Holds::Number(value), name) => vec![format!("{name} = {};", self.real(*value))],
+            (Holds::Numbers(_), name) if zero => vec![format!("{name}(:) = 0;")],
+            (Holds::Numbers(values), name) => match values.iter().all(|v| v.to_bits() == values[0].to_bits()) {
+                true if values[0].to_bits() == 0 => vec![format!("{name} = {};", self.zeros(values.len()))],
+                true => vec![format!("{name} = repmat({}, {}, 1);", self.real(values[0]), values.len())],
+                false => format!("{name} = {};", self.column(values, "")).lines().map(str::to_owned).collect(),
+            },
+        };
+        fields.iter().flat_map(line).collect()
+    }
+
+    pub(super) fn number(&self) -> &'static str {
+        if self.single { "single" } else { "double" }
+    }
+
+    /// A name that no other file has.
+    pub(super) fn own(&self, name: &str) -> String {
+        format!("{}_{name}", self.name)
+    }
+
+    fn zeros(&self, n: usize) -> String {
+        format!("zeros({n}, 1{})", if self.single { ", 'single'" } else { "" })
+    }
+
+    /// Numbers below each other.
+    pub(super) fn column(&self, values: &[f64], indent: &str) -> String {
+        let values: Vec<String> = values.iter().map(|v| shortest(*v, self.single)).collect();
+        let rows: String = wrapped(&values).replace(',', ";").lines().map(|row| format!("{indent}{row}\n")).collect();
+        let column = format!("[\n{rows}{indent}]");
+        if self.single { format!("single({column})") } else { column }
+    }
+
+    /// What a call hands back: the states that it changes, then these names.
+    fn targets(&self, function: &Function, arguments: &[Expr], names: &[String], words: &Words) -> Vec<String> {
+        let changed = function.takes.iter().zip(arguments).filter(|(parameter, _)| parameter.changed);
+        changed.map(|(_, argument)| words.expr(argument)).chain(names.iter().cloned()).collect()
+    }
+}
+
+/// The function that gives the constants of a block.
+fn constants_of(block: &str) -> String {
+    format!("{block}_constants")
+}
+
+/// What stands before a call for what it hands back.
+fn handed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => format!("{one} = "),
+        several => format!("[{}] = ", several.join(", ")),
+    }
+}
+
+/// The names of the constants that a function reads.
+fn constants_in(function: &Function) -> Vec<String> {
+    let mut names = Vec::new();
+    function.expressions(&mut |expr| {
+        if let Expr::Constant(_, name, _) = expr {
+            names.push(name.clone());
+        }
+    });
+    names
+}
+
+/// The number in MATLAB of what has the number `index` here.
+fn from_one(index: &Expr) -> Expr {
+    let sum = |left: &Expr, n: usize| Expr::Binary(Op::Add, Box::new(left.clone()), Box::new(Expr::Whole(n)));
+    match index {
+        Expr::Whole(n) => Expr::Whole(n + 1),
+        Expr::Binary(Op::Add, left, right) if matches!(**right, Expr::Whole(_)) => match **right {
+            Expr::Whole(n) => sum(left, n + 1),
+            _ => sum(index, 1),
+        },
+        Expr::Binary(Op::Subtract, left, right) if **right == Expr::Whole(1) => (**left).clone(),
+        index => sum(index, 1),
+    }
+}
+
+impl Language for Matlab<'_> {
+    fn single(&self) -> bool {
+        self.single
+    }
+
+    fn real(&self, value: f64) -> String {
+        let text = shortest(value, self.single);
+        if self.single { format!("single({text})") } else { text }
+    }
+
+    fn constant(&self, _: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+        let index = index.map_or(String::new(), |index| format!("({})", words.expr(&from_one(index))));
+        format!("constants.{name}{index}")
+    }
+
+    fn place(&self, place: &Place, words: &Words) -> String {
+        let mut text = place.root.clone();
+        place.path.iter().for_each(|field| text += &format!(".{field}"));
+        place.index.iter().for_each(|index| text += &format!("({})", words.expr(&from_one(index))));
+        text
+    }
+
+    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+        let arguments: Vec<String> = arguments.iter().map(|a| words.expr(a)).collect();
+        format!("{}({})", self.own(name), arguments.join(", "))
+    }
+
+    fn to_real(&self, value: String) -> String {
+        let simple = value.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        match (self.single, simple) {
+            (true, _) => format!("single({value})"),
+            (false, true) => value,
+            (false, false) => format!("({value})"),
+        }
+    }
+
+    fn to_whole(&self, value: String) -> String {
+        if self.single { format!("double(floor({value}))") } else { format!("floor({value})") }
+    }
+
+    fn between(&self, op: Op, _: bool) -> &'static str {
+        match op {
+            Op::Add => "+",
+            Op::Subtract => "-",
+            Op::Multiply => "*",
+            // What a remainder is, `divided` says.
+            Op::Divide | Op::Remainder => "/",
+            Op::Less => "<",
+            Op::AtMost => "<=",
+            Op::More => ">",
+            Op::AtLeast => ">=",
+            Op::Equal => "==",
+            Op::Unequal => "~=",
+            Op::And => "&&",
+            Op::Or => "||",
+        }
+    }
+
+    fn divided(&self, op: Op, left: &str, right: &str) -> Option<String> {
+        Some(if op == Op::Remainder { format!("mod({left}, {right})") } else { format!("floor({left} / {right})") })
+    }
+
+    fn note(&self, text: &str) -> String {
+        format!("% {text}")
+    }
+
+    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+        let called = match value {
+            Expr::Call(name, arguments) => self.program.function(name).map(|function| (function, arguments)),
+            _ => None,
+        };
+        let names =
+            called.map_or(names.to_vec(), |(function, arguments)| self.targets(function, arguments, names, words));
+        vec![format!("{}{};", handed(&names), words.expr(value))]
+    }
+
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
+        let copy = format!("{name} = {};", self.place(of, words));
+        let clear = if zero { self.rest(block, name, true) } else { Vec::new() };
+        std::iter::once(copy).chain(clear).collect()
+    }
+
+    fn room(&self, name: &str, n: usize) -> Vec<String> {
+        vec![format!("{name} = {};", self.zeros(n))]
+    }
+
+    fn set(&self, place: String, value: String) -> String {
+        format!("{place} = {value};")
+    }
+
+    fn done(&self, call: &Expr, words: &Words) -> String {
+        self.fresh(&[], call, words).concat()
+    }
+
+    fn if_holds(&self, holds: String) -> String {
+        format!("if {holds}")
+    }
+
+    fn else_if(&self, holds: String) -> String {
+        format!("elseif {holds}")
+    }
+
+    fn or_else(&self) -> String {
+        "else".into()
+    }
+
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
+        let bound = |expr: &Expr| match expr {
+            Expr::Binary(..) => format!("({})", words.expr(expr)),
+            expr => words.expr(expr),
+        };
+        let (first, last) = (bound(from), bound(&less_one(to)));
+        if down { format!("for {name} = {last}:-1:{first}") } else { format!("for {name} = {first}:{last}") }
+    }
+
+    fn as_long_as(&self, holds: String) -> String {
+        format!("while {holds}")
+    }
+
+    fn end(&self, _: Begun) -> &'static str {
+        "end"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Model;
+    use piezoid::hysteresis::OPERATORS;
+    use piezoid::linear::Arx;
+
+    /// The functions of a block `tank` as they are printed.
+    fn printed(text: &str, single: bool) -> String {
+        let tank =
+            Block::new("tank", "a tank").number("level", 0.0).numbers("past", vec![0.0; 3]).table("gain", &[0.5, -2.0]);
+        let program = Program::new(vec![tank.text(text)]).unwrap();
+        let functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
+        let matlab = Matlab { program: Program { functions, ..program }, name: "my", single };
+        matlab.program.functions.iter().map(|f| matlab.function(f)).collect()
+    }
+
+    #[test]
+    fn a_call_that_changes_a_state_stands_alone_in_the_order_of_the_text() {
+        let text = "fn fill(x: tank, u) { x.level += u; return x.level; }
+            fn both(x: tank, t: tank, u) { return -fill(x, fill(t, u)) + fill(t, 2.0 * u); }
+            fn empty(x: tank) { fill(x, -x.level); }";
+        let expected = "\
+function [x, result] = my_fill(x, u)
+    x.level = x.level + u;
+    result = x.level;
+end
+function [x, t, result] = my_both(x, t, u)
+    [t, from_fill] = my_fill(t, u);
+    [x, from_fill_2] = my_fill(x, from_fill);
+    [t, from_fill_3] = my_fill(t, 2.0 * u);
+    result = -from_fill_2 + from_fill_3;
+end
+function x = my_empty(x)
+    x = my_fill(x, -x.level);
+end
+";
+        assert_eq!(printed(text, false), expected);
+    }
+
+    #[test]
+    fn numbers_are_counted_from_one_and_whole_ones_divided_as_whole() {
+        let text = "fn f(x: tank, n: whole) {
+                let sum = 0.0;
+                for k in 1..n down { sum += gain[k] * x.past[k - 1] + x.past[0] - x.past[k + 1]; }
+                if n % 2 == 1 && sum != 0.0 { sum = real(n / 2 + 1); }
+                else if sum > 1.0 { x.past[whole(sum)] = most; }
+                let t = zero(x);
+                let more = [0.0; 4];
+                return sum, more[2] + t.level;
+            }";
+        let expected = "\
+function [x, sum, result] = my_f(x, n)
+    persistent constants
+    if isempty(constants)
+        constants = my_tank_constants();
+    end
+    sum = 0.0;
+    for k = (n - 1):-1:1
+        sum = sum + (constants.gain(k + 1) * x.past(k) + x.past(1) - x.past(k + 2));
+    end
+    if (mod(n, 2) == 1) && (sum ~= 0.0)
+        sum = (floor(n / 2) + 1);
+    elseif sum > 1.0
+        x.past(floor(sum) + 1) = 1.7976931348623157e308;
+    end
+    t = x;
+    t.level = 0.0;
+    t.past(:) = 0;
+    more = zeros(4, 1);
+    result = more(3) + t.level;
+end
+";
+        assert_eq!(printed(text, false), expected);
+    }
+
+    #[test]
+    fn in_single_precision_no_literal_is_a_double() {
+        let text =
+            "fn f(n: whole) { let half = 0.5; let room = [0.0; 2]; return half + 0.1 * real(n) - room[whole(half)]; }";
+        let expected = "\
+function result = my_f(n)
+    half = single(0.5);
+    room = zeros(2, 1, 'single');
+    result = half + single(0.1) * single(n) - room(double(floor(half)) + 1);
+end
+";
+        assert_eq!(printed(text, true), expected);
+    }
+
+    #[test]
+    fn a_condition_that_changes_a_state_is_no_program() {
+        let text =
+            "fn fill(x: tank, u) { x.level += u; return x.level; } fn f(x: tank) { while fill(x, 1.0) < 3.0 { } }";
+        let tank = Block::new("tank", "a tank").number("level", 0.0);
+        let error = Program::new(vec![tank.text(text)]).unwrap_err().to_string();
+        assert!(error.contains("a condition changes a state"), "{error}");
+    }
+
+    #[test]
+    fn no_program_of_an_operator_hides_what_matlab_is_asked_for() {
+        const CALLED: [&str; 8] = ["constants", "double", "floor", "isempty", "mod", "repmat", "single", "zeros"];
+        let keywords: Vec<&str> = KEYWORDS.split_whitespace().chain(CALLED).collect();
+        for operator in OPERATORS {
+            let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap();
+            let model = Model::new((operator.example)(5e-4).unwrap(), linear, 2.0).unwrap();
+            let Ok(whole) = Whole::new(&Wanted::new(&model, "bender")) else { continue };
+            let fields =
+                whole.program.blocks.iter().flat_map(|block| block.fields.iter().map(|field| field.name.clone()));
+            let constants =
+                whole.program.blocks.iter().flat_map(|block| block.constants.iter().map(|c| c.name.clone()));
+            let names = whole.program.functions.iter().flat_map(known).chain(fields).chain(constants);
+            for name in names {
+                assert!(!keywords.contains(&name.as_str()), "{}: `{name}`", operator.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_name_too_long_for_the_functions_is_refused_with_the_length_that_fits() {
+        let plays = (piezoid::hysteresis::operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let model = Model::new(plays, Arx::new(5e-4, vec![], vec![1.0]).unwrap(), 0.0).unwrap();
+        let mut whole = Whole::new(&Wanted::new(&model, "bender")).unwrap();
+        let long = "fn a_function_of_a_name_that_is_too_long_for_matlab(v) { return v; }";
+        whole.program.extend(long).unwrap();
+        let error = Matlab::of(&whole, &Wanted::new(&model, "fifteen_letters")).err().unwrap().to_string();
+        assert!(error.contains("must be of 14 characters at most"), "{error}");
+        assert!(Matlab::of(&whole, &Wanted::new(&model, "fourteen_chars")).is_ok());
+    }
+}

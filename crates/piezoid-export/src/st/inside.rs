@@ -1,0 +1,158 @@
+//! What stands within a function of structured text.
+
+use super::names::Names;
+use super::{COUNTER, DONE, St, TABLES, UNUSED, also, comment, constant, zeros};
+use crate::language::{Begun, Language, Words, less_one};
+use piezoid::program::{Block, Expr, Kind, Op, Place};
+
+/// A function on its way into structured text.
+pub(super) struct Inside<'i> {
+    pub(super) st: &'i St<'i>,
+    pub(super) names: &'i Names,
+}
+
+impl Inside<'_> {
+    /// A call; further results go where `results` says. What has a state or a second result is called by the names of its parameters.
+    fn called(&self, name: &str, arguments: &[Expr], results: &[String], words: &Words) -> String {
+        let program = &self.st.whole.program;
+        let own = self.st.globals.get(name);
+        let Some((k, function)) = program.functions.iter().enumerate().find(|(_, f)| f.name == name) else {
+            return format!("{own}()");
+        };
+        let inner = &self.st.inner[k].0;
+        let reading = self.st.reading.iter().any(|known| known == name);
+        let part = function.takes.iter().any(|p| matches!(p.kind, Kind::Part(_)));
+        if !part && !reading && function.returns.len() < 2 {
+            let given: Vec<String> = arguments.iter().map(|a| words.expr(a)).collect();
+            return format!("{own}({})", given.join(", "));
+        }
+        let given =
+            function.takes.iter().zip(arguments).map(|(p, a)| format!("{} := {}", inner.get(&p.name), words.expr(a)));
+        let tables = reading.then(|| format!("{} := {}", inner.get(TABLES), self.names.get(TABLES)));
+        let results = results.iter().enumerate().map(|(k, to)| format!("{} => {to}", inner.get(&also(k + 1))));
+        format!("{own}({})", given.chain(tables).chain(results).collect::<Vec<_>>().join(", "))
+    }
+}
+
+impl Language for Inside<'_> {
+    fn single(&self) -> bool {
+        self.st.single
+    }
+
+    fn real(&self, value: f64) -> String {
+        // A number without a type may be one of double precision, and all it meets with it.
+        format!("{}{}", if self.st.single { "REAL#" } else { "" }, self.st.plain(value))
+    }
+
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+        let key = constant(&block.name, name);
+        match index {
+            None => self.names.get(&key).into(),
+            Some(index) => format!("{}.{}[{}]", self.names.get(TABLES), self.st.fields.get(&key), words.expr(index)),
+        }
+    }
+
+    fn place(&self, place: &Place, words: &Words) -> String {
+        let mut text = self.names.get(&place.root).to_owned();
+        place.path.iter().for_each(|field| text += &format!(".{}", self.st.fields.get(field)));
+        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
+        text
+    }
+
+    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+        self.called(name, arguments, &[], words)
+    }
+
+    fn to_real(&self, value: String) -> String {
+        format!("DINT_TO_{}({value})", self.st.number())
+    }
+
+    fn to_whole(&self, value: String) -> String {
+        format!("TRUNC({value})")
+    }
+
+    fn between(&self, op: Op, _: bool) -> &'static str {
+        match op {
+            Op::Add => "+",
+            Op::Subtract => "-",
+            Op::Multiply => "*",
+            Op::Divide => "/",
+            Op::Remainder => "MOD",
+            Op::Less => "<",
+            Op::AtMost => "<=",
+            Op::More => ">",
+            Op::AtLeast => ">=",
+            Op::Equal => "=",
+            Op::Unequal => "<>",
+            Op::And => "AND",
+            Op::Or => "OR",
+        }
+    }
+
+    fn note(&self, text: &str) -> String {
+        comment(&[text.into()]).trim_end().into()
+    }
+
+    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+        let names: Vec<String> = names.iter().map(|name| self.names.get(name).into()).collect();
+        let value = match value {
+            Expr::Call(function, arguments) if names.len() > 1 => self.called(function, arguments, &names[1..], words),
+            value => words.expr(value),
+        };
+        vec![format!("{} := {value};", names[0])]
+    }
+
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
+        let name = self.names.get(name);
+        match zero {
+            true => self.st.cleared(block, name, self.names.get(COUNTER)),
+            false => vec![format!("{name} := {};", self.place(of, words))],
+        }
+    }
+
+    fn room(&self, name: &str, n: usize) -> Vec<String> {
+        zeros(self.names.get(name), n, self.names.get(COUNTER))
+    }
+
+    fn set(&self, place: String, value: String) -> String {
+        format!("{place} := {value};")
+    }
+
+    fn done(&self, call: &Expr, words: &Words) -> String {
+        // Not every edition has calls whose results nobody takes.
+        let gives = words.gives(call);
+        format!("{} := {};", self.names.get(if gives { UNUSED } else { DONE }), words.expr(call))
+    }
+
+    fn if_holds(&self, holds: String) -> String {
+        format!("IF {holds} THEN")
+    }
+
+    fn else_if(&self, holds: String) -> String {
+        format!("ELSIF {holds} THEN")
+    }
+
+    fn or_else(&self) -> String {
+        "ELSE".into()
+    }
+
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
+        let (name, first, last) = (self.names.get(name), words.expr(from), words.expr(&less_one(to)));
+        match down {
+            false => format!("FOR {name} := {first} TO {last} DO"),
+            true => format!("FOR {name} := {last} TO {first} BY -1 DO"),
+        }
+    }
+
+    fn as_long_as(&self, holds: String) -> String {
+        format!("WHILE {holds} DO")
+    }
+
+    fn end(&self, begun: Begun) -> &'static str {
+        match begun {
+            Begun::If => "END_IF;",
+            Begun::For => "END_FOR;",
+            Begun::While => "END_WHILE;",
+        }
+    }
+}

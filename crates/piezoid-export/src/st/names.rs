@@ -1,0 +1,198 @@
+//! What everything is called: names that structured text takes, each once, and where each is declared.
+
+use super::{COUNTER, DONE, St, TABLES, UNUSED, Variable, also, constant};
+use crate::Wanted;
+use crate::whole::{Whole, state_of};
+use piezoid::error::Error;
+use piezoid::program::{Expr, Function, Holds, Step};
+
+/// What may not be a name: words of the language, and types, functions and blocks that are always there.
+#[rustfmt::skip]
+pub(super) const RESERVED: &[&str] = &[
+    "abs", "abstract", "acos", "action", "add", "adr", "and", "and_then", "andn", "any", "array", "asin", "at",
+    "atan", "atan2", "begin", "bit", "bitadr", "bool", "by", "byte", "cal", "calc", "calcn", "case", "ceil", "char",
+    "class", "concat", "configuration", "constant", "continue", "cos", "ctd", "ctu", "ctud", "date", "date_and_time",
+    "delete", "dint", "div", "divtime", "do", "dt", "dword", "else", "elsif", "end_action", "end_case", "end_for",
+    "end_function", "end_if", "end_program", "end_repeat", "end_struct", "end_type", "end_var", "end_while", "eq",
+    "exit", "exp", "expt", "extends", "f_edge", "f_trig", "false", "final", "find", "floor", "for", "from",
+    "function", "function_block", "ge", "get", "global", "goto", "gt", "if", "implements", "in", "indexof", "ini",
+    "initial_step", "insert", "int", "interface", "internal", "interval", "jmp", "jmpc", "jmpcn", "ld", "ldate",
+    "ldn", "ldt", "le", "left", "len", "limit", "lint", "ln", "log", "lower", "lreal", "lt", "ltime", "ltod", "lword",
+    "max", "method", "mid", "min", "mod", "move", "mul", "mux", "namespace", "ne", "non_retain", "not", "null", "of",
+    "on", "or", "or_else", "orn", "overlap", "override", "pointer", "priority", "private", "program", "property",
+    "protected", "public", "r_edge", "r_trig", "read_only", "read_write", "real", "ref", "ref_to", "reference",
+    "repeat", "replace", "resource", "ret", "retain", "retc", "retcn", "return", "right", "rol", "ror", "round", "rs",
+    "rtc", "sel", "sema", "set", "shl", "shr", "sign", "sin", "single", "sint", "sizeof", "sqrt", "sr", "st", "step",
+    "stn", "string", "struct", "sub", "super", "tan", "task", "then", "this", "time", "time_of_day", "to", "tod",
+    "tof", "ton", "tp", "transition", "true", "trunc", "type", "udint", "uint", "ulint", "union", "until", "upper",
+    "using", "usint", "var", "var_access", "var_config", "var_external", "var_global", "var_in_out", "var_input",
+    "var_inst", "var_output", "var_stat", "var_temp", "wchar", "while", "with", "word", "wstring", "xor", "xorn",
+];
+
+/// Names as structured text has them: none a reserved word, none twice, whatever its capitals.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Names {
+    /// What names may not be, in small letters.
+    pub(super) taken: Vec<String>,
+    /// Names of the program, and those they have here.
+    pub(super) known: Vec<(String, String)>,
+}
+
+impl Names {
+    pub(super) fn without(taken: &[String]) -> Self {
+        Names { taken: taken.to_vec(), known: Vec::new() }
+    }
+
+    /// A name for `key`: that which is wished, with a number where that is taken.
+    pub(super) fn add(&mut self, key: &str, wish: &str) {
+        if self.known.iter().any(|(known, _)| known == key) {
+            return;
+        }
+        let wish = wish.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_");
+        let free = |name: &String| {
+            let name = name.to_lowercase();
+            !self.taken.contains(&name) && !RESERVED.contains(&name.as_str())
+        };
+        let found =
+            std::iter::once(wish.clone()).chain((1..).map(|k| format!("{wish}_{k}"))).find(free).unwrap_or(wish);
+        self.taken.push(found.to_lowercase());
+        self.known.push((key.into(), found));
+    }
+
+    pub(super) fn get(&self, key: &str) -> &str {
+        self.known.iter().find(|(known, _)| known == key).map_or("", |(_, name)| name)
+    }
+}
+
+impl<'s> St<'s> {
+    pub(super) fn new(whole: &'s Whole, wanted: &'s Wanted) -> Result<Self, Error> {
+        let program = &whole.program;
+        let (mut globals, mut fields) = (Names::default(), Names::default());
+        let mut st = St {
+            whole,
+            name: wanted.name,
+            single: wanted.single,
+            globals: Names::default(),
+            fields: Names::default(),
+            inner: Vec::new(),
+            reading: Vec::new(),
+        };
+        for entry in &whole.entries {
+            globals.add(&format!("!{}", entry.step), &st.block_of(entry));
+        }
+        for own in ["tables", "test"] {
+            globals.add(&format!("!{own}"), &format!("{}_{own}", wanted.name));
+        }
+        for block in &program.blocks {
+            globals.add(&format!("!!{}", block.name), &format!("{}_{}", wanted.name, state_of(&block.name)));
+            block.fields.iter().for_each(|field| fields.add(&field.name, &field.name));
+        }
+        for block in &program.blocks {
+            for c in block.constants.iter().filter(|c| c.table) {
+                fields.add(&constant(&block.name, &c.name), &format!("{}_{}", block.name, c.name));
+            }
+        }
+        for function in &program.functions {
+            globals.add(&function.name, &format!("{}_{}", wanted.name, function.name));
+            let mut reads = false;
+            function.expressions(&mut |expr| match expr {
+                Expr::Constant(_, _, Some(_)) => reads = true,
+                Expr::Call(name, _) => reads |= st.reading.contains(name),
+                _ => {}
+            });
+            if reads {
+                st.reading.push(function.name.clone());
+            }
+        }
+        (st.globals, st.fields) = (globals, fields);
+        st.inner = program.functions.iter().map(|f| st.named(f)).collect::<Result<_, _>>()?;
+        Ok(st)
+    }
+}
+
+impl St<'_> {
+    /// What a function names, all declared once, at its beginning.
+    fn named(&self, function: &Function) -> Result<(Names, Vec<Variable>), Error> {
+        let program = &self.whole.program;
+        let mut names = Names::without(&self.globals.taken);
+        let mut variables: Vec<Variable> = Vec::new();
+        let mut twice = None;
+        let number = self.number().to_owned();
+        for parameter in &function.takes {
+            names.add(&parameter.name, &parameter.name);
+        }
+        if self.reading.contains(&function.name) {
+            names.add(TABLES, "tables");
+        }
+        (1..function.returns.len()).for_each(|k| names.add(&also(k), "also"));
+        let mut declare = |key: &str, wish: &str, kind: String| {
+            names.add(key, wish);
+            match variables.iter().find(|(known, _)| known == key) {
+                None => variables.push((key.into(), kind)),
+                Some((_, known)) if *known != kind => twice = Some(key.to_owned()),
+                Some(_) => {}
+            }
+        };
+        let mut look = |step: &Step| match step {
+            Step::Let(news, value) => {
+                let kind = if value.whole() { "DINT".into() } else { number.clone() };
+                news.iter().for_each(|name| declare(name, name, kind.clone()));
+            }
+            Step::Copy { name, block, zero, .. } => {
+                declare(name, name, self.state(block).into());
+                if *zero && self.counted(block) {
+                    declare(COUNTER, "k", "DINT".into());
+                }
+            }
+            Step::Room(name, n) => {
+                declare(name, name, self.array(*n));
+                declare(COUNTER, "k", "DINT".into());
+            }
+            Step::For { name, .. } => declare(name, name, "DINT".into()),
+            Step::Do(Expr::Call(called, _)) => match program.function(called).is_some_and(|f| f.returns.is_empty()) {
+                true => declare(DONE, "done", "BOOL".into()),
+                false => declare(UNUSED, "unused", number.clone()),
+            },
+            _ => {}
+        };
+        function.steps.iter().for_each(|step| step.all(&mut look));
+        function.expressions(&mut |expr| {
+            if let Expr::Constant(block, name, None) = expr {
+                names.add(&constant(&program.blocks[*block].name, name), name);
+            }
+        });
+        match twice {
+            None => Ok((names, variables)),
+            Some(name) => Err(Error::Content(format!(
+                "program, fn {}: `{name}` is of two kinds, and structured text knows a name once in a function: name one otherwise",
+                function.name,
+            ))),
+        }
+    }
+
+    /// Whether the state of a block holds several of something.
+    fn counted(&self, block: &str) -> bool {
+        self.whole.program.block(block).is_some_and(|b| {
+            b.fields.iter().any(|field| match &field.holds {
+                Holds::Number(_) => false,
+                Holds::Numbers(_) => true,
+                Holds::Block(inner) => self.counted(inner),
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_differ_in_capitals_alone_or_are_words_of_the_language_get_a_number() {
+        let mut names = Names::without(&["bender".into()]);
+        for name in ["h", "H", "left", "two__lines_", "Bender", "h"] {
+            names.add(name, name);
+        }
+        let found: Vec<&str> = names.known.iter().map(|(_, name)| name.as_str()).collect();
+        assert_eq!(found, ["h", "H_1", "left_1", "two_lines", "Bender_1"]);
+    }
+}

@@ -1,0 +1,140 @@
+//! Numbers to prove exported code by: inputs, what each entry answers, and what that takes.
+
+use super::Wanted;
+use super::whole::{Entry, Whole};
+use piezoid::compensation::Causal;
+use piezoid::error::Error;
+use piezoid::program::{Counts, Machine};
+use piezoid::series::ends;
+use piezoid::system::System;
+
+/// What an entry answers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Vectors {
+    /// Its inputs, a row a sample.
+    pub inputs: Vec<Vec<f64>>,
+    /// Its outputs.
+    pub outputs: Vec<f64>,
+    /// What a sample takes, on average.
+    pub mean: Counts,
+    /// The most operations that one of these samples took; others may take more.
+    pub most: usize,
+    /// The largest difference to double precision, over the height of the outputs.
+    pub off: f64,
+    /// What the model leaves of the reference behind a feed-forward, rms over its height, where it wanders.
+    pub missed: Option<f64>,
+}
+
+/// Samples of the vectors: first they wander, then they go once through all there is, then they jump.
+pub(super) const SAMPLES: usize = 400;
+const WANDERING: usize = 280;
+const THROUGH: usize = 81;
+
+/// Samples until a feed-forward that begins at rest is where it should be.
+const BEGUN: usize = 60;
+
+/// What each entry answers to inputs within what the model knows; in single precision, what that gives.
+pub(super) fn of(whole: &Whole, wanted: &Wanted) -> Result<Vec<Vectors>, Error> {
+    let model = wanted.model;
+    let u = inputs(model.known_inputs().unwrap_or((-1.0, 1.0)));
+    let y = model.simulate(&u);
+    let inputs = |entry: &Entry| match entry.step {
+        "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
+        "ff_step" => y.iter().map(|r| vec![*r]).collect(),
+        // As if the actuator followed a fifth too far, and the feed-forward were the input.
+        _ => y.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
+    };
+    let of = |entry: &Entry| {
+        let missed = if entry.step == "ff_step" { missed(wanted, &y) } else { None };
+        Ok(Vectors { missed, ..answers(whole, entry, inputs(entry), wanted.single)? })
+    };
+    whole.entries.iter().map(of).collect()
+}
+
+fn answers(whole: &Whole, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
+    let run = |single: bool| {
+        let mut machine = Machine::new(&whole.program, entry.state, single);
+        let (mut outputs, mut most, mut before) = (Vec::with_capacity(inputs.len()), 0, 0);
+        for (t, input) in inputs.iter().enumerate() {
+            let output = machine.call(entry.step, input)?[0];
+            if !output.is_finite() || input.iter().any(|v| !v.is_finite()) {
+                let because = format!(
+                    "of inputs it knows, {} makes {output} at sample {t}: is its linear block stable?",
+                    entry.step
+                );
+                return Err(Error::Unsuited { what: "export".into(), because });
+            }
+            outputs.push(output);
+            let total = machine.counts.total();
+            (most, before) = (most.max(total - before), total);
+        }
+        Ok((outputs, machine.counts, most))
+    };
+    let (outputs, counts, most) = run(single)?;
+    let exact = if single { run(false)?.0 } else { outputs.clone() };
+    let (low, high) = ends(exact.iter().copied());
+    let differs = outputs.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let off = if differs == 0.0 { 0.0 } else { differs / (high - low) };
+    if (off.is_nan() || off >= USELESS) && entry.step == "step" {
+        let because = format!(
+            "it would be off by {off:.1e} of the stroke: numbers that are large beside it, such as the offset, \
+                               take the digits; take double, or shift the output"
+        );
+        return Err(Error::Unsuited { what: "export in single precision".into(), because });
+    }
+    let n = inputs.len();
+    let mean = Counts {
+        sums: counts.sums / n,
+        products: counts.products / n,
+        quotients: counts.quotients / n,
+        comparisons: counts.comparisons / n,
+    };
+    Ok(Vectors { inputs, outputs, mean, most, off, missed: None })
+}
+
+/// Share of the stroke from which on single precision is of no use.
+const USELESS: f64 = 1e-2;
+
+/// What the model leaves of the reference `r` behind the feed-forward, rms over its height, where it wanders.
+fn missed(wanted: &Wanted, r: &[f64]) -> Option<f64> {
+    let causal = Causal::new(wanted.model, wanted.how, wanted.preview).ok()?;
+    let y = wanted.model.simulate(&causal.simulate(r));
+    let pairs = || r.iter().zip(y.iter().skip(wanted.preview)).take(WANDERING).skip(BEGUN);
+    let (low, high) = ends(pairs().map(|(r, _)| *r));
+    let mean = pairs().map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / pairs().count() as f64;
+    Some(mean.sqrt() / (high - low))
+}
+
+/// Two turns of different speed, within 95 % of these ends: sums and products alone, for the same bits on every machine.
+pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
+    // Steps of 0.13 and 0.0481 rad.
+    let (quick, slow) = ((0.9915618937147881, 0.12963414261969486), (0.9988434179553187, 0.04808145522014453));
+    let (mut a, mut b) = ((1.0, 0.0), (1.0, 0.0));
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let share = |_| {
+        (a, b) = (turned(quick, a), turned(slow, b));
+        middle + half * (0.35 * a.1 + 0.6 * b.1)
+    };
+    (0..n).map(share).collect()
+}
+
+/// One angle after another, each as its cosine and sine.
+pub(super) fn turned((c, s): (f64, f64), (x, y): (f64, f64)) -> (f64, f64) {
+    (c * x - s * y, s * x + c * y)
+}
+
+/// Inputs between these ends, the same on every machine.
+fn inputs((low, high): (f64, f64)) -> Vec<f64> {
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    // Up from the bottom, and down again.
+    let through = (0..THROUGH).map(|t| {
+        let way = 2.0 * t as f64 / (THROUGH - 1) as f64;
+        middle + half * if way <= 1.0 { 2.0 * way - 1.0 } else { 3.0 - 2.0 * way }
+    });
+    let mut drawn = 1u32;
+    let jumps = (WANDERING + THROUGH..SAMPLES).map(|_| {
+        drawn = drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        middle + half * (f64::from(drawn >> 8) / f64::from(1 << 23) - 1.0)
+    });
+    wander((low, high), WANDERING).into_iter().chain(through).chain(jumps).collect()
+}

@@ -1,0 +1,92 @@
+//! The buffer of the arbitrary waveform generator in piezosystem jena's NV200 amplifiers.
+//!
+//! ```text
+//! cl,0                  open loop
+//! gtarb,k               a point lasts k times 50 us
+//! gbarb,j,p_j           point j, from 0 up to 1023, in percent of the range
+//! gsarb,0               a cycle goes from here
+//! gearb,N-1             to here
+//! goarb,0               the first one too
+//! gcarb,0               without end
+//! modsrc,3              the generator is the setpoint
+//! grun,1                now
+//! ```
+//! In open loop the setpoint is a voltage, of which 0 % and 100 % are taken for the ends that the amplifier answers to `avmin`
+//! and `avmax`, and which belong to the actuator that is plugged in. The list of its commands does not say so; generators in
+//! the nano box USB of the same maker count in percent of the range of the voltage. The language has no comments, so that the
+//! file has none: every line can be sent as it is, with a carriage return at its end.
+//!
+//! Reference: NV200/D NET instruction manual, command list (section 8.5); piezosystem jena's nv200-python-lib (`NV200Device`,
+//! `WaveformGenerator`); nano box USB manual, section 9.1.1.23. It does not do: closed loop, `gparb` in micrometres, which is
+//! for it; saving in the amplifier (`gsave`).
+
+use super::table::{Room, Table};
+use piezoid::error::Error;
+use piezoid::number::{round, short};
+use piezoid::series::ends;
+
+/// What its buffer holds, and its time base.
+const ROOM: Room = Room { cycle: 5e-5, points: 1024, cycles: 65535 };
+
+/// Digits after the point: a millionth of the range.
+const DECIMALS: usize = 4;
+
+/// The drive `u` [V], every `ts` [s], for an amplifier whose 0 % and 100 % are the ends of `range` [V].
+///
+/// # Errors
+/// A drive that leaves the range, or a range that is none; else as [`Table::new`].
+pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<Table, Error> {
+    let (low, high) = range;
+    let told = format!("{} to {} V", round(low), round(high));
+    if !(low < high && (high - low).is_finite()) {
+        return Err(Error::parameter("range", told, "must go from the voltage of 0 % up to that of 100 %"));
+    }
+    let (lowest, highest) = ends(u.iter().copied());
+    if lowest < low || highest > high {
+        let rule = format!("must hold the drive, which goes from {} to {} V", short(lowest), short(highest));
+        return Err(Error::parameter("range", told, rule));
+    }
+    Table::new(ROOM, u, ts, (low, (high - low) / 100.0), DECIMALS)
+}
+
+/// The commands.
+pub(super) fn commands(table: &Table) -> String {
+    let mut out = format!("cl,0\ngtarb,{}\n", table.cycles);
+    for (index, percent) in table.written.iter().enumerate() {
+        out += &format!("gbarb,{index},{percent}\n");
+    }
+    out + &format!("gsarb,0\ngearb,{}\ngoarb,0\ngcarb,0\nmodsrc,3\ngrun,1\n", table.written.len() - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_percent_of_the_range_and_counted_from_zero() {
+        let table = table(&[-20.0, 55.0, 130.0], 1e-3, (-20.0, 130.0)).unwrap();
+        assert_eq!(
+            commands(&table),
+            "cl,0\ngtarb,20\ngbarb,0,0.0000\ngbarb,1,50.0000\ngbarb,2,100.0000\n\
+             gsarb,0\ngearb,2\ngoarb,0\ngcarb,0\nmodsrc,3\ngrun,1\n"
+        );
+        assert_eq!(table.held, [-20.0, 55.0, 130.0]);
+    }
+
+    #[test]
+    fn no_more_points_are_made_than_the_buffer_holds() {
+        let u: Vec<f64> = (0..5000).map(|t| f64::from(t % 100)).collect();
+        let table = table(&u, 5e-4, (0.0, 100.0)).unwrap();
+        assert_eq!((table.held.len(), table.cycles), (1000, 50));
+        assert!(commands(&table).contains("\ngearb,999\n"));
+    }
+
+    #[test]
+    fn a_range_that_does_not_hold_the_drive_is_refused() {
+        let said = |range| table(&[-1.0, 4.0], 1e-3, range).map(drop).unwrap_err().to_string();
+        assert!(
+            said((0.0, 100.0)).contains("range = 0 to 100 V: must hold the drive, which goes from -1.000 to 4.000 V")
+        );
+        assert!(said((5.0, -5.0)).contains("must go from the voltage of 0 %"));
+    }
+}

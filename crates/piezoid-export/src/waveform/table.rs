@@ -1,0 +1,269 @@
+//! Tables of voltages, each held for whole cycles of a controller, and what is lost on the way into them.
+//!
+//! ```text
+//! v_j = mean of u over the time that point j is held,    period = points x cycles a point x cycle
+//! ```
+//! Of all held voltages the mean is nearest to the drive, by least squares; where a point lasts a sample or longer, it
+//! stays within every limit of voltage, slew and current that the drive keeps. Where a sample of the drive lasts whole
+//! cycles and all fit in, the table is the drive. Else the period that is met best decides, then whole samples a point,
+//! then the number of points.
+//!
+//! What a model makes of a table is its answer to the mean of the held voltage in each of its samples: exact where points
+//! last whole samples; where they do not, what happens within a sample is not told. Of points that are shorter than a
+//! sample, those wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
+
+use super::drive::{Answer, Drive, answer};
+use piezoid::error::Error;
+use piezoid::hammerstein::Model;
+use piezoid::number::short;
+use piezoid::series::ends;
+use piezoid::system::System;
+
+/// A part of a period this small is none.
+const NONE: f64 = 1e-9;
+
+/// What a controller has room for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room {
+    /// Its cycle [s].
+    pub(super) cycle: f64,
+    /// Points at most.
+    pub(super) points: usize,
+    /// Cycles that a point can be held for, at most.
+    pub(super) cycles: usize,
+}
+
+impl Room {
+    /// Points, and cycles each is held for, of a period of `n` samples every `ts` [s].
+    ///
+    /// # Errors
+    /// [`Error::Unsuited`] of a period that is shorter than two cycles or longer than the table can last.
+    pub(super) fn shape(&self, n: usize, ts: f64) -> Result<(usize, usize), Error> {
+        let sample = ts / self.cycle;
+        let whole = sample.round();
+        if n <= self.points && whole >= 1.0 && (sample - whole).abs() <= NONE * whole && whole <= self.cycles as f64 {
+            return Ok((n, whole as usize));
+        }
+        let all = n as f64 * sample;
+        let most = if all < self.points as f64 { all as usize } else { self.points };
+        if most < 2 || all > self.points as f64 * self.cycles as f64 {
+            let [cycle, period] = [self.cycle, n as f64 * ts].map(short);
+            let because = format!(
+                "a period of {period} s does not go into 2 to {} points, each held for 1 to {} cycles of {cycle} s",
+                self.points, self.cycles
+            );
+            return Err(Error::Unsuited { what: "table of voltages".into(), because });
+        }
+        let cycles = |points: usize| ((all / points as f64).round().max(1.0) as usize).min(self.cycles);
+        let missed = |points: usize| ((points * cycles(points)) as f64 / all - 1.0).abs() / NONE;
+        let best =
+            (most.div_ceil(2).max(2)..=most).rev().min_by_key(|&p| (missed(p).round() as u64, !n.is_multiple_of(p)));
+        let points = best.unwrap_or(most);
+        Ok((points, cycles(points)))
+    }
+}
+
+/// A table as a file holds it.
+pub(super) struct Table {
+    /// The points as they are written.
+    pub(super) written: Vec<String>,
+    /// The voltages that a controller makes of them [V].
+    pub(super) held: Vec<f64>,
+    /// Cycles that each is held for.
+    pub(super) cycles: usize,
+    /// The cycle [s].
+    pub(super) cycle: f64,
+}
+
+impl Table {
+    /// The drive `u` [V], every `ts` [s], as a controller with this room holds it: numbers with so many decimals, of which
+    /// 0 stands for `zero` volts and 1 for `scale` volts more.
+    ///
+    /// # Errors
+    /// As [`Room::shape`].
+    pub(super) fn new(
+        room: Room,
+        u: &[f64],
+        ts: f64,
+        (zero, scale): (f64, f64),
+        decimals: usize,
+    ) -> Result<Self, Error> {
+        let (points, cycles) = room.shape(u.len(), ts)?;
+        // Adding 0 takes the sign from -0.
+        let digits = 10f64.powi(decimals as i32);
+        let rounded = |v: f64| (digits * (v - zero) / scale).round() / digits + 0.0;
+        let values: Vec<f64> = fitted(u, points).into_iter().map(rounded).collect();
+        Ok(Table {
+            written: values.iter().map(|value| format!("{value:.decimals$}")).collect(),
+            held: values.iter().map(|value| zero + scale * value).collect(),
+            cycles,
+            cycle: room.cycle,
+        })
+    }
+
+    /// How long a point is held [s].
+    pub(super) fn point(&self) -> f64 {
+        self.cycles as f64 * self.cycle
+    }
+
+    /// How long all are [s].
+    pub(super) fn period(&self) -> f64 {
+        self.held.len() as f64 * self.point()
+    }
+
+    /// What is lost.
+    pub(super) fn figures(&self, model: &Model, drive: &Drive) -> Figures {
+        let (n, points) = (drive.u.len(), self.held.len());
+        let off =
+            |(i, j, length): (usize, usize, usize)| (drive.u[i] - self.held[j], length as f64 / (n * points) as f64);
+        let Answer { y, differs } = answer(model, &means(&self.held, n));
+        let left = y.iter().zip(&drive.r).map(|(y, r)| (y - r, 1.0 / n as f64));
+        Figures {
+            period: self.period() / (n as f64 * model.ts()) - 1.0,
+            u: Share::of(overlaps(n, points).map(off), &drive.u),
+            y: Share::of(left, &drive.r),
+            differs,
+        }
+    }
+}
+
+/// What a table loses.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Figures {
+    /// By how much its period is longer than wanted, as a share of it.
+    pub(super) period: f64,
+    /// The held voltage, off the drive.
+    pub(super) u: Share,
+    /// The model's answer to it, off what is wanted.
+    pub(super) y: Share,
+    /// By how much two periods of that answer differ, as a share of their stroke.
+    pub(super) differs: f64,
+}
+
+/// An error in percent of the stroke.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Share {
+    /// Root of the mean square.
+    pub(super) rms: f64,
+    /// The largest.
+    pub(super) largest: f64,
+}
+
+impl Share {
+    /// Of errors, each with its share of the period, in percent of the stroke of `x`.
+    fn of(errors: impl Iterator<Item = (f64, f64)>, x: &[f64]) -> Self {
+        let (low, high) = ends(x.iter().copied());
+        let (squares, largest) =
+            errors.fold((0.0, 0.0f64), |(sum, most), (e, weight)| (sum + weight * e * e, most.max(e.abs())));
+        Share { rms: 100.0 * squares.sqrt() / (high - low), largest: 100.0 * largest / (high - low) }
+    }
+}
+
+/// The `n` points for the drive `u`: its means, and where they are shorter than its samples, corrected for these.
+fn fitted(u: &[f64], n: usize) -> Vec<f64> {
+    let mut points = means(u, n);
+    let missing: Vec<f64> = u.iter().zip(means(&points, u.len())).map(|(u, mean)| u - mean).collect();
+    let inside = || overlaps(u.len(), n).filter(|(_, _, length)| *length == u.len());
+    let mut share = vec![0.0; u.len()];
+    inside().for_each(|(i, _, length)| share[i] += length as f64 / n as f64);
+    inside().for_each(|(i, j, _)| points[j] += missing[i] / share[i]);
+    // A turn of the drive is not to be passed, as it may be a limit.
+    let (low, high) = ends(u.iter().copied());
+    points.iter().map(|v| v.clamp(low, high)).collect()
+}
+
+/// The means of `x`, held over equal parts of a period, over `n` equal parts of it.
+pub(super) fn means(x: &[f64], n: usize) -> Vec<f64> {
+    let mut means = vec![0.0; n];
+    overlaps(x.len(), n).for_each(|(i, j, length)| means[j] += length as f64 / x.len() as f64 * x[i]);
+    means
+}
+
+/// Which of `n` equal parts of a period overlap which of `m`, and for how long, of n m.
+fn overlaps(n: usize, m: usize) -> impl Iterator<Item = (usize, usize, usize)> {
+    let (mut i, mut j, mut at) = (0, 0, 0);
+    std::iter::from_fn(move || {
+        let (first, second) = ((i + 1) * m, (j + 1) * n);
+        let end = first.min(second);
+        let overlap = (i, j, end - at);
+        (i, j, at) = (i + usize::from(first == end), j + usize::from(second == end), end);
+        (overlap.0 < n).then_some(overlap)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::assert_close;
+
+    const ROOM: Room = Room { cycle: 5e-5, points: 1024, cycles: 65535 };
+
+    #[test]
+    fn the_drive_itself_is_the_table_where_its_samples_last_whole_cycles() {
+        assert_eq!(ROOM.shape(400, 5e-4).unwrap(), (400, 10));
+        assert_eq!(ROOM.shape(1024, 1e-4).unwrap(), (1024, 2));
+        let u = [1.25, -0.5, 3.0];
+        assert_eq!(means(&u, 3), u);
+    }
+
+    #[test]
+    fn longer_periods_are_met_with_as_many_points_as_fit_each_of_whole_samples() {
+        // 20000 cycles.
+        assert_eq!(ROOM.shape(2000, 5e-4).unwrap(), (1000, 20));
+        // 15000 cycles in 1000 points would be 1.5 samples each.
+        assert_eq!(ROOM.shape(1500, 5e-4).unwrap(), (750, 20));
+        // A sample of 2.5 cycles: points are shorter, rather than half as many as there are samples.
+        assert_eq!(ROOM.shape(100, 1.25e-4).unwrap(), (250, 1));
+    }
+
+    #[test]
+    fn a_period_that_no_table_has_is_met_within_half_a_thousandth() {
+        for (n, ts) in [(1999, 5e-4), (4093, 5e-4), (333, 1.0 / 3000.0), (44100, 1.0 / 44100.0)] {
+            let (points, cycles) = ROOM.shape(n, ts).unwrap();
+            let off = (points * cycles) as f64 * 5e-5 / (n as f64 * ts) - 1.0;
+            assert!((512..=1024).contains(&points) && off.abs() < 5e-4, "{n} {ts}: {points} {cycles} {off}");
+        }
+    }
+
+    #[test]
+    fn periods_that_are_too_short_or_too_long_are_refused() {
+        let said = |n, ts| ROOM.shape(n, ts).unwrap_err().to_string();
+        assert!(said(3, 3e-5).contains("a period of 9.000e-5 s does not go into 2 to 1024 points"));
+        assert!(said(4000, 1.0).contains("65535 cycles"));
+    }
+
+    #[test]
+    fn the_mean_of_what_is_held_is_kept_and_no_limit_is_passed() {
+        let u: Vec<f64> = (0..91).map(|t| f64::from(t * t % 37)).collect();
+        let of = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let step = |x: &[f64]| (0..x.len()).map(|t| (x[t] - x[(t + 1) % x.len()]).abs()).fold(0.0, f64::max);
+        for n in [1, 2, 13, 45, 91, 120, 364] {
+            let held = means(&u, n);
+            assert_close(&[of(&held)], &[of(&u)], 1e-12, 0.0);
+            assert!(ends(held.iter().copied()).1 <= ends(u.iter().copied()).1);
+            // The slew over the point is at most that over the sample.
+            assert!(step(&held) <= step(&u) * (91.0 / n as f64).max(1.0) + 1e-9);
+        }
+        assert_close(&means(&[1.0, 2.0, 4.0], 2), &[4.0 / 3.0, 10.0 / 3.0], 1e-15, 0.0);
+    }
+
+    #[test]
+    fn points_shorter_than_a_sample_keep_its_mean_but_pass_no_turn() {
+        let u: Vec<f64> = (0..100).map(|t| (std::f64::consts::TAU * f64::from(t) / 100.0).sin()).collect();
+        let off = |points: &[f64]| means(points, 100).iter().zip(&u).map(|(v, u)| (v - u).abs()).fold(0.0, f64::max);
+        let points = fitted(&u, 250);
+        assert!(off(&means(&u, 250)) > 5e-3 && off(&points) < 3e-4, "{}", off(&points));
+        assert_eq!(ends(points), ends(u.iter().copied()));
+        assert_eq!(fitted(&u, 100), u);
+        assert_eq!(fitted(&u, 50), means(&u, 50));
+    }
+
+    #[test]
+    fn overlaps_cover_the_period_once() {
+        for (n, m) in [(1, 1), (3, 2), (7, 7), (12, 8), (5, 1024)] {
+            let all: Vec<_> = overlaps(n, m).collect();
+            assert_eq!(all.iter().map(|o| o.2).sum::<usize>(), n * m);
+            assert!(all.iter().all(|o| o.0 < n && o.1 < m && o.2 > 0));
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Files read back as a controller reads them.
+
+use super::*;
+use crate::Model;
+use crate::testing::assert_close;
+use piezoid::compensation::How;
+use piezoid::creep::Creep;
+use piezoid::excitation::Limits;
+use piezoid::hysteresis::operator;
+use piezoid::linear::Arx;
+use piezoid::record::Units;
+use std::f64::consts::TAU;
+
+const TS: f64 = 5e-4;
+
+/// With creep and a resonance, in micrometres or another length of so many of them.
+fn model(name: &str, unit: &str, micrometres: f64) -> Model {
+    let b = [0.0, 3.0, 2.8].map(|b| b / micrometres).to_vec();
+    let block = Arx::new(TS, vec![1.7424, -0.9453], b).unwrap();
+    let model = Model::new((operator(name).unwrap().example)(TS).unwrap(), block, 2.0 / micrometres).unwrap();
+    let creeping = model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 10.0).unwrap()).unwrap();
+    creeping.with_units(Units { u: "V".into(), y: unit.into() })
+}
+
+fn sine(n: usize, height: f64) -> Vec<f64> {
+    (0..n).map(|t| height * (TAU * t as f64 / n as f64).sin()).collect()
+}
+
+fn limits() -> How {
+    How { limits: Limits { low: Some(-25.0), high: Some(25.0), ..Limits::default() }, ..How::default() }
+}
+
+fn made(model: &Model, r: &[f64]) -> Made {
+    let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
+    make(&Wanted { reference: Some(r), how: limits(), playback, ..Wanted::new(model, "scan") }).unwrap()
+}
+
+fn text<'m>(made: &'m Made, path: &str) -> &'m str {
+    std::str::from_utf8(&made.files.iter().find(|f| f.path == path).unwrap().bytes).unwrap()
+}
+
+/// The numbers of a CSV column.
+fn column(csv: &str, number: usize) -> Vec<f64> {
+    csv.lines().skip(1).map(|line| line.split(',').nth(number).unwrap().parse().unwrap()).collect()
+}
+
+/// Points [V] and how long each is held [s], as the controller understands the commands.
+fn played(commands: &str) -> (Vec<f64>, f64) {
+    let (mut points, mut cycles) = (Vec::new(), 0.0);
+    for line in commands.lines() {
+        let words: Vec<&str> = line.split([' ', ',']).collect();
+        match words[..] {
+            ["WAV", "1", how, "PNT", first, count, ..] => {
+                assert_eq!(how == "X", points.is_empty());
+                assert_eq!((first.parse(), count.parse()), (Ok(points.len() + 1), Ok(words.len() - 6)));
+                points.extend(words[6..].iter().map(|v| v.parse::<f64>().unwrap()));
+            }
+            ["gbarb", index, percent] => {
+                assert_eq!(index.parse(), Ok(points.len()));
+                points.push(-30.0 + 1.5 * percent.parse::<f64>().unwrap());
+            }
+            ["WTR", "1", k, "0"] | ["gtarb", k] => cycles = k.parse().unwrap(),
+            ["gearb", last] => assert_eq!(last.parse(), Ok(points.len() - 1)),
+            _ => {}
+        }
+    }
+    (points, cycles * 5e-5)
+}
+
+/// The figures that the page states of a file: period off, u rms and largest, y rms and largest, all in percent.
+fn stated(made: &Made, file: &str) -> Vec<f64> {
+    let row = text(made, "scan.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
+    row.split('|').skip(5).filter_map(|cell| cell.trim().parse().ok()).collect()
+}
+
+/// Rms and largest, in percent of the stroke of `of`.
+fn share(x: &[f64], of: &[f64]) -> [f64; 2] {
+    let (low, high) = ends(of.iter().copied());
+    let off = x.iter().zip(of).map(|(x, of)| x - of);
+    let rms = (off.clone().map(|e| e * e).sum::<f64>() / x.len() as f64).sqrt();
+    [rms, off.map(f64::abs).fold(0.0, f64::max)].map(|e| 100.0 * e / (high - low))
+}
+
+#[test]
+fn the_errors_stated_are_those_of_the_files_read_back_and_played() {
+    for (name, n) in [("prandtl-ishlinskii", 120), ("preisach", 2200), ("prandtl-ishlinskii", 1999)] {
+        let (model, r) = (model(name, "um", 1.0), sine(n, 400.0));
+        let made = made(&model, &r);
+        // The drive to 0.1 mV, forty times in each cycle of 50 us.
+        let u = column(text(&made, "scan.csv"), 1);
+        let fine =
+            |t: usize, of: f64, points: &[f64]| points[((t as f64 + 0.5) * 1.25e-6 / of) as usize % points.len()];
+        for file in ["scan_gcs.txt", "scan_nv200.txt"] {
+            let (points, held) = played(text(&made, file));
+            let says = stated(&made, file);
+            let period = points.len() as f64 * held;
+            assert_close(&[says[0]], &[100.0 * (period / (n as f64 * TS) - 1.0)], 1e-3, 1e-9);
+            // At the same phase, whatever the period.
+            let samples = n * 400;
+            let slower = period / (n as f64 * TS);
+            let both: (Vec<f64>, Vec<f64>) =
+                (0..samples).map(|t| (fine(t, held / slower, &points), fine(t, TS, &u))).unzip();
+            let lost = share(&both.0, &both.1);
+            assert_close(&says[1..3], &lost, 0.02, 1e-3);
+            // As the model sees it, from standing still until creep of 10 s is over.
+            let seen: Vec<f64> = both.0.chunks(400).map(|sample| sample.iter().sum::<f64>() / 400.0).collect();
+            let mut x = model.settled(seen[0]);
+            (0..400_000 / n).for_each(|_| drop(model.resume(&mut x, &seen)));
+            assert_close(&says[3..5], &share(&model.resume(&mut x, &seen), &r), 0.05, 2e-4);
+        }
+    }
+}
+
+#[test]
+fn what_is_wanted_is_met_and_nothing_is_lost_where_samples_last_whole_cycles() {
+    let made = made(&model("preisach", "um", 1.0), &sine(200, 400.0));
+    for file in ["scan.csv", "scan_gcs.txt", "scan_nv200.txt"] {
+        let says = stated(&made, file);
+        // Rounding to 0.1 mV of 40 V.
+        assert!(says[0] == 0.0 && says[2] < 1e-3 && says[4] < 0.01, "{file}: {says:?}");
+    }
+    let csv = text(&made, "scan.csv");
+    assert!(csv.starts_with("t_s,u_V,r_um,y_um\n0.0000,"));
+    assert!(share(&column(csv, 3), &column(csv, 2))[1] < 0.01);
+    assert_eq!(played(text(&made, "scan_gcs.txt")).0, column(csv, 1));
+}
+
+#[test]
+fn a_model_in_metres_gives_the_same_voltages() {
+    let micrometres = made(&model("prandtl-ishlinskii", "um", 1.0), &sine(100, 400.0));
+    let r: Vec<f64> = sine(100, 400.0).iter().map(|r| r * 1e-6).collect();
+    let metres = made(&model("prandtl-ishlinskii", "m", 1e6), &r);
+    let [um, m] = [&micrometres, &metres].map(|made| text(made, "scan.csv"));
+    assert!(m.starts_with("t_s,u_V,r_m,y_m\n"));
+    assert_close(&column(m, 1), &column(um, 1), 0.0, 1.01e-4);
+    let scaled: Vec<f64> = column(um, 3).iter().map(|y| y * 1e-6).collect();
+    assert_close(&column(m, 3), &scaled, 0.0, 3e-9);
+}
+
+#[test]
+fn every_table_stays_within_the_limits() {
+    // A triangle that asks for more than the slew.
+    let r: Vec<f64> = (0..1500).map(|t| 400.0 - 1.6 * (f64::from(t % 1500) - 750.0).abs()).map(|r| r * 0.6).collect();
+    let limits = Limits { low: Some(-25.0), high: Some(25.0), slew: Some(45.0), ..Limits::default() };
+    let how = How { limits, clip: true, ..How::default() };
+    let model = model("prandtl-ishlinskii", "um", 1.0);
+    let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
+    let made = make(&Wanted { reference: Some(&r), how, playback, ..Wanted::new(&model, "scan") }).unwrap();
+    for file in ["scan_gcs.txt", "scan_nv200.txt"] {
+        let (points, held) = played(text(&made, file));
+        // Rounding to 0.15 mV adds to the slew.
+        let usage = limits.check(&[points.as_slice(), &points[..1]].concat(), held).unwrap();
+        assert!(usage.slew.value < 45.0 + 1.5e-4 / held && usage.slew.value > 40.0, "{file}: {usage:?}");
+    }
+    let strict = Wanted { reference: Some(&r), how: How { limits, ..How::default() }, ..Wanted::new(&model, "scan") };
+    assert!(make(&strict).unwrap_err().to_string().starts_with("the drive exceeds its limits: slew"));
+}
+
+#[test]
+fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
+    let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
+    let made = make(&Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") }).unwrap();
+    let paths: Vec<&str> = made.files.iter().map(|f| f.path.as_str()).collect();
+    assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan.md"]);
+    assert!(made.notes.iter().any(|note| note.contains("give the voltages of 0 % and 100 %")), "{:?}", made.notes);
+    assert!(!text(&made, "scan.md").contains("nv200"));
+}
+
+#[test]
+fn what_makes_no_table_is_refused_by_name() {
+    let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
+    let plain = || Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") };
+    let said = |wanted: Wanted| make(&wanted).unwrap_err().to_string();
+    assert!(said(Wanted { reference: None, ..plain() }).starts_with("reference = none: must be given"));
+    assert!(said(Wanted { single: true, ..plain() }).contains("leave controller, preview and single precision out"));
+    assert!(said(Wanted { name: "9", ..plain() }).starts_with("name = `9`"));
+    let far = sine(100, 1e5);
+    assert!(said(Wanted { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
+    assert!(said(Wanted { reference: Some(&r[..60]), ..plain() }).contains("must join its beginning"));
+    let playback = Playback { servo_cycle: 0.0, ..Playback::default() };
+    assert!(said(Wanted { playback, ..plain() }).starts_with("servo_cycle = 0"));
+    let millivolts = model.clone().with_units(Units { u: "mV".into(), y: "um".into() });
+    let how = How::default();
+    assert!(said(Wanted { model: &millivolts, how, ..plain() }).contains("the model's input is in mV but V"));
+}
+
+#[test]
+fn the_same_model_and_reference_give_the_same_bytes() {
+    let (model, r) = (model("preisach", "um", 1.0), sine(150, 300.0));
+    assert_eq!(made(&model, &r), made(&model, &r));
+}

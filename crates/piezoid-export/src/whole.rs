@@ -1,0 +1,206 @@
+//! What is exported, put together: the program, what of it is called from outside, and numbers to prove it by.
+
+use super::Wanted;
+use super::vectors::{self, Vectors};
+use piezoid::compensation::{Causal, How, LATEST};
+use piezoid::error::Error;
+use piezoid::number::short;
+use piezoid::program::{Block, Holds, Program};
+use piezoid::record::Units;
+
+/// A program with its interface.
+#[derive(Debug, Clone)]
+pub struct Whole {
+    /// The blocks and functions.
+    pub program: Program,
+    /// What is called from outside: the model first, then its feed-forward, then the controller.
+    pub entries: Vec<Entry>,
+    /// Why something is not there, and what is worth knowing, one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// A state and the function that takes it one sample on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// The function: `step`, `ff_step` or `control_step`.
+    pub step: &'static str,
+    /// The function that begins anew: `reset`, `ff_reset` or `control_reset`.
+    pub reset: &'static str,
+    /// The block whose state it is.
+    pub state: &'static str,
+    /// One line.
+    pub about: String,
+    /// What it takes.
+    pub inputs: Vec<Signal>,
+    /// What it gives.
+    pub output: Signal,
+    /// Inputs, and what it answers.
+    pub vectors: Vectors,
+}
+
+/// A number that passes the interface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: String,
+    /// What it is.
+    pub about: &'static str,
+}
+
+/// The longest name of a unit.
+const LONGEST_UNIT: usize = 40;
+
+/// Share of the stroke from which on the error of single precision is told.
+const NOTED: f64 = 1e-5;
+
+impl Entry {
+    fn new([step, reset, state]: [&'static str; 3], about: String, inputs: Vec<Signal>, output: Signal) -> Self {
+        Entry { step, reset, state, about, inputs, output, vectors: Vectors::default() }
+    }
+
+    /// `name`, and its kind if it has one: what a thing of its own is called.
+    pub(super) fn named(&self, name: &str) -> String {
+        if self.kind().is_empty() { name.into() } else { format!("{name}_{}", self.kind()) }
+    }
+
+    /// What examples call one of its states.
+    pub(super) fn called(&self) -> &'static str {
+        match self.kind() {
+            "" => "model",
+            "ff" => "feed_forward",
+            _ => "controller",
+        }
+    }
+
+    /// What the functions of this entry begin with: nothing, `ff` or `control`.
+    pub fn kind(&self) -> &'static str {
+        self.step.trim_end_matches("step").trim_end_matches('_')
+    }
+}
+
+/// The type of the state of a block, within what it is exported as.
+pub(super) fn state_of(block: &str) -> String {
+    if block.ends_with("state") { block.into() } else { format!("{block}_state") }
+}
+
+impl Whole {
+    /// The model, its inverse if it has one, and the controller if one is wanted.
+    ///
+    /// # Errors
+    /// [`Error::Unsuited`] of a model or controller that has no program.
+    pub fn new(wanted: &Wanted) -> Result<Self, Error> {
+        let model = wanted.model;
+        let Units { u, y } = model.units();
+        for (name, unit) in [("u", u), ("y", y)] {
+            if unit.chars().any(char::is_control) || unit.len() > LONGEST_UNIT {
+                let rule = format!("must be {LONGEST_UNIT} letters at most, on one line");
+                return Err(Error::parameter(format!("units.{name}"), format!("{unit:?}"), rule));
+            }
+        }
+        let u = Signal { name: "u", unit: u.clone(), about: "input" };
+        let y = Signal { name: "y", unit: y.clone(), about: "displacement" };
+        let about = "the model: input to displacement".into();
+        let step = Entry::new(["step", "reset", "state"], about, vec![u.clone()], y.clone());
+        let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
+        whole.feed_forward(wanted, &u, &y)?;
+        whole.controller(wanted, &u, &y)?;
+        let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
+        whole.program.keep(&kept);
+        whole.held(wanted.single)?;
+        let vectors = vectors::of(&whole, wanted)?;
+        whole.entries.iter_mut().zip(vectors).for_each(|(entry, vectors)| entry.vectors = vectors);
+        for entry in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
+            let off = short(entry.vectors.off);
+            whole.notes.push(format!("single precision moves {} by {off} of its stroke at most", entry.step));
+        }
+        Ok(whole)
+    }
+
+    /// Adds the inverse, or why there is none.
+    fn feed_forward(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
+        if wanted.preview > LATEST {
+            let rule = format!("must be at most {LATEST} samples");
+            return Err(Error::parameter("preview", wanted.preview, rule));
+        }
+        match Causal::new(wanted.model, wanted.how, wanted.preview) {
+            // What was asked for is not left out in silence.
+            Err(error) if wanted.how != How::default() || wanted.preview > 0 => return Err(error),
+            Err(error) => self.notes.push(format!("there is no feed-forward: {error}")),
+            Ok(causal) => {
+                causal.extend(&mut self.program)?;
+                let late = match wanted.preview {
+                    0 => String::new(),
+                    n => format!(", which is to be given {n} samples ahead of time"),
+                };
+                let about = format!("the feed-forward: wanted displacement to input{late}");
+                let r = Signal { name: "r", about: "wanted displacement", ..y.clone() };
+                self.entries.push(Entry::new(["ff_step", "ff_reset", "ff_state"], about, vec![r], u.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the controller, if one is wanted.
+    fn controller(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
+        let Some(controller) = wanted.controller else { return Ok(()) };
+        let unsuited = || Error::Unsuited {
+            what: "export of this controller".into(),
+            because: "it plans anew in every sample: take one with a law, such as pi".into(),
+        };
+        for block in controller.blocks().ok_or_else(unsuited)? {
+            self.program.add(block)?;
+        }
+        let about = self.program.blocks.last().map_or(String::new(), |block| block.about.clone());
+        let inputs = vec![
+            Signal { name: "r", about: "what was wanted when y was read", ..y.clone() },
+            Signal { about: "the last reading of the displacement", ..y.clone() },
+            Signal { name: "feed", about: "the feed-forward of this sample, or 0", ..u.clone() },
+        ];
+        let names = ["control_step", "control_reset", "control_state"];
+        self.entries.push(Entry::new(names, format!("the controller: {about}"), inputs, u.clone()));
+        Ok(())
+    }
+
+    /// The blocks whose states entries have, each after those it holds.
+    pub fn states(&self) -> Vec<&Block> {
+        let mut within: Vec<&str> = self.entries.iter().map(|entry| entry.state).collect();
+        let mut states = Vec::new();
+        for block in self.program.blocks.iter().rev().filter(|block| !block.fields.is_empty()) {
+            if within.contains(&&*block.name) {
+                within.extend(block.fields.iter().filter_map(|field| match &field.holds {
+                    Holds::Block(inner) => Some(&**inner),
+                    _ => None,
+                }));
+                states.push(block);
+            }
+        }
+        states.reverse();
+        states
+    }
+
+    /// Refuses numbers that the precision has no room for.
+    fn held(&self, single: bool) -> Result<(), Error> {
+        let (largest, kind, else_) = match single {
+            true => (f64::from(f32::MAX), "float", "; take double"),
+            false => (f64::MAX, "double", ""),
+        };
+        for block in &self.program.blocks {
+            let constants = block.constants.iter().map(|c| (&c.name, &c.values[..]));
+            let at_rest = block.fields.iter().filter_map(|f| match &f.holds {
+                Holds::Number(value) => Some((&f.name, std::slice::from_ref(value))),
+                Holds::Numbers(values) => Some((&f.name, &values[..])),
+                Holds::Block(_) => None,
+            });
+            for (name, values) in constants.chain(at_rest) {
+                if let Some(value) = values.iter().find(|v| v.is_nan() || v.abs() > largest) {
+                    let because =
+                        format!("`{name}` of its {} is {value:?}, which a {kind} does not hold{else_}", block.name);
+                    return Err(Error::Unsuited { what: "export".into(), because });
+                }
+            }
+        }
+        Ok(())
+    }
+}

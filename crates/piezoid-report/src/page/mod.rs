@@ -1,0 +1,161 @@
+//! Reports as one HTML file: text, figures and tables that open from disk, on a desk or a phone, and print.
+//!
+//! A [`Page`] is a title and [`Section`]s; a section is text, [`Figure`](crate::plot::Figure)s, [`Table`]s, callouts
+//! and [`Fact`]s in the order they are added. Figures, tables and sections number themselves, and longer pages get a
+//! table of contents. The file asks for nothing from the network and works without scripts; it is light or dark as the
+//! system wishes, and a button, where scripts run, chooses the other.
+//!
+//! The same page gives the same bytes: dates, paths and versions are in it only if the caller writes them there.
+//!
+//! ```
+//! use piezoid_report::page::{Fact, Page, Section, Table};
+//! let page = Page::new("Hammerstein model of a bender").subtitle("identified from a record at 5 Hz")
+//!     .section(Section::new("Result")
+//!         .facts([Fact::new("0.84", "%", "rms error of the test, of peak-to-peak")])
+//!         .text("The model follows the test record.")
+//!         .table(Table::new("Poles").number("f [Hz]").number("damping").row(["146.7", "0.061"])));
+//! assert!(page.html().starts_with("<!DOCTYPE html>"));
+//! ```
+
+mod section;
+mod table;
+mod text;
+
+pub use section::{Fact, Section};
+pub use table::{Cell, Table};
+pub use text::Text;
+pub(crate) use text::sentence;
+
+use crate::plot::{self, escape};
+use section::Numbers;
+use std::fmt::Write;
+
+/// Chooses light or dark; shown only where it works.
+const TOGGLE: &str = include_str!("toggle.js");
+
+/// A report: one HTML document that needs nothing else.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Page {
+    title: String,
+    subtitle: String,
+    sections: Vec<Section>,
+}
+
+impl Page {
+    /// An empty page.
+    pub fn new(title: impl Into<String>) -> Self {
+        Page { title: title.into(), subtitle: String::new(), sections: Vec::new() }
+    }
+
+    /// A line under the title: what the report is about.
+    pub fn subtitle(self, text: impl Into<String>) -> Self {
+        Page { subtitle: text.into(), ..self }
+    }
+
+    /// One more section.
+    pub fn section(mut self, section: Section) -> Self {
+        self.sections.push(section);
+        self
+    }
+
+    /// The document.
+    pub fn html(&self) -> String {
+        let (title, subtitle) = (escape(&self.title), escape(&self.subtitle));
+        let mut out = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
+             <style>\n{}{}</style>\n</head>\n<body>\n",
+            plot::style(),
+            include_str!("style.css")
+        );
+        let subtitle = if subtitle.is_empty() { subtitle } else { format!("<p class=\"subtitle\">{subtitle}</p>\n") };
+        let _ = writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}</header>");
+        self.contents(&mut out);
+        out.push_str("<main>\n");
+        let (mut numbers, mut n) = (Numbers::default(), 0);
+        for section in &self.sections {
+            if section.title().is_empty() {
+                out.push_str("<div class=\"section\">\n");
+                section.write(&mut out, &mut numbers);
+                out.push_str("</div>\n");
+                continue;
+            }
+            n += 1;
+            let title = escape(section.title());
+            let _ = writeln!(out, "<section id=\"section-{n}\" class=\"section\">");
+            let _ = writeln!(out, "<h2><span class=\"no\">{n}</span> {title}</h2>");
+            section.write(&mut out, &mut numbers);
+            out.push_str("</section>\n");
+        }
+        let _ = write!(out, "</main>\n<script>\n{TOGGLE}</script>\n</body>\n</html>\n");
+        out
+    }
+
+    /// The table of contents, where there is more than one section to find.
+    fn contents(&self, out: &mut String) {
+        let titles = self.sections.iter().map(Section::title).filter(|t| !t.is_empty());
+        let items: Vec<String> = (1..)
+            .zip(titles)
+            .map(|(n, t)| {
+                format!("<li><a href=\"#section-{n}\"><span class=\"no\">{n}</span> {}</a></li>\n", escape(t))
+            })
+            .collect();
+        if items.len() > 1 {
+            let _ = writeln!(out, "<nav aria-label=\"Contents\">\n<ol>\n{}</ol>\n</nav>", items.concat());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::{Axes, Figure, Series};
+
+    fn page() -> Page {
+        let figure = || {
+            Figure::new("Loop <1>", "It & that").panel(Axes::new("u", "z").with(Series::line(&[0.0, 1.0], &[0.0, 1.0])))
+        };
+        let table = || Table::new("T & t").text("a<b").number("n").row(["<", "1"]).note("n & m");
+        Page::new("A < B & \"C\"")
+            .subtitle("<script>alert(1)</script>")
+            .section(Section::new("").facts([Fact::new("<1", "&", "what")]))
+            .section(Section::new("First & foremost").text("a < b").heading("h").figure(figure()).table(table()))
+            .section(
+                Section::new("Second")
+                    .figures(3, "Loops", "Three", [figure(), figure(), figure()])
+                    .list(["one", "two"])
+                    .listing("piezoid study > out && echo 'x'")
+                    .note("Note", "x")
+                    .warning("Beware", "y")
+                    .table(table()),
+            )
+    }
+
+    #[test]
+    fn a_page_is_well_formed_and_keeps_text_text() {
+        let html = page().html();
+        let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+        let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
+        let of = |name: &str| document.descendants().filter(|n| n.has_tag_name(name)).count();
+        assert_eq!((of("script"), of("table"), of("section"), of("nav"), of("li")), (1, 2, 2, 1, 4));
+        let title = document.descendants().find(|n| n.has_tag_name("h1")).and_then(|n| n.text());
+        assert_eq!(title, Some("A < B & \"C\""));
+    }
+
+    #[test]
+    fn figures_and_tables_are_numbered_through_the_page() {
+        let html = page().html();
+        for id in ["figure-1", "figure-2", "table-1", "table-2", "section-1", "section-2"] {
+            assert_eq!(html.matches(&format!("id=\"{id}\"")).count(), 1, "{id}");
+        }
+    }
+
+    #[test]
+    fn a_page_asks_for_nothing_from_outside_and_is_the_same_each_time() {
+        let html = page().html();
+        for outside in [" src=", "@import", "url(", "<link"] {
+            assert!(!html.contains(outside), "{outside}");
+        }
+        assert_eq!(html, page().html());
+    }
+}

@@ -1,0 +1,139 @@
+//! Tables: numbers in columns that line up, readable on a phone by scrolling sideways.
+
+use super::text::Text;
+use std::fmt::Write;
+
+/// One cell of a table.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Cell {
+    text: Text,
+    class: &'static str,
+}
+
+impl Cell {
+    /// The value to look at: the best of its column, or what fulfils a demand.
+    pub fn best(self) -> Self {
+        Cell { class: "best", ..self }
+    }
+
+    /// A value that fails a demand.
+    pub fn bad(self) -> Self {
+        Cell { class: "bad", ..self }
+    }
+
+    /// A value given for comparison only.
+    pub fn muted(self) -> Self {
+        Cell { class: "muted", ..self }
+    }
+}
+
+/// A plain cell.
+impl<T: Into<Text>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Cell { text: text.into(), class: "" }
+    }
+}
+
+/// A table with its number, title and notes.
+///
+/// ```
+/// use piezoid_report::page::{Cell, Table};
+/// let table = Table::new("Error of the paper's rule")
+///     .number("f [Hz]")
+///     .number("MSE [mm²]")
+///     .text("verdict")
+///     .row(["5", "0.0129", "as printed"])
+///     .row([Cell::from("20"), Cell::from("0.0004").best(), Cell::from("direction held")])
+///     .note("MSE over the second half of the record.");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    title: Text,
+    /// Heading, and whether numbers stand below it.
+    columns: Vec<(Text, bool)>,
+    rows: Vec<Vec<Cell>>,
+    notes: Vec<Text>,
+}
+
+impl Table {
+    /// An empty table.
+    pub fn new(title: impl Into<Text>) -> Self {
+        Table { title: title.into(), columns: Vec::new(), rows: Vec::new(), notes: Vec::new() }
+    }
+
+    /// One more column, of words: aligned to the left.
+    pub fn text(mut self, heading: impl Into<Text>) -> Self {
+        self.columns.push((heading.into(), false));
+        self
+    }
+
+    /// One more column, of numbers: aligned to the right, digits of one width. Units go in the heading, in brackets.
+    pub fn number(mut self, heading: impl Into<Text>) -> Self {
+        self.columns.push((heading.into(), true));
+        self
+    }
+
+    /// One more row, its cells in the order of the columns. Missing cells stay empty; cells too many get columns
+    /// without a heading.
+    pub fn row<C: Into<Cell>>(mut self, cells: impl IntoIterator<Item = C>) -> Self {
+        self.rows.push(cells.into_iter().map(Into::into).collect());
+        self
+    }
+
+    /// A note below the table.
+    pub fn note(mut self, text: impl Into<Text>) -> Self {
+        self.notes.push(text.into());
+        self
+    }
+
+    /// Writes the table, which is the `number`-th of its page.
+    pub(super) fn write(&self, out: &mut String, number: usize) {
+        let wide = self.rows.iter().map(Vec::len).chain([self.columns.len()]).max().unwrap_or(0);
+        let class = |column: usize| if self.columns.get(column).is_some_and(|c| c.1) { "num" } else { "txt" };
+        let _ = writeln!(out, "<figure class=\"table\" id=\"table-{number}\">");
+        let _ = writeln!(
+            out,
+            "<figcaption><span class=\"no\">Table {number}</span> <span class=\"what\">{}</span></figcaption>",
+            self.title.html()
+        );
+        // Focusable, so that the keyboard can scroll it too.
+        let _ = writeln!(
+            out,
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table {number}\"><table>\n<thead><tr>"
+        );
+        for column in 0..wide {
+            let heading = self.columns.get(column).map_or("", |c| c.0.html());
+            let _ = write!(out, "<th scope=\"col\" class=\"{}\">{heading}</th>", class(column));
+        }
+        out.push_str("</tr></thead>\n<tbody>\n");
+        let empty = Cell::default();
+        for row in &self.rows {
+            out.push_str("<tr>");
+            for column in 0..wide {
+                let cell = row.get(column).unwrap_or(&empty);
+                let mark = if cell.class.is_empty() { String::new() } else { format!(" {}", cell.class) };
+                let _ = write!(out, "<td class=\"{}{mark}\">{}</td>", class(column), cell.text.html());
+            }
+            out.push_str("</tr>\n");
+        }
+        out.push_str("</tbody></table></div>\n");
+        for note in &self.notes {
+            let _ = writeln!(out, "<p class=\"note\">{}</p>", note.html());
+        }
+        out.push_str("</figure>\n");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_any_length_make_a_rectangle() {
+        let table = Table::new("t").text("a").number("b").row(["1"]).row(["1", "2", "3"]);
+        let mut out = String::new();
+        table.write(&mut out, 1);
+        assert_eq!((out.matches("<td").count(), out.matches("<th ").count()), (6, 3));
+        assert!(out.contains("<td class=\"num\">2</td>"), "{out}");
+    }
+}

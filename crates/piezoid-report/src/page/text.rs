@@ -1,0 +1,101 @@
+//! Running text: plain pieces, and pieces with emphasis, all escaped.
+
+use crate::plot::escape;
+
+/// A line or paragraph of text. Whatever it is made from stays text: no piece can become markup.
+///
+/// ```
+/// use piezoid_report::page::Text;
+/// let text = Text::from("The swarm is called with ").code("--seed 1").plain(" and ends ").em("early").plain(".");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Text {
+    html: String,
+}
+
+impl Text {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Text::default()
+    }
+
+    /// Plain text.
+    pub fn plain(self, text: impl AsRef<str>) -> Self {
+        self.wrapped("", text.as_ref(), "")
+    }
+
+    /// Emphasised.
+    pub fn em(self, text: impl AsRef<str>) -> Self {
+        self.wrapped("<em>", text.as_ref(), "</em>")
+    }
+
+    /// Important.
+    pub fn strong(self, text: impl AsRef<str>) -> Self {
+        self.wrapped("<strong>", text.as_ref(), "</strong>")
+    }
+
+    /// What a machine reads or writes.
+    pub fn code(self, text: impl AsRef<str>) -> Self {
+        self.wrapped("<code>", text.as_ref(), "</code>")
+    }
+
+    /// A link to the web, a place on the page (`#…`) or a file beside it; any other target leaves plain text.
+    pub fn link(self, text: impl AsRef<str>, target: &str) -> Self {
+        let scheme = target.split(['/', '?', '#']).next().is_some_and(|start| start.contains(':'));
+        if scheme && !target.starts_with("https://") && !target.starts_with("http://") {
+            return self.plain(text);
+        }
+        self.wrapped(&format!("<a href=\"{}\">", escape(target)), text.as_ref(), "</a>")
+    }
+
+    fn wrapped(mut self, before: &str, text: &str, after: &str) -> Self {
+        self.html.push_str(before);
+        self.html.push_str(&escape(text));
+        self.html.push_str(after);
+        self
+    }
+
+    /// As markup.
+    pub(super) fn html(&self) -> &str {
+        &self.html
+    }
+}
+
+/// Plain text.
+impl From<&str> for Text {
+    fn from(text: &str) -> Self {
+        Text::new().plain(text)
+    }
+}
+
+/// Plain text.
+impl From<String> for Text {
+    fn from(text: String) -> Self {
+        Text::new().plain(text)
+    }
+}
+
+/// The same words as a sentence.
+pub(crate) fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", letters.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_piece_becomes_markup() {
+        let text = Text::from("a < b ").em("<i>").code("x && y").strong("\"");
+        assert_eq!(text.html(), "a &lt; b <em>&lt;i&gt;</em><code>x &amp;&amp; y</code><strong>&quot;</strong>");
+    }
+
+    #[test]
+    fn a_link_leads_to_the_web_or_nearby_and_runs_nothing() {
+        assert_eq!(Text::new().link("x", "https://a.b/?c&d").html(), "<a href=\"https://a.b/?c&amp;d\">x</a>");
+        assert_eq!(Text::new().link("x", "figures/loop.svg").html(), "<a href=\"figures/loop.svg\">x</a>");
+        assert_eq!(Text::new().link("x", "javascript:alert(1)").html(), "x");
+    }
+}

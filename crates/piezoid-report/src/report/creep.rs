@@ -1,0 +1,44 @@
+//! Creep in the report: its lags, and what follows a step over the decades of time.
+
+use crate::page::{Section, Table};
+use crate::plot::{Axes, Axis, Figure, Series};
+use piezoid::creep::{Creep, Lag};
+use piezoid::number::{round, short};
+
+/// Points of the curve in a decade of time.
+const FINE: i32 = 30;
+
+/// Adds the block, where there is one.
+pub(super) fn block(section: Section, creep: &Creep) -> Section {
+    let lags: Vec<Lag> = creep.lags().iter().filter(|lag| lag.gain != 0.0).copied().collect();
+    let ends = |f: fn(f64, f64) -> f64| lags.iter().map(|lag| lag.tau_s).reduce(f);
+    let (Some(quickest), Some(slowest)) = (ends(f64::min), ends(f64::max)) else { return section };
+    let table = Table::new("Creep").number("time constant [s]").number("gain [%]");
+    let table = lags.iter().fold(table, |table, lag| table.row([round(lag.tau_s), short(100.0 * lag.gain)]));
+    let all = short(100.0 * lags.iter().map(|lag| lag.gain).sum::<f64>());
+    section
+        .heading("Creep")
+        .figure(figure(creep, 0.1 * quickest, 10.0 * slowest))
+        .table(table.note(format!("What each lag adds in the end, as a share of z: {all} % together.")))
+}
+
+fn figure(creep: &Creep, from: f64, to: f64) -> Figure {
+    let n = (f64::from(FINE) * (to / from).log10()).ceil() as i32;
+    let t: Vec<f64> = (0..=n).map(|k| from * (to / from).powf(f64::from(k) / f64::from(n))).collect();
+    let crept: Vec<f64> = t.iter().map(|&t| 100.0 * creep.after(t)).collect();
+    let [early, late] = [10.0 * from, 0.1 * to];
+    let grown = match late > early {
+        true => {
+            let decade = 100.0 * (creep.after(late) - creep.after(early)) / (late / early).log10();
+            let [early, late, decade] = [round(early), round(late), short(decade)];
+            format!(" Between {early} and {late} s it grows by {decade} % a decade.")
+        }
+        false => String::new(),
+    };
+    let caption = format!("What follows a step of the hidden variable, in percent of it.{grown}");
+    Figure::new("Creep after a step", caption).panel(
+        Axes::new(Axis::log("t [s]").tight(), Axis::new("creep [%]").from(0.0))
+            .height(0.7)
+            .with(Series::line(&t, &crept)),
+    )
+}

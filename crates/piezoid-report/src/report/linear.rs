@@ -1,0 +1,137 @@
+//! The linear block in the report: read as mechanics, and its frequency response.
+
+use crate::page::{Fact, Section, Table};
+use crate::plot::{Axes, Axis, Figure, Series};
+use piezoid::hammerstein::Model;
+use piezoid::linear::{Arx, Reading, SEEN};
+use piezoid::number::short;
+use piezoid::series::ends;
+use piezoid::system::System;
+use std::f64::consts::{PI, TAU};
+
+/// Frequencies of the curves, evenly spread over three decades up to half the sampling rate.
+const FINE: i32 = 600;
+
+/// More of them on either side of a mode, the nearest a tenth of its width away.
+const BESIDE: i32 = 30;
+
+/// Adds the block with its coefficients and the offset behind it.
+pub(super) fn block(section: Section, model: &Model) -> Section {
+    let (arx, units) = (model.linear(), model.units());
+    let section = section.heading("Linear block");
+    let gain = format!("{}/{}", units.y, units.u);
+    let section = match arx.a() {
+        [] => {
+            let spread = match arx.b().len() {
+                1 => String::new(),
+                n => format!(", spread over the last {n} samples"),
+            };
+            section.text(format!("A gain of {} {gain}, without dynamics{spread}.", short(arx.dc_gain())))
+        }
+        _ => {
+            let reading = arx.reading();
+            section
+                .facts(facts(&reading, &gain, arx.ts()))
+                .figure(response(arx, &reading, &gain))
+                .table(modes(&reading))
+        }
+    };
+    let (a, b) = (listed("a", arx.a()), listed("b", arx.b()));
+    section
+        .text("As a difference equation, y = a1 y1 + a2 y2 + ... + b0 u + b1 u1 + ... + offset:")
+        .listing(format!("{a}{b}offset  {}", model.offset()))
+}
+
+fn facts(reading: &Reading, gain: &str, ts: f64) -> Vec<Fact> {
+    let first = reading.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
+    let what = match reading.delay < -0.25 * ts {
+        true => "delay: the output was logged after its input acted",
+        false => "delay beyond the hold of the input",
+    };
+    let delay = Fact::new(short(1e3 * reading.delay), "ms", what);
+    [Some(Fact::new(short(reading.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
+}
+
+fn modes(reading: &Reading) -> Table {
+    let table = Table::new("The linear block read as mechanics").text("").number("f [Hz]").number("damping ratio");
+    let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
+    let table = reading.rows().into_iter().fold(table, Table::row).note(
+        "Shares of the static displacement. Mass and damper of a spring of 1 N/mm at the point where the displacement is measured: both \
+         grow in proportion to the stiffness.",
+    );
+    match reading.images() {
+        Some(said) => table.note(said),
+        None => table,
+    }
+}
+
+/// Gain and phase, with the modes marked.
+fn response(arx: &Arx, reading: &Reading, unit: &str) -> Figure {
+    let (hz, half) = (frequencies(arx, reading), 0.5 / arx.ts());
+    let all: Vec<_> = hz.iter().map(|&hz| arx.response(hz)).collect();
+    let gain: Vec<f64> = all.iter().map(|r| r.gain).collect();
+    // The phase goes on where it passes half a turn.
+    let mut last = all[0].phase;
+    let phase = all.iter().map(|r| {
+        last += (r.phase - last + PI).rem_euclid(TAU) - PI;
+        last.to_degrees()
+    });
+    let phase: Vec<f64> = phase.collect();
+    let modes = reading.modes();
+    let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
+    let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
+    let (top, low) = match reading.images() {
+        Some(_) => [top, low].map(|panel| panel.over_x(SEEN * half, half, "")).into(),
+        None => (top, low),
+    };
+    let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {
+        let name = if modes.len() == 1 { format!("{} Hz", short(mode.pole.hz)) } else { format!("{}", k + 1) };
+        (top.at_x(mode.pole.hz, name), low.at_x(mode.pole.hz, ""))
+    });
+    let (top, low) = (top.with(Series::line(&hz, &gain)), low.with(Series::line(&hz, &phase)));
+    Figure::new("Frequency response", told(&gain, &hz, reading)).panel(top).panel(low).stacked()
+}
+
+/// What is seen.
+fn told(gain: &[f64], hz: &[f64], reading: &Reading) -> String {
+    let half = short(hz[hz.len() - 1]);
+    let peak = (0..gain.len()).max_by(|&i, &j| gain[i].total_cmp(&gain[j])).filter(|&k| gain[k] > 1.01 * gain[0]);
+    let peak = peak.map_or(String::new(), |k| {
+        format!(" At {} Hz it moves {} times as far as at rest.", short(hz[k]), short(gain[k] / reading.gain.abs()))
+    });
+    let marked = match reading.modes().len() {
+        0 => "",
+        1 => " The dotted line is its mode.",
+        _ => " The dotted lines are its modes, numbered as in the table.",
+    };
+    let shaded = reading.images().map_or("", |_| " Shaded: where poles are images.");
+    format!("Gain and phase up to half the sampling rate, {half} Hz.{peak}{marked}{shaded}")
+}
+
+/// Quarters of a turn [°] about the phase, or halves where there are many.
+fn quarters(phase: &[f64]) -> Vec<f64> {
+    let (low, high) = ends(phase.iter().copied());
+    let step = if high - low > 540.0 { 180.0 } else { 90.0 };
+    let (first, last) = ((low / step).floor() as i32, (high / step).ceil() as i32);
+    (first..=last).map(|k| step * f64::from(k)).collect()
+}
+
+/// Three decades up to half the sampling rate, more where a mode lies lower, and fine about each mode.
+fn frequencies(arx: &Arx, reading: &Reading) -> Vec<f64> {
+    let modes = reading.modes();
+    let half = 0.5 / arx.ts();
+    let low = modes.iter().fold(1e-3 * half, |low, mode| low.min(0.1 * mode.pole.hz));
+    let even = (0..=FINE).map(|k| low * (half / low).powf(f64::from(k) / f64::from(FINE)));
+    let about = modes.iter().flat_map(|mode| {
+        let width = 0.1 * mode.pole.hz * mode.pole.damping.abs().clamp(1e-6, 0.3);
+        (-BESIDE..=BESIDE).map(move |k| mode.pole.hz + f64::from(k) * width)
+    });
+    let mut hz: Vec<f64> = even.chain(about.filter(|hz| (low..half).contains(hz))).collect();
+    hz.sort_by(f64::total_cmp);
+    hz
+}
+
+fn listed(name: &str, values: &[f64]) -> String {
+    let each: Vec<String> = values.iter().map(f64::to_string).collect();
+    if each.is_empty() { String::new() } else { format!("{name}  {}\n", each.join(", ")) }
+}

@@ -1,0 +1,195 @@
+//! The report on a model: how it meets records it has not seen, and what it is, block by block; and that on schemes of control.
+
+mod creep;
+mod errors;
+mod hysteresis;
+mod linear;
+mod model;
+mod origin;
+mod record;
+mod residuals;
+mod tracking;
+
+pub use tracking::tracking;
+
+use crate::page::{Fact, Page, Section, Table};
+use piezoid::hammerstein::Model;
+use piezoid::number::short;
+use piezoid::record::Record;
+use piezoid::system::System;
+use piezoid::validation::{Metrics, Validation};
+
+/// A record and the model's free run over it.
+#[derive(Debug, Clone, Copy)]
+pub struct Trial<'a> {
+    /// What the record is called: its file's name.
+    pub name: &'a str,
+    /// The record.
+    pub record: &'a Record,
+    /// The model's run.
+    pub validation: &'a Validation,
+}
+
+/// The report: one file that opens from disk.
+pub fn report(model: &Model, trials: &[Trial]) -> Page {
+    let operator = model.hysteresis().operator();
+    let page = Page::new("Hammerstein model").subtitle(format!(
+        "{} hysteresis, {}, sampled every {} s",
+        operator.name,
+        match model.linear().a().len() {
+            0 => "a gain without dynamics".into(),
+            n => format!("linear block of order {n}"),
+        },
+        model.ts()
+    ));
+    let page = if trials.is_empty() { page } else { page.section(proof(trials)) };
+    let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
+    let page = page.section(model::section(model, trials));
+    match origin::section(model) {
+        Some(section) => page.section(section),
+        None => page,
+    }
+}
+
+fn proof(trials: &[Trial]) -> Section {
+    let each: Vec<Metrics> = trials.iter().map(|t| t.validation.metrics).collect();
+    let total = Metrics::total(&each);
+    let unit = &trials[0].record.units().y;
+    let table = Table::new("Free run against measurement").text("record").number("samples");
+    let table = table.number(format!("rms error [{unit}]")).number(format!("largest [{unit}]"));
+    let table = table.number("NRMSE [%]").number("rms / peak-to-peak [%]").number("fit [%]");
+    let row = |name: &str, m: &Metrics| {
+        let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(short);
+        [name.to_string(), m.n.to_string()].into_iter().chain(figures).collect::<Vec<_>>()
+    };
+    let table = trials.iter().fold(table, |table, t| table.row(row(t.name, &t.validation.metrics)));
+    let table = if trials.len() > 1 { table.row(row("total", &total)) } else { table };
+    let section = Section::new("Proof")
+        .facts([
+            Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
+            Fact::new(short(total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
+            Fact::new(short(total.max_abs), unit.clone(), "largest error"),
+        ])
+        .table(table.note("Free run: the model sees the input alone, never the measured output."));
+    let section = errors::by_all(section, trials);
+    match unproven(trials) {
+        open if open.is_empty() => section,
+        open => section.text("What none of these records shows, however good the figures are:").list(open),
+    }
+}
+
+/// What no record can tell.
+fn unproven(trials: &[Trial]) -> Vec<String> {
+    let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
+    let of = |t: &Trial, text: &str| t.validation.unproven.iter().any(|other| subject(other) == subject(text));
+    let first = trials.first().map_or(&[][..], |t| &t.validation.unproven);
+    first.iter().filter(|text| trials.iter().all(|t| of(t, text))).cloned().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid::hysteresis::OPERATORS;
+    use piezoid::linear::Arx;
+    use piezoid::validation::{Settings, validate};
+    use serde_json::json;
+
+    #[test]
+    fn every_operator_has_a_report_that_is_the_same_twice_and_tells_the_remarks() {
+        for o in OPERATORS {
+            let model = Model::new((o.example)(5e-4).unwrap(), Arx::gain(5e-4, 2.0).unwrap(), 0.0).unwrap();
+            let u: Vec<f64> = (0..900).map(|t| 12.0 * (f64::from(t) * 0.05).sin() + 1.0).collect();
+            let record = Record::new(5e-4, u.clone(), model.simulate(&u)).unwrap();
+            let validation = validate(&model, &record, Settings::default()).unwrap();
+            let trials = [Trial { name: "a<b.csv", record: &record, validation: &validation }];
+            let html = report(&model, &trials).html();
+            assert_eq!(html, report(&model, &trials).html());
+            assert!(html.contains("a&lt;b.csv"));
+            assert_eq!(html.contains("has no minor loops"), !o.minor_loops, "{}", o.name);
+            assert_eq!(html.contains("Loops of the hysteresis block"), o.name != "proportional", "{}", o.name);
+            assert_eq!(html.contains("minds the time"), !o.rate_independent, "{}", o.name);
+            assert!(html.contains("Parameters of the hysteresis block"), "{}", o.name);
+        }
+    }
+
+    #[test]
+    fn where_the_error_lies_and_what_it_is_stands_in_tables_and_figures() {
+        let hysteresis = (piezoid::hysteresis::operator("proportional").unwrap().example)(5e-4).unwrap();
+        let beam = Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
+        let model = Model::new(hysteresis, beam, 0.0).unwrap();
+        let wave = |hz: f64| (0..4000).map(move |t| 9.0 * (std::f64::consts::TAU * hz * f64::from(t) * 5e-4).sin());
+        let records = [5.0, 20.0].map(|hz| {
+            let u: Vec<f64> = wave(hz).collect();
+            let y = model.simulate(&u).iter().enumerate().map(|(t, y)| y + f64::from((t * t % 7) as u8)).collect();
+            Record::new(5e-4, u, y).unwrap()
+        });
+        let model = model.with_identified(piezoid::hammerstein::Domain::of(&records[..1]).unwrap());
+        let seen = records.each_ref().map(|r| validate(&model, r, Settings::default()).unwrap());
+        let trials = [0, 1].map(|k| Trial { name: "r.csv", record: &records[k], validation: &seen[k] });
+        let html = report(&model, &trials).html();
+        for said in [
+            "Error by frequency",
+            "Loops, measured and model",
+            "with itself",
+            "over the input",
+            "no model leaves less",
+            "the resonance at 146.7 Hz",
+            "Identified on inputs from",
+            "The input changes by up to",
+        ] {
+            assert!(html.contains(said), "{said}");
+        }
+        assert!(!html.contains("Error by amplitude"), "one amplitude says no more than the figures");
+    }
+
+    fn beam() -> Model {
+        let hysteresis = (piezoid::hysteresis::operator("dahl").unwrap().example)(5e-4).unwrap();
+        Model::new(hysteresis, Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap(), 0.0).unwrap()
+    }
+
+    #[test]
+    fn what_identify_knew_is_told_where_the_model_has_it_and_nowhere_else() {
+        let bare = report(&beam(), &[]).html();
+        assert!(!bare.contains("Operators tried") && !bare.contains("How it was identified"));
+        let made = json!({
+            "command": "piezoid identify <here>",
+            "trials": [
+                {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no & why"},
+                {"operator": "duhem", "parameters": 9, "held_out_percent": 0.5, "verdict": "as good", "refused": null},
+                {"operator": "dahl", "parameters": 2, "held_out_percent": 0.25, "verdict": "taken", "refused": null},
+            ],
+            "parameters": [{"name": "mode 1 damping", "value": 0.03, "error": null}],
+        });
+        let told = report(&beam().with_provenance(made), &[]).html();
+        let at = |said: &str| told.find(said).unwrap_or_else(|| panic!("{said}"));
+        assert!(at("0.2500") < at("as good") && at("as good") < at("no &amp; why"), "the best first");
+        assert!(at("taken") < at("as good"));
+        at("mode 1 damping</td><td class=\"num\">0.03000</td><td class=\"num\">-</td>");
+        at("piezoid identify &lt;here&gt;");
+        // What someone else wrote there does no harm.
+        let odd = json!({"trials": [7, {"operator": []}], "parameters": "none"});
+        assert!(report(&beam().with_provenance(odd), &[]).html().contains("Operators tried"));
+    }
+
+    #[test]
+    fn each_block_is_told_where_the_model_has_it() {
+        let plain = report(&beam(), &[]).html();
+        for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
+            assert!(plain.contains(said), "{said}");
+        }
+        for absent in ["Creep", "Driver", "image"] {
+            assert!(!plain.contains(absent), "{absent}");
+        }
+        let driver = piezoid::driver::Driver::new(1e-4, Some(6e4)).unwrap();
+        let stop = (piezoid::hysteresis::operator("stop").unwrap().example)(1.25e-4).unwrap();
+        let image = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap();
+        let creep = piezoid::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
+        let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();
+        let full = report(&full, &[]).html();
+        for said in
+            ["4.500 % together", "Creep after a step", "at most 6", "of delay or of faster modes", "too fast to see"]
+        {
+            assert!(full.contains(said), "{said}");
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! The model in the report, block by block, in the order in which the input passes them.
+
+use super::{Trial, creep, hysteresis, linear};
+use crate::page::Section;
+use piezoid::driver::Driver;
+use piezoid::hammerstein::{Domain, Model};
+use piezoid::number::{round, short};
+use std::f64::consts::TAU;
+
+/// What the model is made of.
+pub(super) fn section(model: &Model, trials: &[Trial]) -> Section {
+    let section = Section::new("The model");
+    let section = match model.identified() {
+        Some(domain) => section.text(known(domain, &model.units().u)),
+        None => section,
+    };
+    let section = match model.driver() {
+        Some(driver) => section.heading("Driver").text(limits(driver, model)),
+        None => section,
+    };
+    let section = hysteresis::block(section, model, trials);
+    let section = creep::block(section, model.creep());
+    linear::block(section, model)
+}
+
+/// The data it was identified on.
+fn known(domain: &Domain, unit: &str) -> String {
+    let Domain { u, hz, slew, mean } = *domain;
+    let power =
+        hz.map_or(String::new(), |[low, high]| format!(", with power from {} to {} Hz", short(low), short(high)));
+    // Means that are zero but for rounding.
+    let mean = mean.map(|mean| if mean.abs() < 1e-9 * (u[1] - u[0]) { 0.0 } else { mean });
+    format!(
+        "Identified on inputs from {} to {} {unit}, of means from {} to {} {unit}, changing by up to {} {unit}/s{power}: beyond that \
+         it extrapolates.",
+        short(u[0]),
+        short(u[1]),
+        short(mean[0]),
+        short(mean[1]),
+        short(slew),
+    )
+}
+
+fn limits(driver: &Driver, model: &Model) -> String {
+    let unit = &model.units().u;
+    let lag = match driver.lag_s {
+        0.0 => "Without a lag".to_string(),
+        lag => format!("A lag of {} ms", round(1e3 * lag)),
+    };
+    let Some(slew) = driver.slew else { return format!("{lag}, and no limit to the rate of change.") };
+    let sine = model.identified().map(|domain| 0.5 * (domain.u[1] - domain.u[0])).filter(|half| *half > 0.0);
+    let sine = sine.map_or(String::new(), |half| {
+        let hz = short(slew / (TAU * half));
+        format!(" A sine of {} {unit}, the largest it was identified on, is cut from {hz} Hz on.", round(half))
+    });
+    format!("{lag}; the voltage changes by at most {} {unit}/s.{sine}", short(slew))
+}

@@ -1,0 +1,100 @@
+//! A record in the report: its course, its loops, and what is left.
+
+use super::{Trial, residuals};
+use crate::page::{Section, Table, sentence};
+use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::number::{round, short};
+use piezoid::validation::Shape;
+
+/// The longest stretch of time that a figure of a record shows [samples].
+const SHOWN: usize = 4000;
+
+pub(super) fn section(trial: &Trial) -> Section {
+    let Trial { name, record, validation } = *trial;
+    let section = Section::new(name);
+    let section = validation.remarks.iter().fold(section, |s, remark| s.warning("To know", sentence(remark)));
+    let section = match validation.taken_off {
+        Some(mean) => {
+            let (mean, unit) = (short(mean), &record.units().y);
+            section.note("Offset", format!("A mean error of {mean} {unit} was taken off before anything was compared."))
+        }
+        None => section,
+    };
+    let section = section.figure(time_series(trial)).figure(loops(trial));
+    let section = match validation.loops.is_empty() {
+        true => section,
+        false => section.table(shapes(trial)),
+    };
+    residuals::residuals(section, trial)
+}
+
+fn time_series(trial: &Trial) -> Figure {
+    let Trial { record, validation, .. } = *trial;
+    let units = record.units();
+    let range = validation.start..record.len().min(validation.start + SHOWN);
+    let t: Vec<f64> = range.clone().map(|k| k as f64 * record.ts()).collect();
+    let (y, simulated) = (&record.y()[range.clone()], &validation.simulated[range]);
+    let error: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
+    let left = short(validation.metrics.rms_pp_percent);
+    let part = if record.len() - validation.start > SHOWN { "the first part of the record" } else { "the record" };
+    let of = &record.y()[validation.start..];
+    let errors = of.iter().zip(&validation.simulated[validation.start..]).map(|(y, s)| (y - s).abs());
+    let worst = errors.enumerate().fold((0, 0.0), |worst, (k, e)| if e > worst.1 { (k, e) } else { worst }).0;
+    let at = short((validation.start + worst) as f64 * record.ts());
+    let caption = format!(
+        "Measurement and free run over {part}, and what is left: {left} % of peak-to-peak over all of it. The largest error is at {at} s."
+    );
+    Figure::new("Time series", caption)
+        .panel(
+            Axes::new("t [s]", Axis::new(format!("y [{}]", units.y)))
+                .height(0.6)
+                .with(Series::line(&t, y).role(Role::Measured).named("measured"))
+                .with(Series::line(&t, simulated).role(Role::Model).named("model")),
+        )
+        .panel(
+            Axes::new("t [s]", Axis::new(format!("error [{}]", units.y)))
+                .height(0.4)
+                .with(Series::line(&t, &error).role(Role::Residual)),
+        )
+        .stacked()
+}
+
+fn loops(trial: &Trial) -> Figure {
+    let Trial { record, validation, .. } = *trial;
+    let units = record.units();
+    let range = validation.start..record.len().min(validation.start + SHOWN);
+    let u = &record.u()[range.clone()];
+    let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
+    let caption = format!(
+        "Output over input in {part}, as measured and as the model runs free. Over all of it the two differ by {} % of the height, rms.",
+        short(validation.metrics.rms_pp_percent)
+    );
+    Figure::new("Loops", caption).panel(
+        Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("y [{}]", units.y)))
+            .with(Series::line(u, &record.y()[range.clone()]).role(Role::Measured).named("measured"))
+            .with(Series::line(u, &validation.simulated[range]).role(Role::Model).named("model")),
+    )
+}
+
+/// The loops as measured, and as the model has them, row below row.
+fn shapes(trial: &Trial) -> Table {
+    let units = trial.record.units();
+    let slope = format!("[{}/{}]", units.y, units.u);
+    let table = Table::new("Loops, measured and model").number("f [Hz]").number(format!("amplitude [{}]", units.u));
+    let table = table.number("cycles").text("").number("width [%]").number(format!("area [{} {}]", units.u, units.y));
+    let table = table.number("closure [%]").number(format!("slope {slope}")).number(format!("after a turn {slope}"));
+    let table = table.number("turns");
+    let shape = |s: &Shape| {
+        let turn = s.slope_after_turn.map_or("-".into(), short);
+        [short(s.width_percent), short(s.area), short(s.closure_percent), short(s.slope), turn, round(s.reversals)]
+    };
+    let rows = trial.validation.loops.iter().flat_map(|l| {
+        let place = [round(l.hz), short(l.amplitude), l.cycles.to_string(), "measured".into()];
+        let below = ["", "", "", "model"].map(String::from);
+        [place.into_iter().chain(shape(&l.measured)), below.into_iter().chain(shape(&l.model))].map(Vec::from_iter)
+    });
+    rows.fold(table, Table::row).note(
+        "Width at mid input and closure (where a cycle ends, against where it began) over the height of the loop; area \
+         negative where the loop is run through the other way round; turns of the output a cycle.",
+    )
+}

@@ -1,0 +1,226 @@
+//! The page on schemes of control side by side.
+
+use crate::page::{Fact, Page, Section, Table};
+use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::control::{Attempt, Comparison, Driven, FEEDS, Wanted};
+use piezoid::number::short;
+use piezoid::system::System;
+use piezoid::waveform::period;
+
+/// How many samples a figure shows of a reference that does not repeat, from where errors count.
+const SHOWN: usize = 1600;
+
+/// How many times the least error others may have beside it.
+const NEAR: f64 = 10.0;
+
+/// Colours of equals.
+const COLOURS: usize = 5;
+
+/// Frequencies at which |S| is drawn.
+const GRID: usize = 400;
+
+/// The page: one file that opens from disk.
+pub fn tracking(compared: &Comparison) -> Page {
+    let subtitle =
+        format!("plant {}, controllers from a model of it; errors in % of the height of the reference", compared.plant);
+    let page = Page::new("Control side by side").subtitle(subtitle).section(errors(compared));
+    let page = (0..compared.wanted.len()).fold(page, |page, k| page.section(along(compared, k)));
+    [loops(compared), learning(compared), spread(compared)].into_iter().flatten().fold(page, Page::section)
+}
+
+/// A curve of one scheme, which looks the same all over the page; dashed when colours begin anew.
+fn curve(compared: &Comparison, d: &Driven, x: &[f64], y: &[f64]) -> Series {
+    let uncompensated = |d: &Driven| d.name() == FEEDS[0].name;
+    let others = compared.driven.iter().filter(|d| !uncompensated(d));
+    match others.map(Driven::name).position(|name| name == d.name()) {
+        None => Series::line(x, y).role(Role::Muted),
+        Some(k) if k < COLOURS => Series::line(x, y).role(Role::accent(k)),
+        Some(k) => Series::dashed(x, y).role(Role::accent(k)),
+    }
+}
+
+fn errors(compared: &Comparison) -> Section {
+    let table = |title: &str, of: fn(&Attempt, &Wanted) -> f64| {
+        let table = compared.driven.iter().fold(Table::new(title).text("reference"), |t, d| t.number(d.name()));
+        compared.wanted.iter().enumerate().fold(table, |table, (k, wanted)| {
+            let cell = |d: &Driven| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, wanted)));
+            table.row([wanted.name.clone()].into_iter().chain(compared.driven.iter().map(cell)).collect::<Vec<_>>())
+        })
+    };
+    let best = |k: usize| {
+        let percent = |d: &Driven| Some((d.attempts[k].as_ref().ok()?.tracking.percent_of_stroke, d.name()));
+        compared.driven.iter().filter_map(percent).min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let worst = (0..compared.wanted.len()).filter_map(|k| Some((best(k)?, k))).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let section = Section::new("Errors");
+    let section = match worst {
+        Some(((percent, name), k)) => {
+            let of = format!("rms error of the best scheme where that is largest: {name}, {}", compared.wanted[k].name);
+            section.facts([Fact::new(short(percent), "%", of)])
+        }
+        None => section,
+    };
+    let section = section
+        .table(table("Rms error [% of the height]", |a, _| a.tracking.percent_of_stroke).note(
+            "Of the reading, noise of the sensor included. References that repeat count after a quarter of a second. “gain” is the best \
+             straight line for each reference: no compensation.",
+        ))
+        .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
+    let section = section.table(table("Effort: rms change of voltage a sample [V]", |a, _| a.tracking.effort));
+    let refusal = |d: &Driven| {
+        let of =
+            |(w, a): (&Wanted, &Result<Attempt, _>)| Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?));
+        compared.wanted.iter().zip(&d.attempts).filter_map(of).collect::<Vec<_>>()
+    };
+    match compared.driven.iter().flat_map(refusal).collect::<Vec<_>>() {
+        none if none.is_empty() => section,
+        refused => section.text("Refused:").list(refused),
+    }
+}
+
+/// Reference, error and voltage of every scheme along one reference, over two periods if it repeats.
+fn along(compared: &Comparison, k: usize) -> Section {
+    let (wanted, unit) = (&compared.wanted[k], compared.unit());
+    let length = period(&wanted.r).map_or(SHOWN, |period| 2 * period + 1);
+    let shown = wanted.from..wanted.r.len().min(wanted.from + length);
+    let ts = compared.driven[0].drive.model().ts();
+    let t: Vec<f64> = shown.clone().map(|t| t as f64 * ts).collect();
+    let mut path = Axes::new("t [s]", &*format!("y [{unit}]")).height(0.4);
+    let mut error = Axes::new("t [s]", &*format!("r - y [{unit}]")).height(0.35);
+    let mut nearest = Axes::new("t [s]", &*format!("the nearest [{unit}]")).height(0.35);
+    let mut voltage = Axes::new("t [s]", "u [V]").height(0.4);
+    let attempts = || compared.driven.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
+    let best = attempts().map(|(_, a)| a.tracking.rms).fold(f64::INFINITY, f64::min);
+    for (d, Attempt { run, tracking, .. }) in attempts() {
+        let left: Vec<f64> = shown.clone().map(|t| run.r[t] - run.y[t]).collect();
+        let curve = |y: &[f64]| curve(compared, d, &t, y);
+        path = path.with(curve(&run.y[shown.clone()]).named(d.name()));
+        voltage = voltage.with(curve(&run.u[shown.clone()]));
+        if tracking.rms < NEAR * best {
+            nearest = nearest.with(curve(&left));
+        }
+        error = error.with(curve(&left));
+    }
+    let path = path.with(Series::dashed(&t, &wanted.r[shown]).role(Role::Reference).named("wanted"));
+    let caption = format!(
+        "Displacement, what it misses, the same of those within {NEAR} times the least rms error, and the voltage."
+    );
+    let figure = Figure::new(wanted.name.clone(), caption).panel(path).panel(error).panel(nearest).panel(voltage);
+    Section::new(&*wanted.name).figure(figure.stacked())
+}
+
+/// Margins and |S|, where there are loops.
+fn loops(compared: &Comparison) -> Option<Section> {
+    let closed: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.drive.margins()?))).collect();
+    let ts = closed.first()?.0.drive.model().ts();
+    let nyquist = 0.5 / ts;
+    let hz: Vec<f64> = (0..GRID).map(|k| nyquist * 10f64.powf(3.5 * (k as f64 / (GRID - 1) as f64 - 1.0))).collect();
+    let table = Table::new("Margins").text("scheme").number("gain [dB]").number("phase [°]").number("peak of |S|");
+    let table = table.number("bandwidth [Hz]").text("stable");
+    let table = closed.iter().fold(table, |table, (d, m)| {
+        let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz].map(short);
+        let stable = if m.stable { "yes" } else { "no" };
+        table.row([d.name()].into_iter().chain(figures).chain([stable.to_string()]).collect::<Vec<_>>())
+    });
+    let axes = Axes::new(Axis::log("f [Hz]").tight(), Axis::log("|S|"));
+    let axes = closed.iter().fold(axes, |axes, (d, _)| match d.drive.sensitivity(&hz) {
+        Some(s) => axes.with(curve(compared, d, &hz, &s).named(d.name())),
+        None => axes,
+    });
+    let caption = "What the loop makes of a disturbance: below 1 it is taken away, above 1 it is made larger.";
+    let table =
+        table.note("Where the hysteresis is steepest, creep included. Bandwidth is where |S| first rises above -3 dB.");
+    Some(Section::new("Loops").table(table).figure(Figure::new("Sensitivity", caption).panel(axes)))
+}
+
+/// The error of each trial, where something was learnt.
+fn learning(compared: &Comparison) -> Option<Section> {
+    let learnt = |d: &Driven| {
+        let of = |(w, a): (&Wanted, &Result<Attempt, _>)| {
+            Some((w.name.clone(), w.height(), a.as_ref().ok()?.fed.trials.clone()))
+        };
+        compared
+            .wanted
+            .iter()
+            .zip(&d.attempts)
+            .filter_map(of)
+            .filter(|(.., trials)| !trials.is_empty())
+            .collect::<Vec<_>>()
+    };
+    let courses = compared.driven.iter().map(learnt).find(|courses| !courses.is_empty())?;
+    let axes = Axes::new("trial", Axis::log("rms error [% of the height]"));
+    let axes = courses.iter().enumerate().fold(axes, |axes, (k, (name, height, trials))| {
+        let n: Vec<f64> = (0..trials.len()).map(|n| n as f64).collect();
+        let percent: Vec<f64> = trials.iter().map(|rms| 100.0 * rms / height).collect();
+        axes.with(Series::marked(&n, &percent).role(Role::accent(k)).named(name.clone()))
+    });
+    let caption = "Trial 0 is the feed-forward. One twice as bad as the best is taken back.";
+    Some(Section::new("Learning").figure(Figure::new("Error by trial", caption).panel(axes)))
+}
+
+/// How the errors lie over plants of other tolerance.
+fn spread(compared: &Comparison) -> Option<Section> {
+    let drawn: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).collect();
+    let table = Table::new("Draws").text("scheme").number("median [%]").number("9 of 10 [%]").number("worst [%]");
+    let table = table.number("draws").number("unstable");
+    let table = drawn.iter().fold(table, |table, (d, spread)| {
+        let shares = [0.5, 0.9, 1.0].map(|share| short(spread.percent_of_stroke(share)));
+        let unstable = d.drive.scheme.law.map_or("–".into(), |_| spread.unstable().to_string());
+        let counts = [spread.trials.len().to_string(), unstable];
+        table.row([d.name()].into_iter().chain(shares).chain(counts).collect::<Vec<_>>())
+    });
+    let axes = Axes::new(Axis::log("rms error [% of the height]"), "share of the draws [%]");
+    let axes = drawn.iter().fold(axes, |axes, (d, spread)| {
+        let shares: Vec<f64> = (0..=100).map(f64::from).collect();
+        let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
+        axes.with(curve(compared, d, &percent, &shares).named(d.name()))
+    });
+    let wanted = &compared.wanted.first()?.name;
+    let caption = format!(
+        "Along {wanted}: so many of the draws stay below this error. Every controller is that of the model of one plant."
+    );
+    let text = "Plants drawn about this one, every value within its tolerance, under the same controllers.";
+    let figure = Figure::new("Errors over the tolerance", caption).panel(axes);
+    (!drawn.is_empty()).then(|| Section::new("Tolerance").text(text).table(table).figure(figure))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid::compensation::How;
+    use piezoid::control::{Drive, Scheme, Target, Tolerance, compare, reference};
+    use piezoid::excitation::Limits;
+    use piezoid::hammerstein::Model;
+    use piezoid::hysteresis::operator;
+    use piezoid::linear::Arx;
+    use piezoid::plant::find;
+    use piezoid::progress::unwatched;
+
+    #[test]
+    fn the_page_shows_every_scheme_along_every_reference_and_says_what_was_refused() {
+        let ts = 5e-4;
+        let plays = (operator("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
+        let units = piezoid::record::Units { u: "V".into(), y: "um".into() };
+        let linear = Arx::new(ts, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1]).unwrap();
+        let model = Model::new(plays, linear, 0.0).unwrap().with_units(units);
+        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+        let drive = |name| {
+            let how = How { limits, clip: true, ..How::default() };
+            Drive::new(Scheme::named(name).unwrap(), &model, how, 0, &Target::default()).unwrap()
+        };
+        let wanted = |name, hz| Wanted::new(name, ts, (reference(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap());
+        let drives = ["gain", "learning", "feed-forward+pi"].map(drive).to_vec();
+        let (plant, tolerance) = (find("pl140").unwrap(), Tolerance { draws: 3, ..Tolerance::default() });
+        let all = vec![wanted("sine", 10.0), wanted("random", 20.0)];
+        let compared =
+            compare((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut unwatched).unwrap();
+        let html = tracking(&compared).html();
+        for said in
+            ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "must repeat", "random"]
+        {
+            assert!(html.contains(said), "{said}");
+        }
+        assert!(!html.contains("NaN"));
+        assert_eq!(html, tracking(&compared).html());
+    }
+}

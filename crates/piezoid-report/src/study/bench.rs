@@ -1,0 +1,146 @@
+//! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
+
+use super::{
+    AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, Row, SETTLING, STEPS_USED, Seen, TS,
+    Way, table_2,
+};
+use piezoid::error::Error;
+use piezoid::excitation::{RisingSine, Sine, SteppedSine};
+use piezoid::hammerstein::{HiddenLoop, Model, hidden, proportional};
+use piezoid::hysteresis::{Branches, Hysteresis, Loop, Proportional, Split, TwoBranch};
+use piezoid::linear::Arx;
+use piezoid::plant::{Plant, Saturation, Spec};
+use piezoid::record::{Record, Units};
+use piezoid::system::System;
+use piezoid::validation::Metrics;
+use std::sync::Arc;
+
+/// A drive signal [V] by its amplitude [V].
+type Drive<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
+
+/// The plant on a bench: what can be measured there, in millimetres.
+pub(super) struct Bench {
+    /// The plant.
+    plant: Plant,
+    /// Seed of the study; each measurement has noise of its own.
+    seed: u64,
+    /// Range of the sensor [mm].
+    range: Option<f64>,
+}
+
+impl Bench {
+    /// The plant of these parameters, its noise drawn from `seed`.
+    pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
+        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor.range_m.map(|m| 1e3 * m) })
+    }
+
+    /// Drives the plant from rest and records it; what limits were reached is added to `limits`.
+    pub(super) fn measure(
+        &self,
+        u: Vec<f64>,
+        what: &str,
+        limits: &mut Vec<(String, Saturation)>,
+    ) -> Result<Record, Error> {
+        let (y, saturation) = self.answer(&u);
+        if saturation.any() {
+            limits.push((what.into(), saturation));
+        }
+        Ok(Record::new(TS, u, y)?.with_units(Units { u: "V".into(), y: "mm".into() }))
+    }
+
+    /// What the sensor reads from rest on [mm], with noise of its own, and the limits that were reached.
+    pub(super) fn answer(&self, u: &[f64]) -> (Vec<f64>, Saturation) {
+        let number = u.iter().fold(self.seed, |hash, u| hash.rotate_left(5) ^ u.to_bits());
+        let run = self.plant.clone().with_seed(number).run(u);
+        (run.y.iter().map(|y| 1e3 * y).collect(), run.saturation)
+    }
+
+    /// The amplitude [V] at which the answers to all `drives` stay well within the sensor's range: lowered from the whole
+    /// range of the driver as an experimenter would, by what the sensor shows.
+    fn amplitude(&self, drives: &[&Drive]) -> Result<f64, Error> {
+        let Some(range) = self.range else { return Ok(AMPLITUDE) };
+        let mut amplitude = AMPLITUDE;
+        loop {
+            let mut peak = 0.0f64;
+            for drive in drives {
+                peak = self.plant.run(&drive(amplitude)?).y.iter().fold(peak, |peak, y| peak.max(1e3 * y.abs()));
+            }
+            if peak <= RANGE_USED * range || amplitude <= 1.0 {
+                break;
+            }
+            amplitude = (amplitude * (RANGE_USED * range / peak).max(0.5)).floor().max(1.0);
+        }
+        Ok(amplitude)
+    }
+
+    /// A sine that rises to the largest amplitude the sensor can follow.
+    pub(super) fn rising(&self, hz: f64, limits: &mut Vec<(String, Saturation)>) -> Result<Record, Error> {
+        let n = (RISING_DURATION / TS) as usize;
+        let rising = |amplitude| RisingSine { amplitude, frequency: hz, ..RisingSine::default() }.samples(TS, n);
+        self.measure(rising(self.amplitude(&[&rising])?)?, &format!("rising sine of {hz} Hz"), limits)
+    }
+
+    /// Steps 3 to 6 of the paper at one frequency, for every method.
+    pub(super) fn frequency(
+        &self,
+        hz: f64,
+        own: &(Arx, f64),
+        joint: &Model,
+        limits: &mut Vec<(String, Saturation)>,
+    ) -> Result<Frequency, Error> {
+        let n = (DURATION / TS) as usize;
+        let frequency = hz;
+        let sine = |amplitude| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
+        let stepped = |amplitude| SteppedSine { amplitude, frequency, steps: STEPS_USED, offset: 0.0 }.samples(TS, n);
+        let amplitude = self.amplitude(&[&sine, &stepped])?;
+        let sine = self.measure(sine(amplitude)?, &format!("sine of {hz} Hz"), limits)?;
+        let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
+        let settled = (SETTLING / TS) as usize;
+
+        let loop_of = |z: &[f64]| -> Result<HiddenLoop, Error> {
+            let settled = settled.min(z.len());
+            let (u, z) = (sine.u()[settled..z.len()].to_vec(), z[settled..].to_vec());
+            let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
+            Ok(HiddenLoop { frequency_hz: Some(hz), u, z, found })
+        };
+        let loop_by = |arx: &Arx, offset: f64| loop_of(&hidden(arx, offset, sine.y())?.0);
+        let table_2 = table_2(hz)?;
+        let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(&table_2, 0.0)?);
+        // Without the driver, whose lag is no hysteresis, but sampled as often as behind it.
+        let faster = (TS / joint.hysteresis().ts()).round() as usize;
+        let between = |w: &[f64]| {
+            let (from, rise) = (w[0], (w[1] - w[0]) / faster as f64);
+            (1..=faster).map(move |k| from + k as f64 * rise)
+        };
+        let u: Vec<f64> = std::iter::once(sine.u()[0]).chain(sine.u().windows(2).flat_map(between)).collect();
+        // Its z in the scale of the others: a factor may stand in z or in the gain of the linear block.
+        let scale = joint.linear().dc_gain() / own.0.dc_gain();
+        let z: Vec<f64> = joint.hysteresis().simulate(&u).iter().step_by(faster).map(|z| scale * z).collect();
+        let of_joint = loop_of(&z)?;
+        let test = whole.part(SETTLING, f64::INFINITY)?;
+        let width = |found: &Loop| 100.0 * found.branches.width();
+        let rows = METHODS.iter().map(|method| {
+            let series = |block: Arc<dyn Hysteresis>, arx: &Arx, offset| Model::new(block, arx.clone(), offset);
+            let (model, loop_width_percent) = match method.way {
+                Way::Branches(seen, reading) => {
+                    let (arx, offset, found) = match seen {
+                        Seen::ByTable2 => (&table_2, 0.0, &by_table_2.found),
+                        Seen::ByOwn => (&own.0, own.1, &by_own.found),
+                    };
+                    let block = TwoBranch::new(TS, found.branches.clone(), reading)?;
+                    (series(Arc::new(block), arx, offset)?, width(found))
+                }
+                Way::Gain => {
+                    let (gain, offset) = proportional(&own.0, own.1, std::slice::from_ref(&sine))?;
+                    (series(Arc::new(Proportional::new(TS, gain)?), &own.0, offset)?, 0.0)
+                }
+                Way::Joint => (joint.clone(), width(&of_joint.found)),
+            };
+            let simulated = model.simulate(whole.u())[settled..].to_vec();
+            let metrics = Metrics::of(test.y(), &simulated);
+            Ok(Row { method: method.name, model, metrics, loop_width_percent, simulated })
+        });
+        let rows = rows.collect::<Result<_, Error>>()?;
+        Ok(Frequency { hz, amplitude, own: by_own, by_table_2, joint: of_joint, test, rows })
+    }
+}

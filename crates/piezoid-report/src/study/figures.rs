@@ -1,0 +1,303 @@
+//! The figures of the study: the paper's Figs 2 to 5, and those that show why its errors come about.
+
+use super::words;
+use super::{FORMS, Frequency, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, TestSignal, UPPER_RULE, nearest};
+use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::hysteresis::Branches;
+use piezoid::linear::Arx;
+
+/// Frequencies that are named on axes [Hz]: all would not fit.
+const TICKS: [f64; 7] = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 250.0];
+
+/// Periods of the test that a figure shows.
+const PERIODS: f64 = 2.0;
+
+/// Every figure of a study with the name of its file, in the order of the page.
+pub fn figures(study: &Study) -> Vec<(String, Figure)> {
+    let name = |what: &str| format!("{}-{what}", study.plant.name);
+    let mut all = vec![
+        (name("convergence"), convergence(study)),
+        (name("courses"), courses(study)),
+        (name("response"), response(study)),
+    ];
+    all.extend(study.frequencies.iter().map(|f| (name(&format!("loop-{:03.0}hz", f.hz)), hysteresis_loop(f))));
+    all.extend(study.frequencies.iter().map(|f| (name(&format!("test-{:03.0}hz", f.hz)), test(f))));
+    all.push((name("width"), width(study)));
+    all.push((name("error"), error(study)));
+    all.push((name("test-signal"), test_signal(study)));
+    all.push((name("deviation"), deviation(study)));
+    all
+}
+
+fn iterations(n: usize) -> Vec<f64> {
+    (0..n).map(|i| i as f64).collect()
+}
+
+/// The swarm's best cost over the optimum: Fig 3, first half.
+pub(super) fn convergence(study: &Study) -> Figure {
+    let best = &study.convergence;
+    let printed = &study.convergence_as_printed;
+    let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / study.optimum - 1.0).max(1e-12);
+    let caption = format!(
+        "The best sum of absolute errors so far falls from {:.3} to {:.6} mm in {} iterations. No block of this form can go \
+         below {:.6} mm, which linear programming finds exactly: the swarm ends above it by a share of {:.0e}. All particles are \
+         drawn to the best position any of them has had, as is customary; with the best of the current positions, as the paper \
+         prints equation (4), they end above it by {:.0e}.",
+        best[0],
+        best[best.len() - 1],
+        best.len() - 1,
+        study.optimum,
+        above(best),
+        above(printed)
+    );
+    Figure::new("Swarm convergence", caption).panel(
+        Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
+            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best ever"))
+            .with(
+                Series::dashed(&iterations(printed.len()), printed)
+                    .role(Role::Residual)
+                    .named("of the current positions"),
+            )
+            .at_y(study.optimum, "exact optimum"),
+    )
+}
+
+/// The course of each coefficient: Fig 3, as the paper draws it.
+pub(super) fn courses(study: &Study) -> Figure {
+    let courses = study.blocks[1].fit.as_ref().map(|f| f.courses.as_slice()).unwrap_or_default();
+    let (t, names) = (iterations(courses.len()), ["a1", "a2", "b0", "b1", "b2"]);
+    let line = |k: usize| {
+        let course: Vec<f64> = courses.iter().map(|theta| theta[k]).collect();
+        Series::line(&t, &course).role(Role::accent(k)).named(names[k])
+    };
+    let a = Axes::new("iteration", "a").with(line(0)).with(line(1));
+    let b = Axes::new("iteration", "b [mm/V]").with(line(2)).with(line(3)).with(line(4));
+    // Within 1 % of the largest a, and of the largest b.
+    let end = courses.last().cloned().unwrap_or_default();
+    let size = |k: std::ops::Range<usize>| end[k].iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let room =
+        if end.len() == 5 { [vec![0.01 * size(0..2); 2], vec![0.01 * size(2..5); 3]].concat() } else { Vec::new() };
+    let away = |theta: &Vec<f64>| theta.iter().zip(&end).zip(&room).any(|((now, end), room)| (now - end).abs() > *room);
+    let caption = format!(
+        "The coefficients of the best position so far, by iteration. The paper's Fig. 3 shows courses of the search and does not say of \
+         which particle. From iteration {} on these stay within 1 % of where they end, a measured by the largest a and b by the \
+         largest b.",
+        courses.iter().rposition(away).map_or(0, |last| last + 1)
+    );
+    Figure::new("Course of the estimated coefficients", caption).panel(a).panel(b).stacked()
+}
+
+/// Gain and phase of the printed and of the estimated block.
+pub(super) fn response(study: &Study) -> Figure {
+    let hz: Vec<f64> = (0..=300).map(|k| 2.0 * (450.0f64).powf(f64::from(k) / 300.0)).collect();
+    let curve = |arx: &Arx, what: &dyn Fn(piezoid::linear::Response) -> f64| {
+        hz.iter().map(|&f| what(arx.response(f))).collect::<Vec<f64>>()
+    };
+    let (printed, own) = (&study.blocks[0].arx, &study.blocks[1].arx);
+    let gain = |arx: &Arx| curve(arx, &|r| r.gain / arx.dc_gain().abs());
+    let phase = |arx: &Arx| curve(arx, &|r| r.phase.to_degrees());
+    let axis = || Axis::log("f [Hz]").ticks(&[2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 900.0]).tight();
+    let caption = format!(
+        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, of the block estimated here {:.0}°. The \
+         inverse of a block that leads more delays z by the difference, which widens the loop.",
+        printed.response(80.0).phase.to_degrees(),
+        own.response(80.0).phase.to_degrees()
+    );
+    Figure::new("Frequency response of the linear blocks", caption)
+        .panel(
+            Axes::new(axis(), Axis::log("gain / static gain"))
+                .with(Series::line(&hz, &gain(printed)).role(Role::Descending).named("the paper's Table 2"))
+                .with(Series::line(&hz, &gain(own)).role(Role::Model).named("estimated by the swarm")),
+        )
+        .panel(
+            Axes::new(axis(), "phase [°]")
+                .with(Series::line(&hz, &phase(printed)).role(Role::Descending))
+                .with(Series::line(&hz, &phase(own)).role(Role::Model)),
+        )
+        .stacked()
+}
+
+fn branch(branches: &Branches, read: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+    let (low, high) = branches.range();
+    (0..=120).map(|k| low + (high - low) * f64::from(k) / 120.0).map(|u| (u, read(u))).unzip()
+}
+
+/// The loop of the hidden variable with its separating line and branches, and that of the joint model: Figs 2, 4 and 5.
+pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
+    let found = &f.own.found;
+    let (up_u, up_z) = branch(&found.branches, |u| found.branches.ascending(u));
+    let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
+    let [(u0, z0), (u1, z1)] = found.line;
+    let caption = format!(
+        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that their direction says. The \
+         loop of the joint model opens by {:.1} %.",
+        100.0 * found.branches.width(),
+        100.0 * found.agreement,
+        100.0 * f.joint.found.branches.width()
+    );
+    // The last period, closed.
+    let period = (1.0 / (f.hz * TS)).ceil() as usize + 1;
+    let last = f.joint.u.len().saturating_sub(period);
+    Figure::new(format!("Loop at {} Hz", f.hz), caption).small().panel(
+        Axes::new("u [V]", "z [V]")
+            .titled(format!("{} Hz: {:.1} % wide", f.hz, 100.0 * found.branches.width()))
+            .with(Series::dots(&f.own.u, &f.own.z).role(Role::Measured))
+            .with(Series::line(&f.joint.u[last..], &f.joint.z[last..]).role(Role::Accent5).named("joint"))
+            .with(Series::line(&up_u, &up_z).role(Role::Ascending).named("ascending"))
+            .with(Series::line(&down_u, &down_z).role(Role::Descending).named("descending"))
+            .with(Series::dashed(&[u0, u1], &[z0, z1]).role(Role::Reference)),
+    )
+}
+
+/// Test and predictions over the last periods, with what each leaves.
+pub(super) fn test(f: &Frequency) -> Figure {
+    let y = f.test.y();
+    let from = y.len() - ((PERIODS / (f.hz * TS)).round() as usize).clamp(1, y.len());
+    let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
+    let mut answer = Axes::new("t [ms]", "y [mm]").height(0.6).titled(format!("{} Hz", f.hz));
+    let mut left = Axes::new("t [ms]", "error [mm]").height(0.4);
+    let shown = [
+        ("printed-rule", "rule as printed", Role::Descending),
+        ("held-direction", "direction held", Role::Model),
+        ("joint", "joint model", Role::Accent5),
+    ];
+    let mut words = Vec::new();
+    for (method, name, role) in shown {
+        let Some(row) = f.row(method) else { continue };
+        let error: Vec<f64> = row.simulated[from..].iter().zip(&y[from..]).map(|(s, y)| y - s).collect();
+        answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).named(name));
+        left = left.with(Series::line(&t, &error).role(role));
+        words.push(format!("the {name} leaves {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
+    }
+    let answer = answer.with(Series::dashed(&t, &y[from..]).role(Role::Measured).named("twin"));
+    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(left).stacked()
+}
+
+/// Width of the loops by the estimated block and by that of Table 2.
+pub(super) fn width(study: &Study) -> Figure {
+    let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
+    let widths =
+        |found: &dyn Fn(&Frequency) -> f64| study.frequencies.iter().map(|f| 100.0 * found(f)).collect::<Vec<_>>();
+    let own = widths(&|f| f.own.found.branches.width());
+    let printed = widths(&|f| f.by_table_2.found.branches.width());
+    let joint = widths(&|f| f.joint.found.branches.width());
+    let caption = format!(
+        "The same records, seen through two linear blocks. By the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
+         at {} Hz; by that of the paper's Table 2 it goes from {:.0} % to {:.0} %. Below zero a loop is inverted. The joint model \
+         sees no record through an inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
+        own[0],
+        hz[0],
+        own[own.len() - 1],
+        hz[hz.len() - 1],
+        printed[0],
+        printed[printed.len() - 1],
+        joint[0],
+        hz[0],
+        joint[joint.len() - 1],
+        hz[hz.len() - 1]
+    );
+    Figure::new("Width of the loop against frequency", caption).panel(
+        Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::new("loop width [% of height]").from(0.0))
+            .with(Series::marked(&hz, &printed).role(Role::Descending).named("by the paper's Table 2"))
+            .with(Series::marked(&hz, &own).role(Role::Model).named("by the estimated block"))
+            .with(Series::marked(&hz, &joint).role(Role::Accent5).named("of the joint model")),
+    )
+}
+
+/// Errors below this are drawn as this [mm^2].
+pub(super) const FLOOR: f64 = 1e-6;
+
+/// Mean squared error of every method against frequency, with the printed Table 1.
+pub(super) fn error(study: &Study) -> Figure {
+    let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
+    let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual, Role::Accent5];
+    let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]").from(FLOOR));
+    for (method, role) in METHODS.iter().zip(roles) {
+        let rows = study.frequencies.iter().filter_map(|f| f.row(method.name));
+        let mse: Vec<f64> = rows.map(|r| r.metrics.mse.max(FLOOR)).collect();
+        axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
+    }
+    let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
+    // Dashed, for the line beneath to be seen where they are alike.
+    axes = axes.with(Series::dashed(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
+    let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
+    let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
+    let caption = format!(
+        "Mean squared error of every method on a stepped sine of {STEPS_USED} steps a period, and the values of the paper's Table 1.{floor}"
+    );
+    Figure::new("Error on the test signal against frequency", caption).panel(axes)
+}
+
+/// Methods shown over the test signal: name, words for stepped sines and for staircases, role.
+const SHOWN: [(&str, [&str; 2], Role); 4] = [
+    ("printed-rule", ["rule as printed", "staircase"], Role::Descending),
+    (UPPER_RULE, ["upper branch", ""], Role::Ascending),
+    ("held-direction", ["direction held", ""], Role::Model),
+    ("table2-arx", ["Table 2's block", ""], Role::Residual),
+];
+
+/// An axis of steps and levels.
+fn steps() -> Axis {
+    let ends = (f64::from(*STEPS.start()), f64::from(*STEPS.end()));
+    Axis::new("steps a period, or levels")
+        .ticks(&[4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0])
+        .range(ends.0, ends.1)
+}
+
+/// A curve of each form: solid of stepped sines, dashed of staircases.
+fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl Fn(&TestSignal) -> f64) -> Axes {
+    FORMS.iter().zip(names).enumerate().fold(axes, |axes, (k, (form, name))| {
+        let signals = study.test_signals.iter().filter(|s| s.form == form.name);
+        let (steps, values): (Vec<f64>, Vec<f64>) = signals.map(|s| (f64::from(s.steps), value(s))).unzip();
+        let series = if k == 0 { Series::line(&steps, &values) } else { Series::dashed(&steps, &values) };
+        axes.with(series.role(role).named(name))
+    })
+}
+
+/// Table 1 over the form and the number of steps of the test signal.
+pub(super) fn test_signal(study: &Study) -> Figure {
+    let title = "The paper's Table 1 over the test signal";
+    over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
+}
+
+/// The same as a figure a frequency.
+pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
+    over_steps(study).into_iter().zip(PRINTED_MSE).map(|(axes, (hz, printed))| {
+        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm².")).panel(axes)
+    })
+}
+
+/// Mean squared errors against steps and levels, a panel a frequency of Table 1.
+fn over_steps(study: &Study) -> Vec<Axes> {
+    let panel = |(k, (hz, printed)): (usize, &(f64, f64))| {
+        let y = Axis::log("MSE [mm²]").from(FLOOR);
+        let axes = Axes::new(steps(), y).titled(format!("{hz} Hz")).at_y(*printed, "paper");
+        SHOWN.iter().fold(axes, |axes, (method, names, role)| {
+            let names = if k == 0 { *names } else { [""; 2] };
+            by_form(study, axes, *role, names, |signal| signal.of(method)[k].max(FLOOR))
+        })
+    };
+    PRINTED_MSE.iter().enumerate().map(panel).collect()
+}
+
+/// How near each test signal comes to the paper's Table 1.
+pub(super) fn deviation(study: &Study) -> Figure {
+    let found = |method: &str| {
+        let found = nearest(&study.test_signals, method);
+        found.map_or(String::new(), |s| format!("{} ({:.0} %)", s.words(), 100.0 * s.deviation(method)))
+    };
+    let caption = format!(
+        "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of equal length, against \
+         steps a period; dashed: staircases, against levels. Nearest by the rule as printed is a {}; with its upper branch as the one that \
+         lies above a {}; with the linear block of the paper's Table 2 a {}.",
+        found("printed-rule"),
+        found(UPPER_RULE),
+        found("table2-arx")
+    );
+    let axes = Axes::new(steps(), Axis::log("largest deviation from the paper's Table 1 [%]"));
+    let shown = SHOWN.iter().filter(|(method, ..)| *method != "held-direction");
+    let axes = shown.fold(axes, |axes, (method, names, role)| {
+        by_form(study, axes, *role, *names, |signal| 100.0 * signal.deviation(method))
+    });
+    Figure::new("How near each test signal comes to the paper's Table 1", caption).panel(axes)
+}

@@ -1,0 +1,260 @@
+//! What the study found, in words.
+
+use super::figures::FLOOR;
+use super::{
+    AMPLITUDE, Frequency, METHODS, PRINTED_MSE, RISING, STEPS, STEPS_USED, Study, TS, TestSignal, UPPER_RULE, nearest,
+};
+use piezoid::number::join;
+use piezoid::plant::Saturation;
+use piezoid::series::ends;
+
+/// Four decimals as in the paper's Table 1, or one digit with its power of ten below them.
+pub(super) fn mse(x: f64) -> String {
+    if x < 1e-4 { format!("{x:.0e}") } else { format!("{x:.4}") }
+}
+
+/// Two decimals, or one digit with its power of ten below them.
+pub(super) fn percent(x: f64) -> String {
+    if x != 0.0 && x < 5e-3 { format!("{x:.0e}") } else { format!("{x:.2}") }
+}
+
+/// What the errors of a study say, in paragraphs that an empty line parts.
+pub fn verdict(study: &Study) -> String {
+    paragraphs(study).join("\n\n")
+}
+
+/// Beside the paper's Table 1; by another reading; over all frequencies; of the joint model.
+pub(super) fn paragraphs(study: &Study) -> [String; 4] {
+    [against_table_1(study), by_upper_rule(study), over_frequencies(study), joint(study)]
+}
+
+fn error(f: &Frequency, method: &str) -> f64 {
+    f.row(method).map_or(f64::NAN, |r| r.metrics.mse)
+}
+
+/// The frequencies of which this is so: "5, 20 and 40".
+fn at_hz(study: &Study, is: impl Fn(&Frequency) -> bool) -> Option<String> {
+    let some: Vec<f64> = study.frequencies.iter().filter(|f| is(f)).map(|f| f.hz).collect();
+    (!some.is_empty()).then(|| join(&some))
+}
+
+/// What the methods leave at all frequencies, and what the paper reports beyond its Table 1.
+fn over_frequencies(study: &Study) -> String {
+    let rms = |method: &str| {
+        let of = |f: &Frequency| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
+        let all = study.frequencies.iter().map(|f| (of(f), f.hz));
+        all.fold((0.0, 0.0), |worst: (f64, f64), x| if x.0 > worst.0 { x } else { worst })
+    };
+    let [(worst, worst_hz), (linear, _)] = ["held-direction", "linear"].map(rms);
+    let needless = at_hz(study, |f| error(f, "linear") < error(f, "printed-rule"))
+        .map_or(String::new(), |hz| format!(" At {hz} Hz such a model leaves less than the rule as printed."));
+    let other = |f: &Frequency, method: &str| 1.01 * error(f, method) < error(f, "held-direction");
+    let beaten = METHODS.iter().filter(|method| method.name != "joint").filter_map(|method| {
+        let hz = at_hz(study, |f| other(f, method.name))?;
+        Some(format!(" At {hz} Hz `{}` leaves less than the direction held.", method.name))
+    });
+    let beaten: String = beaten.collect();
+    let width = |f: &Frequency| 100.0 * f.own.found.branches.width().abs();
+    let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
+    let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
+        format!(
+            " By the estimated block the loop of z grows to {:.0} % of its height at {} Hz, where at {} Hz it is {:.0} %: the branches of \
+             that frequency absorb the block's own error, and would be wrong for another signal.",
+            width(f),
+            f.hz,
+            study.frequencies[0].hz,
+            width(&study.frequencies[0])
+        )
+    });
+    let beyond: Vec<&Frequency> = study.frequencies.iter().filter(|f| f.hz > 80.0).collect();
+    let listed = |words: &dyn Fn(&Frequency) -> String| join(&beyond.iter().map(|f| words(f)).collect::<Vec<_>>());
+    let turned = |found: &dyn Fn(&Frequency) -> f64| {
+        at_hz(study, |f| found(f) < 0.0).map_or("no frequency".into(), |hz| format!("{hz} Hz"))
+    };
+    format!(
+        "With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model without hysteresis \
+         leaves up to {linear:.1} %.{needless}{beaten}{grown} Beyond 80 Hz the paper reports an error that grows rapidly, and above the \
+         resonance a loop that is inverted. Here the rule as printed leaves {} mm² at {} Hz; the loop is inverted at {} by the estimated \
+         block, and at {} by that of the paper's Table 2.",
+        listed(&|f| mse(error(f, "printed-rule"))),
+        listed(&|f| f.hz.to_string()),
+        turned(&|f| f.own.found.branches.width()),
+        turned(&|f| f.by_table_2.found.branches.width()),
+    )
+}
+
+/// The paper's Table 1 beside what is left with the test signal of the study.
+fn against_table_1(study: &Study) -> String {
+    let at =
+        |method: &str, hz: f64| study.frequencies.iter().find(|f| f.hz == hz).map_or(f64::NAN, |f| error(f, method));
+    let of = |method: &str| PRINTED_MSE.map(|(hz, _)| at(method, hz));
+    let over = |method: &str| PRINTED_MSE.map(|(hz, printed)| at(method, hz) / printed);
+    let (printed, hz) = (PRINTED_MSE.map(|(_, mse)| mse), PRINTED_MSE.map(|(hz, _)| hz));
+    let growth = |[first, .., last]: [f64; 4]| last / first;
+    let (least, most) = ends(over("table2-arx"));
+    let by_its_own = nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
+        let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
+        format!("; the test signal by which that block comes nearest, a {signal}, misses by up to {off:.0} %")
+    });
+    format!(
+        "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of {STEPS_USED} steps, and a \
+         linear block that is estimated here, the rule as printed leaves {} mm² at {} Hz; the paper's Table 1 has {}. The error at 80 Hz \
+         is {:.1} times that at 5 Hz, in the paper {:.1} times. With the direction held it is at most {} mm² at these four. With the \
+         linear block of the paper's Table 2 the rule as printed leaves {least:.0} to {most:.0} times the paper's values{by_its_own}.",
+        chosen(study),
+        join(&of("printed-rule").map(mse)),
+        join(&hz),
+        join(&printed.map(mse)),
+        growth(of("printed-rule")),
+        growth(printed),
+        mse(of("held-direction").into_iter().fold(0.0, f64::max)),
+    )
+}
+
+/// Which test signal is used, and which comes nearest to the paper's Table 1.
+fn chosen(study: &Study) -> String {
+    let percent = |signal: &TestSignal| format!("{:.0} %", 100.0 * signal.deviation("printed-rule"));
+    let used = study.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == STEPS_USED);
+    let (Some(nearest), Some(used)) = (nearest(&study.test_signals, "printed-rule"), used) else {
+        return String::new();
+    };
+    let (low, high) = (STEPS.start(), STEPS.end());
+    let tried = format!("stepped sines of {low} to {high} steps a period and staircases of as many levels");
+    if nearest == used {
+        format!(
+            "Of {tried}, a {} comes nearest to its Table 1, within {}, and is used here.",
+            used.words(),
+            percent(used)
+        )
+    } else {
+        format!(
+            "A {} is used here, the nearest to its Table 1 on twin `paper`. On this twin it misses by up to {}; of {tried}, a {} comes \
+             nearest, and misses by up to {}.",
+            used.words(),
+            percent(used),
+            nearest.words(),
+            percent(nearest)
+        )
+    }
+}
+
+/// What the other reading of the rule's words leaves: its "upper" branch as the one that lies above.
+fn by_upper_rule(study: &Study) -> String {
+    let Some(signal) = nearest(&study.test_signals, UPPER_RULE) else { return String::new() };
+    let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
+    format!(
+        "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which on a piezo loop \
+         lies below. Read as the branch that lies above, a {} comes nearest to the paper's Table 1, and leaves {} mm², off by up to \
+         {:.0} %. Of {} test signals {} come within {:.0} % by that reading, {} by the one used here.",
+        signal.words(),
+        join(&signal.of(UPPER_RULE).map(mse)),
+        100.0 * signal.deviation(UPPER_RULE),
+        study.test_signals.len(),
+        within(UPPER_RULE),
+        100.0 * NEAR,
+        within("printed-rule"),
+    )
+}
+
+/// A deviation from Table 1 that counts as near, as a share.
+const NEAR: f64 = 0.3;
+
+/// What the figure of Table 1 over the test signal shows, and how much the steps matter at the highest frequency.
+pub(super) fn over_test_signals(study: &Study) -> String {
+    let stepped = study.test_signals.iter().filter(|s| s.form == "stepped-sine");
+    let last = PRINTED_MSE.len() - 1;
+    let by = |p: &(f64, u32), q: &(f64, u32)| p.0.total_cmp(&q.0);
+    let errors: Vec<(f64, u32)> = stepped.map(|s| (s.of("printed-rule")[last], s.steps)).collect();
+    let (Some(least), Some(most)) = (errors.iter().copied().min_by(by), errors.iter().copied().max_by(by)) else {
+        return String::new();
+    };
+    format!(
+        "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps a period; dashed: staircases, steps of \
+         equal height, against levels; the horizontal line is the paper's value. Errors below {FLOOR:e} mm² are drawn there. By the rule as \
+         printed, the error at {} Hz goes from {} mm² with {} steps to {} with {}; a period there has {:.0} samples, so that with more steps \
+         nothing is held. The rest of the study uses {STEPS_USED} steps.",
+        PRINTED_MSE[last].0,
+        mse(most.0),
+        most.1,
+        mse(least.0),
+        least.1,
+        1.0 / (PRINTED_MSE[last].0 * TS),
+    )
+}
+
+/// What Tables 1 and 2 leave open of their units.
+pub(super) fn units(study: &Study) -> String {
+    let moved = study.blocks[0].arx.dc_gain() * AMPLITUDE;
+    format!(
+        "The paper states the unit of neither of its tables. Its Table 1 is taken in mm², its Table 2 in mm/V. By the static gain of Table 2 \
+         {AMPLITUDE} V move the tip by {moved:.3} mm, where the catalogue has 1 mm. A sine of that height has a mean square of {:.4} mm², \
+         less than every value of Table 1: with {AMPLITUDE} V, the two tables can hardly both be in mm.",
+        0.5 * moved * moved
+    )
+}
+
+/// An error [% of peak-to-peak] that no record with noise would leave.
+const EXACT: f64 = 1e-4;
+
+/// What the joint model gains, and where it does not.
+fn joint(study: &Study) -> String {
+    let rms = |f: &Frequency, method: &str| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
+    let (better, worse): (Vec<&Frequency>, Vec<&Frequency>) =
+        study.frequencies.iter().partition(|f| rms(f, "joint") < rms(f, "held-direction"));
+    let listed = |some: &[&Frequency]| {
+        let hz: Vec<String> = some.iter().map(|f| f.hz.to_string()).collect();
+        let (least, most) = ends(some.iter().map(|f| rms(f, "joint")));
+        let worst = some.iter().find(|f| rms(f, "joint") == most).map_or(f64::NAN, |f| f.hz);
+        let several = format!("{} to {} % rms of peak-to-peak, most at {worst} Hz", percent(least), percent(most));
+        (hz.join(", "), if some.len() > 1 { several } else { format!("{} % rms of peak-to-peak", percent(most)) })
+    };
+    let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
+    let mut words = format!(
+        "The joint model, {} identified once on rising sines of {} Hz, serves all frequencies.",
+        study.joint.model.hysteresis().operator().name,
+        rising.join(", ")
+    );
+    if !better.is_empty() {
+        let (hz, range) = listed(&better);
+        let place = if worse.is_empty() { "At every frequency".into() } else { format!("At {hz} Hz") };
+        words += &format!(
+            " {place} it leaves less than the branches made for that one alone, {range}. It \
+             inverts nothing, so its linear block may have as many modes as the records show. It also remembers reversals, of which \
+             this test has none but those at the ends."
+        );
+    }
+    if better.iter().any(|f| rms(f, "joint") < EXACT) {
+        words +=
+            " So little is left because this twin obeys that operator and has no noise; no measured actuator does.";
+    }
+    if !worse.is_empty() {
+        let (hz, range) = listed(&worse);
+        words += &format!(" At {hz} Hz it leaves {range}, more than the branches made for that frequency.");
+    }
+    if study.joint.model.driver().is_some() {
+        words += " Lag and current limit of the driver were given to it, and to no other method.";
+    }
+    words
+}
+
+/// The records in which a limit of the plant was reached, one sentence a limit.
+pub(super) fn limits_in_words(limits: &[(String, Saturation)]) -> Vec<String> {
+    type Count = fn(&Saturation) -> usize;
+    let kinds: [(&str, Count); 3] = [
+        ("The driver clamped its voltage", |s| s.clamped),
+        ("The driver's current limit was reached", |s| s.current_limited),
+        ("The sensor was driven out of its range", |s| s.sensor_clipped),
+    ];
+    let sentence = |(what, count): &(&str, Count)| {
+        let hit = limits.iter().filter(|(_, s)| count(s) > 0);
+        let records: Vec<String> = hit.map(|(record, s)| format!("{record} ({})", count(s))).collect();
+        (!records.is_empty()).then(|| format!("{what} in these records (samples): {}.", records.join(", ")))
+    };
+    kinds.iter().filter_map(sentence).collect()
+}
+
+/// Four decimals as in the paper's Table 2, without a sign on what rounds to zero.
+pub fn four_decimals(x: f64) -> String {
+    let text = format!("{x:.4}");
+    if text == "-0.0000" { "0.0000".into() } else { text }
+}
