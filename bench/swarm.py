@@ -24,7 +24,7 @@ NEEDS = ["numpy>=2", "scipy>=1.14", "pyswarms==1.3.0"]
 
 def build():
     """The binary that runs our side."""
-    command = ["cargo", "build", "--release", "--quiet", "--package", "piezoid-bench", "--message-format=json"]
+    command = ["cargo", "build", "--profile", "dist", "--quiet", "--package", "piezoid-bench", "--message-format=json"]
     lines = subprocess.run(command, cwd=own.ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     binaries = [json.loads(line).get("executable") for line in lines]
     return next(path for path in reversed(binaries) if path)

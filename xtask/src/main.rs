@@ -89,7 +89,7 @@ fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
         }
         ready => ready?,
     }
-    let build = ["-m", "maturin", "develop", "--quiet", "--extras", extras, "--manifest-path"];
+    let build = ["-m", "maturin", "develop", "--profile", "dev", "--quiet", "--extras", extras, "--manifest-path"];
     step(inside().args(build).arg(package.join("Cargo.toml")).env("VIRTUAL_ENV", &home).env_remove("CONDA_PREFIX"))?;
     let settings = package.join("pyproject.toml");
     skipped.step(inside().args(["-m", "pytest", "-rs", "--config-file"]).arg(settings).arg(package.join("tests")))

@@ -100,18 +100,19 @@ fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[Lanes], sum
     sum.copy_from_slice(&sums.0[..L]);
     for row in rows.chunks_exact(theta.len() + 1) {
         let mut error = [row[0]; L];
-        for (psi, theta) in row[1..].iter().zip(theta) {
-            for (error, theta) in error.iter_mut().zip(&theta.0[..L]) {
+        for i in 0..theta.len() {
+            let (psi, theta) = (row[1 + i], &theta[i].0);
+            for lane in 0..L {
                 // A fused step only where it is an instruction: elsewhere it is a slow library call.
-                *error = if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
-                    (-psi).mul_add(*theta, *error)
+                error[lane] = if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
+                    (-psi).mul_add(theta[lane], error[lane])
                 } else {
-                    *error - psi * theta
+                    error[lane] - psi * theta[lane]
                 };
             }
         }
-        for (sum, error) in sum.iter_mut().zip(error) {
-            *sum += error.abs();
+        for lane in 0..L {
+            sum[lane] += error[lane].abs();
         }
     }
     sums.0[..L].copy_from_slice(&sum);

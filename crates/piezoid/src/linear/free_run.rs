@@ -308,15 +308,21 @@ pub(super) fn decays(a: &[f64]) -> bool {
 /// The scalar product: eight sums side by side, added in the same order on every processor.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    let (xs, ys) = (x.chunks_exact(8), y.chunks_exact(8));
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
-    let mut sums = [0.0; 8];
-    for (x, y) in xs.zip(ys) {
+    let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
+    let (mut sums, mut rest) = ([0.0; 8], 0.0);
+    for t in 0..x.len().min(y.len()) {
         for i in 0..8 {
-            sums[i] += x[i] * y[i];
+            sums[i] += x[t][i] * y[t][i];
         }
     }
-    sums.iter().sum::<f64>() + rest
+    for i in 0..x_rest.len().min(y_rest.len()) {
+        rest += x_rest[i] * y_rest[i];
+    }
+    let mut sum = 0.0;
+    for part in sums {
+        sum += part;
+    }
+    sum + rest
 }
 
 #[cfg(test)]

@@ -121,15 +121,21 @@ fn solve(h: &[f64], g: &[f64], n: usize, free: &[bool]) -> Option<Vec<f64>> {
 /// The product, summed in sixteen strands whatever the instruction set.
 #[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 16];
-    let (whole, rest) = (a.chunks_exact(16), a.len() / 16 * 16);
-    for (a, b) in whole.zip(b.chunks_exact(16)) {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<16>(), b.as_chunks::<16>());
+    let (mut sums, mut tail) = ([0.0; 16], 0.0);
+    for i in 0..a.len().min(b.len()) {
         for k in 0..16 {
-            sums[k] += a[k] * b[k];
+            sums[k] += a[i][k] * b[i][k];
         }
     }
-    let tail: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + tail
+    for i in 0..a_rest.len().min(b_rest.len()) {
+        tail += a_rest[i] * b_rest[i];
+    }
+    let mut sum = 0.0;
+    for part in sums {
+        sum += part;
+    }
+    sum + tail
 }
 
 #[cfg(test)]

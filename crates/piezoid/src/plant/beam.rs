@@ -48,6 +48,7 @@ impl Beam {
     }
 
     /// Tip displacement [m], under the static displacement `l` [m].
+    #[inline]
     pub(super) fn tip(&self, x: &[f64], l: f64) -> f64 {
         x.iter().step_by(2).sum::<f64>() + self.residual * l
     }
@@ -60,6 +61,7 @@ impl Beam {
     }
 
     /// Advances one step under the held static displacement `l` [m].
+    #[inline]
     pub(super) fn advance(&self, x: &mut [f64], l: f64) {
         for (x, ModeStep { share, matrix: [[a, b], [c, d]] }) in x.chunks_exact_mut(2).zip(&self.steps) {
             let (p, q) = (x[0] - share * l, x[1]);

@@ -48,6 +48,7 @@ impl Creep {
     }
 
     /// Advances one step under the held `w` and returns the mean displacement over it [m].
+    #[inline]
     pub(super) fn advance(&self, x: &mut [f64], w: f64) -> f64 {
         let mut twice = 0.0;
         for (x, gain) in x.iter_mut().zip(self.gain) {

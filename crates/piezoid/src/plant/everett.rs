@@ -25,6 +25,7 @@ pub(super) struct Everett {
 
 impl Everett {
     /// Displacement between the reversal at `from` and `to` [m]: positive when rising.
+    #[inline]
     pub(super) fn branch(&self, from: f64, to: f64) -> f64 {
         let e = self.k * (1.0 + self.lean * 0.5 * (from + to)) * self.j1(0.5 * (to - from).abs());
         if to > from { e } else { -e }

@@ -32,6 +32,7 @@ impl Material {
     }
 
     /// Moves to the voltage `u` [V] and returns the static displacement [m].
+    #[inline]
     pub(super) fn displacement(&self, x: &mut [f64], u: f64) -> f64 {
         match self {
             Material::BoucWen(law) => law.displacement(x, u),

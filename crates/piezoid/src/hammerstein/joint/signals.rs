@@ -91,16 +91,16 @@ impl<'a> AllPole<'a> {
 /// y += k x.
 #[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 pub(super) fn add(y: &mut [f64], k: f64, x: &[f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += k * x;
+    for t in 0..y.len().min(x.len()) {
+        y[t] += k * x[t];
     }
 }
 
 /// x += rate (v - x).
 #[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 fn follow(x: &mut [f64], rate: f64, v: &[f64]) {
-    for (x, v) in x.iter_mut().zip(v) {
-        *x += rate * (v - *x);
+    for t in 0..x.len().min(v.len()) {
+        x[t] += rate * (v[t] - x[t]);
     }
 }
 
