@@ -25,7 +25,7 @@ def measured(index):
     twin = pz.plants["pl140"].drawn(0.2, seed=1, index=index)
     small = pz.excite.prbs(ts=TS, duration=0.8, amplitude=1)
     rich = pz.excite.rising_sine(ts=TS, duration=0.8, amplitude=28, frequency=5)
-    return {"linear": twin.measure(small, ts=TS), "rich": twin.measure(rich, ts=TS)}
+    return {"small_signal": twin.measure(small, ts=TS), "large_signal": twin.measure(rich, ts=TS)}
 
 
 def main():

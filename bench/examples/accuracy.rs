@@ -9,14 +9,12 @@
 pub(crate) mod page;
 
 use page::{cell, row};
-use piezoid::driver::Driver;
 use piezoid::excitation::{Multisine, Prbs, RisingSine, Sine, Staircase};
-use piezoid::hammerstein::{Identified, Joint, Model, Paper, identify_joint, identify_paper};
+use piezoid::hammerstein::{Identified, Model};
 use piezoid::hysteresis::Split;
-use piezoid::plant::{Plant, Spec, find};
-use piezoid::progress::unwatched;
+use piezoid::plant::{DriverSpec, Plant, Spec, find};
 use piezoid::validation::Metrics;
-use piezoid::{Error, Record, System};
+use piezoid::{Error, IdentifyOptions, Method, Record, Records, System, identify};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -80,7 +78,7 @@ fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
 /// A twin on a bench.
 pub(crate) struct Twin {
     plant: Plant,
-    driver: Option<Driver>,
+    driver: DriverSpec,
 }
 
 impl Twin {
@@ -91,7 +89,7 @@ impl Twin {
 
     /// The twin of these parameters.
     pub(crate) fn of(spec: &Spec) -> Result<Self, Error> {
-        Ok(Twin { plant: Plant::new(spec, TS)?, driver: Driver::of_twin(&spec.driver)? })
+        Ok(Twin { plant: Plant::new(spec, TS)?, driver: spec.driver.clone() })
     }
 
     /// Measures a drive from rest [um], at the largest amplitude that keeps the tip within reach. The seed is of the noise.
@@ -125,14 +123,16 @@ impl Twin {
     pub(crate) fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
         let rising =
             |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
-        let how = Joint { operator: operator.into(), driver: self.driver.filter(|_| driver), ..Joint::default() };
-        identify_joint(&[self.small()?], &self.sines(rising)?, &how, &mut unwatched)
+        let options = IdentifyOptions { operator: operator.into(), seed: 0, ..IdentifyOptions::default() };
+        let options = if driver { options.with_driver_of(&self.driver) } else { options };
+        identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, &options)
     }
 
     /// The paper's model, whose loops need steady sines.
-    fn paper(&self, how: &Paper) -> Result<Identified, Error> {
+    fn paper(&self, options: IdentifyOptions) -> Result<Identified, Error> {
         let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
-        identify_paper(&[self.small()?], &self.sines(steady)?, how, &mut unwatched)
+        let options = IdentifyOptions { method: Method::Paper, ..options };
+        identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(steady)? }, &options)
     }
 
     /// A record to be foretold.
@@ -164,13 +164,13 @@ struct Way {
 
 /// The paper's ways, then the joint ones.
 static WAYS: [Way; 4] = [
-    Way { name: "paper", role: Role::Descending, identify: |twin| twin.paper(&Paper::default()) },
+    Way { name: "paper", role: Role::Descending, identify: |twin| twin.paper(IdentifyOptions::default()) },
     Way {
         name: "paper, helped",
         role: Role::Muted,
         identify: |twin| {
-            let estimator = "output-error".into();
-            twin.paper(&Paper { order: 4, estimator, split: Split::Direction, ..Paper::default() })
+            let (order, estimator, split) = (Some(4), Some("output-error".into()), Some(Split::Direction));
+            twin.paper(IdentifyOptions { order, estimator, split, ..IdentifyOptions::default() })
         },
     },
     Way { name: "joint, driver unknown", role: Role::Accent5, identify: |twin| twin.joint("auto", false) },

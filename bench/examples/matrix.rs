@@ -9,12 +9,11 @@ mod page;
 
 use page::cell;
 use piezoid::excitation::{Prbs, RisingSine, Staircase};
-use piezoid::hammerstein::{Joint, Model, identify_joint};
+use piezoid::hammerstein::Model;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
-use piezoid::progress::unwatched;
 use piezoid::validation::Metrics;
-use piezoid::{Error, Record, System};
+use piezoid::{Error, IdentifyOptions, Record, Records, System, identify};
 use piezoid_report::plot::style;
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt::Write;
@@ -53,8 +52,8 @@ pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let rising =
         |(frequency, amplitude)| record(RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n)?);
     let rich = RISING.into_iter().map(rising).collect::<Result<Vec<_>, _>>()?;
-    let how = Joint { operator: model.name.into(), ..Joint::default() };
-    let found = identify_joint(&[small], &rich, &how, &mut unwatched)?.model;
+    let options = IdentifyOptions { operator: model.name.into(), seed: 0, ..IdentifyOptions::default() };
+    let found = identify(Records { small_signal: &[small], large_signal: &rich }, &options)?.model;
 
     let wandering = |t: usize| {
         let t = TS * t as f64;

@@ -5,6 +5,7 @@
 mod commands;
 mod console;
 mod files;
+mod flags;
 mod layout;
 mod tables;
 mod values;

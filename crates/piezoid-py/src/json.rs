@@ -1,9 +1,11 @@
 //! Documents of the library as Python's own objects.
 
+use crate::error::raised;
+use piezoid::{OptionRow, Options, Values};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
-use serde_json::Value;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyList, PyString};
+use serde_json::{Map, Value, json};
 
 /// A document: objects as dicts, in their order.
 pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
@@ -27,4 +29,45 @@ pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
             dict.into_py_any(py)
         }
     }
+}
+
+/// Options of the library by their keywords, of any kind of number that Python has.
+pub(crate) fn options<O: Options>(given: &Bound<'_, PyDict>) -> PyResult<O> {
+    let given =
+        given.iter().map(|(name, value)| Ok((name.extract()?, value_of(&value)?))).collect::<PyResult<Map<_, _>>>();
+    O::from_json(Value::Object(given?)).map_err(raised)
+}
+
+/// A setting as a document. What no document holds is its text, which the library then refuses in its own words.
+fn value_of(value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if value.is_none() {
+        return Ok(Value::Null);
+    }
+    if let Ok(switch) = value.cast::<PyBool>() {
+        return Ok(switch.is_true().into());
+    }
+    if value.cast::<PyString>().is_err() {
+        let whole = if value.cast::<PyFloat>().is_ok() { None } else { value.extract::<u64>().ok() };
+        if let Some(number) = whole.map(Value::from).or_else(|| value.extract::<f64>().ok().and_then(finite)) {
+            return Ok(number);
+        }
+    }
+    Ok(value.str()?.to_string().into())
+}
+
+fn finite(number: f64) -> Option<Value> {
+    number.is_finite().then(|| number.into())
+}
+
+/// The table of a verb's options: names, defaults, units, choices and help.
+pub(crate) fn rows<O: Options>(py: Python<'_>) -> PyResult<Py<PyAny>> {
+    let usual = serde_json::to_value(O::default()).unwrap_or_default();
+    let row = |row: OptionRow| {
+        let choices: Vec<&str> = match row.values {
+            Values::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
+            _ => Vec::new(),
+        };
+        json!({"name": row.name, "default": usual[row.name], "unit": row.unit, "choices": choices, "help": row.help})
+    };
+    object(py, &O::rows().into_iter().map(row).collect())
 }

@@ -28,7 +28,7 @@ mod _piezoid {
     #[pymodule_export]
     use crate::export::{export, write};
     #[pymodule_export]
-    use crate::identify::identify;
+    use crate::identify::{identify, identify_options};
     #[pymodule_export]
     use crate::linear::{Arx, fit};
     #[pymodule_export]

@@ -2,14 +2,14 @@
 
 use crate::compensation::{FeedForward, Made, compensated, how};
 use crate::error::{raised, refused};
-use crate::json::object;
+use crate::json::{object, options};
 use crate::record::Record;
 use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::{Complex64, PyArray1};
 use piezoid::System;
 use piezoid::hammerstein::Beginning;
-use piezoid::validation::{Settings, validate};
+use piezoid::validation::{ValidateOptions, validate};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -134,11 +134,10 @@ impl Model {
         &self,
         py: Python<'_>,
         record: &Record,
-        skip: f64,
-        free_offset: bool,
+        given: &Bound<'_, PyDict>,
     ) -> PyResult<(Py<PyAny>, Py<PyArray1<f64>>)> {
-        let settings = Settings { skip, free_offset };
-        let v = py.detach(|| validate(&self.model, &record.record, settings)).map_err(raised)?;
+        let options: ValidateOptions = options(given)?;
+        let v = py.detach(|| validate(&self.model, &record.record, &options)).map_err(raised)?;
         let figures = json!({
             "unit": record.record.units().y, "start": v.start, "beginning": v.beginning, "taken_off": v.taken_off,
             "metrics": v.metrics, "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,

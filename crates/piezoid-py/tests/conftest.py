@@ -25,4 +25,4 @@ def unseen() -> pz.Record:
 
 @pytest.fixture(scope="session")
 def model(small: pz.Record, rich: pz.Record) -> pz.Model:
-    return pz.identify(linear=small, rich=rich, operator="prandtl-ishlinskii")
+    return pz.identify(small_signal=small, large_signal=rich, operator="prandtl-ishlinskii")

@@ -31,7 +31,7 @@ def sine(index: int, frequency: float = 5) -> pz.Record:
 
 def records(index: int) -> dict[str, pz.Record]:
     small = pz.excite.prbs(ts=TS, duration=0.6, amplitude=1)
-    return {"linear": twin(index).measure(small, ts=TS), "rich": sine(index)}
+    return {"small_signal": twin(index).measure(small, ts=TS), "large_signal": sine(index)}
 
 
 def unplugged() -> None:
@@ -95,7 +95,7 @@ def test_a_job_that_kills_its_workers_fails_alone(client, monkeypatch):
 
 @pytest.mark.parametrize("engine", ["none", "threads", "dask"])
 def test_what_fails_is_a_row_that_says_why(engine, request):
-    broken = records(0) | {"rich": pz.Record(np.zeros(500), np.zeros(500), TS)}
+    broken = records(0) | {"large_signal": pz.Record(np.zeros(500), np.zeros(500), TS)}
     actuators = {"good": records(0), "broken": broken, "unplugged": unplugged, "absent": {"data": "nowhere.csv"}, 5: sine(1)}
     client = {"none": lambda: None, "threads": partial(ThreadPoolExecutor, 2)}.get(engine)
     table = pz.fleet.identify(actuators, client() if client else request.getfixturevalue("client"), **KNOWN)
@@ -129,7 +129,7 @@ def test_a_forked_process_works_though_its_parent_did_before(undisturbed):
 
 
 def test_a_frame_has_an_actuator_a_row():
-    frame = pd.DataFrame({name: [row[name] for row in map(records, range(2))] for name in ("linear", "rich")}, index=["a", "b"])
+    frame = pd.DataFrame({name: [row[name] for row in map(records, range(2))] for name in ("small_signal", "large_signal")}, index=["a", "b"])
     table = pz.fleet.identify(frame, **KNOWN)
     assert list(table.index) == ["a", "b"] and table.error.isna().all()
     with pytest.raises(pz.PiezoidError, match="2 rows have 1 names"):

@@ -116,7 +116,7 @@ def test_small_signal_records_are_told_by_what_their_inputs_span() -> None:
     small = pz.plants["pl140"].measure(pz.excite.prbs(ts=TS, duration=1, amplitude=1), TS)
     X, y, _ = stack([TWIN[0], small, TWIN[1]])
     regressor = HammersteinRegressor(TS, small_signal=5, **PLAYS).fit(X, y)
-    assert regressor.model_ == pz.identify(linear=small, rich=TWIN[:2], **PLAYS)
+    assert regressor.model_ == pz.identify(small_signal=small, large_signal=TWIN[:2], **PLAYS)
 
 
 def test_every_setting_of_identify_is_a_parameter_with_the_same_default() -> None:
@@ -125,7 +125,7 @@ def test_every_setting_of_identify_is_a_parameter_with_the_same_default() -> Non
 
     own = settings(HammersteinRegressor)
     assert [own.pop(name) for name in ("ts", "units", "small_signal")] == [inspect.Parameter.empty, ("V", "um"), None]
-    of_a_call = ("linear", "rich", "data", "progress")
+    of_a_call = ("small_signal", "large_signal", "linear", "rich", "data", "progress")
     assert own == {name: default for name, default in settings(pz.identify).items() if name not in of_a_call}
 
 

@@ -36,7 +36,7 @@ def small():
 
 @pytest.fixture(scope="module")
 def model(small, record):
-    return pz.identify(linear=[small], rich=[record], operator="prandtl-ishlinskii")
+    return pz.identify(small_signal=[small], large_signal=[record], operator="prandtl-ishlinskii")
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,6 @@
 
 use crate::elementary::exp;
 use crate::error::{Error, positive};
-use crate::plant::DriverSpec;
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 
@@ -48,16 +47,6 @@ impl Driver {
             positive("driver.slew", slew, "input units a second")?;
         }
         Ok(Driver { lag_s, slew })
-    }
-
-    /// What the owner of a twin knows of its driver: lag, and current limit over capacitance; none for an ideal one.
-    ///
-    /// # Errors
-    /// As [`Driver::new`].
-    pub fn of_twin(spec: &DriverSpec) -> Result<Option<Self>, Error> {
-        let slew = spec.current_a.map(|current| current / spec.capacitance_f);
-        let ideal = spec.lag_s == 0.0 && slew.is_none();
-        (!ideal).then(|| Driver::new(spec.lag_s, slew)).transpose()
     }
 
     /// The voltage after `h` [s] of `u`, from `v`.
@@ -163,13 +152,6 @@ mod tests {
         assert_close(&[run(7)], &[run(1)], 1e-13, 0.0);
         let euler = (0..500_000).fold(-3.0, |v: f64, _| v + 1e-9 * ((20.0 - v) / 1e-4).clamp(-6e4, 6e4));
         assert_close(&[run(1)], &[euler], 1e-5, 0.0);
-    }
-
-    #[test]
-    fn the_driver_of_a_twin_is_known_unless_it_is_ideal() {
-        let of = |name: &str| Driver::of_twin(&(crate::plant::find(name).unwrap().spec)().driver).unwrap();
-        assert_eq!(of("paper"), None);
-        assert_eq!(of("pl140"), Some(Driver { lag_s: 1e-4, slew: Some(0.5 / 8.2e-6) }));
     }
 
     #[test]

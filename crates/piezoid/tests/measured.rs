@@ -4,11 +4,10 @@
 
 mod common;
 
-use piezoid::Record;
 use piezoid::formats::{Selection, Table};
-use piezoid::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
-use piezoid::progress::unwatched;
-use piezoid::validation::{Settings, validate};
+use piezoid::hammerstein::Identified;
+use piezoid::validation::{Offset, ValidateOptions, validate};
+use piezoid::{IdentifyOptions, Method, Record, identify};
 
 /// The transient at the start of every file [s]: 300 samples.
 const START: f64 = 1.5;
@@ -21,12 +20,20 @@ fn record(name: &str) -> Option<Record> {
     Some(Table::parse(&bytes).and_then(|t| t.record(&Selection::default())).expect("a record"))
 }
 
+fn paper() -> IdentifyOptions {
+    IdentifyOptions { method: Method::Paper, ..IdentifyOptions::default() }
+}
+
+fn joint() -> IdentifyOptions {
+    IdentifyOptions { seed: 0, ..IdentifyOptions::default() }
+}
+
 /// Identified the paper's way from the first half of the model file, and the whole file.
 fn identified() -> Option<(Identified, Record)> {
     let whole = record("picma-p885/model_1Hz.csv")?;
     let first = whole.part(START, HALF).expect("a first half");
     assert_eq!(first.len(), 3700);
-    let found = identify_paper(&[], &[first], &Paper::default(), &mut unwatched).expect("a model");
+    let found = identify(&[first], &paper()).expect("a model");
     Some((found, whole))
 }
 
@@ -35,14 +42,14 @@ fn two_branches_from_half_a_record_predict_the_other_half_within_4_percent() {
     let Some((found, whole)) = identified() else { return };
     assert_eq!(found.model.hysteresis().operator().name, "two-branch");
     let second = whole.part(HALF, f64::INFINITY).expect("a second half");
-    let validation = validate(&found.model, &second, Settings::default()).expect("figures");
+    let validation = found.model.validate(&second).expect("figures");
     assert_eq!(validation.metrics.n, second.len());
     assert!(validation.metrics.nrmse_percent <= 4.0, "{:?}", validation.metrics);
     // It must beat the floor: without the two branches a gain and an offset leave 21 %.
-    let plain = Paper { operator: "proportional".into(), ..Paper::default() };
+    let plain = IdentifyOptions { operator: "proportional".into(), ..paper() };
     let first = whole.part(START, HALF).expect("a first half");
-    let plain = identify_paper(&[], &[first], &plain, &mut unwatched).expect("a model");
-    let floor = validate(&plain.model, &second, Settings::default()).expect("figures").metrics.nrmse_percent;
+    let plain = identify(&[first], &plain).expect("a model");
+    let floor = plain.model.validate(&second).expect("figures").metrics.nrmse_percent;
     assert!((19.0..23.0).contains(&floor), "{floor} %");
 }
 
@@ -61,13 +68,13 @@ fn a_growing_amplitude_is_beyond_two_branches_and_the_remarks_say_why() {
     let Some((found, whole)) = identified() else { return };
     let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
     let growing = growing.part(START, f64::INFINITY).expect("what follows the transient");
-    let free = Settings { free_offset: true, ..Settings::default() };
-    let validation = validate(&found.model, &growing, free).expect("figures");
+    let free = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
+    let validation = validate(&found.model, &growing, &free).expect("figures");
     assert!(validation.metrics.nrmse_percent > 10.0, "{:?}", validation.metrics);
     assert!(validation.remarks.iter().any(|r| r.contains("minor loops")), "{:?}", validation.remarks);
     // On the loop it was made from there is nothing to remark.
     let second = whole.part(HALF, f64::INFINITY).expect("a second half");
-    let same = validate(&found.model, &second, Settings::default()).expect("figures");
+    let same = found.model.validate(&second).expect("figures");
     assert_eq!(same.remarks, Vec::<String>::new());
 }
 
@@ -78,11 +85,11 @@ fn a_joint_model_foretells_the_other_half_of_a_wandering_amplitude_within_1_7_pe
     let half = 0.5 * growing.duration();
     let [steady, first] =
         [whole.part(START, f64::INFINITY), growing.part(START, half)].map(|part| part.expect("a part"));
-    let found = identify_joint(&[], &[steady, first], &Joint::default(), &mut unwatched).expect("a model");
+    let found = identify(&[steady, first], &joint()).expect("a model");
     let second = growing.part(half, f64::INFINITY).expect("a second half");
     // Cut in motion: what the ceramic went through before, the second half does not say.
-    let free = Settings { skip: START, free_offset: true };
-    let left = validate(&found.model, &second, free).expect("figures").metrics.nrmse_percent;
+    let free = ValidateOptions { skip: START, offset: Offset::Free };
+    let left = validate(&found.model, &second, &free).expect("figures").metrics.nrmse_percent;
     assert!(left <= 1.7, "{left} % as {}", found.model.hysteresis().operator().name);
 }
 
@@ -92,10 +99,10 @@ fn an_operator_that_never_forgets_is_not_taken_for_one_that_foretells() {
     let Some(whole) = record("picma-p885/model_1Hz.csv") else { return };
     let first = whole.part(START, HALF).expect("a first half");
     for seed in 0..5 {
-        let how = Joint { operator: "bouc-wen".into(), seed, ..Joint::default() };
-        let found = identify_joint(&[], std::slice::from_ref(&first), &how, &mut unwatched).expect("a model");
-        let settings = Settings { free_offset: true, ..Settings::default() };
-        let nrmse = validate(&found.model, &first, settings).expect("figures").metrics.nrmse_percent;
+        let options = IdentifyOptions { operator: "bouc-wen".into(), seed, ..IdentifyOptions::default() };
+        let found = identify(std::slice::from_ref(&first), &options).expect("a model");
+        let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
+        let nrmse = validate(&found.model, &first, &options).expect("figures").metrics.nrmse_percent;
         assert!(nrmse < 4.0, "seed {seed}: {nrmse} %");
     }
 }

@@ -2,12 +2,13 @@
 
 use crate::console::Console;
 use crate::files::{self, Columns};
+use crate::flags::Flags;
 use crate::tables;
-use crate::values::{apart, seconds};
+use crate::values::apart;
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use piezoid::number::round;
-use piezoid::validation::{self, Metrics, Settings, Validation};
+use piezoid::validation::{self, Metrics, ValidateOptions, Validation};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -50,22 +51,10 @@ pub(crate) struct Proof {
     /// The records to compare with.
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) data: Vec<PathBuf>,
-    /// Seconds at the start of each record that do not count.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = seconds, allow_negative_numbers = true)]
-    skip: f64,
-    /// Whether to take the mean error off first, since sensors drift.
-    #[arg(long, value_enum, default_value_t = Offset::Kept)]
-    offset: Offset,
+    #[command(flatten)]
+    options: Flags<ValidateOptions>,
     #[command(flatten)]
     columns: Columns,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Offset {
-    /// The model's own.
-    Kept,
-    /// The one that fits each record best.
-    Free,
 }
 
 /// A record, its file's name as given, and the model's run beside it.
@@ -83,7 +72,7 @@ impl Proof {
 
     pub(crate) fn run(&self) -> Result<(Model, Vec<Proven>)> {
         let model = files::model(&self.model)?;
-        let settings = Settings { skip: self.skip, free_offset: matches!(self.offset, Offset::Free) };
+        let options = &self.options.0;
         let mut unit = None;
         let mut prove = |path: &PathBuf| {
             let file = path.display().to_string();
@@ -91,11 +80,11 @@ impl Proof {
             // The total of all files needs one unit: that of the first.
             let unit = unit.get_or_insert_with(|| record.units().y.clone());
             let record = record.output_in(unit).with_context(|| file.clone())?;
-            if self.skip >= record.duration() {
-                let (skip, duration) = (self.skip, round(record.duration()));
+            if options.skip >= record.duration() {
+                let (skip, duration) = (options.skip, round(record.duration()));
                 bail!("{file}: --skip {skip} leaves nothing of this record, which lasts {duration} s: skip less");
             }
-            let validation = validation::validate(&model, &record, settings).with_context(|| file.clone())?;
+            let validation = validation::validate(&model, &record, options).with_context(|| file.clone())?;
             Ok(Proven { file, record, validation })
         };
         let proven = self.data.iter().map(&mut prove).collect::<Result<Vec<_>>>()?;

@@ -86,7 +86,9 @@ fn a_bad_data_file_is_refused_by_every_verb_that_reads_it() {
         bench.refused(&format!("validate --model model.json --data {name} --json figures.json")).says(&says);
         bench.refused(&format!("report --model model.json --data {name} -o page.html")).says(&says);
         bench.refused(&format!("identify --data {name} -o new.json --json found.json")).says(&says);
-        bench.refused(&format!("identify --linear prbs.csv --rich sine5.csv {name} -o new.json")).says(&says);
+        bench
+            .refused(&format!("identify --small-signal prbs.csv --large-signal sine5.csv {name} -o new.json"))
+            .says(&says);
         if *input {
             bench.refused(&format!("simulate --plant paper --input {name} -o y.csv")).says(&says);
             bench.refused(&format!("simulate --model model.json --input {name} -o y.csv")).says(&says);

@@ -8,13 +8,15 @@ fn identify_gives_the_same_bytes_wherever_it_is_run() {
     let [once, again] = [(); 2].map(|()| {
         let bench = Bench::stocked();
         let run = bench
-            .run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv -o m.json --json f.json")
+            .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv -o m.json --json f.json")
             .ok();
         (run.out, bench.text("m.json"), bench.text("f.json"))
     });
     assert!(once == again);
     let bench = Bench::stocked();
-    bench.run("identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv --seed 2 -o m.json").ok();
+    bench
+        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv --seed 2 -o m.json")
+        .ok();
     assert_ne!(bench.text("m.json"), once.1);
 }
 
@@ -24,8 +26,11 @@ fn a_model_tells_how_it_was_made_and_names_no_folder() {
     std::fs::create_dir(bench.path("lab")).unwrap();
     bench.write("lab/a b.csv", bench.bytes("sine20.csv"));
     let mut command = bench.command("identify --method paper --seed 7 --iterations 30");
-    command.arg("--linear").arg(bench.path("prbs.csv")).arg(format!("--rich={}", bench.path("sine5.csv").display()));
-    command.arg("--rich").arg("lab/a b.csv").arg("-o").arg(bench.path("m.json"));
+    command
+        .arg("--small-signal")
+        .arg(bench.path("prbs.csv"))
+        .arg(format!("--large-signal={}", bench.path("sine5.csv").display()));
+    command.arg("--large-signal").arg("lab/a b.csv").arg("-o").arg(bench.path("m.json"));
     assert!(command.output().unwrap().status.success());
     let text = bench.text("m.json");
     let folder = bench.path("").file_name().unwrap().to_str().unwrap().to_string();
@@ -35,7 +40,7 @@ fn a_model_tells_how_it_was_made_and_names_no_folder() {
     let fit = &bench.json("m.json")["fit"];
     assert_eq!(
         fit["command"],
-        "piezoid identify --method paper --seed 7 --iterations 30 --linear prbs.csv --rich=sine5.csv --rich 'a b.csv' -o m.json"
+        "piezoid identify --method paper --seed 7 --iterations 30 --small-signal prbs.csv --large-signal=sine5.csv --large-signal 'a b.csv' -o m.json"
     );
     assert_eq!((&fit["seed"], &fit["version"]), (&7.into(), &env!("CARGO_PKG_VERSION").into()));
     let files: Vec<&str> = fit["files"].as_array().unwrap().iter().map(|f| f["file"].as_str().unwrap()).collect();

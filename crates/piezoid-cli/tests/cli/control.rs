@@ -10,8 +10,7 @@ const RUN: &str = "control --plant paper --model plays.json --driver pl140";
 fn bench() -> Bench {
     static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
     let bench = Bench::stocked();
-    let identify =
-        "identify --linear prbs.csv --rich sine5.csv sine20.csv --operator prandtl-ishlinskii --no-creep -o plays.json";
+    let identify = "identify --small-signal prbs.csv --large-signal sine5.csv sine20.csv --operator prandtl-ishlinskii --no-creep -o plays.json";
     let identified = || {
         bench.run(identify).ok();
         bench.bytes("plays.json")

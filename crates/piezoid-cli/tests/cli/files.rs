@@ -14,7 +14,7 @@ fn a_result_replaces_an_older_file_whole() {
 fn a_failing_run_leaves_the_older_file_as_it_was() {
     let bench = Bench::stocked();
     for (name, line) in [
-        ("old.json", "identify --linear sine5.csv -o old.json --json old.json.txt"),
+        ("old.json", "identify --small-signal sine5.csv -o old.json --json old.json.txt"),
         ("old.csv", "simulate --plant paper --input none.csv -o old.csv"),
         ("old.html", "report --model model.json --data none.csv -o old.html"),
         ("old.csv", "excite sine --ts 5e-4 --duration 1 --amplitude 99 --frequency 5 --driver pl140 -o old.csv"),

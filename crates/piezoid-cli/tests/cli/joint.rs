@@ -19,7 +19,7 @@ fn stocked() -> Bench {
 #[test]
 fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_this_one() {
     let bench = stocked();
-    let line = "identify --linear prbs.csv --rich rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
+    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
     let run = bench.run(line).ok();
     let run =
         run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
@@ -53,7 +53,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
 #[test]
 fn auto_takes_the_law_the_actuator_has() {
     let bench = stocked();
-    let line = "identify --linear prbs.csv --rich rise5.csv rise40.csv -o m.json --json f.json";
+    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv -o m.json --json f.json";
     let run = bench.run(line).ok().prints(&["preisach", "tellinen", "duhem"]);
     let found = bench.json("f.json");
     assert_eq!(found["operator"], "bouc-wen", "{}", run.out);
@@ -73,9 +73,12 @@ fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
 fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
     let bench = stocked();
     for (line, says) in [
-        ("identify --data sine5.csv --bins 9 -o m.json", "--bins belongs to --method paper"),
-        ("identify --data sine5.csv --global-best current -o m.json", "--global-best belongs to --method paper"),
-        ("identify --data sine5.csv --method paper --no-creep -o m.json", "--no-creep belongs to --method joint"),
+        ("identify --data sine5.csv --bins 9 -o m.json", "--bins 9: belongs to the method paper"),
+        (
+            "identify --data sine5.csv --global-best current -o m.json",
+            "--global-best current: belongs to the method paper",
+        ),
+        ("identify --data sine5.csv --method paper --no-creep -o m.json", "--no-creep: belongs to the method joint"),
         ("identify --data sine5.csv --driver bd300 -o m.json", "--capacitance"),
         ("identify --data sine5.csv --driver bd30 -o m.json", "did you mean `bd300`?"),
     ] {

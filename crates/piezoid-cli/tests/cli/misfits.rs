@@ -61,7 +61,7 @@ fn units_are_converted_where_a_factor_is_known_and_refused_where_not() {
     bench.write("mv.csv", micrometres.replacen("u_V", "u_mV", 1));
     bench.refused("validate --model model.json --data mv.csv").says(&["mv.csv", "mV", "convert"]);
     bench.refused("simulate --model model.json --input mv.csv -o y.csv").says(&["mv.csv", "mV", "convert"]);
-    bench.refused("identify --linear prbs.csv --rich mv.csv -o new.json").says(&["mV", "convert"]);
+    bench.refused("identify --small-signal prbs.csv --large-signal mv.csv -o new.json").says(&["mV", "convert"]);
 }
 
 #[test]
@@ -76,7 +76,9 @@ fn another_sampling_period_than_the_models_is_refused() {
     ] {
         bench.refused(line).says(&["slow.csv", "0.001 s", "0.0005 s", "resample"]);
     }
-    bench.refused("identify --linear prbs.csv --rich slow.csv -o new.json").says(&["0.001 s", "0.0005 s", "resample"]);
+    bench
+        .refused("identify --small-signal prbs.csv --large-signal slow.csv -o new.json")
+        .says(&["0.001 s", "0.0005 s", "resample"]);
 }
 
 #[test]
@@ -95,7 +97,7 @@ fn a_part_that_holds_nothing_is_refused_with_the_length_of_the_record() {
 #[test]
 fn data_that_cannot_tell_the_linear_block_are_refused_in_words() {
     let bench = Bench::stocked();
-    bench.refused("identify --linear sine5.csv -o new.json").says(&["cannot be identified", "PRBS"]);
+    bench.refused("identify --small-signal sine5.csv -o new.json").says(&["cannot be identified", "PRBS"]);
     bench.write("flat.csv", "t_s,u_V,y_um\n0,1,2\n5e-4,1,2\n1e-3,1,2\n");
     bench.refused("identify --data flat.csv -o new.json").says(&["cannot be identified"]);
     bench.run("validate --model model.json --data flat.csv").ok().says(&["note:", "flat.csv", "does not change"]);
@@ -105,7 +107,7 @@ fn data_that_cannot_tell_the_linear_block_are_refused_in_words() {
 #[test]
 fn an_unstable_model_is_told_as_such_and_its_blow_up_writes_nothing() {
     let bench = Bench::stocked();
-    let line = "identify --method paper --linear prbs.csv --rich sine5.csv --order 6 --iterations 50 -o wild.json";
+    let line = "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --order 6 --iterations 50 -o wild.json";
     bench.run(line).ok().says(&["note: the linear block is unstable", "more iterations"]);
     bench.refused("simulate --model wild.json --input drive5.csv -o y.csv").says(&["grows beyond", " s:", "unstable"]);
     let run = bench.run("validate --model wild.json --data sine5.csv --json -").ok().says(&["note:", "null in JSON"]);

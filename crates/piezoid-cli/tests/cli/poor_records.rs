@@ -9,7 +9,7 @@ type Change = fn(usize, f64, f64) -> Option<(f64, f64)>;
 
 /// The operator of all that follows, with the time step that rewritten records do without.
 const HOW: &str = "--ts 5e-4 --operator prandtl-ishlinskii --elements 8 -o m.json";
-const ALL: &str = "--linear small.csv --rich r5.csv r17.csv r40.csv";
+const ALL: &str = "--small-signal small.csv --large-signal r5.csv r17.csv r40.csv";
 const RICH: &str = "--data r5.csv r17.csv r40.csv";
 
 /// A PRBS, three rising sines, and stairs to test on, of a plant with noise, creep and three modes.
@@ -114,7 +114,9 @@ fn what_says_nothing_is_refused_by_the_record_that_does() {
         spoilt(records, *change).refused(&format!("identify {line} {HOW}")).says(says);
     }
     let bench = bench();
-    bench.refused("identify --linear stairs.csv --rich r5.csv --order 6 -o m.json").says(&["needs 7", "PRBS"]);
+    bench
+        .refused("identify --small-signal stairs.csv --large-signal r5.csv --order 6 -o m.json")
+        .says(&["needs 7", "PRBS"]);
     bench.run("excite sine --ts 1e-3 --duration 1 --amplitude 28 --frequency 5 -o drive.csv").ok();
     bench.run("simulate --plant pl140 --input drive.csv -o slow.csv").ok();
     bench.refused("identify --data r5.csv slow.csv -o m.json").says(&["0.0005 s", "0.001 s", "resample"]);

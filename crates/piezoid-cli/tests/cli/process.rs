@@ -53,8 +53,7 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     let bench = Bench::stocked();
     bench.write("m.json", "precious");
     let before = bench.files();
-    let line =
-        "identify --method paper --linear prbs.csv --rich sine5.csv --iterations 2000000 -o m.json --json f.json";
+    let line = "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --iterations 2000000 -o m.json --json f.json";
     let child = bench.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let started = Instant::now();
     while !handles_interrupts(child.id()) && started.elapsed() < Duration::from_secs(30) {

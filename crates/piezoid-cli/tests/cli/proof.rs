@@ -128,10 +128,14 @@ fn a_large_multisine_is_told_to_be_no_small_signal() {
         )
         .ok();
     bench.run("simulate --plant paper --input drive.csv -o large.csv").ok();
-    let found = bench.run("identify --method paper --linear large.csv --rich sine5.csv -o m.json --json f.json").ok();
+    let found = bench
+        .run("identify --method paper --small-signal large.csv --large-signal sine5.csv -o m.json --json f.json")
+        .ok();
     found.says(&["large.csv: the record is not linear", "% of the output's rms"]);
     assert_eq!(bench.json("f.json")["linearity"][0]["is_linear"], false);
-    let sound = bench.run("identify --method paper --linear prbs.csv --rich sine5.csv -o m.json --json f.json").ok();
+    let sound = bench
+        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv -o m.json --json f.json")
+        .ok();
     assert!(!sound.err.contains("is not linear"), "{}", sound.err);
     assert_eq!(bench.json("f.json")["linearity"][0]["is_linear"], true);
 }

@@ -73,5 +73,7 @@ fn what_nothing_can_be_found_from_is_refused_by_identify() {
     rewritten(&bench, "sound.csv", "dead.csv", |_, u, _| Some((u, 7.0)));
     bench.refused("identify --data dead.csv --ts 5e-4 -o new.json").says(&["output is constant at 7 um", "sensor"]);
     bench.refused("identify --data sound.csv --to 0.004 -o new.json").says(&["samples", "at least"]);
-    bench.refused("identify --linear sound.csv --rich sound.csv -o new.json").says(&["one frequency (5 Hz)", "PRBS"]);
+    bench
+        .refused("identify --small-signal sound.csv --large-signal sound.csv -o new.json")
+        .says(&["one frequency (5 Hz)", "PRBS"]);
 }

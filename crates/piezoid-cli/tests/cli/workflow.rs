@@ -6,7 +6,7 @@ use crate::bench::{Bench, number};
 fn a_model_is_identified_and_predicts_its_own_data() {
     let bench = Bench::stocked();
     let run = bench
-        .run("identify --method paper --linear prbs.csv --rich sine5.csv --rich sine20.csv -o m.json --json f.json");
+        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv --large-signal sine20.csv -o m.json --json f.json");
     run.ok()
         .prints(&["Hysteresis block: rate-scheduled", "mode 1", "146.7", "sine5.csv", "sine20.csv"])
         .says(&["note: linear block: order 2 by swarm"]);
@@ -25,26 +25,27 @@ fn a_model_is_identified_and_predicts_its_own_data() {
         "one frequency (5",
         "PRBS",
     ]);
-    bench.run("identify --method paper --linear prbs.csv -o floor.json").ok().says(&["no rich record"]);
+    bench.run("identify --method paper --small-signal prbs.csv -o floor.json").ok().says(&["no rich record"]);
     bench
         .run(
-            "identify --method paper --linear prbs.csv --rich sine5.csv --order 3 --estimator least-squares -o m3.json",
+            "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --order 3 --estimator least-squares -o m3.json",
         )
         .ok();
     assert_eq!(bench.json("m3.json")["linear"]["a"].as_array().unwrap().len(), 3);
     for estimator in ["output-error", "instrumental"] {
-        let line =
-            format!("identify --method paper --linear prbs.csv --rich sine5.csv --estimator {estimator} -o e.json");
+        let line = format!(
+            "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --estimator {estimator} -o e.json"
+        );
         bench.run(&line).ok().prints(&["146.7"]).says(&[&format!("order 2 by {estimator}")]);
     }
     bench
-        .run("identify --method paper --linear prbs.csv --rich sine5.csv --reading printed --split direction -o p.json")
+        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv --reading printed --split direction -o p.json")
         .ok();
     bench.run("identify --method paper --data sine5.csv --operator proportional -o linear.json").ok();
     for operator in ["two-branch", "rate-scheduled"] {
         bench
             .run(&format!(
-                "identify --method paper --linear prbs.csv --rich sine5.csv sine20.csv --operator {operator} -o o.json"
+                "identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv --operator {operator} -o o.json"
             ))
             .ok();
         assert_eq!(bench.json("o.json")["hysteresis"]["operator"], operator);

@@ -88,7 +88,3 @@ def whole(name: str, value: Any, least: int = 0) -> int:
         raise PiezoidError(f"{name} = {number}: must be a whole number from {least} to 2^63 - 1")
     return number
 
-
-def wholes(**given: Any) -> dict[str, Any]:
-    """The same of several, of which some may not be given."""
-    return {name: None if value is None else whole(name, value) for name, value in given.items()}

@@ -62,7 +62,9 @@ Row: TypeAlias = dict[str, Any]
 
 _ALWAYS = ["attempts", "seconds", "worker", "error"]
 _FIGURES = ["nrmse_percent", "rms_pp_percent", "rmse", "max_abs"]
-_SOURCES = ["linear", "rich", "data", "test"]
+_SOURCES = ["small_signal", "large_signal", "data", "test", "linear", "rich"]
+
+_TRAINING = [("large_signal", "rich", "data"), ("small_signal", "linear")]
 
 
 class Engine(Protocol):
@@ -83,7 +85,7 @@ def identify(
 ) -> pd.DataFrame:
     """A model of each actuator, by name; `table.model` goes into `validate` and `compensate`.
 
-    actuators: by name, the keywords of `pz.identify`: records as `linear`, `rich` or `data`, settings of its own, and as `test`
+    actuators: by name, the keywords of `pz.identify`: records as `small_signal`, `large_signal` or `data`, settings of its own, and as `test`
         records to judge the model by (those it was identified on, where there are none). A record alone is `data`. Functions
         without arguments may stand for any of these. A DataFrame has an actuator a row, and these keywords as columns.
     settings: of `pz.identify`, for all
@@ -320,8 +322,8 @@ def _identified(settings: Row, actuator: Any) -> Row:
     given = _made(actuator, "record")
     known = given if isinstance(given, Mapping) and not given.keys().isdisjoint(_SOURCES) else {"data": given}
     asked = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items() if not _is_missing(v)}
-    known_by = [asked.get(name, []) for name in ("rich", "data", "linear")]
-    test = asked.pop("test", None) or known_by[0] + known_by[1] or known_by[2]
+    large, small = ([r for name in names for r in asked.get(name, [])] for names in _TRAINING)
+    test = asked.pop("test", None) or large or small
     model = _identify(**asked)
     resonance_hz, damping = model.resonance or (None, None)
     row = {"model": model, "operator": model.operator, "resonance_hz": resonance_hz, "damping": damping}

@@ -37,6 +37,10 @@ except ImportError as error:
 
 __all__ = ["HammersteinRegressor", "stack"]
 
+_RECORDS = ("data", "small_signal", "large_signal", "linear", "rich", "progress")
+_SETTINGS = {name: p for name, p in inspect.signature(identify).parameters.items() if name not in _RECORDS}
+"""The settings of `piezoid.identify`."""
+
 
 class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Displacement from voltage: `piezoid.identify` and free runs behind fit and predict.
@@ -48,8 +52,8 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     ts: sampling period of all records [s]
     units: of voltages and displacements
-    small_signal: records whose input spans no more than this [input unit], peak to peak, are small-signal ones, `linear` of
-        `identify`; the others are `rich`. Without it all are `data`.
+    small_signal: records whose input spans no more than this [input unit], peak to peak, are small-signal records for
+        `identify`; the others are large-signal ones. Without it all are `data`.
 
     All other parameters are those of `piezoid.identify`. Split by whole records (`LeaveOneGroupOut`, `GroupKFold`): a split
     within a record, as `KFold` makes it, leaves a gap in what is fitted that nobody can see.
@@ -71,42 +75,21 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         *,
         units: Units = ("V", "um"),
         small_signal: float | None = None,
-        method: Literal["joint", "paper"] = "joint",
-        operator: str = "auto",
-        order: int | None = None,
-        seed: int = 1,
-        elements: int | None = None,
-        creep: bool = True,
-        driver: str | None = None,
-        capacitance: float | None = None,
-        driver_lag: float | None = None,
-        estimator: str | None = None,
-        split: Literal["line", "direction"] | None = None,
-        bins: int | None = None,
-        reading: Literal["held", "printed"] | None = None,
-        particles: int | None = None,
-        iterations: int | None = None,
-        global_best: Literal["ever", "current"] | None = None,
+        **settings: Any,
     ) -> None:
         self.ts = ts
         self.units = units
         self.small_signal = small_signal
-        self.method = method
-        self.operator = operator
-        self.order = order
-        self.seed = seed
-        self.elements = elements
-        self.creep = creep
-        self.driver = driver
-        self.capacitance = capacitance
-        self.driver_lag = driver_lag
-        self.estimator = estimator
-        self.split = split
-        self.bins = bins
-        self.reading = reading
-        self.particles = particles
-        self.iterations = iterations
-        self.global_best = global_best
+        for name in settings.keys() - _SETTINGS.keys():
+            raise TypeError(f"unexpected keyword {name!r}: settings of identify are {', '.join(_SETTINGS)}")
+        for name, parameter in _SETTINGS.items():
+            setattr(self, name, settings.get(name, parameter.default))
+
+    _own = inspect.signature(__init__).parameters
+    # scikit-learn asks the signature which parameters there are.
+    __init__.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [p for p in _own.values() if p.kind is not p.VAR_KEYWORD] + list(_SETTINGS.values())
+    )
 
     def fit(self, X: npt.ArrayLike, y: npt.ArrayLike) -> HammersteinRegressor:
         """Identifies `model_` on the records in X and y."""
@@ -117,9 +100,9 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         if small is None:
             self.model_ = identify(data=records, **settings)
         else:
-            linear = [r for r in records if np.ptp(r.u) <= small]
-            rich = [r for r in records if np.ptp(r.u) > small]
-            self.model_ = identify(linear=linear, rich=rich, **settings)
+            low = [r for r in records if np.ptp(r.u) <= small]
+            high = [r for r in records if np.ptp(r.u) > small]
+            self.model_ = identify(small_signal=low, large_signal=high, **settings)
         return self
 
     def predict(self, X: npt.ArrayLike) -> Array:

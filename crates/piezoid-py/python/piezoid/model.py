@@ -168,11 +168,9 @@ class Model:
         skip: seconds at the start that do not count
         offset: "free" takes the mean error off first, since sensors drift
         """
-        if offset not in ("kept", "free"):
-            raise PiezoidError(f"offset = {offset}: must be kept or free")
         measured = as_record(record)
         with called(**{"from": "skip"}):
-            figures, simulated = self._core._validate(measured._core, number("skip", skip), offset == "free")
+            figures, simulated = self._core._validate(measured._core, {"skip": skip, "offset": offset})
         return Validation(measured, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:

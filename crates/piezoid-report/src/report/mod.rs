@@ -91,7 +91,6 @@ mod tests {
     use super::*;
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
-    use piezoid::validation::{Settings, validate};
     use serde_json::json;
 
     #[test]
@@ -100,7 +99,7 @@ mod tests {
             let model = Model::new((o.example)(5e-4).unwrap(), Arx::gain(5e-4, 2.0).unwrap(), 0.0).unwrap();
             let u: Vec<f64> = (0..900).map(|t| 12.0 * (f64::from(t) * 0.05).sin() + 1.0).collect();
             let record = Record::new(5e-4, u.clone(), model.simulate(&u)).unwrap();
-            let validation = validate(&model, &record, Settings::default()).unwrap();
+            let validation = model.validate(&record).unwrap();
             let trials = [Trial { name: "a<b.csv", record: &record, validation: &validation }];
             let html = report(&model, &trials).html();
             assert_eq!(html, report(&model, &trials).html());
@@ -124,7 +123,7 @@ mod tests {
             Record::new(5e-4, u, y).unwrap()
         });
         let model = model.with_identified(piezoid::hammerstein::Domain::of(&records[..1]).unwrap());
-        let seen = records.each_ref().map(|r| validate(&model, r, Settings::default()).unwrap());
+        let seen = records.each_ref().map(|r| model.validate(r).unwrap());
         let trials = [0, 1].map(|k| Trial { name: "r.csv", record: &records[k], validation: &seen[k] });
         let html = report(&model, &trials).html();
         for said in [

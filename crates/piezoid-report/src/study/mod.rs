@@ -21,10 +21,9 @@ pub use test_signal::{FORMS, Form, STEPS, TestSignal, UPPER_RULE, nearest};
 pub use words::{four_decimals, verdict};
 
 use bench::Bench;
-use piezoid::driver::Driver;
 use piezoid::error::Error;
 use piezoid::excitation::Prbs;
-use piezoid::hammerstein::{HiddenLoop, Identified, Joint, Model, identify_joint};
+use piezoid::hammerstein::{HiddenLoop, Identified, Model};
 use piezoid::hysteresis::Reading;
 use piezoid::linear::{self, Arx, Fit, Orders};
 use piezoid::optimize::swarm::{GlobalBest, Settings};
@@ -32,6 +31,7 @@ use piezoid::plant::Preset;
 use piezoid::progress::{Progress, Stage, unwatched};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
+use piezoid::{IdentifyOptions, Records, identify_watched};
 
 /// Sampling period [s], the paper's.
 pub const TS: f64 = 5e-4;
@@ -262,9 +262,11 @@ pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result
     let mut of_joint = |stage: Stage| {
         progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
     };
-    let driver = Driver::of_twin(&(plant.spec)().driver)?;
-    let how = Joint { operator: OPERATORS.into(), elements: Some(LEVELS), driver, seed, ..Joint::default() };
-    let joint = identify_joint(std::slice::from_ref(&small_signal), &rising, &how, &mut of_joint)?;
+    let options =
+        IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..IdentifyOptions::default() }
+            .with_driver_of(&(plant.spec)().driver);
+    let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
+    let joint = identify_watched(records, &options, &mut of_joint)?;
 
     let mut frequencies = Vec::new();
     for (done, hz) in FREQUENCIES.into_iter().enumerate() {

@@ -2,13 +2,12 @@ use super::*;
 use crate::creep::Creep;
 use crate::driver::{Driver, SUBSTEPS};
 use crate::excitation::{Prbs, RisingSine, Triangle};
-use crate::hammerstein::{Joint, identify_joint};
 use crate::hysteresis::OPERATORS;
 use crate::linear::Arx;
 use crate::plant::{Plant, find};
-use crate::progress::unwatched;
 use crate::record::{Record, Units};
 use crate::testing::assert_close;
+use crate::{IdentifyOptions, Records, identify};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -216,8 +215,9 @@ fn identified() -> (Plant, Model) {
         record(RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(TS, n).unwrap())
     };
     let rich = [rising(2.0, 6000), rising(40.0, 3000)];
-    let how = Joint { operator: "generalised-prandtl-ishlinskii".into(), order: Some(5), ..Joint::default() };
-    let model = identify_joint(&[small], &rich, &how, &mut unwatched).unwrap().model;
+    let operator = "generalised-prandtl-ishlinskii".into();
+    let options = IdentifyOptions { operator, order: Some(5), seed: 0, ..IdentifyOptions::default() };
+    let model = identify(Records { small_signal: &[small], large_signal: &rich }, &options).unwrap().model;
     (plant, model)
 }
 

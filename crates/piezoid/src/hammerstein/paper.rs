@@ -291,7 +291,7 @@ mod tests {
     use crate::excitation::{Prbs, Sine};
     use crate::hysteresis::OPERATORS;
     use crate::progress::unwatched;
-    use crate::validation::{Settings, validate};
+    use crate::validation::{ValidateOptions, validate};
 
     const TS: f64 = 5e-4;
 
@@ -323,7 +323,8 @@ mod tests {
             let linear = [Record::new(TS, prbs().u().to_vec(), offset_record).unwrap()];
             let found = identify_paper(&linear, rich, &how, &mut unwatched).unwrap();
             let fresh = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
-            let left = validate(&found.model, &fresh, Settings { skip: 0.5, free_offset: false }).unwrap();
+            let left =
+                validate(&found.model, &fresh, &ValidateOptions { skip: 0.5, ..ValidateOptions::default() }).unwrap();
             assert!(left.metrics.rms_pp_percent < 0.6, "{}: {} %", o.name, left.metrics.rms_pp_percent);
         }
     }

@@ -95,7 +95,7 @@ impl Bin {
 /// cycles first.
 ///
 /// ```
-/// use piezoid::{Record, System, hammerstein::Model, hysteresis::Proportional, linear::Arx, validation::{merged, validate}};
+/// use piezoid::{Record, System, hammerstein::Model, hysteresis::Proportional, linear::Arx, validation::merged};
 /// let gain = std::sync::Arc::new(Proportional::new(1e-3, 1.0)?);
 /// let model = Model::new(gain, Arx::gain(1e-3, 33.0)?, 0.0)?;
 /// let sine = |hz: f64| (0..3000).map(|t| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin()).collect::<Vec<_>>();
@@ -192,7 +192,7 @@ mod tests {
     use crate::linear::Arx;
     use crate::record::Record;
     use crate::testing::assert_close;
-    use crate::validation::{Validation, validate};
+    use crate::validation::Validation;
     use std::sync::Arc;
 
     const TS: f64 = 5e-4;
@@ -202,7 +202,7 @@ mod tests {
         let model =
             Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), Arx::gain(TS, 10.0).unwrap(), 0.0).unwrap();
         let y = u.iter().enumerate().map(|(t, u)| y(t, 10.0 * u)).collect();
-        validate(&model, &Record::new(TS, u, y).unwrap(), Default::default()).unwrap()
+        model.validate(&Record::new(TS, u, y).unwrap()).unwrap()
     }
 
     #[test]

@@ -29,17 +29,35 @@ pub use whiteness::Whiteness;
 
 use crate::error::Error;
 use crate::hammerstein::{Beginning, Model};
+use crate::options::{OptionRow, Values, options};
 use crate::record::{Record, same_sampling};
 use crate::system::System;
 use crate::waveform::cycles;
+use serde::{Deserialize, Serialize};
 
-/// How to compare.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Settings {
-    /// Seconds at the start that do not count.
-    pub skip: f64,
-    /// Take the mean error off first: sensors drift.
-    pub free_offset: bool,
+/// What is done with the mean error of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Offset {
+    /// It counts: the offset is the model's own.
+    #[default]
+    Kept,
+    /// It is taken off first: sensors drift.
+    Free,
+}
+
+const OFFSETS: Values =
+    Values::Choice(&[("kept", "the model's own"), ("free", "the one that fits each record best, since sensors drift")]);
+
+options! {
+    /// How to compare a model with a record.
+    #[derive(Copy)]
+    pub struct ValidateOptions {
+        /// Time at the start of each record that does not count.
+        skip: f64 = 0.0, OptionRow::not_negative("s");
+        /// Which offset the model has.
+        offset: Offset = Offset::Kept, OptionRow::new(OFFSETS);
+    }
 }
 
 /// A free run beside its record.
@@ -75,7 +93,7 @@ pub struct Validation {
 ///
 /// # Errors
 /// Refuses a record of another sampling period, of units that cannot be converted, or shorter than `skip`.
-pub fn validate(model: &Model, record: &Record, settings: Settings) -> Result<Validation, Error> {
+pub fn validate(model: &Model, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
     same_sampling("the model", model.ts(), "the record", record.ts())?;
     if record.units().u != model.units().u {
         let (found, wanted) = (record.units().u.clone(), model.units().u.clone());
@@ -87,16 +105,17 @@ pub fn validate(model: &Model, record: &Record, settings: Settings) -> Result<Va
         found: record.units().y.clone(),
         wanted: model.units().y.clone(),
     })?;
-    let start = crate::record::span(settings.skip, f64::INFINITY, record.ts(), record.len())?.start;
-    let (mut simulated, beginning) = beginning::begun(model, record, k, settings.free_offset);
+    let free_offset = options.offset == Offset::Free;
+    let start = crate::record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
+    let (mut simulated, beginning) = beginning::begun(model, record, k, free_offset);
     let mut taken_off = None;
-    if settings.free_offset {
+    if free_offset {
         let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
         let mean = errors.sum::<f64>() / (record.len() - start) as f64;
         simulated.iter_mut().for_each(|y| *y += mean);
         taken_off = Some(mean);
     }
-    let counted = record.part(settings.skip, f64::INFINITY)?;
+    let counted = record.part(options.skip, f64::INFINITY)?;
     let run = Run { record: &counted, simulated: &simulated[start..], cycles: &cycles(counted.u(), counted.ts()) };
     let metrics = Metrics::of(counted.y(), run.simulated);
     let loops = loops::loops(&run);
@@ -114,6 +133,16 @@ pub fn validate(model: &Model, record: &Record, settings: Settings) -> Result<Va
         loops,
         simulated,
     })
+}
+
+impl Model {
+    /// The free run of this model beside a record that it has not seen, with its own offset.
+    ///
+    /// # Errors
+    /// As [`validate`].
+    pub fn validate(&self, record: &Record) -> Result<Validation, Error> {
+        validate(self, record, &ValidateOptions::default())
+    }
 }
 
 /// The part of a record that counts, the free run over it, and its cycles.

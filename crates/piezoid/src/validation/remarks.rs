@@ -190,7 +190,6 @@ mod tests {
     use crate::hysteresis::{OPERATORS, Proportional};
     use crate::linear::Arx;
     use crate::system::System;
-    use crate::validation::{Settings, validate};
     use std::f64::consts::TAU;
     use std::sync::Arc;
 
@@ -210,7 +209,7 @@ mod tests {
 
     fn said(model: &Model, u: Vec<f64>) -> (Vec<String>, Vec<String>) {
         let y = model.simulate(&u);
-        let seen = validate(model, &Record::new(TS, u, y).unwrap(), Settings::default()).unwrap();
+        let seen = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
         (seen.remarks, seen.unproven)
     }
 
@@ -263,7 +262,7 @@ mod tests {
         let u = sine(0.0, 20.0, 5.0);
         let mut y = model.simulate(&u);
         y[700] += 200.0;
-        let seen = validate(&model, &Record::new(TS, u, y).unwrap(), Settings::default()).unwrap();
+        let seen = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
         assert!(seen.remarks.iter().any(|r| r.contains("outliers: 1 sample (at 0.35 s)")), "{:?}", seen.remarks);
     }
 }

@@ -1,0 +1,297 @@
+//! From records to a model: the front door of identification.
+
+use crate::driver::Driver;
+use crate::error::Error;
+use crate::excitation;
+use crate::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
+use crate::hysteresis::{Reading, Split};
+use crate::linear;
+use crate::optimize::swarm::{self, GlobalBest};
+use crate::options::{OptionRow, Values, options};
+use crate::plant::DriverSpec;
+use crate::progress::{Progress, unwatched};
+use crate::record::Record;
+use serde::{Deserialize, Serialize};
+
+/// How a model is identified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// All parts together, by the error of the free run.
+    #[default]
+    Joint,
+    /// The paper's six steps.
+    Paper,
+}
+
+const METHODS: Values = Values::Choice(&[
+    ("joint", "all parts together, by the error of the free run"),
+    ("paper", "the paper's six steps"),
+]);
+
+const SPLITS: Values = Values::Choice(&[
+    ("line", "by the side of the line through the reversals, as in the paper"),
+    ("direction", "by the direction of the input"),
+]);
+
+const READINGS: Values = Values::Choice(&[
+    ("held", "that of the last movement"),
+    ("printed", "the descending one, by the \"otherwise\" of the paper's rule"),
+]);
+
+const BESTS: Values = Values::Choice(&[
+    ("ever", "the best that any particle has ever had"),
+    ("current", "the best of the current positions: equation (4) as printed"),
+]);
+
+const NAME: Values = Values::Text("NAME");
+const COUNT: Values = Values::Whole(1, u64::MAX);
+const JOINT: &str = "Joint method";
+const PAPER: &str = "Paper's method";
+
+options! {
+    /// How to identify. The defaults suit records of any kind.
+    ///
+    /// ```
+    /// use piezoid::IdentifyOptions;
+    /// let options = IdentifyOptions { operator: "preisach".into(), order: Some(3), ..IdentifyOptions::default() };
+    /// # assert_eq!(options.seed, 1);
+    /// ```
+    pub struct IdentifyOptions {
+        /// How to identify.
+        method: Method = Method::Joint, OptionRow::new(METHODS);
+        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all. The simplest one
+        /// that predicts held-out parts as well as the best is taken. The paper's method has its own branches.
+        operator: String = "auto".into(), OptionRow::new(NAME);
+        /// Order of the linear block.
+        order: Option<usize> = None, OptionRow::new(Values::Whole(0, 12)).absent("chosen; 2 by the paper's method");
+        /// Seed of the swarm.
+        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+        /// Thresholds, levels or knots of the operator.
+        elements: Option<usize> = None, OptionRow::new(Values::Whole(1, 1000)).absent("the operator's own number").group(JOINT);
+        /// Look for creep.
+        creep: bool = true, OptionRow::new(Values::Switch).group(JOINT);
+        /// The driver that the records were taken with, where its limits matter (see `piezoid drivers`).
+        driver: Option<String> = None, OptionRow::new(NAME).group(JOINT);
+        /// Capacitance of the load, for the driver's current limit.
+        capacitance: Option<f64> = None, OptionRow::positive("F").requires("driver").group(JOINT);
+        /// Time constant of the driver, where it is known.
+        driver_lag: Option<f64> = None, OptionRow::not_negative("s").group(JOINT);
+        /// Fastest change of the driver's voltage, where it is known.
+        driver_slew: Option<f64> = None, OptionRow::positive("V/s").group(JOINT);
+        /// The estimator of the linear block (see `piezoid estimators`).
+        estimator: Option<String> = None, OptionRow::new(NAME).absent("swarm").group(PAPER);
+        /// How the points of a loop are told apart.
+        split: Option<Split> = None, OptionRow::new(SPLITS).absent("line").group(PAPER);
+        /// Averages on each branch, between the reversals.
+        bins: Option<usize> = None, OptionRow::new(COUNT).absent("16").group(PAPER);
+        /// Which branch is read while the input is held.
+        reading: Option<Reading> = None, OptionRow::new(READINGS).absent("held").group(PAPER);
+        /// Particles of the swarm.
+        particles: Option<usize> = None, OptionRow::new(COUNT).absent("50").group(PAPER);
+        /// Iterations of the swarm.
+        iterations: Option<usize> = None, OptionRow::new(COUNT).absent("500").group(PAPER);
+        /// The position that draws all particles, g_best of equation (2).
+        global_best: Option<GlobalBest> = None, OptionRow::new(BESTS).absent("ever").group(PAPER);
+    }
+}
+
+/// The records that a model is identified from.
+///
+/// A slice of records is taken for large-signal records: they exercise the hysteresis, and the dynamics are found from
+/// them as far as they excite it.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Records<'r> {
+    /// Records for the linear block, such as a PRBS of about 1 V; there may be none.
+    pub small_signal: &'r [Record],
+    /// Records that exercise the hysteresis, such as rising sines at some frequencies.
+    pub large_signal: &'r [Record],
+}
+
+impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
+    fn from(records: &'r R) -> Self {
+        Records { large_signal: records.as_ref(), ..Records::default() }
+    }
+}
+
+/// Identifies a model from records.
+///
+/// ```
+/// use piezoid::{IdentifyOptions, identify};
+/// # use piezoid::{excitation::RisingSine, plant::find};
+/// # let u = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() }.samples(1e-3, 2000)?;
+/// # let record = find("pl140")?.plant(1e-3)?.measure(&u)?;
+/// let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), order: Some(2), ..IdentifyOptions::default() };
+/// let found = identify(&[record], &options)?;
+/// assert_eq!(found.model.hysteresis().operator().name, "prandtl-ishlinskii");
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+///
+/// # Errors
+/// No record, records of different sampling periods or of units that cannot be converted, records that nothing can be
+/// identified from; options of the other method, and names that there are not.
+pub fn identify<'r>(records: impl Into<Records<'r>>, options: &IdentifyOptions) -> Result<Identified, Error> {
+    identify_watched(records, options, &mut unwatched)
+}
+
+/// As [`identify`], with its progress told; this can cancel it.
+///
+/// # Errors
+/// As [`identify`], and [`Error::Cancelled`].
+pub fn identify_watched<'r>(
+    records: impl Into<Records<'r>>,
+    options: &IdentifyOptions,
+    progress: &mut Progress,
+) -> Result<Identified, Error> {
+    let Records { small_signal, large_signal } = records.into();
+    options.belong()?;
+    match options.method {
+        Method::Joint => identify_joint(small_signal, large_signal, &options.joint()?, progress),
+        Method::Paper => identify_paper(small_signal, large_signal, &options.paper()?, progress),
+    }
+}
+
+impl IdentifyOptions {
+    /// The same with what the owner of a twin knows of its driver: lag, and current limit over capacitance.
+    pub fn with_driver_of(self, twin: &DriverSpec) -> Self {
+        let driver_slew = twin.current_a.map(|current| current / twin.capacitance_f);
+        IdentifyOptions { driver_lag: Some(twin.lag_s).filter(|lag| *lag > 0.0), driver_slew, ..self }
+    }
+
+    /// Refuses options that belong to the other method, and names that there are not: before any work is begun.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] and [`Error::Unknown`], with the option.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.operator != "auto" {
+            crate::hysteresis::operators(&self.operator)?;
+        }
+        self.belong()?;
+        match self.method {
+            Method::Joint => self.joint().map(drop),
+            Method::Paper => self.paper().map(drop),
+        }
+    }
+
+    /// Refuses options of the other method.
+    fn belong(&self) -> Result<(), Error> {
+        let (of, other) = match self.method {
+            Method::Joint => (PAPER, "paper"),
+            Method::Paper => (JOINT, "joint"),
+        };
+        let (given, usual) = (serde_json::to_value(self), serde_json::to_value(IdentifyOptions::default()));
+        let (given, usual) = (given.unwrap_or_default(), usual.unwrap_or_default());
+        let rows = <IdentifyOptions as crate::options::Options>::rows();
+        match rows.iter().find(|row| row.group == of && given[row.name] != usual[row.name]) {
+            None => Ok(()),
+            Some(row) => {
+                let rule = format!("belongs to the method {other}: leave it out, or ask for that method");
+                Err(Error::parameter(row.name, given[row.name].to_string().trim_matches('"'), rule))
+            }
+        }
+    }
+
+    fn joint(&self) -> Result<Joint, Error> {
+        Ok(Joint {
+            operator: self.operator.clone(),
+            order: self.order,
+            elements: self.elements,
+            creep: self.creep,
+            driver: self.driver()?,
+            seed: self.seed,
+        })
+    }
+
+    /// The driver as a block, where anything is known of it.
+    fn driver(&self) -> Result<Option<Driver>, Error> {
+        let limits = match &self.driver {
+            Some(name) => excitation::Driver::find(name)?.loaded(self.capacitance)?,
+            None => excitation::Limits::default(),
+        };
+        let slew = self.driver_slew.into_iter().chain(Some(limits.fastest()).filter(|slew| slew.is_finite()));
+        let slew = slew.reduce(f64::min);
+        match (self.driver_lag, slew) {
+            (None, None) => Ok(None),
+            (lag, slew) => Driver::new(lag.unwrap_or(0.0), slew).map(Some),
+        }
+    }
+
+    fn paper(&self) -> Result<Paper, Error> {
+        let usual = Paper::default();
+        let order = self.order.unwrap_or(usual.order);
+        if order == 0 {
+            return Err(Error::parameter("order", order, "must be at least 1 by the paper's method"));
+        }
+        let estimator = self.estimator.clone().unwrap_or(usual.estimator);
+        linear::estimator(&estimator)?;
+        Ok(Paper {
+            order,
+            estimator,
+            operator: self.operator.clone(),
+            split: self.split.unwrap_or(usual.split),
+            bins: self.bins.unwrap_or(usual.bins),
+            reading: self.reading.unwrap_or(usual.reading),
+            swarm: swarm::Settings {
+                particles: self.particles.unwrap_or(usual.swarm.particles),
+                iterations: self.iterations.unwrap_or(usual.swarm.iterations),
+                seed: self.seed,
+                global_best: self.global_best.unwrap_or(usual.swarm.global_best),
+                ..usual.swarm
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::Options;
+    use crate::plant::find;
+    use serde_json::{Value, json};
+
+    /// Every name that a row offers is one that the option can have.
+    #[test]
+    fn every_choice_is_read_and_every_default_is_one_of_its_values() {
+        let usual = serde_json::to_value(IdentifyOptions::default()).unwrap();
+        for row in IdentifyOptions::rows() {
+            if let Values::Choice(known) = row.values {
+                for (name, _) in known {
+                    let options = IdentifyOptions::from_json(json!({ row.name: name })).unwrap();
+                    assert_eq!(serde_json::to_value(options).unwrap()[row.name], *name);
+                }
+            }
+            match &usual[row.name] {
+                Value::Null => assert!(!row.absent.is_empty() || row.group == JOINT, "{}", row.name),
+                value => row.check(value).unwrap(),
+            }
+        }
+    }
+
+    #[test]
+    fn the_defaults_that_are_told_of_the_papers_method_are_those_it_has() {
+        let usual = Paper::default();
+        let told = |name: &str| IdentifyOptions::default_of(name);
+        assert_eq!([told("bins"), told("particles")], [usual.bins, usual.swarm.particles].map(|n| n.to_string()));
+        assert_eq!(told("iterations"), usual.swarm.iterations.to_string());
+        assert_eq!((told("estimator"), usual.swarm.seed), (usual.estimator, IdentifyOptions::default().seed));
+    }
+
+    #[test]
+    fn an_option_of_the_other_method_is_refused_by_its_name() {
+        let refusal = |options: IdentifyOptions| identify(&[] as &[Record], &options).unwrap_err().to_string();
+        let joint = IdentifyOptions { bins: Some(8), ..IdentifyOptions::default() };
+        assert!(refusal(joint).starts_with("bins = 8: belongs to the method paper"));
+        let paper = IdentifyOptions { method: Method::Paper, creep: false, ..IdentifyOptions::default() };
+        assert!(refusal(paper).starts_with("creep = false: belongs to the method joint"));
+    }
+
+    #[test]
+    fn the_driver_of_a_twin_is_known_unless_it_is_ideal() {
+        let of = |name: &str| {
+            let options = IdentifyOptions::default().with_driver_of(&(find(name).unwrap().spec)().driver);
+            options.driver().unwrap()
+        };
+        assert_eq!(of("paper"), None);
+        assert_eq!(of("pl140"), Some(Driver { lag_s: 1e-4, slew: Some(0.5 / 8.2e-6) }));
+    }
+}
