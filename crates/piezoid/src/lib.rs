@@ -30,6 +30,8 @@ pub mod spline;
 pub mod system;
 #[cfg(test)]
 mod testing;
+#[cfg(test)]
+mod tests;
 pub mod validation;
 pub mod waveform;
 

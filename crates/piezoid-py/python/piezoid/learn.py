@@ -15,8 +15,9 @@ True
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt

@@ -1,8 +1,6 @@
 //! Excitations against the numbers of scipy; `golden/*.py` writes them.
 
-#![allow(clippy::expect_used)] // a test may stop at what must not happen
-
-use piezoid::excitation::{Chirp, Prbs, Sweep};
+use crate::excitation::{Chirp, Prbs, Sweep};
 use serde_json::Value;
 
 fn rows(json: &str) -> Vec<Value> {
@@ -17,7 +15,7 @@ fn bits(prbs: &Prbs, n: usize) -> String {
 
 #[test]
 fn prbs_is_scipys_max_len_seq() {
-    let rows = rows(include_str!("golden/max_len_seq.json"));
+    let rows = rows(include_str!("../../tests/golden/max_len_seq.json"));
     assert_eq!(rows.len(), 30);
     for row in rows {
         let order = row["order"].as_u64().expect("order") as u32;
@@ -36,7 +34,7 @@ fn prbs_is_scipys_max_len_seq() {
 
 #[test]
 fn chirp_is_scipys_chirp() {
-    for row in rows(include_str!("golden/chirp.json")) {
+    for row in rows(include_str!("../../tests/golden/chirp.json")) {
         let number = |name: &str| row[name].as_f64().expect("a number");
         let expected: Vec<f64> = row["u"].as_array().expect("samples").iter().filter_map(Value::as_f64).collect();
         let chirp = Chirp {

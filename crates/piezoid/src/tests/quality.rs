@@ -1,15 +1,11 @@
 //! What inspection says of measured records: sound ones, and the same with a defect in them.
 
-#![allow(clippy::expect_used)] // a test may stop at what must not happen
-
-mod common;
-
-use piezoid::Record;
-use piezoid::formats::{Selection, Table};
-use piezoid::quality::{Defect, Inspection, Need, inspect};
+use crate::Record;
+use crate::formats::{Selection, Table};
+use crate::quality::{Defect, Inspection, Need, inspect};
 
 fn record(name: &str) -> Option<Record> {
-    let bytes = common::measured(name)?;
+    let bytes = super::measured_data::measured(name)?;
     let whole = Table::parse(&bytes).and_then(|t| t.record(&Selection::default())).expect("a record");
     Some(whole.part(1.5, f64::INFINITY).expect("what follows the transient"))
 }

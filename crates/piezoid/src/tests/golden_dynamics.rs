@@ -1,17 +1,11 @@
 //! Output error and modes against the numbers of scipy; `golden/*.py` write them.
 
-#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-#[path = "common/close.rs"]
-mod close;
-#[path = "common/golden.rs"]
-mod golden;
-
-use close::assert_close;
-use golden::{numbers, rows, text};
-use piezoid::Record;
-use piezoid::linear::{Orders, Refinement, fit_modes, output_error};
-use piezoid::progress::unwatched;
+use super::close::assert_close;
+use super::golden::{numbers, rows, text};
+use crate::Record;
+use crate::linear::{Orders, Refinement, fit_modes, output_error};
+use crate::progress::unwatched;
 use serde_json::Value;
 
 fn number(row: &Value, key: &str) -> f64 {
@@ -20,7 +14,7 @@ fn number(row: &Value, key: &str) -> f64 {
 
 #[test]
 fn the_least_output_error_is_that_of_scipys_least_squares_with_free_pasts_and_offsets() {
-    let rows = rows(include_str!("golden/output_error.json"));
+    let rows = rows(include_str!("../../tests/golden/output_error.json"));
     assert_eq!(rows.len(), 4);
     for row in &rows {
         let name = text(row, "name");
@@ -47,14 +41,14 @@ fn the_least_output_error_is_that_of_scipys_least_squares_with_free_pasts_and_of
 
 #[test]
 fn modes_that_scipy_runs_late_are_found_again() {
-    let rows = rows(include_str!("golden/modes.json"));
+    let rows = rows(include_str!("../../tests/golden/modes.json"));
     assert_eq!(rows.len(), 5);
     for row in &rows {
         let name = text(row, "name");
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
         let found = fit_modes(&[record], hz.len(), 3, &Refinement::default(), &mut unwatched).expect("modes");
-        let of = |what: fn(&piezoid::linear::Mode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
+        let of = |what: fn(&crate::linear::Mode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);
         assert_close(name, &of(|m| m.share.value), &numbers(row, "share"), 1e-6, 0.0);

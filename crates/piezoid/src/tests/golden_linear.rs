@@ -1,18 +1,12 @@
 //! The linear block and its fits against the numbers of scipy and numpy; `golden/*.py` write them.
 
-#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-#[path = "common/close.rs"]
-mod close;
-#[path = "common/golden.rs"]
-mod golden;
-
-use close::assert_close;
-use golden::{numbers, rows, text};
-use piezoid::linear::{self, Arx, Orders};
-use piezoid::optimize::{least_absolute, swarm};
-use piezoid::progress::unwatched;
-use piezoid::{Record, System};
+use super::close::assert_close;
+use super::golden::{numbers, rows, text};
+use crate::linear::{self, Arx, Orders};
+use crate::optimize::{least_absolute, swarm};
+use crate::progress::unwatched;
+use crate::{Record, System};
 use serde_json::Value;
 
 const RTOL: f64 = 1e-12;
@@ -37,7 +31,7 @@ fn block(row: &Value, ts: f64) -> Arx {
 
 #[test]
 fn a_free_run_is_scipys_lfilter() {
-    let rows = rows(include_str!("golden/lfilter.json"));
+    let rows = rows(include_str!("../../tests/golden/lfilter.json"));
     assert_eq!(rows.len(), 13);
     for row in &rows {
         let (arx, u) = (block(row, 5e-4), numbers(row, "u"));
@@ -47,7 +41,7 @@ fn a_free_run_is_scipys_lfilter() {
 
 #[test]
 fn a_state_is_the_past_outputs_then_the_past_inputs_newest_first() {
-    for row in &rows(include_str!("golden/lfilter.json")) {
+    for row in &rows(include_str!("../../tests/golden/lfilter.json")) {
         let (arx, u) = (block(row, 5e-4), numbers(row, "u"));
         let mut x = [numbers(row, "past_y_newest_first"), numbers(row, "past_u_newest_first")].concat();
         let resumed = arx.resume(&mut x, &u);
@@ -59,7 +53,7 @@ fn a_state_is_the_past_outputs_then_the_past_inputs_newest_first() {
 
 #[test]
 fn a_prediction_is_two_moving_averages_of_scipys() {
-    for row in &rows(include_str!("golden/lfilter.json")) {
+    for row in &rows(include_str!("../../tests/golden/lfilter.json")) {
         let predicted = block(row, 5e-4).predict(&numbers(row, "u"), &numbers(row, "measured"));
         assert_close_in_norm(text(row, "name"), &predicted, &numbers(row, "predicted"), RTOL);
     }
@@ -67,7 +61,7 @@ fn a_prediction_is_two_moving_averages_of_scipys() {
 
 #[test]
 fn the_inverse_is_scipys_lfilter_with_its_roles_changed_and_exists_where_that_is_stable() {
-    let rows = rows(include_str!("golden/lfilter.json"));
+    let rows = rows(include_str!("../../tests/golden/lfilter.json"));
     assert_eq!(rows.iter().filter(|row| row["inverse"].is_array()).count(), 9);
     for row in &rows {
         match (block(row, 5e-4).inverse(), row["inverse"].is_array()) {
@@ -83,7 +77,7 @@ fn the_inverse_is_scipys_lfilter_with_its_roles_changed_and_exists_where_that_is
 
 #[test]
 fn the_frequency_response_is_scipys_freqz() {
-    let rows = rows(include_str!("golden/freqz.json"));
+    let rows = rows(include_str!("../../tests/golden/freqz.json"));
     assert_eq!(rows.len(), 10);
     for row in &rows {
         let (arx, name) = (block(row, ts(row)), text(row, "name"));
@@ -99,7 +93,7 @@ fn the_frequency_response_is_scipys_freqz() {
 
 #[test]
 fn poles_and_zeros_are_numpys_roots() {
-    for row in rows(include_str!("golden/freqz.json")).iter().filter(|row| row["name"] != EVEN) {
+    for row in rows(include_str!("../../tests/golden/freqz.json")).iter().filter(|row| row["name"] != EVEN) {
         compare_poles_and_zeros(row);
     }
 }
@@ -109,7 +103,7 @@ const EVEN: &str = "only even powers";
 
 #[test]
 fn polynomials_of_even_powers_have_their_roots() {
-    let rows = rows(include_str!("golden/freqz.json"));
+    let rows = rows(include_str!("../../tests/golden/freqz.json"));
     compare_poles_and_zeros(rows.iter().find(|row| row["name"] == EVEN).expect("the row"));
     let unstable = Arx::new(1.0, vec![0.0, 0.0, 0.0, -2.0], vec![1.0]).expect("a block");
     assert!(!unstable.is_stable(), "y_t = -2 y_(t-4) + u_t grows without bound");
@@ -141,7 +135,7 @@ fn compare_poles_and_zeros(row: &Value) {
 
 #[test]
 fn least_squares_is_scipys_lstsq_with_a_constant_a_record() {
-    let rows = rows(include_str!("golden/lstsq.json"));
+    let rows = rows(include_str!("../../tests/golden/lstsq.json"));
     assert_eq!(rows.len(), 9);
     for row in &rows {
         let name = text(row, "name");
@@ -164,7 +158,7 @@ fn least_squares_is_scipys_lstsq_with_a_constant_a_record() {
 
 #[test]
 fn the_least_absolute_cost_is_that_of_scipys_linear_program() {
-    let rows = rows(include_str!("golden/linprog.json"));
+    let rows = rows(include_str!("../../tests/golden/linprog.json"));
     assert_eq!(rows.len(), 5);
     for row in &rows {
         let dimension = row["dimension"].as_u64().expect("dimension") as usize;

@@ -1,8 +1,8 @@
 //! Operators that sum weighted responses, with random thresholds and weights, and bases of random designs.
 
-use crate::close::assert_close;
-use crate::strategies::*;
-use piezoid::hysteresis::*;
+use crate::tests::close::assert_close;
+use super::strategies::*;
+use crate::hysteresis::*;
 use proptest::prelude::*;
 use serde_json::json;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Every system is a step repeated, and may be cut anywhere.
 
-use crate::strategies::*;
-use piezoid::plant::{PLANTS, Plant};
-use piezoid::{Model, System};
+use super::strategies::*;
+use crate::plant::{PLANTS, Plant};
+use crate::{Model, System};
 use proptest::prelude::*;
 
 /// The contract of every system: a run is repeated steps, from a state of the right length, and may be cut anywhere.

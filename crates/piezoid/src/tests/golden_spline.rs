@@ -1,15 +1,9 @@
 //! Splines against the numbers of scipy; `golden/cubic_spline.py` writes them.
 
-#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-#[path = "common/close.rs"]
-mod close;
-#[path = "common/golden.rs"]
-mod golden;
-
-use close::assert_close;
-use golden::{numbers, rows, text};
-use piezoid::spline::Spline;
+use super::close::assert_close;
+use super::golden::{numbers, rows, text};
+use crate::spline::Spline;
 
 /// Relative to the value, plus as much of the largest knot: a curve that passes through zero adds terms of the size of
 /// its knots there, and their rounding stays.
@@ -23,7 +17,7 @@ fn assert_close_beside_knots(name: &str, ours: &[f64], theirs: &[f64], knots: &[
 
 #[test]
 fn a_spline_is_scipys_not_a_knot_spline_between_and_beyond_its_knots() {
-    let rows = rows(include_str!("golden/cubic_spline.json"));
+    let rows = rows(include_str!("../../tests/golden/cubic_spline.json"));
     assert_eq!(rows.len(), 40);
     for row in &rows {
         let [x, y, at, value] = ["x", "y", "at", "value"].map(|key| numbers(row, key));
@@ -35,7 +29,7 @@ fn a_spline_is_scipys_not_a_knot_spline_between_and_beyond_its_knots() {
 
 #[test]
 fn a_spline_passes_through_its_knots() {
-    for row in rows(include_str!("golden/cubic_spline.json")) {
+    for row in rows(include_str!("../../tests/golden/cubic_spline.json")) {
         let (x, y) = (numbers(&row, "x"), numbers(&row, "y"));
         let spline = Spline::new(&x, &y).expect("knots that scipy takes");
         let at_knots: Vec<f64> = x.iter().map(|&x| spline.at(x)).collect();

@@ -1,12 +1,12 @@
 //! Models, hysteresis, records, figures of merit and limits.
 
-use crate::close::assert_close;
-use crate::strategies::*;
-use piezoid::excitation::Limits;
-use piezoid::hysteresis::{Pair, RateScheduled, Reading, TwoBranch};
-use piezoid::linear::Arx;
-use piezoid::validation::Metrics;
-use piezoid::{Model, Record, System, Units};
+use crate::tests::close::assert_close;
+use super::strategies::*;
+use crate::excitation::Limits;
+use crate::hysteresis::{Pair, RateScheduled, Reading, TwoBranch};
+use crate::linear::Arx;
+use crate::validation::Metrics;
+use crate::{Model, Record, System, Units};
 use proptest::prelude::*;
 
 /// Any finite number there is, and often one that decimals cannot hold.

@@ -1,13 +1,9 @@
 //! What the two ways of identification do with measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
 
-#![allow(clippy::expect_used)] // a test may stop at what must not happen
-
-mod common;
-
-use piezoid::formats::{Selection, Table};
-use piezoid::hammerstein::Identified;
-use piezoid::validation::{Offset, ValidateOptions, validate};
-use piezoid::{IdentifyOptions, Method, Record, identify};
+use crate::formats::{Selection, Table};
+use crate::hammerstein::Identified;
+use crate::validation::{Offset, ValidateOptions, validate};
+use crate::{IdentifyOptions, Method, Record, identify};
 
 /// The transient at the start of every file [s]: 300 samples.
 const START: f64 = 1.5;
@@ -16,7 +12,7 @@ const START: f64 = 1.5;
 const HALF: f64 = 20.0;
 
 fn record(name: &str) -> Option<Record> {
-    let bytes = common::measured(name)?;
+    let bytes = super::measured_data::measured(name)?;
     Some(Table::parse(&bytes).and_then(|t| t.record(&Selection::default())).expect("a record"))
 }
 

@@ -1,8 +1,6 @@
 //! What several tests share.
 
-mod skipped;
-
-use skipped::skipped;
+use super::skipped::skipped;
 use std::path::PathBuf;
 
 /// A measured file, such as `picma-p885/model_1Hz.csv`, from `PIEZOID_DATA` or else `../shared/data` beside the

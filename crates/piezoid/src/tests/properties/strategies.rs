@@ -1,7 +1,7 @@
 //! What the random ones are drawn from.
 
-use piezoid::hysteresis::*;
-use piezoid::linear::Arx;
+use crate::hysteresis::*;
+use crate::linear::Arx;
 use proptest::prelude::*;
 use std::sync::Arc;
 

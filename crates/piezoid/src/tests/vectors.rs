@@ -1,10 +1,8 @@
 //! The vector files, which every language is held against: this library gives their numbers to the bit.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
-use piezoid::compensation::{Causal, How};
-use piezoid::hysteresis::OPERATORS;
-use piezoid::{Model, System};
+use crate::compensation::{Causal, How};
+use crate::hysteresis::OPERATORS;
+use crate::{Model, System};
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,19 +1,13 @@
 //! Hysteresis operators against their definitions, run with numpy and scipy; `golden/operators.py` writes the numbers.
 
-#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-#[path = "common/close.rs"]
-mod close;
-#[path = "common/golden.rs"]
-mod golden;
-
-use close::assert_close;
-use golden::{numbers, rows, text};
-use piezoid::hysteresis::operator;
+use super::close::assert_close;
+use super::golden::{numbers, rows, text};
+use crate::hysteresis::operator;
 
 #[test]
 fn operators_are_their_definitions() {
-    let rows = rows(include_str!("golden/operators.json"));
+    let rows = rows(include_str!("../../tests/golden/operators.json"));
     assert_eq!(rows.len(), 12);
     for row in &rows {
         let name = text(row, "operator");

@@ -1,13 +1,13 @@
 //! Linear blocks, their inverses, their estimation and its cost.
 
-use crate::close::assert_close;
-use crate::fused::fused;
-use crate::strategies::*;
-use piezoid::excitation::Prbs;
-use piezoid::linear::{self, AbsoluteError, Arx, Orders};
-use piezoid::optimize::swarm::{self, Cost};
-use piezoid::progress::unwatched;
-use piezoid::{Record, System};
+use crate::tests::close::assert_close;
+use crate::tests::fused::fused;
+use super::strategies::*;
+use crate::excitation::Prbs;
+use crate::linear::{self, AbsoluteError, Arx, Orders};
+use crate::optimize::swarm::{self, Cost};
+use crate::progress::unwatched;
+use crate::{Record, System};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,10 +1,8 @@
 //! CSV files from outside: measured ones, written ones, and bytes that are no CSV at all.
 
-mod common;
-
-use piezoid::formats::csv::{write, write_record};
-use piezoid::formats::{Selection, Table};
-use piezoid::{Error, Record};
+use crate::formats::csv::{write, write_record};
+use crate::formats::{Selection, Table};
+use crate::{Error, Record};
 use proptest::prelude::*;
 
 fn record(bytes: &[u8]) -> Result<Record, Error> {
@@ -13,7 +11,7 @@ fn record(bytes: &[u8]) -> Result<Record, Error> {
 
 #[test]
 fn the_measured_model_file_is_read_whole() {
-    let Some(bytes) = common::measured("picma-p885/model_1Hz.csv") else { return };
+    let Some(bytes) = super::measured_data::measured("picma-p885/model_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts()), (8027, 0.005));
     assert_eq!((record.units().u.as_str(), record.units().y.as_str()), ("cmdV", "um"));
@@ -23,7 +21,7 @@ fn the_measured_model_file_is_read_whole() {
 
 #[test]
 fn the_reference_of_the_measured_test_file_is_not_its_output() {
-    let Some(bytes) = common::measured("picma-p885/test_am_1Hz.csv") else { return };
+    let Some(bytes) = super::measured_data::measured("picma-p885/test_am_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts(), record.y()[1]), (14155, 0.005, -119.527853));
     let reference = Selection { output: Some("yref_um".into()), ..Selection::default() };

@@ -1,0 +1,21 @@
+//! What modules do together, against numbers that were made elsewhere, measured data, and random cases.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+
+mod close;
+mod csv;
+#[path = "../../tests/common/fused.rs"]
+mod fused;
+mod golden;
+mod golden_dynamics;
+mod golden_excitation;
+mod golden_linear;
+mod golden_operators;
+mod golden_spline;
+mod measured;
+mod measured_data;
+mod properties;
+mod quality;
+#[path = "../../tests/common/skipped.rs"]
+mod skipped;
+mod vectors;
