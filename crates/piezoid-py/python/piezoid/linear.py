@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _piezoid
-from ._checks import some, whole, wholes
+from ._checks import some, whole
 from ._piezoid import Arx
 from ._progress import told
 from ._types import Progress
@@ -60,9 +60,9 @@ def fit(
     is_one = isinstance(order, str) or not isinstance(order, Sequence)
     na, nb, delay = (order, whole("order", order) + 1, 0) if is_one else some("order", order, "a, b, delay")
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))
-    swarm = wholes(particles=particles, iterations=iterations)
+    swarm = [None if n is None else whole(name, n) for name, n in (("particles", particles), ("iterations", iterations))]
     with told(progress) as watch:
         arx, found = _piezoid.fit(
-            [r._core for r in given], orders, estimator, (swarm["particles"], swarm["iterations"], whole("seed", seed), global_best), watch
+            [r._core for r in given], orders, estimator, (*swarm, whole("seed", seed), global_best), watch
         )
     return Fit(arx, **found)
