@@ -25,6 +25,7 @@
 
 mod counted;
 mod read;
+mod resolve;
 mod run;
 mod slope;
 mod tree;
@@ -201,6 +202,25 @@ impl Program {
         }
     }
 
+    /// How far into something what is at `path` of it begins, and what it is.
+    fn within(&self, mut kind: Kind, path: &[String]) -> Result<(usize, Kind), String> {
+        let mut before = 0;
+        for name in path {
+            let Kind::Part(block) = &kind else { return Err(format!("`{name}` is no field")) };
+            let fields = self.block(block).map_or(&[][..], |b| &b.fields);
+            let Some(k) = fields.iter().position(|f| f.name == *name) else {
+                return Err(format!("block `{block}` has no field `{name}`"));
+            };
+            before += fields[..k].iter().map(|f| self.length(&f.holds)).sum::<usize>();
+            kind = match &fields[k].holds {
+                Holds::Number(_) => Kind::Real,
+                Holds::Numbers(values) => Kind::Room(values.len()),
+                Holds::Block(name) => Kind::Part(name.clone()),
+            };
+        }
+        Ok((before, kind))
+    }
+
     /// The state of the block of this name at rest, as one vector.
     pub fn at_rest(&self, block: &str) -> Vec<f64> {
         let fields = self.block(block).map_or(&[][..], |b| &b.fields);
@@ -299,12 +319,44 @@ mod tests {
 
     #[test]
     fn counting_beyond_what_there_is_is_an_error_and_no_panic() {
-        for text in ["fn f(u) { return r[whole(u)]; }", "fn f(u) { let k = whole(u); return r[k - 4]; }"] {
+        for text in [
+            "fn f(u) { return r[whole(u)]; }",
+            "fn f(u) { let k = whole(u); return r[k - 4]; }",
+            "fn f(u) { while u != r[whole(u)] { } return u; }",
+            "fn f(x: b, u) { for k in 0..999999999 { x.room[k + whole(u)] = u; } return u; }",
+        ] {
             let program = Program::new(vec![block(text)]).unwrap();
+            let mut machine = Machine::new(&program, "b", false);
             for u in [3.0, -1.0, f64::NAN, 1e12] {
-                assert!(Machine::new(&program, "b", false).call("f", &[u]).is_err(), "{text} of {u}");
+                assert!(machine.call("f", &[u]).is_err(), "{text} of {u}");
             }
         }
+    }
+
+    #[test]
+    fn a_call_within_a_call_of_the_same_function_and_a_name_that_comes_again_are_kept_apart() {
+        let text = "
+            fn g(a, b) { let t = a * 10.0; return t + b; }
+            fn f(u) { let s = 0.0; for k in 0..2 { let t = g(g(1.0, 2.0), g(u, s)); s = t; } if s > 0.0 { let t = 1; s += real(t); } return s; }";
+        // 10 (10 + 2) + 10 u + s, twice, and 1.
+        assert_eq!(gives(text, &[3.0]), [301.0]);
+    }
+
+    #[test]
+    fn a_watched_machine_knows_the_largest_of_what_was_reached_and_goes_on_from_its_state() {
+        let program = Program::new(vec![block(
+            "fn f(x: b, u) { x.last += u; if u > 9.0 { x.last = 0.0; } return -x.last * gain; }",
+        )])
+        .unwrap();
+        let mut machine = Machine::new(&program, "b", false);
+        machine.call("f", &[1.0]).unwrap();
+        let mut machine = machine.watched();
+        assert_eq!([2.0, -5.0].map(|u| machine.call("f", &[u]).unwrap()[0]), [-14.0, 6.0]);
+        let function = &program.functions[0];
+        let Step::If(_, yes, _) = &function.steps[1] else { panic!("a choice") };
+        let Step::Set(_, zero) = &yes[0] else { panic!("a new value") };
+        assert_eq!((machine.largest(&function.returns[0]), machine.largest(zero)), (Some(14.0), None));
+        assert_eq!((machine.counts.sums, machine.counts.products, machine.counts.comparisons), (3, 3, 3));
     }
 
     #[test]

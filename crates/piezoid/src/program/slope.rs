@@ -138,16 +138,11 @@ impl Moving {
 /// The block and field that a place in a state means.
 fn field(program: &Program, function: &Function, place: &Place) -> Option<(String, String)> {
     let parameter = function.takes.iter().find(|p| p.name == place.root)?;
-    let Kind::Part(mut block) = parameter.kind.clone() else { return None };
     let (last, path) = place.path.split_last()?;
-    for name in path {
-        let field = program.block(&block)?.fields.iter().find(|f| f.name == *name)?;
-        block = match &field.holds {
-            super::Holds::Block(inner) => inner.clone(),
-            _ => return None,
-        };
+    match program.within(parameter.kind.clone(), path) {
+        Ok((_, Kind::Part(block))) => Some((block, last.clone())),
+        _ => None,
     }
-    Some((block, last.clone()))
 }
 
 /// A function, being written with slopes.

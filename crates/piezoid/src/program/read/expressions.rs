@@ -2,7 +2,7 @@
 
 use super::{Read, Reader};
 use crate::program::words::Word;
-use crate::program::{Expr, Holds, Kind, Limit, Op, Place};
+use crate::program::{Expr, Kind, Limit, Op, Place};
 
 impl Reader<'_> {
     pub(super) fn place(&mut self) -> Read<Place> {
@@ -23,19 +23,10 @@ impl Reader<'_> {
 
     /// What stands at a place.
     pub(super) fn kind_at(&self, place: &Place) -> Read<Kind> {
-        let Some(mut kind) = self.kind(&place.root).cloned() else {
+        let Some(kind) = self.kind(&place.root).cloned() else {
             return self.wrong(format!("`{}` is not known", place.root));
         };
-        for name in &place.path {
-            let Kind::Part(block) = &kind else { return self.wrong(format!("`{name}` is no field")) };
-            let field = self.program.block(block).and_then(|b| b.fields.iter().find(|f| f.name == *name));
-            kind = match field.map(|f| &f.holds) {
-                None => return self.wrong(format!("block `{block}` has no field `{name}`")),
-                Some(Holds::Number(_)) => Kind::Real,
-                Some(Holds::Numbers(values)) => Kind::Room(values.len()),
-                Some(Holds::Block(name)) => Kind::Part(name.clone()),
-            };
-        }
+        let (_, kind) = self.program.within(kind, &place.path).or_else(|what| self.wrong(what))?;
         match (&place.index, kind) {
             (None, kind) => Ok(kind),
             (Some(index), Kind::Room(_)) if index.whole() => Ok(Kind::Real),
