@@ -74,7 +74,7 @@ fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
     let home = root().join("target/python");
     let inside = || Command::new(home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" }));
     let package = root().join("crates/piezoid-py");
-    let extras = "plot,learn,fleet,mat,progress,test";
+    let extras = "plot,learn,fleet,progress,test";
     let ready = || {
         if !home.join("pyvenv.cfg").exists() {
             step(python().args(["-m", "venv"]).arg(&home))?;

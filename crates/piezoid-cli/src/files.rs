@@ -107,11 +107,8 @@ fn named(path: &Path) -> String {
 }
 
 fn parse(path: &Path) -> Result<(Table, Vec<u8>)> {
-    if let Some(kind @ ("mat" | "npz" | "dat")) = path.extension().and_then(|e| e.to_str()) {
-        bail!("{}: this version does not read .{kind} files: export the record as CSV", named(path));
-    }
     let bytes = read(path)?;
-    Ok((Table::parse(&bytes).with_context(|| named(path))?, bytes))
+    Ok((piezoid::formats::read(&named(path), &bytes).with_context(|| named(path))?, bytes))
 }
 
 /// The bytes of a file.

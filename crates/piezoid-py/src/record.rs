@@ -3,8 +3,8 @@
 use crate::error::{raised, refused};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
-use piezoid::formats::{Selection, Signal, Table, csv};
-use piezoid::{Error, Units, record};
+use piezoid::formats::{self, Channel, Selection, Signal, Table, csv};
+use piezoid::{Units, record};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -94,43 +94,26 @@ fn selection(ts: Option<f64>, columns: (Option<String>, Option<String>, Option<S
     Selection { ts, input, output, time }
 }
 
-/// A table from the bytes of a CSV file.
+/// The named channels of a file, or of arrays.
 #[pyclass(frozen, module = "piezoid._piezoid")]
 #[derive(Debug)]
 pub(crate) struct Columns {
     table: Table,
-    is_file: bool,
-}
-
-impl Columns {
-    /// An error about the table; what is no file has no lines but rows, from 0.
-    fn wrong(&self, error: Error) -> PyErr {
-        match (self.is_file, error) {
-            (false, Error::Line { line, column, problem }) => {
-                let at = if line > 0 { format!("row {line}") } else { String::new() };
-                let parts: Vec<String> =
-                    [at, column.unwrap_or_default()].into_iter().filter(|p| !p.is_empty()).collect();
-                refused(
-                    &[parts.join(", "), problem].into_iter().filter(|p| !p.is_empty()).collect::<Vec<_>>().join(": "),
-                )
-            }
-            (_, error) => raised(error),
-        }
-    }
 }
 
 #[pymethods]
 impl Columns {
     #[staticmethod]
-    fn from_csv(bytes: &[u8]) -> PyResult<Self> {
-        Table::parse(bytes).map(|table| Columns { table, is_file: true }).map_err(raised)
+    fn from_file(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Self> {
+        py.detach(|| formats::read(name, bytes)).map(|table| Columns { table }).map_err(raised)
     }
 
     #[staticmethod]
-    fn from_arrays(columns: Vec<Column<'_>>) -> PyResult<Self> {
-        let read = |(name, values): &Column<'_>| Ok((name.clone(), slice(&samples(name, values)?)?.to_vec()));
-        let columns = columns.iter().map(read).collect::<PyResult<Vec<_>>>()?;
-        Table::of(columns).map(|table| Columns { table, is_file: false }).map_err(raised)
+    fn from_arrays(columns: Vec<Column<'_>>, others: Vec<(String, String)>) -> PyResult<Self> {
+        let read = |(name, values): &Column<'_>| Ok(Channel::new(name, slice(&samples(name, values)?)?.to_vec()));
+        let mut channels = columns.iter().map(read).collect::<PyResult<Vec<_>>>()?;
+        channels.extend(others.into_iter().map(|(name, what)| Channel::other(name, what)));
+        Ok(Columns { table: Table::of(channels) })
     }
 
     #[getter]
@@ -145,7 +128,7 @@ impl Columns {
         part: (f64, f64),
     ) -> PyResult<Record> {
         let record = self.table.record(&selection(ts, columns)).and_then(|r| r.part(part.0, part.1));
-        record.map(Record::from).map_err(|e| self.wrong(e))
+        record.map(Record::from).map_err(raised)
     }
 
     /// The reference, in this unit.
@@ -156,8 +139,7 @@ impl Columns {
         columns: (Option<String>, Option<String>, Option<String>),
         unit: &str,
     ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
-        let Signal { ts, mut samples, unit: own } =
-            self.table.reference(&selection(ts, columns)).map_err(|e| self.wrong(e))?;
+        let Signal { ts, mut samples, unit: own } = self.table.reference(&selection(ts, columns)).map_err(raised)?;
         let Some(factor) = record::factor(&own, unit) else {
             return Err(refused(&format!("the reference is in {own} but {unit} is wanted: convert it beforehand")));
         };

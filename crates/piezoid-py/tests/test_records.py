@@ -123,6 +123,67 @@ def test_matlabs_newest_files_give_records(tmp_path: Path) -> None:
     assert pz.read(tmp_path / "r.mat") == pz.Record(U, Y, ts=5e-4)
 
 
+def test_a_file_of_matlab_itself_is_read() -> None:
+    from importlib.resources import files
+
+    from piezoid._piezoid import Columns
+
+    folder = files("scipy.io.matlab") / "tests" / "data"
+    if not folder.is_dir():
+        pytest.skip("this scipy comes without MATLAB's files")
+    wanted = np.arange(9) * np.pi / 4
+    for name in ["testhdf5_7.4_GLNX86.mat", "testdouble_4.2c_SOL2.mat", "testdouble_6.1_SOL2.mat", "testdouble_7.4_GLNX86.mat"]:
+        columns = Columns.from_file(name, (folder / name).read_bytes())
+        _, samples = columns.reference(1.0, (None, "testdouble", None), "")
+        assert np.allclose(samples, wanted, rtol=1e-15), name
+
+
+@pytest.mark.parametrize("kind", ["<f8", ">f4", "<f2", ">i2", "<u4", "i1", "?"])
+@pytest.mark.parametrize("how", ["npz", "packed.npz", "4.mat", "5.mat", "7.mat", "h5", "packed.h5"])
+def test_samples_of_every_type_come_out_of_every_file_as_numpy_has_them(tmp_path: Path, kind: str, how: str) -> None:
+    import h5py
+    from scipy.io import savemat
+
+    rng = np.random.default_rng(1)
+    n, path = 1000, tmp_path / f"r.{how}"
+    u = rng.normal(scale=50, size=n).round(3).astype(kind)
+    arrays = {"t_s": np.arange(n) * 5e-4, "u_V": u, "y_um": rng.normal(size=(n, 1)), "gain": np.float64(2.0)}
+    if how.endswith("mat"):
+        if how == "4.mat" or u.dtype == np.float16:  # neither knows all types
+            arrays["u_V"] = u = u.astype(np.float32)
+        savemat(path, {"log": arrays} if how != "4.mat" else arrays, format=how[0] if how == "4.mat" else "5", do_compression=how == "7.mat")
+    elif how.endswith("npz"):
+        (np.savez_compressed if "packed" in how else np.savez)(path, **arrays)
+    else:
+        with h5py.File(path, "w") as file:
+            for name, values in arrays.items():
+                packing = {"chunks": (300,) * values.ndim, "maxshape": (None,) * values.ndim, "compression": 9, "shuffle": True, "fletcher32": True}
+                file.create_dataset(f"run/log/{name}", data=values, **(packing if "packed" in how and values.shape == (n,) else {}))
+    record = pz.read(path)
+    assert record.ts == 5e-4 and np.array_equal(record.u, u.astype(float)) and np.array_equal(record.y, arrays["y_um"].ravel())
+
+
+def test_what_a_file_leaves_out_is_told(tmp_path: Path) -> None:
+    np.savez(tmp_path / "r.npz", t_s=T, u_V=U, y_um=Y[:3], map=np.eye(2))
+    with pytest.raises(pz.PiezoidError, match=r"r.npz: .*output_col=; left out: map \(of shape 2 x 2\), y_um \(of 3 samples, not 4\)"):
+        pz.read(tmp_path / "r.npz")
+    np.save(tmp_path / "plain.npy", U)
+    with pytest.raises(pz.PiezoidError, match="there are no names"):
+        pz.read(tmp_path / "plain.npy")
+    np.savez(tmp_path / "uneven.npz", t_s=[0, 1, 2, 9], u_V=U, y_um=Y)
+    with pytest.raises(pz.PiezoidError, match="row 3, t_s: the step"):
+        pz.read(tmp_path / "uneven.npz")
+
+
+def test_a_file_is_what_it_holds_whatever_it_is_called(tmp_path: Path) -> None:
+    record = pz.Record(U, Y, ts=5e-4)
+    with open(tmp_path / "r.dat", "wb") as file:
+        np.savez(file, t_s=T, u_V=U, y_um=Y)
+    record.save(tmp_path / "r.csv")
+    (tmp_path / "r.csv").rename(tmp_path / "r.mat")
+    assert pz.read(tmp_path / "r.dat") == pz.read(tmp_path / "r.mat") == record
+
+
 @pytest.mark.parametrize(
     ("columns", "how", "told"),
     [

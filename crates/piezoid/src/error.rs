@@ -63,6 +63,16 @@ pub enum Error {
         /// What is wrong, the value and what to do.
         problem: String,
     },
+    /// Samples that do not fit where there are no lines. Rows count from 0.
+    #[error("{}{problem}", place(*row, column.as_deref()))]
+    Row {
+        /// The sample, if it is one.
+        row: Option<u64>,
+        /// Name of the column.
+        column: Option<String>,
+        /// What is wrong, the value and what to do.
+        problem: String,
+    },
     /// A file or document whose content as a whole does not fit.
     #[error("{0}")]
     Content(String),
@@ -166,6 +176,16 @@ pub fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
     match samples.iter().position(|v| !v.is_finite()) {
         None => Ok(()),
         Some(index) => Err(Error::NotFinite { what: what.into(), index, value: samples[index] }),
+    }
+}
+
+/// "row 3, t_s: "
+fn place(row: Option<u64>, column: Option<&str>) -> String {
+    match (row, column) {
+        (Some(row), Some(column)) => format!("row {row}, {column}: "),
+        (Some(row), None) => format!("row {row}: "),
+        (None, Some(column)) => format!("{column}: "),
+        (None, None) => String::new(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Files that are not what they should be, by the dozen: one message each, and nothing left behind.
 
 use crate::bench::Bench;
+use std::path::Path;
 
 /// A data file and what the message on it must hold. `input`: whether its input alone is bad too.
 struct Bad {
@@ -136,10 +137,28 @@ fn the_same_record_in_another_dress_gives_the_same_figures() {
 }
 
 #[test]
+fn files_of_other_programs_are_read_like_csv_and_refused_by_name() {
+    let bench = Bench::new();
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../piezoid/tests/golden/formats");
+    bench.write("plain.csv", "t_s,u_V,y_um\n0,0,0\n0.0005,1,20\n0.001,1.5,33\n0.0015,-2,-40\n");
+    bench.run("simulate --plant paper --input plain.csv -o wanted.csv").ok();
+    for name in ["fields.npy", "deflated.npz", "v4.mat", "v7.mat", "v73.mat", "links.h5"] {
+        let whole = std::fs::read(golden.join(name)).unwrap();
+        bench.write(name, &whole);
+        bench.run(&format!("simulate --plant paper --input {name} -o y.csv")).ok();
+        assert_eq!(bench.text("y.csv"), bench.text("wanted.csv"), "{name}");
+        bench.write(name, &whole[..whole.len() / 2]);
+        bench.refused(&format!("simulate --plant paper --input {name} -o half.csv")).says(&[name, "damaged"]);
+    }
+    bench.write("log.mat", "nothing of the kind");
+    bench.refused("simulate --plant paper --input log.mat -o y.csv").says(&["log.mat", "variables of MATLAB"]);
+}
+
+#[test]
 fn what_cannot_be_opened_is_named_with_what_to_do() {
     let bench = Bench::stocked();
     std::fs::create_dir(bench.path("folder")).unwrap();
-    for (name, says) in [("none.csv", "no such file"), ("folder", "this is a folder"), ("log.mat", ".mat files")] {
+    for (name, says) in [("none.csv", "no such file"), ("folder", "this is a folder"), ("log.mat", "no such file")] {
         bench.refused(&format!("validate --model model.json --data {name} --json f.json")).says(&[name, says]);
         bench.refused(&format!("identify --data {name} -o new.json")).says(&[name, says]);
         bench.refused(&format!("simulate --plant paper --input {name} -o y.csv")).says(&[name, says]);

@@ -171,7 +171,8 @@ def read(
     start: float = 0.0,
     stop: float = float("inf"),
 ) -> Record:
-    """A record from a file (.csv, .txt, .npz, .mat), a DataFrame, or a mapping of arrays, as `scipy.io.loadmat` gives it.
+    """A record from a file (CSV, .npz, .npy, .mat of any version, .h5), a DataFrame, or a mapping of arrays, as `scipy.io.loadmat`
+    gives it.
 
     Columns are found by name: time `t_s` (or `ts`, the sampling period [s]), input `u_V` or the only `u_*`, output the
     only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` name others, whose names may end in
@@ -214,8 +215,6 @@ class _Columns:
     core: _piezoid.Columns
     about: str = ""
     """The name of a file, as errors begin."""
-    left: str = ""
-    """What was left out and why, as errors end."""
 
     @contextmanager
     def named(self) -> Iterator[None]:
@@ -223,26 +222,14 @@ class _Columns:
         try:
             yield
         except PiezoidError as error:
-            raise PiezoidError(f"{self.about}{error}{self.left}") from None
+            raise PiezoidError(f"{self.about}{error}") from None
 
 
 def _columns(source: Any) -> _Columns:
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
-        kind, about = path.suffix.lower(), f"{path}: "
         with _files.named(path):
-            try:
-                if kind in (".npz", ".npy"):
-                    return _arrays(_numpy(path), about)
-                if kind == ".mat":
-                    return _arrays(_mat(path), about)
-                return _Columns(_piezoid.Columns.from_csv(_files.read(path)), about)
-            except PiezoidError:
-                raise
-            except FileNotFoundError:
-                raise PiezoidError("there is no such file: check its name and folder") from None
-            except Exception as error:  # readers of other packages raise what they like
-                raise PiezoidError(f"cannot be read: {error}") from error
+            return _Columns(_piezoid.Columns.from_file(str(path), _files.read(path)), f"{path}: ")
     if hasattr(source, "columns"):
         return _arrays(_frame(source))
     if isinstance(source, Mapping):
@@ -252,18 +239,6 @@ def _columns(source: Any) -> _Columns:
     raise PiezoidError(
         f"a {type(source).__name__} is no record: give a file, a DataFrame, a mapping of arrays, or an array with named fields"
     )
-
-
-def _numpy(path: Path) -> dict[str, Any]:
-    """The arrays in a file of numpy."""
-    try:
-        arrays = np.load(path, allow_pickle=False)
-    except ValueError:
-        raise PiezoidError("holds no arrays of numbers, or is damaged") from None
-    if isinstance(arrays, np.ndarray):
-        return {field: arrays[field] for field in arrays.dtype.names or ()}
-    with arrays:
-        return {name: arrays[name] for name in arrays.files}
 
 
 def _frame(frame: Any) -> dict[str, Any]:
@@ -279,26 +254,20 @@ def _frame(frame: Any) -> dict[str, Any]:
     return columns
 
 
-def _arrays(columns: dict[str, Any], about: str = "") -> _Columns:
-    """The vectors among named arrays, those within structures too: of the length that most have."""
-    vectors: dict[str, Any] = {}
-    left: list[str] = []
+def _arrays(columns: dict[str, Any]) -> _Columns:
+    """The vectors among named arrays, those within structures too."""
+    vectors: list[tuple[str, Any]] = []
+    others: list[tuple[str, str]] = []
     for name, values in _flat(columns):
         if isinstance(values, np.ma.MaskedArray):
             raise PiezoidError(f"{name} is a masked array: fill it, or leave the masked samples out")
         array = _numbers(name, values)
         if array.size > 0 and array.size == max(array.shape, default=0) and array.dtype.kind in "fiub":
-            if name in vectors:
-                raise PiezoidError(f"there are two of {name}, in several structures: give one structure")
             # MATLAB's vectors are matrices of one row or column.
-            vectors[name] = array.ravel()
+            vectors.append((name, array.ravel()))
         elif array.size != 1:
-            left.append(f"{name} (of shape {array.shape}, {array.dtype})")
-    lengths = [len(v) for v in vectors.values()]
-    usual = max(set(lengths), key=lengths.count, default=0)
-    left += [f"{name} (of {len(v)} samples, not {usual})" for name, v in vectors.items() if len(v) != usual]
-    core = _piezoid.Columns.from_arrays([(name, v) for name, v in vectors.items() if len(v) == usual])
-    return _Columns(core, about, f"; left out: {', '.join(left)}" if left else "")
+            others.append((name, f"of shape {array.shape}, {array.dtype}"))
+    return _Columns(_piezoid.Columns.from_arrays(vectors, others))
 
 
 def _numbers(name: str, values: Any) -> npt.NDArray[Any]:
@@ -329,24 +298,3 @@ def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield from _flat({field: values[field].item() for field in values.dtype.names})
         else:
             yield str(name), values
-
-
-def _mat(path: Path) -> dict[str, Any]:
-    """The variables of a MATLAB file of any version; those of a structure by their names within it."""
-    with open(path, "rb") as file:
-        is_hdf5 = b"MATLAB 7.3" in file.read(128)
-    try:
-        if is_hdf5:
-            import h5py
-
-            def opened(group: Any) -> dict[str, Any]:
-                parts = {name: part for name, part in group.items() if not name.startswith("#")}
-                return {name: opened(part) if hasattr(part, "items") else part[()] for name, part in parts.items()}
-
-            with h5py.File(path, "r") as hdf5:
-                return opened(hdf5)
-        from scipy.io import loadmat
-    except ImportError as error:
-        raise PiezoidError(f"MATLAB files need {error.name}: pip install piezoid[mat]") from None
-    variables: dict[str, Any] = loadmat(path, simplify_cells=True)
-    return variables

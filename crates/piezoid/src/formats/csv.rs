@@ -17,12 +17,23 @@ mod write;
 
 pub use write::{write, write_record};
 
+use super::Format;
 use super::quote::shortened;
 use super::table::{Column, Table};
 use crate::Error;
 use cells::{blank, cells};
 use header::Header;
 use number::Numbers;
+
+/// The row of CSV. It takes what no other row knows: its refusals say what a file looks like.
+pub(super) const ROW: Format = Format {
+    name: "csv",
+    extensions: &["csv", "tsv", "txt"],
+    summary: "text, a row of names above rows of numbers",
+    reference: "RFC 4180, https://doi.org/10.17487/RFC4180",
+    matches: |_| true,
+    read: Table::parse,
+};
 
 /// What a file should look like, for messages.
 const EXAMPLE: &str = "`t_s,u_V,y_um`";
@@ -37,8 +48,8 @@ impl Table {
         let text = text::decode(bytes)?;
         let mut lines = text::lines(text).peekable();
         let header = Header::read(&mut lines)?;
-        let mut table =
-            Table { columns: header.names.into_iter().map(Column::new).collect(), header: header.line, first: 0 };
+        let columns = header.names.into_iter().map(Column::new).collect();
+        let mut table = Table { columns, header: header.line, ..Table::empty() };
         let mut numbers = Numbers::new(header.separator);
         let mut gap = None;
         for (line, row) in lines {
@@ -106,7 +117,7 @@ impl Table {
 
 impl Column {
     fn new(name: String) -> Self {
-        Column { name, samples: Vec::new(), flaw: None, decimal: None }
+        Column { name, unit: None, samples: Vec::new(), flaw: None, decimal: None }
     }
 
     /// Takes in one cell; after the first flaw, none.

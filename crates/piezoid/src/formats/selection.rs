@@ -141,7 +141,7 @@ fn unknown(name: &str, table: &Table) -> Error {
 
 /// Refuses a time column that says it is in another unit than seconds.
 pub(super) fn in_seconds(column: &Column, header: u64) -> Result<&Column, Error> {
-    match unit(&column.name, "t_") {
+    match column.unit("t_") {
         other if ["ms", "us", "ns", "min", "h"].contains(&other.as_str()) => Err(Error::Line {
             line: header,
             column: Some(shortened(&column.name)),
@@ -156,8 +156,15 @@ fn first_word(name: &str) -> String {
     name.chars().take_while(|c| c.is_alphanumeric()).take(20).flat_map(char::to_lowercase).collect()
 }
 
+impl Column {
+    /// Its unit: what the format states, else what its name carries behind this prefix.
+    pub(super) fn unit(&self, prefix: &str) -> String {
+        self.unit.as_deref().map_or_else(|| unit(&self.name, prefix), |stated| plain(stated.trim()))
+    }
+}
+
 /// The unit that a name carries (see [`Selection`]), the Greek letter of micro written as `u`.
-pub(super) fn unit(name: &str, prefix: &str) -> String {
+fn unit(name: &str, prefix: &str) -> String {
     let bracketed = |open, close| name.strip_suffix(close).and_then(|head: &str| head.rsplit_once(open));
     let unit = name
         .strip_prefix(prefix)

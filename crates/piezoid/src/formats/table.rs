@@ -4,7 +4,7 @@
 //! and becomes the error then. A table does not interpolate, resample or repair.
 
 use super::quote::{listed, quoted, shortened};
-use super::selection::{INPUT, OUTPUT, REFERENCE, Role, Selection, TIME, in_seconds, unit};
+use super::selection::{INPUT, OUTPUT, REFERENCE, Role, Selection, TIME, in_seconds};
 use super::time;
 use crate::error::{Error, positive};
 use crate::record::{Record, Units};
@@ -22,16 +22,22 @@ use crate::record::{Record, Units};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub(super) columns: Vec<Column>,
-    /// Line of the names.
+    /// Line of the names; 0 in what has no lines.
     pub(super) header: u64,
     /// Line of the first row; the others follow, one a line.
     pub(super) first: u64,
+    /// Sampling period [s], where the format states it.
+    pub(super) ts: Option<f64>,
+    /// What was left out and why.
+    pub(super) left: String,
 }
 
 /// One column of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Column {
     pub(super) name: String,
+    /// Its unit, where the format states one beside the name.
+    pub(super) unit: Option<String>,
     /// The numbers above the first flaw.
     pub(super) samples: Vec<f64>,
     /// The first cell that is no finite number, as the error it is to whoever needs this column.
@@ -52,33 +58,9 @@ pub struct Signal {
 }
 
 impl Table {
-    /// A table of columns that are numbers already. Errors about it count samples from 0 where those about a file count lines.
-    ///
-    /// ```
-    /// use piezoid::formats::{Selection, Table};
-    /// let columns = [("t_s", vec![0.0, 5e-4]), ("u_V", vec![0.0, 1.0]), ("y_mm", vec![0.1, 0.2])];
-    /// let table = Table::of(columns.map(|(name, samples)| (name.to_string(), samples)))?;
-    /// assert_eq!(table.record(&Selection::default())?.units().y, "mm");
-    /// # Ok::<(), piezoid::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Refuses columns of unequal length; a sample that is not finite is an error to whoever needs its column.
-    pub fn of(columns: impl IntoIterator<Item = (String, Vec<f64>)>) -> Result<Self, Error> {
-        let column = |(name, samples): (String, Vec<f64>)| {
-            let flaw = crate::error::finite(&name, &samples).err();
-            Column { name, samples, flaw, decimal: None }
-        };
-        let columns: Vec<Column> = columns.into_iter().map(column).collect();
-        for pair in columns.windows(2) {
-            let [left, right] = pair else { continue };
-            let (left_len, right_len) = (left.samples.len(), right.samples.len());
-            if left_len != right_len {
-                let (left, right) = (left.name.clone(), right.name.clone());
-                return Err(Error::Lengths { left, left_len, right, right_len });
-            }
-        }
-        Ok(Table { columns, header: 0, first: 0 })
+    /// A table without columns or lines.
+    pub(super) fn empty() -> Self {
+        Table { columns: Vec::new(), header: 0, first: 0, ts: None, left: String::new() }
     }
 
     /// Names of the columns, in the order of the file.
@@ -92,7 +74,7 @@ impl Table {
     /// A column is missing or could be several; a cell in a column that is needed is no finite number; time is uneven.
     pub fn record(&self, selection: &Selection) -> Result<Record, Error> {
         let (ts, [u, y]) = self.sampled([&INPUT, &OUTPUT], selection)?;
-        let units = Units { u: unit(&u.name, "u_"), y: unit(&y.name, "y_") };
+        let units = Units { u: u.unit("u_"), y: y.unit("y_") };
         Ok(Record::new(ts, u.samples.clone(), y.samples.clone())?.with_units(units))
     }
 
@@ -102,7 +84,7 @@ impl Table {
     /// As [`record`](Table::record).
     pub fn input(&self, selection: &Selection) -> Result<Signal, Error> {
         let (ts, [u]) = self.sampled([&INPUT], selection)?;
-        Ok(Signal { ts, samples: u.samples.clone(), unit: unit(&u.name, "u_") })
+        Ok(Signal { ts, samples: u.samples.clone(), unit: u.unit("u_") })
     }
 
     /// A reference, of a file that need not have an input: the only `r_*`, or where there is none what is the output.
@@ -114,20 +96,27 @@ impl Table {
         let said = selection.output.is_none() && (any("r_") || !any("y_"));
         let (role, prefix) = if said { (&REFERENCE, "r_") } else { (&OUTPUT, "y_") };
         let (ts, [r]) = self.sampled([role], selection)?;
-        Ok(Signal { ts, samples: r.samples.clone(), unit: unit(&r.name, prefix) })
+        Ok(Signal { ts, samples: r.samples.clone(), unit: r.unit(prefix) })
     }
 
     /// The sampling period [s], and the columns that play these roles, read without a flaw.
     fn sampled<const N: usize>(&self, roles: [&Role; N], selection: &Selection) -> Result<(f64, [&Column; N]), Error> {
+        self.found(roles, selection).map_err(|error| if self.header > 0 { error } else { self.without_lines(error) })
+    }
+
+    fn found<const N: usize>(&self, roles: [&Role; N], selection: &Selection) -> Result<(f64, [&Column; N]), Error> {
         let mut needed = Vec::with_capacity(N + 1);
         for role in roles {
             needed.push(role.find(self, selection)?);
         }
-        if selection.ts.is_none() {
-            needed.push(in_seconds(TIME.find(self, selection)?, self.header)?);
+        // What is said, else the stamps there are, else what the format states.
+        let time = TIME.find(self, selection);
+        let stated = selection.ts.or_else(|| self.ts.filter(|_| time.is_err() && selection.time.is_none()));
+        if stated.is_none() {
+            needed.push(in_seconds(time?, self.header)?);
         }
         self.usable(&needed)?;
-        let ts = match selection.ts {
+        let ts = match stated {
             Some(ts) => ts,
             None => time::period(&needed[N].samples, &shortened(&needed[N].name), self.first)?,
         };
@@ -162,6 +151,18 @@ impl Table {
                 ),
             }),
             _ => Ok(()),
+        }
+    }
+
+    /// An error about what has no lines, but rows, which are counted from 0; names that are missing may be among what
+    /// was left out.
+    fn without_lines(&self, error: Error) -> Error {
+        let left = if self.left.is_empty() { String::new() } else { format!("; left out: {}", self.left) };
+        match error {
+            Error::Line { line: 0, column, problem } => Error::Row { row: None, column, problem: problem + &left },
+            Error::Line { line, column, problem } => Error::Row { row: Some(line), column, problem },
+            Error::Unknown { .. } => Error::Content(format!("{error}{left}")),
+            other => other,
         }
     }
 

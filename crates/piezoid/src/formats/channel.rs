@@ -1,0 +1,155 @@
+//! Channels: what a file holds under a name, before those that belong together make a table.
+
+use super::quote::shortened;
+use super::table::{Column, Table};
+use crate::Error;
+use std::collections::HashMap;
+
+/// Things left out that a message names.
+const TOLD: usize = 12;
+
+/// What a file holds under one name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Its name.
+    pub name: String,
+    /// Its unit, where the file states one beside the name.
+    pub unit: Option<String>,
+    /// Its samples, or what it is instead of a vector of real numbers: `of shape 2 x 3`.
+    pub samples: Result<Vec<f64>, String>,
+}
+
+impl Channel {
+    /// A channel of samples; a unit may stand in its name.
+    pub fn new(name: impl Into<String>, samples: Vec<f64>) -> Self {
+        Channel { name: name.into(), unit: None, samples: Ok(samples) }
+    }
+
+    /// What is no vector, and what it is.
+    pub fn other(name: impl Into<String>, what: impl Into<String>) -> Self {
+        Channel { name: name.into(), unit: None, samples: Err(what.into()) }
+    }
+}
+
+impl Table {
+    /// A table of the channels that are as long as most are; the others are left out, and told in errors about what is
+    /// missing. Single numbers are no samples where there are longer channels. Errors count samples from 0 where those
+    /// about text count lines.
+    ///
+    /// ```
+    /// use piezoid::formats::{Channel, Selection, Table}; let channels = [("t_s", vec![0.0, 5e-4]), ("u_V", vec![0.0,
+    /// 1.0]), ("y_mm", vec![0.1, 0.2]), ("gain", vec![10.0])]; let table = Table::of(channels.map(|(name, samples)|
+    /// Channel::new(name, samples))); assert_eq!(table.record(&Selection::default())?.units().y, "mm");
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// Two channels of one name, and samples that are not finite, are an error to whoever needs them.
+    pub fn of(channels: impl IntoIterator<Item = Channel>) -> Self {
+        let mut left = Vec::new();
+        let mut columns = Vec::new();
+        for Channel { name, unit, samples } in channels {
+            match samples {
+                Ok(samples) => columns.push((name, unit, samples)),
+                Err(what) => left.push(format!("{} ({what})", shortened(&name))),
+            }
+        }
+        let longest = columns.iter().map(|(.., samples)| samples.len()).max().unwrap_or(0);
+        columns.retain(|(.., samples)| samples.len() > 1 || longest == samples.len());
+        let mut names = HashMap::new();
+        columns.iter().for_each(|(name, ..)| *names.entry(name.clone()).or_insert(0) += 1);
+        let usual = usual(columns.iter().map(|(.., samples)| samples.len()));
+        let mut table = Table::empty();
+        for (name, unit, samples) in columns {
+            if samples.len() == usual {
+                let several = match names.insert(name.clone(), 0) {
+                    Some(0) => continue,
+                    Some(1) | None => None,
+                    Some(_) => Some(Error::Content(format!(
+                        "there are two of {}, in several structures: give one structure",
+                        shortened(&name)
+                    ))),
+                };
+                let flaw = several.or_else(|| crate::error::finite(&name, &samples).err());
+                table.columns.push(Column { name, unit, samples, flaw, decimal: None });
+            } else {
+                left.push(format!("{} (of {} samples, not {usual})", shortened(&name), samples.len()));
+            }
+        }
+        let more = left.len().saturating_sub(TOLD);
+        left.truncate(TOLD);
+        table.left = left.join(", ");
+        if more > 0 {
+            table.left += &format!(" and {more} more");
+        }
+        table
+    }
+}
+
+/// The most frequent length, the longest of those that are equally so.
+fn usual(lengths: impl Iterator<Item = usize>) -> usize {
+    let mut counts = HashMap::new();
+    lengths.for_each(|length| *counts.entry(length).or_insert(0) += 1);
+    counts.into_iter().max_by_key(|(length, count)| (*count, *length)).map_or(0, |(length, _)| length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::Selection;
+
+    fn channels(lengths: &[(&str, usize)]) -> Vec<Channel> {
+        lengths.iter().map(|(name, n)| Channel::new(*name, (0..*n).map(|k| k as f64).collect())).collect()
+    }
+
+    #[test]
+    fn what_is_as_long_as_most_is_a_table_and_the_rest_is_told() {
+        let mut given = channels(&[("t_s", 4), ("u_V", 4), ("y_um", 3), ("a", 1), ("b", 1), ("a", 1), ("c", 1)]);
+        given.push(Channel::other("map", "of shape 2 x 2"));
+        let table = Table::of(given);
+        assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V"]);
+        assert_eq!(
+            table.record(&Selection::default()).unwrap_err().to_string(),
+            "there is no output column: a single `y_*` is missing among the columns `t_s`, `u_V`; name it with \
+             --output-col; left out: map (of shape 2 x 2), y_um (of 3 samples, not 4)"
+        );
+        let asked = Selection { output: Some("map".into()), ..Selection::default() };
+        assert!(table.record(&asked).unwrap_err().to_string().contains("left out: map (of shape 2 x 2)"));
+        let many: Vec<(String, usize)> = (0..20).map(|k| (format!("c{k}"), 2 + k)).collect();
+        let many: Vec<(&str, usize)> = many.iter().map(|(name, n)| (name.as_str(), *n)).collect();
+        assert!(Table::of(channels(&many)).left.ends_with("(of 13 samples, not 21) and 7 more"));
+    }
+
+    #[test]
+    fn a_record_of_one_sample_is_one() {
+        let table = Table::of(channels(&[("u_V", 1), ("y_um", 1)]));
+        assert_eq!(table.record(&Selection { ts: Some(1.0), ..Selection::default() }).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn two_channels_of_one_name_harm_who_needs_them() {
+        let table = Table::of(channels(&[("t_s", 4), ("u_V", 4), ("u_V", 4), ("u_mon", 4), ("y_um", 4), ("u_mon", 3)]));
+        assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V", "u_mon", "y_um"]);
+        for name in ["u_V", "u_mon"] {
+            let asked = Selection { input: Some(name.into()), ..Selection::default() };
+            assert_eq!(
+                table.record(&asked).unwrap_err().to_string(),
+                format!("there are two of {name}, in several structures: give one structure")
+            );
+        }
+        let other = Selection { input: Some("t_s".into()), ts: Some(1.0), ..Selection::default() };
+        assert!(table.record(&other).is_ok());
+    }
+
+    #[test]
+    fn a_unit_and_a_period_that_the_file_states_are_the_tables() {
+        let stated =
+            |name: &str, unit: &str| Channel { unit: Some(unit.into()), ..Channel::new(name, vec![0.0, 1.0, 2.0]) };
+        let table = Table { ts: Some(0.5), ..Table::of([stated("u_drive", "V"), stated("y_probe", "\u{b5}m")]) };
+        let record = table.record(&Selection::default()).unwrap();
+        assert_eq!((record.ts(), &*record.units().u, &*record.units().y), (0.5, "V", "um"));
+        let said = Selection { ts: Some(0.25), ..Selection::default() };
+        assert_eq!(table.record(&said).unwrap().ts(), 0.25, "who says a period knows better");
+        let timed = Table::of([stated("t_s", "ms"), stated("u_drive", "V"), stated("y_probe", "nm")]);
+        assert!(timed.record(&Selection::default()).unwrap_err().to_string().contains("t_s: the time is in ms"));
+    }
+}

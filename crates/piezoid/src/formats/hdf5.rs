@@ -1,0 +1,112 @@
+//! HDF5, as MATLAB writes it (`save -v7.3`) and h5py unless told otherwise: data sets, those in groups by their own
+//! names.
+//!
+//! MATLAB says in attributes what an array is: text, logical, empty, sparse, an object. Not done: what only newer
+//! libraries write unless told otherwise (large groups in heaps, other indices of chunks than B-trees of version 1),
+//! files in several pieces, filters beyond deflate, shuffle and Fletcher's checksum. A data set that needs one of these
+//! is left out and told.
+
+mod data;
+mod group;
+mod object;
+
+use super::bytes::{Unpacking, damaged, length, part};
+use super::{Channel, Format, Table};
+use crate::Error;
+use object::{Object, attribute};
+
+/// The row of HDF5.
+pub(super) const ROW: Format = Format {
+    name: "hdf5",
+    extensions: &["h5", "hdf5"],
+    summary: "data sets of HDF5, as MATLAB's version 7.3 is",
+    reference: "HDF5 File Format Specification 3.0, https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html",
+    matches: |bytes| start(bytes).is_some(),
+    read: |bytes| Ok(Table::of(File::open(bytes)?.channels()?)),
+};
+
+const MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// Where a file begins, behind what its user has put there: MATLAB puts 512 bytes.
+fn start(bytes: &[u8]) -> Option<usize> {
+    let at = |at: &usize| bytes.get(*at..).is_some_and(|rest| rest.starts_with(MAGIC));
+    [0, 512, 1024, 2048, 4096].into_iter().find(at)
+}
+
+/// A file, and what reading it may still cost.
+struct File<'a> {
+    /// From where addresses count.
+    bytes: &'a [u8],
+    /// Address of the first group.
+    root: usize,
+    unpacking: Unpacking,
+    /// Nodes and heads that may still be visited: a damaged file may run in circles.
+    visits: usize,
+}
+
+impl<'a> File<'a> {
+    fn open(file: &'a [u8]) -> Result<Self, Error> {
+        let bytes = file.get(start(file).unwrap_or(0)..).unwrap_or_default();
+        let number = |at, size| length(bytes, at, size, false);
+        // Sizes of addresses and lengths; then where addresses begin, the file ends, and the first group stands.
+        let (sizes, base, end, root) = match number(8, 1)? {
+            0 => (13, 24, 40, 64),
+            1 => (13, 28, 44, 68),
+            2 | 3 => (9, 12, 28, 36),
+            version => return Err(newer(format!("superblock {version}"))),
+        };
+        if part(bytes, sizes, 2)? != [8, 8] {
+            return Err(newer("addresses of other than 8 bytes"));
+        }
+        part(file, 0, number(end, 8)?)?;
+        let bytes = file.get(number(base, 8)?..).ok_or_else(|| damaged("it begins behind its end"))?;
+        Ok(File { bytes, root: number(root, 8)?, unpacking: Unpacking::of(file), visits: file.len() / 8 })
+    }
+
+    /// All data sets.
+    fn channels(mut self) -> Result<Vec<Channel>, Error> {
+        let mut channels = Vec::new();
+        let root = self.object(self.root)?;
+        self.group(&root, 0, &mut channels)?;
+        Ok(channels)
+    }
+
+    /// Counts one more node or head.
+    fn visit(&mut self) -> Result<(), Error> {
+        self.visits = self.visits.checked_sub(1).ok_or_else(|| damaged("its parts refer to each other in circles"))?;
+        Ok(())
+    }
+
+    fn number(&self, at: usize, size: usize) -> Result<usize, Error> {
+        length(self.bytes, at, size, false)
+    }
+
+    /// The channels of a group and of those in it.
+    fn group(&mut self, group: &Object<'a>, depth: usize, channels: &mut Vec<Channel>) -> Result<(), Error> {
+        if depth > super::bytes::DEEPEST {
+            return Err(damaged(format!("groups {depth} deep")));
+        }
+        for (name, at) in self.links(group)? {
+            // MATLAB's own: what cells refer to.
+            if name.starts_with('#') {
+                continue;
+            }
+            let object = self.object(at)?;
+            if attribute(&object, "MATLAB_sparse")?.is_some() {
+                channels.push(Channel::other(name, "a sparse matrix"));
+            } else if object.is_group() {
+                self.group(&object, depth + 1, channels)?;
+            } else if let Some(samples) = self.samples(&object)? {
+                channels.push(Channel { name, unit: None, samples });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is written otherwise than is read here.
+fn newer(what: impl std::fmt::Display) -> Error {
+    Error::Content(format!(
+        "this HDF5 file is written in a way that is not read ({what}): save it as MATLAB -v7 or CSV"
+    ))
+}

@@ -1,0 +1,31 @@
+//! MATLAB's files of versions 4, 5 and 7 (`save -v4`, `-v6`, `-v7`): variables, and the fields of structures by their
+//! own names.
+//!
+//! Single numbers and lines of text are what a file says of its record; matrices, complex and sparse ones, arrays of
+//! structures, and what is an object are left out and told. Version 7.3 is HDF5 (see `hdf5`).
+
+mod v4;
+mod v5;
+
+use super::{Format, Table};
+use crate::Error;
+
+/// The row of MATLAB.
+pub(super) const ROW: Format = Format {
+    name: "matlab",
+    extensions: &["mat"],
+    summary: "variables of MATLAB",
+    reference: "MathWorks, MAT-File Format, R2024b, https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf",
+    matches: |bytes| v5::begins(bytes) || v4::begins(bytes) || bytes.starts_with(OCTAVE),
+    read,
+};
+
+/// How Octave's own text begins, which it calls .mat as well.
+const OCTAVE: &[u8] = b"# Created by Octave";
+
+fn read(file: &[u8]) -> Result<Table, Error> {
+    if file.starts_with(OCTAVE) {
+        return Err(Error::Content("this is Octave's own text: save it with `save -v7`, or as CSV".into()));
+    }
+    Ok(Table::of(if v5::begins(file) { v5::variables(file)? } else { v4::variables(file)? }))
+}

@@ -1,0 +1,174 @@
+//! Versions 5 and 7: elements within elements, each behind a tag of its type and length; version 7 deflates every
+//! variable.
+//!
+//! Numbers are stored in the smallest type that holds them, whatever the class of their array. A cell that stands alone
+//! is what it holds, and cells of single numbers are a vector of them.
+
+use crate::Error;
+use crate::formats::Channel;
+use crate::formats::bytes::{DEEPEST, Kind, Numbers, Unpacking, damaged, length, part, shape, size, text, vector};
+
+/// Bytes of the text that a file begins with, and of version and byte order.
+const HEAD: usize = 128;
+/// Types of elements.
+const MATRIX: usize = 14;
+const COMPRESSED: usize = 15;
+/// The flag of an array of complex numbers.
+const COMPLEX: usize = 0x800;
+
+/// Whether a file begins as these versions do.
+pub(super) fn begins(file: &[u8]) -> bool {
+    matches!(file.get(HEAD - 4..HEAD), Some([_, 1, b'I', b'M'] | [1, _, b'M', b'I']))
+}
+
+/// The variables.
+pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
+    let big = file.get(HEAD - 2) == Some(&b'M');
+    let mut unpacking = Unpacking::of(file);
+    let mut channels = Vec::new();
+    let mut elements = Elements { bytes: file, at: HEAD, big };
+    while elements.at < file.len() {
+        let element = elements.next()?;
+        let (name, value) = if let (COMPRESSED, packed) = element {
+            let bytes = unpacking.zlib(packed)?;
+            array(Elements { bytes: &bytes, at: 0, big }.next()?, big, 0)?
+        } else {
+            array(element, big, 0)?
+        };
+        // What has no name is MATLAB's own.
+        if !name.is_empty() {
+            flat(name, value, &mut channels);
+        }
+    }
+    Ok(channels)
+}
+
+/// What a variable, field or cell holds.
+enum Value {
+    /// Samples, or what is no vector of such.
+    Samples(Result<Vec<f64>, String>),
+    /// A line of text.
+    Text,
+    Fields(Vec<(String, Value)>),
+}
+
+/// The channels of a variable: its own, or those of its fields.
+fn flat(name: String, value: Value, channels: &mut Vec<Channel>) {
+    match value {
+        Value::Samples(samples) => channels.push(Channel { name, unit: None, samples }),
+        Value::Text => {}
+        Value::Fields(fields) => fields.into_iter().for_each(|(name, value)| flat(name, value, channels)),
+    }
+}
+
+/// The name and the value of an array.
+fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, Value), Error> {
+    let other = |what: &str| Value::Samples(Err(what.into()));
+    if kind != MATRIX || depth > DEEPEST {
+        return Err(damaged(format!("an element of type {kind}, {depth} deep, where an array should stand")));
+    }
+    if bytes.is_empty() {
+        return Ok((String::new(), other("empty")));
+    }
+    let mut parts = Elements { bytes, at: 0, big };
+    let (_, flags) = parts.next()?;
+    let flags = length(flags, 0, 4, big)?;
+    // What is opaque says its name in place of its dimensions.
+    let dims = if flags & 0xff == 17 { Vec::new() } else { parts.lengths()? };
+    let name = text(parts.next()?.1);
+    let value = match flags & 0xff {
+        1 => cells(&mut parts, &dims, depth)?,
+        2 if size(&dims)? == 1 => fields(&mut parts, depth)?,
+        2 => other(&format!("structures, {}", shape(&dims))),
+        4 if size(&dims)? == 0 || dims.first() == Some(&1) => Value::Text,
+        4 => other("text"),
+        5 => other("a sparse matrix"),
+        6..=15 if flags & COMPLEX > 0 => other("complex numbers"),
+        6..=15 => Value::Samples(match vector(&dims)? {
+            Ok(n) => Ok(parts.numbers(n)?),
+            Err(what) => Err(what),
+        }),
+        class => other(&format!("an object of class {class}")),
+    };
+    Ok((name, value))
+}
+
+/// Cells, one array each.
+fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<Value, Error> {
+    let count = size(dims)?;
+    let mut samples = Vec::new();
+    for _ in 0..count {
+        let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
+        match value {
+            value if count == 1 => return Ok(value),
+            Value::Samples(Ok(single)) if single.len() == 1 => samples.extend(single),
+            _ => return Ok(Value::Samples(Err(format!("cells, {}", shape(dims))))),
+        }
+    }
+    Ok(Value::Samples(vector(dims)?.map(|_| samples)))
+}
+
+/// The fields of one structure.
+fn fields(parts: &mut Elements<'_>, depth: usize) -> Result<Value, Error> {
+    let width = parts.lengths()?.first().copied().unwrap_or(0).max(1);
+    let (_, names) = parts.next()?;
+    let mut fields = Vec::new();
+    for name in names.chunks(width) {
+        let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
+        fields.push((text(name), value));
+    }
+    Ok(Value::Fields(fields))
+}
+
+/// Elements one after the other.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big: bool,
+}
+
+impl<'a> Elements<'a> {
+    /// The next one: its type and its bytes.
+    fn next(&mut self) -> Result<(usize, &'a [u8]), Error> {
+        let &mut Elements { bytes, at, big } = self;
+        let tag = length(bytes, at, 4, big)?;
+        // Up to four bytes stand within the tag.
+        if tag >> 16 > 0 {
+            self.at += 8;
+            return Ok((tag & 0xffff, part(bytes, at + 4, (tag >> 16).min(4))?));
+        }
+        let element = part(bytes, at + 8, length(bytes, at + 4, 4, big)?)?;
+        // All but what is compressed is filled up to eight bytes, the last one perhaps not.
+        let end = at + 8 + element.len();
+        self.at = if tag == COMPRESSED { end } else { end.next_multiple_of(8).min(bytes.len()) };
+        Ok((tag, element))
+    }
+
+    /// The next one, whole numbers of four bytes that are lengths.
+    fn lengths(&mut self) -> Result<Vec<usize>, Error> {
+        let (_, bytes) = self.next()?;
+        (0..bytes.len() / 4).map(|k| length(bytes, 4 * k, 4, self.big)).collect()
+    }
+
+    /// The next one, so many numbers.
+    fn numbers(&mut self, count: usize) -> Result<Vec<f64>, Error> {
+        let (kind, bytes) = self.next()?;
+        let (number, size) = match kind {
+            1 => (Kind::Signed, 1),
+            2 => (Kind::Unsigned, 1),
+            3 => (Kind::Signed, 2),
+            4 => (Kind::Unsigned, 2),
+            5 => (Kind::Signed, 4),
+            6 => (Kind::Unsigned, 4),
+            7 => (Kind::Float, 4),
+            9 => (Kind::Float, 8),
+            12 => (Kind::Signed, 8),
+            13 => (Kind::Unsigned, 8),
+            other => return Err(damaged(format!("numbers of the unknown type {other}"))),
+        };
+        if count.checked_mul(size) != Some(bytes.len()) {
+            return Err(damaged(format!("{} bytes for {count} numbers of {size} bytes", bytes.len())));
+        }
+        Ok(Numbers { kind: number, size, big: self.big }.read(bytes, size).unwrap_or_default())
+    }
+}

@@ -1,0 +1,123 @@
+//! Files of NumPy: an array with named fields (`.npy`), or an archive of named arrays (`.npz`).
+//!
+//! The names are those of fields and of arrays; instants become seconds from the earliest. Not done: objects, which
+//! only Python reads, and floats of 16 bytes, which are another thing on every machine.
+
+mod descr;
+mod literal;
+mod zip;
+
+use super::bytes::{self, Unpacking, damaged, length, part, shape, whole};
+use super::{Channel, Format, Table};
+use crate::Error;
+use descr::{Descr, Head};
+
+/// The row of NumPy.
+pub(super) const ROW: Format = Format {
+    name: "numpy",
+    extensions: &["npz", "npy"],
+    summary: "named arrays of NumPy, or an array with named fields",
+    reference: "https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html",
+    matches,
+    read,
+};
+
+const MAGIC: &[u8] = b"\x93NUMPY";
+
+fn matches(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC) || zip::first(bytes).is_some_and(|name| name.ends_with(b".npy"))
+}
+
+fn read(file: &[u8]) -> Result<Table, Error> {
+    let mut unpacking = Unpacking::of(file);
+    let mut channels = Vec::new();
+    if !file.starts_with(MAGIC) {
+        for member in zip::members(file)? {
+            if let Some(name) = member.name.strip_suffix(".npy") {
+                channels.extend(array(name, &member.bytes(file, &mut unpacking)?, &mut unpacking)?);
+            }
+        }
+        return Ok(Table::of(channels));
+    }
+    channels.extend(array("", file, &mut unpacking)?);
+    match &channels[..] {
+        [Channel { name, .. }] if name.is_empty() => Err(Error::Content(
+            "there are no names: the file holds one plain array; save the columns by their names, as \
+             numpy.savez(file, t_s=..., u_V=..., y_um=...) does"
+                .into(),
+        )),
+        _ => Ok(Table::of(channels)),
+    }
+}
+
+/// The channels of an array: one of its name, or of each of its fields.
+fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Channel>, Error> {
+    if !file.starts_with(MAGIC) {
+        return Err(damaged(format!("the array {name:?} does not begin as numpy writes it")));
+    }
+    // Versions differ in the width of a length.
+    let width = if part(file, MAGIC.len(), 1)? == [1] { 2 } else { 4 };
+    let start = MAGIC.len() + 2 + width;
+    let text = part(file, start, length(file, start - width, width, false)?)?;
+    let Head { descr, dims } = descr::head(text)?;
+    let fields = match descr {
+        Descr::Fields(fields) => fields,
+        plain => vec![(name.to_string(), plain)],
+    };
+    let item = fields.iter().try_fold(0, |sum: usize, (_, field)| sum.checked_add(field.size()?));
+    let all = item.and_then(|item| item.checked_mul(bytes::size(&dims).ok()?));
+    let (Some(item), Some(all)) = (item, all) else {
+        return Err(damaged(format!("an array of shape {}", shape(&dims))));
+    };
+    let data = part(file, start + text.len(), all)?;
+    let single = fields.len() == 1;
+    let mut at = 0;
+    let mut channels = Vec::new();
+    for (name, field) in fields {
+        let size = field.size().unwrap_or(0);
+        // Padding has no name.
+        if single || !name.is_empty() {
+            channels.extend(channel(name, &field, &dims, data.get(at..).unwrap_or_default(), item, unpacking)?);
+        }
+        at += size;
+    }
+    Ok(channels)
+}
+
+/// One field of an array, a number of which stands every `item` bytes; nothing where it is a single text or the like.
+fn channel(
+    name: String,
+    field: &Descr,
+    dims: &[usize],
+    data: &[u8],
+    item: usize,
+    unpacking: &mut Unpacking,
+) -> Result<Option<Channel>, Error> {
+    let n = match bytes::vector(dims)? {
+        Ok(n) => n,
+        Err(what) => return Ok(Some(Channel::other(name, what))),
+    };
+    unpacking.count(n.saturating_mul(8))?;
+    Ok(Some(match field {
+        Descr::Numbers(numbers) => match numbers.read(data, item) {
+            Some(samples) => Channel::new(name, samples),
+            None => Channel::other(name, format!("numbers of {} bytes", numbers.size)),
+        },
+        Descr::Instants { big, unit, per_second } => {
+            let ticks = (0..n).map(|k| whole(data, k * item, 8, *big).map(|bits| bits as i64));
+            Channel::new(name, since_first(&ticks.collect::<Result<Vec<_>, _>>()?, *unit, *per_second))
+        }
+        Descr::Other(..) if n == 1 => return Ok(None),
+        Descr::Other(what, _) => Channel::other(name, what.clone()),
+        Descr::Fields(_) => Channel::other(name, "fields within a field"),
+    }))
+}
+
+/// Instants, counted in `unit` of which `per_second` are a second, in seconds from the earliest; NaN where there is
+/// none.
+fn since_first(ticks: &[i64], unit: f64, per_second: f64) -> Vec<f64> {
+    let none = |tick: &i64| *tick == i64::MIN;
+    let first = ticks.iter().filter(|tick| !none(tick)).min().copied().unwrap_or(0);
+    let seconds = |tick: &i64| (i128::from(*tick) - i128::from(first)) as f64 * unit / per_second;
+    ticks.iter().map(|tick| if none(tick) { f64::NAN } else { seconds(tick) }).collect()
+}

@@ -1,0 +1,142 @@
+//! What an array consists of: the head of a `.npy` file.
+
+use super::literal::{Literal, parse};
+use crate::Error;
+use crate::formats::bytes::{DEEPEST, Kind, Numbers, damaged, shape, size};
+use crate::formats::quote::quoted;
+
+/// The head of a file.
+#[derive(Debug, PartialEq)]
+pub(super) struct Head {
+    pub(super) descr: Descr,
+    pub(super) dims: Vec<usize>,
+}
+
+/// The type of an element.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Descr {
+    Numbers(Numbers),
+    /// Instants or spans of time, whole numbers of 8 bytes: in this unit, of which so many are a second.
+    Instants {
+        big: bool,
+        unit: f64,
+        per_second: f64,
+    },
+    Fields(Vec<(String, Descr)>),
+    /// What is no real number, and its bytes.
+    Other(String, usize),
+}
+
+/// Reads the head of a file.
+pub(super) fn head(bytes: &[u8]) -> Result<Head, Error> {
+    let text = String::from_utf8_lossy(bytes);
+    let wrong = || damaged(format!("the description of an array, {:.60?}", text.trim()));
+    let Literal::Dict(entries) = parse(&text)? else { return Err(wrong()) };
+    let entry = |wanted: &str| {
+        let found = entries.iter().find(|(key, _)| *key == Literal::Text(wanted.into()));
+        found.map(|(_, value)| value).ok_or_else(wrong)
+    };
+    let descr = descr(entry("descr")?, 0).ok_or_else(wrong)?;
+    Ok(Head { descr, dims: dims(entry("shape")?).ok_or_else(wrong)? })
+}
+
+fn dims(literal: &Literal) -> Option<Vec<usize>> {
+    let dim = |value: &Literal| if let Literal::Number(dim) = value { Some(*dim) } else { None };
+    if let Literal::List(values) = literal { values.iter().map(dim).collect() } else { None }
+}
+
+fn descr(literal: &Literal, depth: usize) -> Option<Descr> {
+    match literal {
+        Literal::Text(code) => plain(code),
+        Literal::List(fields) if depth < DEEPEST => {
+            Some(Descr::Fields(fields.iter().map(|f| field(f, depth)).collect::<Option<_>>()?))
+        }
+        _ => None,
+    }
+}
+
+/// A name, perhaps with a title before it, a type, and perhaps a shape.
+fn field(literal: &Literal, depth: usize) -> Option<(String, Descr)> {
+    let Literal::List(parts) = literal else { return None };
+    let (name, kind, dims) = match &parts[..] {
+        [name, kind] => (name, kind, None),
+        [name, kind, shape] => (name, kind, Some(dims(shape)?)),
+        _ => return None,
+    };
+    let name = match name {
+        Literal::Text(name) => name,
+        Literal::List(parts) => match &parts[..] {
+            [_, Literal::Text(name)] => name,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let descr = descr(kind, depth + 1)?;
+    let descr = match dims {
+        None => descr,
+        Some(dims) => {
+            Descr::Other(format!("of shape {} a row", shape(&dims)), descr.size()?.checked_mul(size(&dims).ok()?)?)
+        }
+    };
+    Some((name.clone(), descr))
+}
+
+/// A type such as `<f8` or `<M8[us]`.
+fn plain(code: &str) -> Option<Descr> {
+    let (order, rest) = match code.chars().next()? {
+        order @ ('<' | '>' | '|' | '=') => (order, &code[1..]),
+        _ => ('<', code),
+    };
+    let kind = rest.chars().next()?;
+    let (digits, unit) = rest[kind.len_utf8()..].split_once('[').unwrap_or((&rest[kind.len_utf8()..], ""));
+    let size: usize = if kind == 'O' { 8 } else { digits.parse().ok()? };
+    let (big, what) = (order == '>', || format!("of type {}", quoted(code)));
+    let numbers = |kind| Some(Descr::Numbers(Numbers { kind, size, big }));
+    match kind {
+        'f' if matches!(size, 2 | 4 | 8) => numbers(Kind::Float),
+        'i' if matches!(size, 1 | 2 | 4 | 8) => numbers(Kind::Signed),
+        'u' if matches!(size, 1 | 2 | 4 | 8) => numbers(Kind::Unsigned),
+        'b' if size == 1 => numbers(Kind::Unsigned),
+        'M' | 'm' if size == 8 => Some(match seconds(unit.trim_end_matches(']')) {
+            Some((unit, per_second)) => Descr::Instants { big, unit, per_second },
+            None => Descr::Other(what(), size),
+        }),
+        'U' => Some(Descr::Other("text".into(), size.checked_mul(4)?)),
+        'S' | 'a' => Some(Descr::Other("text".into(), size)),
+        'O' => Some(Descr::Other("Python objects".into(), 8)),
+        _ => Some(Descr::Other(what(), size)),
+    }
+}
+
+/// A unit of time, such as `us` or `10us`: how many of one of which how many are a second.
+fn seconds(unit: &str) -> Option<(f64, f64)> {
+    let digits = unit.len() - unit.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let count: f64 = if digits > 0 { unit[..digits].parse().ok()? } else { 1.0 };
+    let (each, per_second) = match &unit[digits..] {
+        "W" => (604_800.0, 1.0),
+        "D" => (86_400.0, 1.0),
+        "h" => (3600.0, 1.0),
+        "m" => (60.0, 1.0),
+        "s" => (1.0, 1.0),
+        "ms" => (1.0, 1e3),
+        "us" => (1.0, 1e6),
+        "ns" => (1.0, 1e9),
+        "ps" => (1.0, 1e12),
+        "fs" => (1.0, 1e15),
+        "as" => (1.0, 1e18),
+        _ => return None,
+    };
+    Some((count * each, per_second))
+}
+
+impl Descr {
+    /// Bytes an element; none where they cannot be counted.
+    pub(super) fn size(&self) -> Option<usize> {
+        match self {
+            Descr::Numbers(numbers) => Some(numbers.size),
+            Descr::Instants { .. } => Some(8),
+            Descr::Fields(fields) => fields.iter().try_fold(0, |sum: usize, (_, field)| sum.checked_add(field.size()?)),
+            Descr::Other(_, size) => Some(*size),
+        }
+    }
+}

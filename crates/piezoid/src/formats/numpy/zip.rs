@@ -1,0 +1,77 @@
+//! Zip archives, as far as `numpy.savez` and `savez_compressed` write them: the directory at the end, members stored or
+//! deflated. Not done: more than 4 GiB, encryption, several disks.
+//!
+//! Reference: PKWARE, .ZIP File Format Specification 6.3, <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
+
+use crate::Error;
+use crate::formats::bytes::{Unpacking, damaged, length, part};
+use std::borrow::Cow;
+
+const MEMBER: &[u8] = b"PK\x03\x04";
+const ENTRY: &[u8] = b"PK\x01\x02";
+const END: &[u8] = b"PK\x05\x06";
+
+/// A member of an archive.
+#[derive(Debug)]
+pub(super) struct Member {
+    pub(super) name: String,
+    method: usize,
+    checksum: usize,
+    packed: usize,
+    at: usize,
+}
+
+/// The name of the first member, of an archive that begins with one.
+pub(super) fn first(bytes: &[u8]) -> Option<&[u8]> {
+    let len = length(bytes.strip_prefix(MEMBER)?, 22, 2, false).ok()?;
+    part(bytes, 30, len).ok()
+}
+
+/// What stands in the directory.
+pub(super) fn members(file: &[u8]) -> Result<Vec<Member>, Error> {
+    let end = file.windows(END.len()).rposition(|window| window == END);
+    let end = end.ok_or_else(|| damaged("the directory at its end is missing"))?;
+    let (count, mut at) = (length(file, end + 10, 2, false)?, length(file, end + 16, 4, false)?);
+    let mut members = Vec::new();
+    for _ in 0..count {
+        if part(file, at, ENTRY.len())? != ENTRY {
+            return Err(damaged(format!("no entry of its directory stands at byte {at}")));
+        }
+        let number = |offset, size| length(file, at + offset, size, false);
+        let name = part(file, at + 46, number(28, 2)?)?;
+        members.push(Member {
+            name: String::from_utf8_lossy(name).into_owned(),
+            method: number(10, 2)?,
+            checksum: number(16, 4)?,
+            packed: number(20, 4)?,
+            at: number(42, 4)?,
+        });
+        at += 46 + name.len() + number(30, 2)? + number(32, 2)?;
+    }
+    Ok(members)
+}
+
+impl Member {
+    /// Its bytes, whose checksum is right.
+    pub(super) fn bytes<'a>(&self, file: &'a [u8], unpacking: &mut Unpacking) -> Result<Cow<'a, [u8]>, Error> {
+        let (name, at) = (&self.name, self.at);
+        if part(file, at, MEMBER.len())? != MEMBER {
+            return Err(damaged(format!("{name:?} does not stand at byte {at}")));
+        }
+        let head = 30 + length(file, at + 26, 2, false)? + length(file, at + 28, 2, false)?;
+        let packed = part(file, at + head, self.packed)?;
+        let bytes = match self.method {
+            0 => Cow::Borrowed(packed),
+            8 => Cow::Owned(unpacking.deflated(packed)?),
+            other => {
+                return Err(Error::Content(format!(
+                    "{name:?} is compressed in a way that is not read (method {other}): save it with numpy.savez"
+                )));
+            }
+        };
+        if crc32fast::hash(&bytes) as usize != self.checksum {
+            return Err(damaged(format!("the checksum of {name:?} is wrong")));
+        }
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,133 @@
+//! Every format that is read, on files of others (`golden/formats.py` writes them), whole and damaged.
+
+#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+
+use piezoid::formats::{self, FORMATS, Selection, Table};
+use piezoid::{Error, Record};
+
+/// Files of one record: what reads them, and what each leaves out.
+const FILES: &[(&str, &str, &[u8], &str)] = &[
+    ("csv", "record.csv", b"t_s,u_V,y_um\n0,0,0\n0.0005,1,20\n0.001,1.5,33\n0.0015,-2,-40\n", ""),
+    ("numpy", "fields.npy", include_bytes!("golden/formats/fields.npy"), "corner (of shape 2 a row)"),
+    ("numpy", "stored.npz", include_bytes!("golden/formats/stored.npz"), NUMPY),
+    ("numpy", "deflated.npz", include_bytes!("golden/formats/deflated.npz"), NUMPY),
+    ("matlab", "v4.mat", include_bytes!("golden/formats/v4.mat"), "map (of shape 2 x 2)"),
+    ("matlab", "v4_big.mat", include_bytes!("golden/formats/v4_big.mat"), ""),
+    ("matlab", "v5.mat", include_bytes!("golden/formats/v5.mat"), MATLAB),
+    ("matlab", "v5_big.mat", include_bytes!("golden/formats/v5_big.mat"), ""),
+    ("matlab", "v7.mat", include_bytes!("golden/formats/v7.mat"), MATLAB),
+    ("hdf5", "v73.mat", include_bytes!("golden/formats/v73.mat"), HDF5),
+    ("hdf5", "links.h5", include_bytes!("golden/formats/links.h5"), "impedance (complex numbers, or several in one)"),
+];
+
+const NUMPY: &str = "map (of shape 2 x 2), names (text), impedance (of type `<c16`), short (of 3 samples, not 4)";
+const MATLAB: &str = "lines (text), map (of shape 2 x 2), impedance (complex numbers), sparse (a sparse matrix), \
+                      nothing (empty), runs (cells, 1 x 2), twice (structures, 1 x 2), short (of 3 samples, not 4)";
+const HDF5: &str = "cells (of class cell), empty (empty), map (of shape 2 x 2), sparse (a sparse matrix)";
+
+fn record(table: &Table) -> Result<Record, Error> {
+    table.record(&Selection::default())
+}
+
+/// What an error says of a channel that there is not.
+fn missing(table: &Table) -> String {
+    let asked = Selection { output: Some("no such channel".into()), ..Selection::default() };
+    table.record(&asked).expect_err("there is no such channel").to_string()
+}
+
+#[test]
+fn one_record_is_the_same_in_every_format_whatever_the_file_is_called() {
+    let wanted = Record::new(5e-4, vec![0.0, 1.0, 1.5, -2.0], vec![0.0, 20.0, 33.0, -40.0]).expect("a record");
+    for (_, name, bytes, left) in FILES {
+        for called in [name, "record", "record.csv", "record.mat"] {
+            let table = formats::read(called, bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(record(&table).as_ref(), Ok(&wanted), "{name}");
+            let told = missing(&table);
+            let left_out = told.split_once("; left out: ").map_or("", |(_, left)| left);
+            assert_eq!(left_out, *left, "{name}");
+        }
+    }
+}
+
+#[test]
+fn every_row_is_complete_and_knows_its_files() {
+    for format in FORMATS {
+        let own: Vec<_> = FILES.iter().filter(|(row, ..)| *row == format.name).collect();
+        assert!(!own.is_empty(), "no file in tests/golden/formats is of {}", format.name);
+        assert!(own.iter().all(|(.., bytes, _)| (format.matches)(bytes)), "{}", format.name);
+        for text in [format.name, format.summary, format.reference] {
+            assert!(!text.is_empty() && !text.contains('\n'), "{}", format.name);
+        }
+        for extension in format.extensions {
+            let rows = FORMATS.iter().filter(|row| row.extensions.contains(extension)).count();
+            assert!(rows == 1 && *extension == extension.to_lowercase(), "{}: {extension}", format.name);
+        }
+    }
+    for (row, name, bytes, _) in FILES {
+        let last = FORMATS.iter().rfind(|format| (format.matches)(bytes)).map(|format| format.name);
+        assert_eq!(last, Some(*row), "{name}");
+    }
+}
+
+#[test]
+fn other_types_and_names_are_there_to_choose() {
+    for (name, channel, wanted) in [
+        ("stored.npz", "counts", [-300.0, 0.0, 1.0, 300.0]),
+        ("stored.npz", "armed", [0.0, 1.0, 1.0, 0.0]),
+        ("fields.npy", "armed", [0.0, 1.0, 1.0, 0.0]),
+        ("v4.mat", "counts", [-300.0, 0.0, 1.0, 300.0]),
+        ("v7.mat", "counts", [-300.0, 0.0, 1.0, 300.0]),
+        ("v5.mat", "armed", [0.0, 1.0, 1.0, 0.0]),
+        ("v5.mat", "single", [0.0, 1.0, 1.5, -2.0]),
+        ("v5.mat", "cells", [1.0, 2.0, 3.0, 4.0]),
+        ("v7.mat", "large", [1.0, 2.0, 3.0, 9_223_372_036_854_775_808.0]),
+        ("v73.mat", "armed", [0.0, 1.0, 1.0, 0.0]),
+        ("links.h5", "armed", [0.0, 1.0, 1.0, 0.0]),
+    ] {
+        let (_, _, bytes, _) = FILES.iter().find(|(_, file, ..)| *file == name).expect("a file of the list");
+        let table = formats::read(name, bytes).expect("a file that is read");
+        let selection = Selection { output: Some(channel.into()), ..Selection::default() };
+        assert_eq!(table.record(&selection).expect("a record").y(), wanted, "{name}: {channel}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_told_by_what_it_should_be() {
+    let message = |name: &str, bytes: &[u8]| formats::read(name, bytes).expect_err(name).to_string();
+    assert_eq!(
+        message("r.mat", b"nothing of the kind"),
+        "cannot be read: a file called .mat should hold variables of MATLAB, but this one does not begin so: it is \
+         damaged, or of another format"
+    );
+    assert!(message("r.NPZ", b"PK\x03\x04").contains("a file called .NPZ should hold named arrays"));
+    assert!(message("r.csv", b"nothing").starts_with("there are no numbers: the file ends after its header"));
+    assert!(message("r.xlsx", b"PK\x03\x04\x14\0\x06\0").contains("a zip archive, such as .xlsx"));
+    assert!(message("r.mat", b"# Created by Octave 7.3.0\n# name: t_s\n").contains("`save -v7`"));
+    let plain = b"\x93NUMPY\x01\x00\x3a\x00{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }\n";
+    assert!(message("r.npy", plain).starts_with("there are no names: the file holds one plain array"));
+}
+
+#[test]
+fn a_damaged_file_is_read_or_refused_wherever_it_is_cut_or_changed() {
+    for (_, name, bytes, _) in FILES.iter().filter(|(row, ..)| *row != "csv") {
+        for end in 0..bytes.len() {
+            drop(formats::read(name, &bytes[..end]).map(|table| record(&table)));
+        }
+        let mut changed = bytes.to_vec();
+        for at in 0..bytes.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                changed[at] ^= flip;
+                drop(formats::read(name, &changed).map(|table| record(&table)));
+                changed[at] ^= flip;
+            }
+        }
+        for at in 0..bytes.len().saturating_sub(8) {
+            // A length, place or count that is as large as can be.
+            changed[at..at + 8].fill(0xff);
+            drop(formats::read(name, &changed).map(|table| record(&table)));
+            changed[at..at + 8].copy_from_slice(&bytes[at..at + 8]);
+        }
+        let half = formats::read(name, &bytes[..bytes.len() / 2]).and_then(|table| record(&table));
+        assert!(half.is_err(), "{name}");
+    }
+}
