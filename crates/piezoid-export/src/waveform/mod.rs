@@ -72,7 +72,7 @@ const DECIMALS: usize = 4;
 const FINE: f64 = 1e-6;
 
 fn make(wanted: &Wanted) -> Result<Made, Error> {
-    named(wanted.name, &[])?;
+    named(wanted.name, "")?;
     let (model, name, ts) = (wanted.model, wanted.name, wanted.model.ts());
     let Some(r) = wanted.reference else {
         return Err(Error::parameter("reference", "none", "must be given: one period of the wanted displacement"));
