@@ -75,9 +75,8 @@ pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> Str
     };
     let entry = |entry: &Entry| {
         let (vectors, mean) = (&entry.vectors, entry.vectors.mean);
-        let input = |(k, input): (usize, &Signal)| {
-            signal(input, &vectors.inputs.iter().map(|row| row[k]).collect::<Vec<_>>())
-        };
+        let input =
+            |(k, input): (usize, &Signal)| signal(input, &vectors.inputs.iter().map(|row| row[k]).collect::<Vec<_>>());
         context! {
             step => entry.step, reset => entry.reset, state => entry.state, about => &entry.about,
             kind => entry.kind(), called => entry.called(), named => entry.named(name),

@@ -161,7 +161,8 @@ impl Fixed {
 
     /// What templates are told of counts: what each is worth, and how far off they are.
     pub(super) fn told(&self) -> Value {
-        let error = |(entry, proof): (&Entry, &Proof)| context! { step => entry.step, rms => proof.rms, most => proof.most };
+        let error =
+            |(entry, proof): (&Entry, &Proof)| context! { step => entry.step, rms => proof.rms, most => proof.most };
         let port = |(name, bits, worth): (&'static str, i32, String)| {
             context! { name, bits, worth, end => 2f64.powi(31 - bits) }
         };

@@ -74,7 +74,8 @@ impl<'m> Matlab<'m> {
                 true => format!("{} = {}", c.name, self.column(&c.values, "    ")),
             };
             let constants: Value = block.constants.iter().map(constant).collect();
-            (!functions.is_empty()).then(|| context! { name => &block.name, about => &block.about, constants, functions })
+            (!functions.is_empty())
+                .then(|| context! { name => &block.name, about => &block.about, constants, functions })
         };
         // In an example, all that the model knows is gone through.
         let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));

@@ -208,7 +208,8 @@ impl St<'_> {
         entry.inputs.iter().for_each(|input| names.add(input.name, input.name));
         names.add("!output", entry.output.name);
         [("!reset", "reset"), ("!state", "state"), ("!rest", "rest"), (TABLES, "tables")]
-            .map(|(key, wish)| names.add(key, wish));
+            .iter()
+            .for_each(|(key, wish)| names.add(key, wish));
         // What the function calls what it is given, and what that is called here.
         let inner = &self.inner[k].0;
         let outer = step.takes.iter().map(|p| match p.kind {
