@@ -11,6 +11,7 @@ use minijinja::{AutoEscape, Environment, Output, State, UndefinedBehavior};
 pub(super) use minijinja::{Value, context};
 use piezoid::error::Error;
 use piezoid::number::{round, short};
+use piezoid::program::{Block, Function, Program};
 use piezoid::system::System;
 
 /// A template: its path, and what is in it. Where the path ends in `.xml.j2` or `.html.j2`, all values are escaped.
@@ -86,12 +87,21 @@ pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> Str
             comparisons => mean.comparisons, most => vectors.most, off => vectors.off, missed => vectors.missed,
         }
     };
+    let mut called = Vec::new();
+    whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
     context! {
-        name, upper => name.to_uppercase(), single => wanted.single, ts => model.ts(), preview => wanted.preview,
+        called, name, upper => name.to_uppercase(), single => wanted.single, ts => model.ts(), preview => wanted.preview,
         hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
         order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
         entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),
     }
+}
+
+/// The blocks that have functions, with these and their numbers.
+pub(super) fn blocks(program: &Program) -> impl Iterator<Item = (&Block, Vec<(usize, &Function)>)> {
+    let of = |number| program.functions.iter().enumerate().filter(move |(_, f)| f.block == number).collect::<Vec<_>>();
+    let blocks = program.blocks.iter().enumerate().map(move |(number, block)| (block, of(number)));
+    blocks.filter(|(_, functions)| !functions.is_empty())
 }
 
 /// `text` as the beginning of a page has it.

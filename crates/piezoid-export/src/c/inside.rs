@@ -104,7 +104,7 @@ impl Language for C<'_> {
             return vec![copy];
         }
         // No aggregate is initialised: compilers disagree on the braces.
-        let clear = self.cleared(block, &format!("{name}."));
+        let clear = self.rest(block, &format!("{name}."), true);
         std::iter::once(format!("{} {name};", self.state(block))).chain(clear).collect()
     }
 

@@ -7,7 +7,7 @@ mod inside;
 
 use super::fixed::{Fixed, PLAIN};
 use super::language::{Language, Words};
-use super::template::{Value, context, render, template, told};
+use super::template::{Value, blocks, context, render, template, told};
 use super::whole::{Entry, Whole, state_of};
 use super::{CODE, File, Made, Target, Wanted, named};
 use piezoid::error::Error;
@@ -104,18 +104,14 @@ impl C<'_> {
 
     /// The source: constants and functions.
     pub(super) fn source(&self) -> Result<String, Error> {
-        let program = &self.whole.program;
-        let block = |(number, block): (usize, &Block)| {
-            let functions = program.functions.iter().filter(|f| f.block == number).map(|f| self.function(f));
-            let functions: Vec<Value> = functions.collect();
+        let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constants: Value = block.constants.iter().map(|c| self.constant_of(block, c)).collect();
-            (!functions.is_empty()).then(|| context! { about => &block.about, constants, functions })
+            let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();
+            context! { about => &block.about, constants, functions }
         };
-        let mut called = Vec::new();
-        program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
-        let rest = |e: &Entry| (e.state, self.rest(e.state, "s->"));
+        let rest = |e: &Entry| (e.state, self.rest(e.state, "s->", false));
         let context = context! {
-            called, blocks => program.blocks.iter().enumerate().filter_map(block).collect::<Value>(),
+            blocks => blocks(&self.whole.program).map(block).collect::<Value>(),
             rest => self.whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
             ..self.told()
         };
@@ -152,43 +148,22 @@ impl C<'_> {
         }
     }
 
-    /// What puts the state of a block at rest, field by field after `prefix`.
-    fn rest(&self, block: &str, prefix: &str) -> String {
-        let mut out = String::new();
-        for field in self.whole.program.block(block).map_or(&[][..], |b| &b.fields) {
-            let name = format!("{prefix}{}", field.name);
-            match &field.holds {
-                Holds::Number(value) => out += &format!("    {name} = {};\n", self.real(*value)),
-                Holds::Block(inner) => out += &self.rest(inner, &format!("{name}.")),
-                // All alike are set in a loop.
-                Holds::Numbers(values) if values.iter().all(|v| v.to_bits() == values[0].to_bits()) => {
-                    let (n, value) = (values.len(), self.real(values[0]));
-                    out += &format!("    for (int k = 0; k < {n}; k++) {{\n        {name}[k] = {value};\n    }}\n");
-                }
-                Holds::Numbers(values) => {
-                    for (k, value) in values.iter().enumerate() {
-                        out += &format!("    {name}[{k}] = {};\n", self.real(*value));
-                    }
-                }
+    /// What puts the state of a block at rest, or makes it zero, line by line, field by field after `prefix`.
+    fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
+        let real = |value: f64| self.real(if zero { 0.0 } else { value });
+        let line = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
+            (Holds::Block(inner), name) => self.rest(inner, &format!("{name}."), zero),
+            (Holds::Number(value), name) => vec![format!("{name} = {};", real(*value))],
+            // All alike are set in a loop.
+            (Holds::Numbers(v), name) if zero || v.iter().all(|w| w.to_bits() == v[0].to_bits()) => {
+                let set = format!("    {name}[k] = {};", real(v[0]));
+                vec![format!("for (int k = 0; k < {}; k++) {{", v.len()), set, "}".into()]
             }
-        }
-        out
-    }
-
-    /// What makes the state of a block zero, line by line.
-    fn cleared(&self, block: &str, prefix: &str) -> Vec<String> {
-        let zero = self.real(0.0);
-        let fields = self.whole.program.block(block).map_or(&[][..], |b| &b.fields);
-        let clear = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
-            (Holds::Number(_), name) => vec![format!("{name} = {zero};")],
-            (Holds::Numbers(values), name) => vec![
-                format!("for (int k = 0; k < {}; k++) {{", values.len()),
-                format!("    {name}[k] = {zero};"),
-                "}".into(),
-            ],
-            (Holds::Block(inner), name) => self.cleared(inner, &format!("{name}.")),
+            (Holds::Numbers(values), name) => {
+                values.iter().enumerate().map(|(k, v)| format!("{name}[{k}] = {};", real(*v))).collect()
+            }
         };
-        fields.iter().flat_map(clear).collect()
+        self.whole.program.block(block).map_or(&[][..], |b| &b.fields).iter().flat_map(line).collect()
     }
 
     fn number(&self) -> &'static str {

@@ -74,10 +74,8 @@ impl Rust<'_> {
             let step = Function { about: Vec::new(), name: "step".into(), ..program.function(e.step)?.clone() };
             Some((e.step, self.function(&step, "pub fn", "    ")))
         };
-        let mut called = Vec::new();
-        program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
         let own = context! {
-            number => self.number(), period => shortest(wanted.model.ts(), self.single), called,
+            number => self.number(), period => shortest(wanted.model.ts(), self.single),
             states => entries.iter().filter_map(state).collect::<BTreeMap<_, _>>(),
             steps => entries.iter().filter_map(step).collect::<BTreeMap<_, _>>(),
             blocks => program.blocks.iter().enumerate().filter_map(block).collect::<Value>(),

@@ -11,7 +11,7 @@
 use super::alone::{Alone, fresh, known};
 use crate::c::{shortest, wrapped};
 use crate::language::{Keywords, Language, Words, less_one};
-use crate::template::{Value, context, told};
+use crate::template::{Value, blocks, context, told};
 use crate::whole::{Entry, Whole};
 use crate::{Wanted, named};
 use piezoid::error::Error;
@@ -66,21 +66,19 @@ impl<'m> Matlab<'m> {
 
     /// What templates are told.
     pub(super) fn told(&self, whole: &Whole, wanted: &Wanted) -> Value {
-        let block = |(number, block): (usize, &Block)| {
-            let functions = self.program.functions.iter().filter(|f| f.block == number).map(|f| self.function(f));
-            let functions: Vec<String> = functions.collect();
+        let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constant = |c: &Constant| match c.table {
                 false => format!("{} = {}", c.name, self.real(c.values[0])),
                 true => format!("{} = {}", c.name, self.column(&c.values, "    ")),
             };
             let constants: Value = block.constants.iter().map(constant).collect();
-            (!functions.is_empty())
-                .then(|| context! { name => &block.name, about => &block.about, constants, functions })
+            let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();
+            context! { name => &block.name, about => &block.about, constants, functions }
         };
         // In an example, all that the model knows is gone through.
         let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));
         let simulate = |e: &Entry| (e.kind(), format!("{}_simulate", e.kind()).trim_start_matches('_').to_owned());
-        let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false).join("\n"));
+        let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false));
         let own = context! {
             number => if self.single { "single" } else { "double" },
             // Of what b0 = 0 is given, nothing shows in the same sample.
@@ -88,7 +86,7 @@ impl<'m> Matlab<'m> {
             middle => 0.5 * (low + high), half => 0.5 * (high - low),
             simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
             rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
-            blocks => self.program.blocks.iter().enumerate().filter_map(block).collect::<Value>(),
+            blocks => blocks(&self.program).map(block).collect::<Value>(),
         };
         context! { ..own, ..told(wanted, whole, &|values| self.column(values, "    ")) }
     }

@@ -11,7 +11,7 @@ mod names;
 
 use super::c::{shortest, wrapped};
 use super::language::Words;
-use super::template::{Value, context, quiet, render, template, told};
+use super::template::{Value, blocks, context, quiet, render, template, told};
 use super::whole::{Entry, Whole};
 use super::{CODE, File, Made, Target, Wanted, named};
 use inside::Inside;
@@ -110,16 +110,15 @@ impl St<'_> {
             let tables = block.constants.iter().filter(|c| c.table);
             tables.map(move |c| format!("{} : {}", name(c), self.filled(&c.values)))
         });
-        let block = |(number, block): (usize, &Block)| {
-            let functions = program.functions.iter().enumerate().filter(|(_, f)| f.block == number);
-            let functions: Vec<Value> = functions.map(|(k, f)| self.function(f, k)).collect();
-            (!functions.is_empty()).then(|| context! { about => &block.about, functions })
+        let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
+            let functions: Value = functions.into_iter().map(|(k, f)| self.function(f, k)).collect();
+            context! { about => &block.about, functions }
         };
         let own = context! {
             number => self.number(), program => self.globals.get("!test"),
             states => self.whole.states().iter().map(state).collect::<Value>(),
             tables => context! { type => self.globals.get(TABLES), fields => tables.collect::<Value>() },
-            blocks => program.blocks.iter().enumerate().filter_map(block).collect::<Value>(),
+            blocks => blocks(program).map(block).collect::<Value>(),
             blocks_of => self.whole.entries.iter().filter_map(|e| self.entry(e)).collect::<BTreeMap<_, _>>(),
         };
         context! { ..own, ..told(wanted, self.whole, &|values| self.filled(values)) }
