@@ -2,7 +2,8 @@
 //! printed in Rust ([`language`](super::language)) and fills their holes; lists of numbers come printed too, since they are long.
 //!
 //! Blocks (`{% .. %}`) take their own line with them, `+%}` leaves its end. A name that is not in the context is an error.
-//! Filters: `short`, `round`, `exact` print a number, `line` makes one line of a text, `c` keeps it from ending a comment of C, `plain` a format.
+//! Filters: `short`, `round` and `exact` print a number, `titled` begins a text with a capital, `line` puts it in one line, `quoted`
+//! in quotes of MATLAB; `c`, `st` and `plain` take out what would end a comment of C or structured text, or mean something to printf.
 
 use super::Wanted;
 use super::whole::{Entry, Signal, Whole};
@@ -126,4 +127,30 @@ fn escaped(text: &str) -> String {
     let text: String = text.chars().filter(|c| allowed(*c)).collect();
     let claimed = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\"", "&quot;"), ("'", "&#39;")];
     claimed.iter().fold(text, |text, (character, entity)| text.replace(character, entity))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_escaped_in_markup_alone() {
+        let text = |path| render((path, "<{{ unit }}>"), context! { unit => "<a>\u{1} & \"b\"" }).unwrap();
+        assert_eq!(text("page.xml.j2"), "<&lt;a&gt; &amp; &quot;b&quot;>");
+        assert_eq!(text("page.md.j2"), "<<a>\u{1} & \"b\">");
+    }
+
+    #[test]
+    fn what_the_context_does_not_have_is_an_error_that_names_the_template() {
+        let error = render(("page.md.j2", "{{ missing }}"), context! {}).unwrap_err().to_string();
+        assert!(error.starts_with("template page.md.j2: undefined value"), "{error}");
+    }
+
+    #[test]
+    fn nothing_that_is_given_ends_a_comment_or_a_string() {
+        let text = "{{ it|c }} {{ it|st }} {{ it|line|quoted }} {{ it|plain }}";
+        let it = context! { it => "*/ *)\n' %" };
+        let expected = "* / *)\n' % */ * )\n' % '*/ *) '' %' */ *)\n' ";
+        assert_eq!(render(("page.md.j2", text), it).unwrap(), expected);
+    }
 }
