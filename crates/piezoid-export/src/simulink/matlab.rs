@@ -110,7 +110,9 @@ impl<'m> Matlab<'m> {
         let takes: Vec<&str> = function.takes.iter().map(|p| p.name.as_str()).collect();
         let mut out = format!("function {}{}({})\n", handed(&gives), self.own(&function.name), takes.join(", "));
         out += &function.about.iter().map(|about| format!("    % {about}\n")).collect::<String>();
-        if !constants_in(function).is_empty() {
+        let mut reads = false;
+        function.expressions(&mut |expr| reads |= matches!(expr, Expr::Constant(..)));
+        if reads {
             let name = self.own(&constants_of(&self.program.blocks[function.block].name));
             out += &format!(
                 "    persistent constants\n    if isempty(constants)\n        constants = {name}();\n    end\n"
@@ -172,17 +174,6 @@ fn handed(names: &[String]) -> String {
         [one] => format!("{one} = "),
         several => format!("[{}] = ", several.join(", ")),
     }
-}
-
-/// The names of the constants that a function reads.
-fn constants_in(function: &Function) -> Vec<String> {
-    let mut names = Vec::new();
-    function.expressions(&mut |expr| {
-        if let Expr::Constant(_, name, _) = expr {
-            names.push(name.clone());
-        }
-    });
-    names
 }
 
 /// The number in MATLAB of what has the number `index` here.

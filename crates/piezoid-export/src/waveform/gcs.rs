@@ -12,9 +12,9 @@
 //! ```
 //! The language has no comments, so that the file has none: every line can be sent as it is, with a line feed at its end.
 //!
-//! Reference: order of arguments, counting from 1 and ten points a line (how many a controller accepts differs) as PI's PIPython sends them (`gcscommands.WAV_PNT`,
-//! `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py); period = servo cycle x WTR x points and 50 us, E-727 user
-//! manual E727T0005. It does not do: axes and tables other than the first, closed loop, triggers.
+//! Reference: order of arguments, counting from 1 and ten points a line (how many a controller accepts differs) as PI's PIPython
+//! sends them (`gcscommands.WAV_PNT`, `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py); period = servo cycle x
+//! WTR x points and 50 us, E-727 user manual E727T0005. It does not do: axes and tables other than the first, closed loop, triggers.
 
 use super::table::{Room, Table};
 use crate::template::{render, template};
