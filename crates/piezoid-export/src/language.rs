@@ -4,6 +4,9 @@ use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Program, Step};
 
 /// The words of a language. Lines come without their indentation.
 pub(super) trait Language {
+    /// Its keywords.
+    fn keywords(&self) -> &'static Keywords;
+
     /// Whether its numbers are of single precision.
     fn single(&self) -> bool;
 
@@ -35,25 +38,6 @@ pub(super) trait Language {
     /// A real number as a whole one.
     fn to_whole(&self, value: String) -> String;
 
-    /// What stands between two, which are whole or not; as in C unless it has others.
-    fn between(&self, op: Op, _whole: bool) -> &'static str {
-        match op {
-            Op::Add => "+",
-            Op::Subtract => "-",
-            Op::Multiply => "*",
-            Op::Divide => "/",
-            Op::Remainder => "%",
-            Op::Less => "<",
-            Op::AtMost => "<=",
-            Op::More => ">",
-            Op::AtLeast => ">=",
-            Op::Equal => "==",
-            Op::Unequal => "!=",
-            Op::And => "&&",
-            Op::Or => "||",
-        }
-    }
-
     /// A quotient of two whole numbers or what it leaves, where nothing stands between them.
     fn divided(&self, _op: Op, _left: &str, _right: &str) -> Option<String> {
         None
@@ -71,56 +55,50 @@ pub(super) trait Language {
     /// Room for `n` zeros.
     fn room(&self, name: &str, n: usize) -> Vec<String>;
 
-    /// A new value for what has a name.
-    fn set(&self, place: String, value: String) -> String {
-        format!("{place} = {value};")
-    }
-
     /// A new value for what stands at a place.
     fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
-        self.set(self.place(place, words), words.expr(value))
+        format!("{} {} {};", self.place(place, words), self.keywords().set, words.expr(value))
     }
 
     /// A call for what it changes.
     fn done(&self, call: &Expr, words: &Words) -> String;
 
-    /// The beginning of what is done if this holds.
-    fn if_holds(&self, holds: String) -> String;
-
-    /// The beginning of what is done else, if this holds.
-    fn else_if(&self, holds: String) -> String;
-
-    /// The beginning of what is done else.
-    fn or_else(&self) -> String;
-
-    /// Word that else nothing is done, where one thing or another was.
-    fn otherwise_nothing(&self) -> Vec<String> {
-        Vec::new()
-    }
-
     /// The beginning of a loop over whole numbers.
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String;
-
-    /// The beginning of a loop.
-    fn as_long_as(&self, holds: String) -> String;
-
-    /// The end of what these begin; as in C unless it has others.
-    fn end(&self, _begun: Begun) -> &'static str {
-        "}"
-    }
-
-    /// The spaces of a level.
-    fn indent(&self) -> &'static str {
-        "    "
-    }
 }
 
-/// What ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Begun {
-    If,
-    For,
-    While,
+/// What conditions, loops and operators are called; `?` stands for a condition.
+pub(super) struct Keywords {
+    pub(super) choice: &'static str,
+    pub(super) other_choice: &'static str,
+    pub(super) otherwise: &'static str,
+    /// What stands where there is one choice or another, and else nothing is done.
+    pub(super) nothing: &'static [&'static str],
+    pub(super) repeat: &'static str,
+    /// What ends a choice, a loop that counts, and one that repeats.
+    pub(super) ends: [&'static str; 3],
+    pub(super) set: &'static str,
+    /// In the order of [`Op`].
+    pub(super) operators: [&'static str; 13],
+}
+
+/// As C has them.
+pub(super) const KEYWORDS: Keywords = Keywords {
+    choice: "if (?) {",
+    other_choice: "} else if (?) {",
+    otherwise: "} else {",
+    nothing: &["} else {", "    /* all stays as it is */"],
+    repeat: "while (?) {",
+    ends: ["}"; 3],
+    set: "=",
+    operators: ["+", "-", "*", "/", "%", "<", "<=", ">", ">=", "==", "!=", "&&", "||"],
+};
+
+impl Keywords {
+    /// What stands between two.
+    pub(super) fn between(&self, op: Op) -> &'static str {
+        self.operators[op as usize]
+    }
 }
 
 /// A function on its way into a language.
@@ -141,7 +119,7 @@ impl Words<'_> {
 
     /// The steps, one line each, `depth` levels deep.
     pub(super) fn steps(&self, steps: &[Step], depth: usize) -> String {
-        let indent = self.language.indent().repeat(depth);
+        let indent = INDENT.repeat(depth);
         let mut out = String::new();
         for line in steps.iter().flat_map(|step| self.step(step)) {
             out += if line.is_empty() { "" } else { &indent };
@@ -160,48 +138,37 @@ impl Words<'_> {
             Step::Room(name, n) => l.room(name, *n),
             Step::Set(place, value) => vec![l.assign(place, value, self)],
             Step::Do(call) => vec![l.done(call, self)],
-            Step::If(..) => {
-                let mut lines = Vec::new();
-                self.choice(step, false, &mut lines);
-                lines
-            }
+            Step::If(..) => self.choice(step, false),
             Step::For { from: Expr::Whole(from), to: Expr::Whole(to), .. } if from >= to => Vec::new(),
             Step::For { name, from, to, down, steps } => {
-                self.around(l.counting(name, from, to, *down, self), steps, Begun::For)
+                self.around(l.counting(name, from, to, *down, self), steps, l.keywords().ends[1])
             }
-            Step::While(holds, steps) => self.around(l.as_long_as(self.expr(holds)), steps, Begun::While),
-        }
-    }
-
-    fn choice(&self, step: &Step, chained: bool, lines: &mut Vec<String>) {
-        let (Step::If(holds, yes, no), l) = (step, self.language) else { return };
-        let holds = self.expr(holds);
-        lines.push(if chained { l.else_if(holds) } else { l.if_holds(holds) });
-        lines.extend(self.inner(yes));
-        match &no[..] {
-            [] => {
-                lines.extend(if chained { l.otherwise_nothing() } else { Vec::new() });
-                lines.push(l.end(Begun::If).into());
-            }
-            [next @ Step::If(..)] => self.choice(next, true, lines),
-            no => {
-                lines.push(l.or_else());
-                lines.extend(self.inner(no));
-                lines.push(l.end(Begun::If).into());
+            Step::While(holds, steps) => {
+                let Keywords { repeat, ends, .. } = l.keywords();
+                self.around(repeat.replacen('?', &self.expr(holds), 1), steps, ends[2])
             }
         }
     }
 
-    fn around(&self, begin: String, steps: &[Step], begun: Begun) -> Vec<String> {
-        let mut lines = vec![begin];
-        lines.extend(self.inner(steps));
-        lines.push(self.language.end(begun).into());
-        lines
+    fn choice(&self, step: &Step, chained: bool) -> Vec<String> {
+        let (Step::If(holds, yes, no), words) = (step, self.language.keywords()) else { return Vec::new() };
+        let begin = if chained { words.other_choice } else { words.choice }.replacen('?', &self.expr(holds), 1);
+        let rest = match &no[..] {
+            [] if chained => words.nothing.iter().chain([&words.ends[0]]).map(|line| (*line).into()).collect(),
+            [] => vec![words.ends[0].into()],
+            [next @ Step::If(..)] => self.choice(next, true),
+            no => self.around(words.otherwise.into(), no, words.ends[0]),
+        };
+        [self.inner(begin, yes), rest].concat()
     }
 
-    fn inner(&self, steps: &[Step]) -> impl Iterator<Item = String> {
-        let indent = self.language.indent();
-        steps.iter().flat_map(|step| self.step(step)).map(move |line| format!("{indent}{line}"))
+    fn around(&self, begin: String, steps: &[Step], end: &str) -> Vec<String> {
+        [self.inner(begin, steps), vec![end.into()]].concat()
+    }
+
+    fn inner(&self, begin: String, steps: &[Step]) -> Vec<String> {
+        let inner = steps.iter().flat_map(|step| self.step(step)).map(|line| format!("{INDENT}{line}"));
+        std::iter::once(begin).chain(inner).collect()
     }
 
     /// An expression.
@@ -250,7 +217,7 @@ impl Words<'_> {
                     (true, false) => format!("({})", self.bound(e, 0)),
                     _ => self.bound(e, least),
                 };
-                let between = l.between(*op, left.whole());
+                let between = l.keywords().between(*op);
                 // A sign before a product is as good as one before its first factor.
                 let first = match &**left {
                     Expr::Negative(_) | Expr::Real(_) if !logical => self.bound(left, 0),
@@ -270,6 +237,9 @@ pub(super) fn less_one(expr: &Expr) -> Expr {
         expr => Expr::Binary(Op::Subtract, Box::new(expr.clone()), Box::new(Expr::Whole(1))),
     }
 }
+
+/// The spaces of a level.
+const INDENT: &str = "    ";
 
 /// Tighter than any operator.
 const TIGHT: u8 = 9;

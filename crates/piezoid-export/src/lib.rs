@@ -7,10 +7,10 @@ mod c;
 mod fixed;
 mod fmu;
 mod language;
-mod readme;
 mod rust;
 mod simulink;
 mod st;
+mod template;
 #[cfg(test)]
 #[path = "../../piezoid/src/testing.rs"]
 mod testing;
@@ -141,7 +141,7 @@ pub fn target(name: &str) -> Result<&'static Target, Error> {
 }
 
 /// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of their words.
-fn named(name: &str, reserved: &[&str]) -> Result<(), Error> {
+fn named(name: &str, reserved: &str) -> Result<(), Error> {
     let fits = name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
         && name.len() <= LONGEST
@@ -153,7 +153,7 @@ fn named(name: &str, reserved: &[&str]) -> Result<(), Error> {
         );
         return Err(Error::parameter("name", format!("`{name}`"), rule));
     }
-    if reserved.iter().any(|word| word.eq_ignore_ascii_case(name)) {
+    if reserved.split_whitespace().any(|word| word.eq_ignore_ascii_case(name)) {
         return Err(Error::parameter("name", format!("`{name}`"), "is a word of the language: take another"));
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! The words of C99 inside functions.
 
 use super::{C, shortest};
-use crate::language::{Language, Words, less_one};
+use crate::language::{KEYWORDS, Keywords, Language, Words, less_one};
 use piezoid::program::{Block, Expr, Function, Place};
 
 impl C<'_> {
@@ -26,15 +26,19 @@ impl C<'_> {
 }
 
 impl Language for C<'_> {
+    fn keywords(&self) -> &'static Keywords {
+        &KEYWORDS
+    }
+
     fn single(&self) -> bool {
-        self.single
+        self.wanted.single
     }
 
     fn real(&self, value: f64) -> String {
         if self.counts.is_some() {
             return format!("{}", value as i64);
         }
-        format!("{}{}", shortest(value, self.single), if self.single { "f" } else { "" })
+        format!("{}{}", shortest(value, self.single()), if self.single() { "f" } else { "" })
     }
 
     fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
@@ -100,7 +104,7 @@ impl Language for C<'_> {
             return vec![copy];
         }
         // No aggregate is initialised: compilers disagree on the braces.
-        let clear = self.cleared(block, &format!("{name}."));
+        let clear = self.rest(block, &format!("{name}."), true);
         std::iter::once(format!("{} {name};", self.state(block))).chain(clear).collect()
     }
 
@@ -113,31 +117,11 @@ impl Language for C<'_> {
         format!("{}{};", if gives { "(void)" } else { "" }, words.expr(call))
     }
 
-    fn if_holds(&self, holds: String) -> String {
-        format!("if ({holds}) {{")
-    }
-
-    fn else_if(&self, holds: String) -> String {
-        format!("}} else if ({holds}) {{")
-    }
-
-    fn or_else(&self) -> String {
-        "} else {".into()
-    }
-
-    fn otherwise_nothing(&self) -> Vec<String> {
-        vec!["} else {".into(), "    /* all stays as it is */".into()]
-    }
-
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
         let (first, last, to) = (words.expr(from), words.expr(&less_one(to)), words.expr(to));
         match down {
             false => format!("for (int {name} = {first}; {name} < {to}; {name}++) {{"),
             true => format!("for (int {name} = {last}; {name} >= {first}; {name}--) {{"),
         }
-    }
-
-    fn as_long_as(&self, holds: String) -> String {
-        format!("while ({holds}) {{")
     }
 }

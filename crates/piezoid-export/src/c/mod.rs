@@ -5,14 +5,15 @@
 
 mod inside;
 
-use super::fixed::{Fixed, PLAIN, helpers};
+use super::fixed::{Fixed, PLAIN};
 use super::language::{Language, Words};
-use super::readme::readme;
+use super::template::{Value, blocks, context, render, template, told};
 use super::whole::{Entry, Whole, state_of};
 use super::{CODE, File, Made, Target, Wanted, named};
 use piezoid::error::Error;
-use piezoid::program::{Block, Constant, Field, Function, Holds, Kind, Program};
+use piezoid::program::{Block, Constant, Field, Function, Holds, Kind, Parameter};
 use piezoid::system::System;
+use std::collections::BTreeMap;
 
 pub(super) const TARGET: Target = Target {
     name: "c",
@@ -21,19 +22,19 @@ pub(super) const TARGET: Target = Target {
     heeds: CODE,
     make: |wanted| {
         let whole = checked(wanted)?;
-        let c = C::of(&whole, wanted);
-        let name = wanted.name;
-        let files = vec![
-            File::text(format!("{name}.h"), c.header(&whole, wanted)),
-            File::text(format!("{name}.c"), c.source(&whole)),
-            File::text(format!("{name}_test.c"), c.test(&whole)),
-            File::text(format!("{}.md", wanted.name), readme(wanted, &whole)),
-        ];
         let mut notes = whole.notes.clone();
-        if name.len() > TOLD_APART {
+        if wanted.name.len() > TOLD_APART {
             notes.push(format!("C99 promises to tell names apart by 31 letters, which one of more than {TOLD_APART} may leave too few of"));
         }
-        Ok(Made { files, notes })
+        let c = C::of(&whole, wanted);
+        let bytes = if wanted.single { 4 } else { 8 };
+        let tables = whole.program.blocks.iter().flat_map(|b| &b.constants).map(|c| c.values.len());
+        let page = context! {
+            bytes => whole.entries.iter().map(|e| (e.state, whole.program.order(e.state) * bytes)).collect::<BTreeMap<_, _>>(),
+            constants => tables.sum::<usize>() * bytes,
+            ..c.told()
+        };
+        Ok(Made { files: c.files(render(template!("c/readme.md.j2"), page)?)?, notes })
     },
 };
 
@@ -41,11 +42,9 @@ pub(super) const TARGET: Target = Target {
 const TOLD_APART: usize = 31 - "_control_reset".len();
 
 /// What may not be a name: the words of the language, and what its functions would clash with.
-const RESERVED: &[&str] = &[
-    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float",
-    "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof",
-    "static", "struct", "switch", "typedef", "union", "unsigned", "void", "volatile", "while", "main", "stdio", "math",
-];
+const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if inline \
+    int long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while \
+    main stdio math";
 
 /// What is exported, under a name that C has not taken.
 pub(super) fn checked(wanted: &Wanted) -> Result<Whole, Error> {
@@ -55,238 +54,129 @@ pub(super) fn checked(wanted: &Wanted) -> Result<Whole, Error> {
 
 /// The language.
 pub(super) struct C<'c> {
-    pub(super) program: &'c Program,
-    pub(super) name: &'c str,
-    pub(super) single: bool,
+    pub(super) whole: &'c Whole,
+    pub(super) wanted: &'c Wanted<'c>,
     /// How numbers are counted, where they are not floating.
     pub(super) counts: Option<&'c Fixed>,
 }
 
 impl<'c> C<'c> {
     pub(super) fn of(whole: &'c Whole, wanted: &'c Wanted) -> Self {
-        C { program: &whole.program, name: wanted.name, single: wanted.single, counts: None }
+        C { whole, wanted, counts: None }
     }
 }
 
 impl C<'_> {
-    /// The header: types and functions that are called from outside.
-    pub(super) fn header(&self, whole: &Whole, wanted: &Wanted) -> String {
-        let (name, guard) = (self.name, self.name.to_uppercase());
-        let mut out = String::new();
-        let mut about = vec![format!("{name}.h: a piezo actuator and what drives it, as identified by piezoid.")];
-        about.push(format!("One call of a step function is one sample of {} s.", shortest(wanted.model.ts(), false)));
-        about.extend(whole.notes.iter().cloned());
-        out += &comment(&about, "");
-        out += &format!("#ifndef {guard}_H\n#define {guard}_H\n\n");
-        out += &match self.counts {
-            None => format!("#define {guard}_TS {} /* sampling period [s] */\n\n", self.real(wanted.model.ts())),
-            Some(fixed) => fixed.scales(&guard),
-        };
-        out += "#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
-        for block in whole.states() {
-            out += &comment(&[format!("State of {}.", block.about)], "");
-            out += "typedef struct {\n";
-            for field in &block.fields {
-                let number = self.held(block, field);
-                out += &match &field.holds {
-                    Holds::Number(_) => format!("    {number} {};\n", field.name),
-                    Holds::Numbers(values) => format!("    {number} {}[{}];\n", field.name, values.len()),
-                    Holds::Block(inner) => format!("    {} {};\n", self.state(inner), field.name),
-                };
-            }
-            out += &format!("}} {};\n\n", self.state(&block.name));
-        }
-        for entry in &whole.entries {
-            let inputs = entry.inputs.iter().map(|i| format!("{} [{}]: {}", i.name, i.unit, i.about));
-            let mut about = vec![format!("One sample of {}.", entry.about)];
-            about.extend(inputs);
-            about.push(format!("Returns {} [{}]: {}.", entry.output.name, entry.output.unit, entry.output.about));
-            out += &comment(&["Begins anew: all that went before is forgotten.".into()], "");
-            out += &format!("void {}({} *s);\n\n", self.own(entry.reset), self.state(entry.state));
-            out += &comment(&about, "");
-            out += &format!("{};\n\n", self.prototype(entry));
-        }
-        out + "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
+    /// Header, source and self-test, and the page that goes with them.
+    pub(super) fn files(&self, readme: String) -> Result<Vec<File>, Error> {
+        let name = self.wanted.name;
+        Ok(vec![
+            File::text(format!("{name}.h"), self.header()?),
+            File::text(format!("{name}.c"), self.source()?),
+            File::text(format!("{name}_test.c"), render(template!("c/test.c.j2"), self.told())?),
+            File::text(format!("{name}.md"), readme),
+        ])
     }
 
-    fn prototype(&self, entry: &Entry) -> String {
-        let inputs: String = entry.inputs.iter().map(|i| format!(", {} {}", self.number(), i.name)).collect();
-        format!("{} {}({} *s{inputs})", self.number(), self.own(entry.step), self.state(entry.state))
+    /// What templates are told.
+    pub(super) fn told(&self) -> Value {
+        let all = told(self.wanted, self.whole, &|values| self.numbers(values));
+        let counts = self.counts.map_or(context!(), Fixed::told);
+        let own = context! { number => self.number(), zero => self.real(0.0), counts => self.counts.is_some() };
+        context! { ..own, ..counts, ..all }
+    }
+
+    /// The header: types and functions that are called from outside.
+    pub(super) fn header(&self) -> Result<String, Error> {
+        let declared = |block: &Block, field: &Field| match (&field.holds, self.held(block, field)) {
+            (Holds::Number(_), number) => format!("{number} {}", field.name),
+            (Holds::Numbers(values), number) => format!("{number} {}[{}]", field.name, values.len()),
+            (Holds::Block(inner), _) => format!("{} {}", self.state(inner), field.name),
+        };
+        let state = |block: &&Block| {
+            let fields: Value = block.fields.iter().map(|field| declared(block, field)).collect();
+            context! { about => &block.about, type => self.state(&block.name), fields }
+        };
+        let states: Value = self.whole.states().iter().map(state).collect();
+        let period = self.real(self.wanted.model.ts());
+        render(template!("c/header.h.j2"), context! { period, states, ..self.told() })
     }
 
     /// The source: constants and functions.
-    pub(super) fn source(&self, whole: &Whole) -> String {
-        let mut out = comment(&[format!("{}.c: see {}.h", self.name, self.name)], "");
-        out += &format!("#include \"{}.h\"\n\n", self.name);
-        out += &match self.counts {
-            None => {
-                "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF /* the same bits on every machine */\n#endif\n\n".into()
-            }
-            Some(_) => helpers(self.name, self.program),
+    pub(super) fn source(&self) -> Result<String, Error> {
+        let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
+            let constants: Value = block.constants.iter().map(|c| self.constant_of(block, c)).collect();
+            let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();
+            context! { about => &block.about, constants, functions }
         };
-        for (number, block) in self.program.blocks.iter().enumerate() {
-            let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
-            if functions.is_empty() {
-                continue;
-            }
-            out += &format!("{}\n{}", comment(&[titled(&block.about)], ""), self.constants(block));
-            out += if block.constants.is_empty() { "" } else { "\n" };
-            for function in functions {
-                out += &self.function(function, whole);
-            }
-        }
-        for entry in &whole.entries {
-            out += &format!(
-                "void {}({} *s)\n{{\n{}}}\n\n",
-                self.own(entry.reset),
-                self.state(entry.state),
-                self.rest(entry.state, "s->")
-            );
-        }
-        out.trim_end().lines().map(broken).collect()
+        let rest = |e: &Entry| (e.state, self.rest(e.state, "s->", false));
+        let context = context! {
+            blocks => blocks(&self.whole.program).map(block).collect::<Value>(),
+            rest => self.whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
+            ..self.told()
+        };
+        Ok(render(template!("c/source.c.j2"), context)?.trim_end().lines().map(broken).collect())
     }
 
-    /// The constants of a block.
-    fn constants(&self, block: &Block) -> String {
-        let line = |c: &Constant| {
-            let (name, number) = (self.own(&format!("{}_{}", block.name, c.name)), self.number());
-            let values: Vec<String> = c.values.iter().map(|v| self.real(*v)).collect();
-            match c.table {
-                false => format!("static const {number} {name} = {};\n", values[0]),
-                true => format!("static const {number} {name}[{}] = {{\n{}}};\n", values.len(), wrapped(&values)),
-            }
-        };
-        block.constants.iter().map(line).collect()
+    /// A constant of a block.
+    fn constant_of(&self, block: &Block, c: &Constant) -> Value {
+        let values = if c.table { self.numbers(&c.values) } else { self.real(c.values[0]) };
+        let name = self.own(&format!("{}_{}", block.name, c.name));
+        context! { name, table => c.table, length => c.values.len(), values }
     }
 
-    fn function(&self, function: &Function, whole: &Whole) -> String {
+    fn function(&self, function: &Function) -> Value {
         let number = self.number_in(function);
-        let outside = whole.entries.iter().any(|entry| entry.step == function.name);
-        let gives = if function.returns.is_empty() { "void" } else { number };
-        let mut takes: Vec<String> = function
-            .takes
-            .iter()
-            .map(|p| match &p.kind {
-                Kind::Whole => format!("int {}", p.name),
-                Kind::Part(block) => {
-                    format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name)
-                }
-                _ => format!("{number} {}", p.name),
-            })
-            .collect();
-        let also = function.returns.iter().skip(1);
-        takes.extend(also.clone().map(|_| format!("{number} *also")));
-        let words = Words { program: self.program, function, language: self };
-        let mut out = if function.about.is_empty() { String::new() } else { comment(&function.about, "") };
-        let visible = if outside { "" } else { "static " };
-        out += &format!("{visible}{gives} {}({})\n{{\n", self.own(&function.name), takes.join(", "));
-        out += &words.steps(&function.steps, 1);
-        for expr in also {
-            out += &format!("    *also = {};\n", words.expr(expr));
-        }
-        if let Some(first) = function.returns.first() {
-            out += &format!("    return {};\n", words.expr(first));
-        }
-        out + "}\n\n"
-    }
-
-    /// What puts the state of a block at rest, field by field after `prefix`.
-    fn rest(&self, block: &str, prefix: &str) -> String {
-        let mut out = String::new();
-        for field in self.program.block(block).map_or(&[][..], |b| &b.fields) {
-            let name = format!("{prefix}{}", field.name);
-            match &field.holds {
-                Holds::Number(value) => out += &format!("    {name} = {};\n", self.real(*value)),
-                Holds::Block(inner) => out += &self.rest(inner, &format!("{name}.")),
-                // All alike are set in a loop.
-                Holds::Numbers(values) if values.iter().all(|v| v.to_bits() == values[0].to_bits()) => {
-                    let (n, value) = (values.len(), self.real(values[0]));
-                    out += &format!("    for (int k = 0; k < {n}; k++) {{\n        {name}[k] = {value};\n    }}\n");
-                }
-                Holds::Numbers(values) => {
-                    for (k, value) in values.iter().enumerate() {
-                        out += &format!("    {name}[{k}] = {};\n", self.real(*value));
-                    }
-                }
+        let outside = self.whole.entries.iter().any(|entry| entry.step == function.name);
+        let takes = |p: &Parameter| match &p.kind {
+            Kind::Whole => format!("int {}", p.name),
+            Kind::Part(block) => {
+                format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name)
             }
-        }
-        out
-    }
-
-    /// What makes the state of a block zero, line by line.
-    fn cleared(&self, block: &str, prefix: &str) -> Vec<String> {
-        let zero = self.real(0.0);
-        let fields = self.program.block(block).map_or(&[][..], |b| &b.fields);
-        let clear = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
-            (Holds::Number(_), name) => vec![format!("{name} = {zero};")],
-            (Holds::Numbers(values), name) => vec![
-                format!("for (int k = 0; k < {}; k++) {{", values.len()),
-                format!("    {name}[k] = {zero};"),
-                "}".into(),
-            ],
-            (Holds::Block(inner), name) => self.cleared(inner, &format!("{name}.")),
+            _ => format!("{number} {}", p.name),
         };
-        fields.iter().flat_map(clear).collect()
+        let words = Words { program: &self.whole.program, function, language: self };
+        let mut returns = function.returns.iter().map(|expr| words.expr(expr));
+        let first = returns.next();
+        let also: Vec<String> = returns.collect();
+        let takes = function.takes.iter().map(takes).chain(also.iter().map(|_| format!("{number} *also")));
+        context! {
+            name => &function.name, static => !outside, gives => if first.is_some() { number } else { "void" },
+            about => if function.about.is_empty() { String::new() } else { comment(&function.about) },
+            takes => takes.collect::<Vec<_>>().join(", "), steps => words.steps(&function.steps, 1),
+            also, returns => first.into_iter().collect::<Value>(),
+        }
     }
 
-    /// A program that runs the vectors and says how many differ.
-    pub(super) fn test(&self, whole: &Whole) -> String {
-        let (name, number) = (self.name, self.number());
-        let about = [
-            format!("Runs {name} on recorded inputs and compares bit by bit with what piezoid computes."),
-            "Ends with status 0 where all are equal, else with 1.".into(),
-        ];
-        let mut out = comment(&about, "");
-        out += &format!("#include \"{name}.h\"\n#include <stdio.h>\n\n");
-        let mut main = String::new();
-        for entry in &whole.entries {
-            let vectors = &entry.vectors;
-            let (step, n) = (entry.step, vectors.outputs.len());
-            for (k, input) in entry.inputs.iter().enumerate() {
-                let values: Vec<String> = vectors.inputs.iter().map(|row| self.real(row[k])).collect();
-                out += &format!("static const {number} {step}_{}[{n}] = {{\n{}}};\n", input.name, wrapped(&values));
+    /// What puts the state of a block at rest, or makes it zero, line by line, field by field after `prefix`.
+    fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
+        let real = |value: f64| self.real(if zero { 0.0 } else { value });
+        let line = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
+            (Holds::Block(inner), name) => self.rest(inner, &format!("{name}."), zero),
+            (Holds::Number(value), name) => vec![format!("{name} = {};", real(*value))],
+            // All alike are set in a loop.
+            (Holds::Numbers(v), name) if zero || v.iter().all(|w| w.to_bits() == v[0].to_bits()) => {
+                let set = format!("    {name}[k] = {};", real(v[0]));
+                vec![format!("for (int k = 0; k < {}; k++) {{", v.len()), set, "}".into()]
             }
-            let values: Vec<String> = vectors.outputs.iter().map(|v| self.real(*v)).collect();
-            out += &format!("static const {number} {step}_gives[{n}] = {{\n{}}};\n\n", wrapped(&values));
-            let inputs: String = entry.inputs.iter().map(|i| format!(", {step}_{}[k]", i.name)).collect();
-            let given = format!("{}(&s{inputs})", self.own(step));
-            let (most, compare, by) = match self.counts {
-                // Counts are equal or not, and a core that has no other numbers runs this too.
-                Some(_) => (
-                    "",
-                    format!("        if ({given} != {step}_gives[k]) {{\n            differs++;\n        }}\n"),
-                    String::new(),
-                ),
-                None => (
-                    "    double most = 0.0;\n",
-                    format!(
-                        "        const {number} off = {given} - {step}_gives[k];\n        \
-                         const double size = (off < {zero}) ? -(double)off : (double)off;\n        if (!(size == 0.0)) {{\n            \
-                         differs++;\n        }}\n        if (size > most) {{\n            most = size;\n        }}\n",
-                        zero = self.real(0.0),
-                    ),
-                    format!(", by %g {} at most", entry.output.unit.replace(['%', '\\', '"', '?'], "")),
-                ),
-            };
-            out += &format!(
-                "static int {step}_differs(void)\n{{\n    {} s;\n    int differs = 0;\n{most}    {}(&s);\n    \
-                 for (int k = 0; k < {n}; k++) {{\n{compare}    }}\n    \
-                 printf(\"{name}_{step}: %d of {n} differ{by}\\n\", differs{});\n    return differs;\n}}\n\n",
-                self.state(entry.state),
-                self.own(entry.reset),
-                if most.is_empty() { "" } else { ", most" },
-            );
-            main += &format!("    differs += {step}_differs();\n");
-        }
-        out + &format!("int main(void)\n{{\n    int differs = 0;\n{main}    return (differs == 0) ? 0 : 1;\n}}\n")
+            (Holds::Numbers(values), name) => {
+                values.iter().enumerate().map(|(k, v)| format!("{name}[{k}] = {};", real(*v))).collect()
+            }
+        };
+        self.whole.program.block(block).map_or(&[][..], |b| &b.fields).iter().flat_map(line).collect()
     }
 
     fn number(&self) -> &'static str {
-        match (self.counts, self.single) {
+        match (self.counts, self.wanted.single) {
             (Some(_), _) => "int32_t",
             (None, true) => "float",
             (None, false) => "double",
         }
+    }
+
+    /// Numbers in lines, as a table has them.
+    fn numbers(&self, values: &[f64]) -> String {
+        wrapped(&values.iter().map(|v| self.real(*v)).collect::<Vec<_>>())
     }
 
     /// Numbers with a name in a function.
@@ -303,7 +193,7 @@ impl C<'_> {
 
     /// A name of this file, which no other file has.
     pub(super) fn own(&self, name: &str) -> String {
-        format!("{}_{name}", self.name)
+        format!("{}_{name}", self.wanted.name)
     }
 
     /// The type of the state of a block.
@@ -312,16 +202,9 @@ impl C<'_> {
     }
 }
 
-/// `text` as the beginning of a page has it.
-pub(super) fn titled(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
 /// Lines of a comment.
-pub(super) fn comment(lines: &[String], indent: &str) -> String {
-    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /")).collect();
-    format!("{indent}/* {} */\n", lines.join(&format!("\n{indent}   ")))
+fn comment(lines: &[String]) -> String {
+    format!("/* {} */\n", lines.join("\n   ").replace("*/", "* /"))
 }
 
 /// Numbers in lines of a readable length.

@@ -11,19 +11,17 @@
 //! It does not do: Newton's method, so that there is a feed-forward only where the inverse of the hysteresis is closed.
 
 mod formats;
-mod helpers;
 mod journey;
 mod lower;
 mod number;
 
 pub(super) use formats::PLAIN;
-pub(super) use helpers::helpers;
 
-use super::c::{C, checked, comment};
-use super::readme::{calls, opening, taken};
+use super::c::{C, checked};
+use super::template::{Value, context, render, template};
 use super::vectors::Vectors;
 use super::whole::{Entry, Signal, Whole};
-use super::{File, Made, Target, Wanted};
+use super::{Made, Target, Wanted};
 use formats::{Formats, Key, fields};
 use journey::{Journeys, PART, journeys};
 use lower::lowered;
@@ -33,6 +31,7 @@ use piezoid::number::short;
 use piezoid::program::{Holds, Machine};
 use piezoid::series::ends;
 use piezoid::system::System;
+use std::collections::BTreeMap;
 
 pub(super) const TARGET: Target = Target {
     name: "fixed",
@@ -41,13 +40,10 @@ pub(super) const TARGET: Target = Target {
     heeds: &["preview", "controller"],
     make: |wanted| {
         let fixed = Fixed::new(checked(wanted)?, wanted)?;
-        let (c, name) = (fixed.c(wanted), wanted.name);
-        let files = vec![
-            File::text(format!("{name}.h"), c.header(&fixed.whole, wanted)),
-            File::text(format!("{name}.c"), c.source(&fixed.whole)),
-            File::text(format!("{name}_test.c"), c.test(&fixed.whole)),
-            File::text(format!("{}.md", wanted.name), fixed.readme(wanted)),
-        ];
+        let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, wanted) };
+        let bytes: BTreeMap<_, _> = fixed.whole.entries.iter().map(|e| (e.state, fixed.bytes(e.state))).collect();
+        let page = context! { bytes, every => format!("{} s", wanted.model.ts()), ..c.told() };
+        let files = c.files(render(template!("fixed/readme.md.j2"), page)?)?;
         Ok(Made { files, notes: fixed.whole.notes })
     },
 };
@@ -145,10 +141,6 @@ impl Fixed {
         Ok(Fixed { whole: counted, formats, proofs })
     }
 
-    fn c<'c>(&'c self, wanted: &'c Wanted) -> C<'c> {
-        C { counts: Some(self), ..C::of(&self.whole, wanted) }
-    }
-
     /// Whether a field has 64 bits.
     pub(super) fn is_long(&self, block: &str, field: &str) -> bool {
         self.formats.is_long(block, field)
@@ -167,61 +159,17 @@ impl Fixed {
         ports
     }
 
-    /// What a count is worth and how far off counts are, for the header.
-    pub(super) fn scales(&self, guard: &str) -> String {
-        let errors = self.whole.entries.iter().zip(&self.proofs).map(|(entry, proof)| {
-            format!(
-                "{} is off by {} of the stroke, rms, and {} at most.",
-                entry.step,
-                short(proof.rms),
-                short(proof.most)
-            )
-        });
-        let about: Vec<String> =
-            ["Counts are held within -(2^31 - 1) .. 2^31 - 1. Against double precision:".to_owned()]
-                .into_iter()
-                .chain(errors)
-                .collect();
-        let line = |(name, bits, worth): (&str, i32, String)| {
-            let name_of = name.to_uppercase();
-            let worth = worth.replace("*/", "* /");
-            format!("#define {guard}_{name_of}_BITS ({bits}) /* a count of {name} is worth {worth} */\n")
+    /// What templates are told of counts: what each is worth, and how far off they are.
+    pub(super) fn told(&self) -> Value {
+        let error =
+            |(entry, proof): (&Entry, &Proof)| context! { step => entry.step, rms => proof.rms, most => proof.most };
+        let port = |(name, bits, worth): (&'static str, i32, String)| {
+            context! { name, bits, worth, end => 2f64.powi(31 - bits) }
         };
-        let lines: String = self.ports().into_iter().map(line).collect();
-        format!("#include <stdint.h>\n\n{}{lines}\n", comment(&about, ""))
-    }
-
-    fn readme(&self, wanted: &Wanted) -> String {
-        let (name, upper) = (wanted.name, wanted.name.to_uppercase());
-        let mut out = opening(wanted, &self.whole, "C99 in fixed point", "int32_t");
-        out += &calls(name, &self.whole, &format!("{} s", wanted.model.ts()));
-        out += "No floating point anywhere, no heap, no globals that change, no recursion, no library but what the compiler brings for \
-                products and quotients of 64 bits.\n\n## Counts\n\n| signal | a count is worth | from | to |\n|---|--:|--:|--:|\n";
-        for (signal, bits, worth) in self.ports() {
-            let end = short(2f64.powi(31 - bits));
-            let name_of = signal.to_uppercase();
-            out += &format!("| `{signal}` | {worth} (`{upper}_{name_of}_BITS` is {bits}) | -{end} | {end} |\n");
+        context! {
+            errors => self.whole.entries.iter().zip(&self.proofs).map(error).collect::<Value>(),
+            ports => self.ports().into_iter().map(port).collect::<Value>(), most => format!("{MOST:e}"),
         }
-        out += "\nEvery number with a name has such a worth of its own, a power of two: by the largest it came to while the model ran in double precision \
-                along inputs that wandered, jumped and swept to half the sampling rate over 105 % of the known range, and at least as much again is left \
-                above that. Beyond, numbers are held at the ends of 32 bits, so that no input whatever makes anything overflow. Sums are formed \
-                in 64 bits, products rounded once to the nearest; states that add to themselves, as those of creep, have 52 bits. Negative numbers are \
-                never shifted, as C99 leaves open what that does.\n\n";
-        out += "## Error\n\nAgainst double precision along the same inputs, over the stroke:\n\n| function | rms | at most |\n|---|--:|--:|\n";
-        for (entry, proof) in self.whole.entries.iter().zip(&self.proofs) {
-            out += &format!("| `{name}_{}` | {} | {} |\n", entry.step, short(proof.rms), short(proof.most));
-        }
-        out += &format!(
-            "\nThe rounding of inputs to counts comes on top. What is off by more than {MOST:e} is not exported.\n\n"
-        );
-        out += &taken(name, &self.whole, |state| self.bytes(state));
-        out += &format!(
-            "Operations of the model a sample, on average along the vectors of the self-test and at most; shifts and the holding of ends come on \
-             top.\n\n## Proof\n\n```sh\ncc -std=c99 -O2 {name}.c {name}_test.c -o {name}_test && ./{name}_test\n```\n\nThe self-test compares with what \
-             piezoid counts in the same arithmetic: no count may differ, on any machine, with any compiler, at any level. The tables in \
-             `{name}_test.c` check a circuit as well.\n"
-        );
-        out
     }
 
     /// Bytes of the state of a block.

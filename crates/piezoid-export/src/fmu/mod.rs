@@ -17,23 +17,32 @@
 //!
 //! Reference: Functional Mock-up Interface 2.0.5 and 3.0.2, Modelica Association, <https://fmi-standard.org>.
 
-mod documentation;
-mod fmi2;
-mod fmi3;
 mod variables;
-mod wrapper;
-mod xml;
-
-pub(super) use {fmi2::TARGET as FMI2, fmi3::TARGET as FMI3};
 
 use super::c::{C, checked};
+use super::template::{Template, context, render, template, told};
 use super::whole::{Entry, Whole};
-use super::{File, Made, Wanted, named};
+use super::{CODE, File, Made, Target, Wanted, named};
 use piezoid::error::Error;
 use std::io::{Cursor, Write};
-use variables::Variable;
 use zip::write::{SimpleFileOptions, ZipWriter};
 use zip::{CompressionMethod, DateTime};
+
+pub(super) const FMI2: Target = Target {
+    name: "fmu2",
+    summary: "co-simulation units of FMI 2.0, with C sources and, where there is a compiler, a shared library",
+    reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
+    heeds: CODE,
+    make: |wanted| make(wanted, &VERSION_2),
+};
+
+pub(super) const FMI3: Target = Target {
+    name: "fmu3",
+    summary: "co-simulation units of FMI 3.0, with C sources and, where there is a compiler, a shared library",
+    reference: "Functional Mock-up Interface 3.0.2, https://fmi-standard.org",
+    heeds: CODE,
+    make: |wanted| make(wanted, &VERSION_3),
+};
 
 /// What differs between the versions of the standard.
 struct Version {
@@ -41,13 +50,35 @@ struct Version {
     number: &'static str,
     /// Its types and functions in C.
     functions: &'static str,
-    /// Writes modelDescription.xml.
-    description: fn(&Fmu, token: &str) -> String,
-    /// Writes sources/buildDescription.xml, where there is one.
-    build: Option<fn(&Fmu) -> String>,
+    /// modelDescription.xml.
+    description: Template,
+    /// sources/buildDescription.xml, where there is one.
+    build: Option<Template>,
     /// The folder of binaries for a machine such as `x86_64-linux`.
     folder: fn(platform: &str) -> &str,
 }
+
+const VERSION_2: Version = Version {
+    number: "2.0",
+    functions: include_str!("fmi2.c"),
+    description: template!("fmu/fmi2.xml.j2"),
+    build: None,
+    folder: |platform| match platform {
+        "x86_64-linux" => "linux64",
+        "x86_64-windows" => "win64",
+        "x86_64-darwin" => "darwin64",
+        // This version names no others.
+        platform => platform,
+    },
+};
+
+const VERSION_3: Version = Version {
+    number: "3.0",
+    functions: include_str!("fmi3.c"),
+    description: template!("fmu/fmi3.xml.j2"),
+    build: Some(template!("fmu/build.xml.j2")),
+    folder: |platform| platform,
+};
 
 /// One FMU on its way.
 struct Fmu<'f> {
@@ -57,11 +88,10 @@ struct Fmu<'f> {
     whole: Whole,
     /// What file, library and model are called.
     name: String,
-    variables: Vec<Variable>,
 }
 
 /// Headers of C, which that of the model would stand before.
-const HEADERS: &[&str] = &["float", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string"];
+const HEADERS: &str = "float stdbool stddef stdint stdio stdlib string";
 
 fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
     named(wanted.name, HEADERS)?;
@@ -69,7 +99,7 @@ fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
     let mut made = Made { files: Vec::new(), notes: whole.notes.clone() };
     for entry in &whole.entries {
         let fmu = Fmu::new(wanted, version, &whole, entry);
-        let mut files = fmu.files();
+        let mut files = fmu.files()?;
         match fmu.library(&files) {
             Ok(library) => files.push(library),
             Err(why) => made.notes.push(format!("{}.fmu has sources alone: {why}", fmu.name)),
@@ -82,10 +112,6 @@ fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
 /// What made it.
 const TOOL: &str = concat!("piezoid ", env!("CARGO_PKG_VERSION"));
 
-/// What the logger is told, by category.
-const CATEGORIES: &[(&str, &str)] =
-    &[("logStatusError", "why a call was refused"), ("logEvents", "instantiated, initialised, reset, terminated")];
-
 /// The folder of the sources.
 const SOURCES: &str = "sources/";
 
@@ -93,35 +119,37 @@ impl<'f> Fmu<'f> {
     fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Self {
         let mut whole = Whole { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
         whole.program.keep(&[entry.step]);
-        let variables = variables::of(wanted, &whole.program, entry);
-        Fmu { wanted, version, whole, name: entry.named(wanted.name), variables }
-    }
-
-    fn entry(&self) -> &Entry {
-        &self.whole.entries[0]
+        Fmu { wanted, version, whole, name: entry.named(wanted.name) }
     }
 
     /// All but the library.
-    fn files(&self) -> Vec<File> {
-        let token = self.token();
-        let source = |name: &str, text| File::text(format!("{SOURCES}{name}"), text);
+    fn files(&self) -> Result<Vec<File>, Error> {
+        let (wanted, version, model) = (self.wanted, self.version, self.wanted.model);
+        let own = context! {
+            fmu => &self.name, version => version.number, tool => TOOL, known => model.identified().map(|known| known.u),
+        };
+        let variables = variables::told(wanted, &self.whole.program, &self.whole.entries[0]);
+        let told = context! { ..own, ..variables, ..told(wanted, &self.whole, &|_| String::new()) };
+        let text = |template, token: &str| render(template, context! { token, ..told.clone() });
+        // What is particular to this one, what all have in common, and the functions of the version.
+        let wrapper = |token: &str| {
+            let head = text(template!("fmu/wrapper.c.j2"), token)?;
+            Ok([&head, include_str!("instance.c"), include_str!("kept.c"), version.functions].join("\n"))
+        };
+        let c = C::of(&self.whole, wanted);
+        let (header, source) = (c.header()?, c.source()?);
+        let token = token(&(text(version.description, "")? + &header + &source + &wrapper("")?));
         let mut files = vec![
-            File::text("modelDescription.xml", (self.version.description)(self, &token)),
-            File::text("documentation/index.html", documentation::page(self)),
+            File::text("modelDescription.xml", text(version.description, &token)?),
+            File::text("documentation/index.html", text(template!("fmu/index.html.j2"), &token)?),
+            File::text(format!("{SOURCES}{}.h", wanted.name), header),
+            File::text(format!("{SOURCES}{}.c", wanted.name), source),
+            File::text(format!("{SOURCES}{}_fmu.c", self.name), wrapper(&token)?),
         ];
-        let [header, code, wrapper] = self.names();
-        let c = C::of(&self.whole, self.wanted);
-        files.push(source(&header, c.header(&self.whole, self.wanted)));
-        files.push(source(&code, c.source(&self.whole)));
-        files.push(source(&wrapper, wrapper::source(self, &token)));
-        files.extend(self.version.build.map(|build| source("buildDescription.xml", build(self))));
-        files
-    }
-
-    /// The names of the sources: the header, and two that are compiled.
-    fn names(&self) -> [String; 3] {
-        let name = self.wanted.name;
-        [format!("{name}.h"), format!("{name}.c"), format!("{}_fmu.c", self.name)]
+        if let Some(build) = version.build {
+            files.push(File::text(format!("{SOURCES}buildDescription.xml"), text(build, &token)?));
+        }
+        Ok(files)
     }
 
     /// The library of the sources among these files.
@@ -141,22 +169,14 @@ impl<'f> Fmu<'f> {
         let folder = (self.version.folder)(compiler.platform);
         Ok(File { path: format!("binaries/{folder}/{}.{extension}", self.name), bytes })
     }
+}
 
-    /// What description and library know each other by: a hash of all they are made from (FNV-1a of 128 bits).
-    fn token(&self) -> String {
-        let c = C::of(&self.whole, self.wanted);
-        let texts = [
-            (self.version.description)(self, ""),
-            c.header(&self.whole, self.wanted),
-            c.source(&self.whole),
-            wrapper::source(self, ""),
-        ];
-        let start: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
-        let hash =
-            texts.concat().bytes().fold(start, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul((1 << 88) + 0x13b));
-        let hex = format!("{hash:032x}");
-        format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
-    }
+/// What description and library know each other by: a hash of all they are made from (FNV-1a of 128 bits).
+fn token(text: &str) -> String {
+    let start: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
+    let hash = text.bytes().fold(start, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul((1 << 88) + 0x13b));
+    let hex = format!("{hash:032x}");
+    format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }
 
 /// A zip file of these files, stored, without times: the same bytes whenever it is made.

@@ -1,77 +1,42 @@
 //! The variables of an FMU: what can be seen and set from outside, in the order of their value references.
 
-use super::super::Wanted;
-use super::super::whole::Entry;
-use super::xml::Element;
-use piezoid::program::{Holds, Program};
+use crate::Wanted;
+use crate::template::{Value, context};
+use crate::whole::Entry;
+use piezoid::program::{Field, Holds, Program};
 use piezoid::record::factor;
 use piezoid::system::System;
 
-/// A variable; its value reference is its place in the list.
-pub(super) struct Variable {
-    /// As tools show it.
-    pub(super) name: String,
-    /// What it is.
-    pub(super) about: String,
-    /// Its unit, empty if it has none that is known.
-    pub(super) unit: String,
-    /// Which role it has.
-    pub(super) role: Role,
-    /// What it begins with, unless it is calculated.
-    pub(super) start: Option<f64>,
-}
+/// `causality`, `variability` and `initial` in the words of both versions of the standard.
+type Role = [&'static str; 3];
 
-/// What the importer may do with a variable.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
-    /// Read it: the time.
-    Time,
-    /// Set it before every step.
-    Input,
-    /// Set it at any communication point.
-    Parameter,
-    /// Read it.
-    Output,
-    /// Read it: it never changes.
-    Constant,
-    /// Set it before the first step.
-    State,
-}
-
-impl Role {
-    /// `causality`, `variability` and `initial` in the words of both versions of the standard.
-    pub(super) fn words(self) -> (&'static str, &'static str, Option<&'static str>) {
-        match self {
-            Role::Time => ("independent", "continuous", None),
-            // Continuous, though it is held between samples: nothing continuous could be connected to it otherwise.
-            Role::Input => ("input", "continuous", None),
-            Role::Parameter => ("parameter", "tunable", Some("exact")),
-            Role::Output => ("output", "discrete", Some("calculated")),
-            Role::Constant => ("local", "constant", Some("exact")),
-            Role::State => ("local", "discrete", Some("exact")),
-        }
-    }
-}
+const TIME: Role = ["independent", "continuous", ""];
+/// Continuous, though it is held between samples: nothing continuous could be connected to it otherwise.
+const INPUT: Role = ["input", "continuous", ""];
+const PARAMETER: Role = ["parameter", "tunable", "exact"];
+const OUTPUT: Role = ["output", "discrete", "calculated"];
+const CONSTANT: Role = ["local", "constant", "exact"];
+/// Can be set before the first step.
+const STATE: Role = ["local", "discrete", "exact"];
 
 /// A part of a state: several numbers of one field.
-pub(super) struct Part {
+struct Part {
     /// The fields that lead to it, as C writes them.
-    pub(super) path: String,
+    path: String,
     /// What it is a state of.
-    pub(super) about: String,
-    /// Its numbers at rest.
-    pub(super) at_rest: Vec<f64>,
+    about: String,
+    at_rest: Vec<f64>,
     /// Whether it is an array, even of one.
-    pub(super) array: bool,
+    array: bool,
 }
 
 /// The parts of the state of a block, those of inner blocks included.
-pub(super) fn parts(program: &Program, block: &str, prefix: &str) -> Vec<Part> {
+fn parts(program: &Program, block: &str, prefix: &str) -> Vec<Part> {
     let Some(block) = program.block(block) else { return Vec::new() };
     let part = |name: &str, at_rest: &[f64], array| {
         vec![Part { path: format!("{prefix}{name}"), about: block.about.clone(), at_rest: at_rest.to_vec(), array }]
     };
-    let parts = |field: &piezoid::program::Field| match &field.holds {
+    let parts = |field: &Field| match &field.holds {
         Holds::Number(value) => part(&field.name, &[*value], false),
         Holds::Numbers(values) => part(&field.name, values, true),
         Holds::Block(inner) => parts(program, inner, &format!("{prefix}{}.", field.name)),
@@ -79,52 +44,45 @@ pub(super) fn parts(program: &Program, block: &str, prefix: &str) -> Vec<Part> {
     block.fields.iter().flat_map(parts).collect()
 }
 
-/// The variables of an entry: time, inputs, their gains, their offsets, the output, the sampling period, the state.
-pub(super) fn of(wanted: &Wanted, program: &Program, entry: &Entry) -> Vec<Variable> {
-    let variable =
-        |role, name: String, about: String, unit: &str, start| Variable { name, about, unit: unit.into(), role, start };
-    let mut all = vec![variable(Role::Time, "time".into(), "time of the last communication point".into(), "s", None)];
-    for input in &entry.inputs {
-        all.push(variable(Role::Input, input.name.into(), input.about.into(), &input.unit, Some(0.0)));
-    }
-    for input in &entry.inputs {
-        let about = format!("what {} is multiplied by before it enters, as by an amplifier", input.name);
-        all.push(variable(Role::Parameter, format!("{}_gain", input.name), about, "", Some(1.0)));
-    }
-    for input in &entry.inputs {
-        let about = format!("what is added to {} then, as a bias", input.name);
-        all.push(variable(Role::Parameter, format!("{}_offset", input.name), about, &input.unit, Some(0.0)));
-    }
+/// What templates are told of an entry: its variables, which are time, inputs, their gains, their offsets, output and sampling
+/// period; the numbers and parts of its state; the units of them all.
+pub(super) fn told(wanted: &Wanted, program: &Program, entry: &Entry) -> Value {
+    let mut count = 0;
+    let mut variable = |role: Role, name: &str, about: &str, unit: &str, start: Option<f64>| {
+        let [causality, variability, initial] = role;
+        count += 1;
+        context! { reference => count - 1, name, about, unit, start, causality, variability, initial }
+    };
+    let mut variables = vec![variable(TIME, "time", "time of the last communication point", "s", None)];
+    variables.extend(entry.inputs.iter().map(|i| variable(INPUT, i.name, i.about, &i.unit, Some(0.0))));
+    variables.extend(entry.inputs.iter().map(|i| {
+        let about = format!("what {} is multiplied by before it enters, as by an amplifier", i.name);
+        variable(PARAMETER, &format!("{}_gain", i.name), &about, "", Some(1.0))
+    }));
+    variables.extend(entry.inputs.iter().map(|i| {
+        let about = format!("what is added to {} then, as a bias", i.name);
+        variable(PARAMETER, &format!("{}_offset", i.name), &about, &i.unit, Some(0.0))
+    }));
     let output = &entry.output;
-    all.push(variable(Role::Output, output.name.into(), output.about.into(), &output.unit, None));
-    all.push(variable(Role::Constant, "ts".into(), "sampling period".into(), "s", Some(wanted.model.ts())));
-    for part in parts(program, entry.state, "") {
-        for (k, at_rest) in part.at_rest.iter().enumerate() {
-            let index = if part.array { format!("[{}]", k + 1) } else { String::new() };
-            let name = format!("state.{}{index}", part.path);
+    variables.push(variable(OUTPUT, output.name, output.about, &output.unit, None));
+    variables.push(variable(CONSTANT, "ts", "sampling period", "s", Some(wanted.model.ts())));
+    let (mut states, mut places, mut first) = (Vec::new(), Vec::new(), 0);
+    for Part { path, about, at_rest, array } in parts(program, entry.state, "") {
+        for (k, at_rest) in at_rest.iter().enumerate() {
+            let index = if array { format!("[{}]", k + 1) } else { String::new() };
             let start = if wanted.single { f64::from(*at_rest as f32) } else { *at_rest };
-            all.push(variable(Role::State, name, format!("state of {}", part.about), "", Some(start)));
+            let (name, about) = (format!("state.{path}{index}"), format!("state of {about}"));
+            states.push(variable(STATE, &name, &about, "", Some(start)));
         }
+        let end = first + at_rest.len();
+        places.push(context! { first, end, path, array });
+        first = end;
     }
-    all
-}
-
-/// The units of these variables, each once.
-pub(super) fn units(variables: &[Variable]) -> Vec<Element> {
-    let mut names: Vec<&str> = variables.iter().map(|v| v.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
-    names.sort_unstable();
-    names.dedup();
-    let unit = |name: &&str| Element::new("Unit").with("name", name).hold(base(name));
-    names.iter().map(unit).collect()
-}
-
-/// A unit in those of the SI, if it is known.
-fn base(unit: &str) -> Option<Element> {
-    let base = Element::new("BaseUnit");
-    match unit {
-        "V" => Some(base.with("kg", 1).with("m", 2).with("s", -3).with("A", -1)),
-        "s" => Some(base.with("s", 1)),
-        "m" => Some(base.with("m", 1)),
-        length => factor(length, "m").map(|metres| base.with("m", 1).with("factor", format!("{metres:?}"))),
-    }
+    let mut units: Vec<&str> = entry.inputs.iter().chain([output]).map(|signal| &*signal.unit).collect();
+    units.push("s");
+    units.retain(|unit| !unit.is_empty());
+    units.sort_unstable();
+    units.dedup();
+    let unit = |name: &str| context! { name, metres => factor(name, "m") };
+    context! { variables, states, places, units => units.into_iter().map(unit).collect::<Value>() }
 }

@@ -2,7 +2,7 @@
 
 use super::{RESERVED, Rust, constant_of, type_of};
 use crate::c::shortest;
-use crate::language::{Language, Words};
+use crate::language::{self, Keywords, Language, Words};
 use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Step};
 
 /// A function on its way into Rust.
@@ -20,7 +20,7 @@ impl Inside<'_> {
             return "self".into();
         }
         let function = self.rust.whole.program.function(name).is_some() || ["real", "whole"].contains(&name);
-        let taken = function || RESERVED.contains(&name);
+        let taken = function || RESERVED.split(' ').any(|word| word == name);
         format!("{}{name}{}", if self.reads(name) { "" } else { "_" }, if taken { "_value" } else { "" })
     }
 
@@ -61,7 +61,19 @@ impl Inside<'_> {
     }
 }
 
+const KEYWORDS: Keywords = Keywords {
+    choice: "if ? {",
+    other_choice: "} else if ? {",
+    nothing: &[],
+    repeat: "while ? {",
+    ..language::KEYWORDS
+};
+
 impl Language for Inside<'_> {
+    fn keywords(&self) -> &'static Keywords {
+        &KEYWORDS
+    }
+
     fn single(&self) -> bool {
         self.rust.single
     }
@@ -161,26 +173,14 @@ impl Language for Inside<'_> {
         let (onto, with) = match value {
             Expr::Binary(op, left, right) if op.binds() >= Op::Add.binds() && itself(left) => (Some(*op), right),
             Expr::Binary(op @ (Op::Add | Op::Multiply), left, right) if itself(right) => (Some(*op), left),
-            _ => return self.set(self.place(place, words), words.expr(value)),
+            _ => return format!("{} = {};", self.place(place, words), words.expr(value)),
         };
-        let between = onto.map_or("", |op| self.between(op, false));
+        let between = onto.map_or("", |op| KEYWORDS.between(op));
         format!("{} {between}= {};", self.place(place, words), words.expr(with))
     }
 
     fn done(&self, call: &Expr, words: &Words) -> String {
         format!("{};", words.expr(call))
-    }
-
-    fn if_holds(&self, holds: String) -> String {
-        format!("if {holds} {{")
-    }
-
-    fn else_if(&self, holds: String) -> String {
-        format!("}} else if {holds} {{")
-    }
-
-    fn or_else(&self) -> String {
-        "} else {".into()
     }
 
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
@@ -189,9 +189,5 @@ impl Language for Inside<'_> {
             false => format!("for {name} in {from}..{to} {{"),
             true => format!("for {name} in ({from}..{to}).rev() {{"),
         }
-    }
-
-    fn as_long_as(&self, holds: String) -> String {
-        format!("while {holds} {{")
     }
 }

@@ -6,16 +6,16 @@
 
 mod inside;
 
-use super::c::{shortest, titled, wrapped};
+use super::c::{shortest, wrapped};
 use super::language::Words;
-use super::readme::{moved, opening};
-use super::vectors::SAMPLES;
+use super::template::{Value, context, render, template, titled, told};
 use super::whole::{Entry, Whole};
 use super::{CODE, File, Made, Target, Wanted, named};
 use inside::Inside;
 use piezoid::error::Error;
 use piezoid::program::{Block, Constant, Field, Function, Holds, Kind, Step};
 use piezoid::system::System;
+use std::collections::BTreeMap;
 
 pub(super) const TARGET: Target = Target {
     name: "rust",
@@ -29,36 +29,19 @@ pub(super) const TARGET: Target = Target {
             return Err(Error::parameter("name", name, "must be in lower case for Rust: it is that of a module"));
         }
         let whole = Whole::new(wanted)?;
-        let rust = Rust { whole: &whole, single: wanted.single };
+        let page = Rust { whole: &whole, single: wanted.single }.told(wanted);
         let files = vec![
-            File::text(format!("{}.rs", wanted.name), rust.module(wanted)),
-            File::text(format!("{}.md", wanted.name), page(wanted, &whole)),
+            File::text(format!("{}.rs", wanted.name), render(template!("rust/module.rs.j2"), page.clone())?),
+            File::text(format!("{}.md", wanted.name), render(template!("rust/readme.md.j2"), page)?),
         ];
         Ok(Made { files, notes: whole.notes })
     },
 };
 
 /// What may not be a name: the words of the language, and crates that are always there.
-#[rustfmt::skip]
-const RESERVED: &[&str] = &[
-    "abstract", "alloc", "as", "async", "await", "become", "box", "break", "const", "continue", "core", "crate", "do",
-    "dyn", "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro",
-    "match", "mod", "move", "mut", "override", "priv", "proc_macro", "pub", "ref", "return", "self", "static", "std",
-    "struct", "super", "test", "trait", "true", "try", "type", "typeof", "union", "unsafe", "unsized", "use",
-    "virtual", "where", "while", "yield",
-];
-
-/// What lints would have otherwise, and why it is not.
-const ALLOWED: &str = "\
-// Who uses the model need not use all of it; what a branch may leave as it is has a value first.
-#![allow(dead_code, unused_assignments)]
-// Loops, choices and functions are those of the other languages.
-#![allow(clippy::needless_range_loop, clippy::manual_memcpy)]
-#![allow(clippy::manual_range_contains, clippy::collapsible_if)]
-#![allow(clippy::let_and_return, clippy::too_many_arguments)]
-// A number may come near a famous one by chance.
-#![allow(clippy::approx_constant)]
-";
+const RESERVED: &str = "abstract alloc as async await become box break const continue core crate do dyn else enum \
+    extern false final fn for gen if impl in let loop macro match mod move mut override priv proc_macro pub ref return self \
+    static std struct super test trait true try type typeof union unsafe unsized use virtual where while yield";
 
 /// As wide as `rustfmt` has lines, and what stands between brackets.
 const WIDE: usize = 100;
@@ -73,69 +56,33 @@ struct Rust<'r> {
 }
 
 impl Rust<'_> {
-    /// The file.
-    fn module(&self, wanted: &Wanted) -> String {
-        let (name, ts) = (wanted.name, wanted.model.ts());
-        let mut about = vec![
-            format!("{name}: a piezo actuator and what drives it, as identified by piezoid."),
-            String::new(),
-            format!("One call of `step` is one sample of {} s.", shortest(ts, false)),
-        ];
-        about.extend(self.whole.notes.iter().map(|note| format!("{}.", titled(note.trim_end_matches('.')))));
-        let mut out = said(&about, "//!");
-        out += "\n#![forbid(unsafe_code)]\n";
-        out += ALLOWED;
-        out += &format!(
-            "\n/// Sampling period, in s.\npub const TS: {} = {};\n",
-            self.number(),
-            shortest(ts, self.single)
-        );
-        for entry in &self.whole.entries {
-            out += "\n";
-            out += &self.entry(entry);
-        }
-        let (program, states) = (&self.whole.program, self.whole.states());
-        for (number, block) in program.blocks.iter().enumerate() {
-            let within = states.contains(&block) && self.whole.entries.iter().all(|entry| entry.state != block.name);
-            let state = within.then(|| self.state(block));
-            let constants = self.constants(block);
+    /// What templates are told.
+    fn told(&self, wanted: &Wanted) -> Value {
+        let (program, entries) = (&self.whole.program, &self.whole.entries);
+        let held = self.whole.states();
+        let within = |b: &&Block| held.contains(b) && entries.iter().all(|entry| entry.state != b.name);
+        let block = |(number, block): (usize, &Block)| {
             let inside = |f: &&Function| f.block == number && self.stepped(&f.name).is_none();
             let functions = program.functions.iter().filter(inside).map(|f| self.function(f, "fn", ""));
-            let parts: Vec<String> = state.into_iter().chain(constants).chain(functions).collect();
-            if !parts.is_empty() {
-                out += &format!("\n// {}\n\n{}", titled(&block.about), parts.join("\n"));
-            }
-        }
-        out + &self.converted() + &self.tests()
-    }
-
-    /// The state of an entry and what it does.
-    fn entry(&self, entry: &Entry) -> String {
-        let (Some(block), Some(step)) =
-            (self.whole.program.block(entry.state), self.whole.program.function(entry.step))
-        else {
-            return String::new();
+            let parts: Vec<String> = self.constants(block).into_iter().chain(functions).collect();
+            let state = Some(block).filter(within).map(|block| self.state(block));
+            let empty = state.is_none() && parts.is_empty();
+            (!empty).then(|| context! { about => &block.about, state, parts })
         };
-        let name = type_of(&block.name);
-        let given = entry.inputs.iter().map(|i| format!("`{}`: {}, in {}.", i.name, i.about, i.unit));
-        let gives = format!("Returns `{}`: {}, in {}.", entry.output.name, entry.output.about, entry.output.unit);
-        let about: Vec<String> = [format!("One sample of {}.", entry.about), String::new()]
-            .into_iter()
-            .chain([given.chain([gives]).collect::<Vec<_>>().join(" ")])
-            .collect();
-        let mut own = format!(
-            "    /// At rest.\n    pub const fn new() -> Self {{\n        {}\n    }}\n\n    \
-             /// Begins anew: all that went before is forgotten.\n    pub fn reset(&mut self) {{\n        *self = Self::new();\n    }}\n\n",
-            self.literal(block, false, 2)
-        );
-        let step = Function { about, name: "step".into(), ..step.clone() };
-        own += &self.function(&step, "pub fn", "    ");
-        let held =
-            if self.zeroed(&block.name) { format!("\n{}", self.rest(block, true, "    ")) } else { String::new() };
-        format!(
-            "{}\nimpl {name} {{\n{own}{held}}}\n\nimpl Default for {name} {{\n    fn default() -> Self {{\n        Self::new()\n    }}\n}}\n",
-            self.shape(block),
-        )
+        let state = |e: &Entry| Some((e.state, self.state(program.block(e.state)?)));
+        let step = |e: &Entry| {
+            let step = Function { about: Vec::new(), name: "step".into(), ..program.function(e.step)?.clone() };
+            Some((e.step, self.function(&step, "pub fn", "    ")))
+        };
+        let own = context! {
+            number => self.number(), period => shortest(wanted.model.ts(), self.single),
+            states => entries.iter().filter_map(state).collect::<BTreeMap<_, _>>(),
+            steps => entries.iter().filter_map(step).collect::<BTreeMap<_, _>>(),
+            blocks => program.blocks.iter().enumerate().filter_map(block).collect::<Value>(),
+        };
+        let table = |values: &[f64]| wrapped(&values.iter().map(|v| shortest(*v, self.single)).collect::<Vec<_>>());
+        let table = |values: &[f64]| table(values).lines().map(|line| format!("    {line}\n")).collect();
+        context! { ..own, ..told(wanted, self.whole, &table) }
     }
 
     /// The entry whose step this function is.
@@ -143,32 +90,26 @@ impl Rust<'_> {
         self.whole.entries.iter().find(|entry| entry.step == function)
     }
 
-    /// A struct.
-    fn shape(&self, block: &Block) -> String {
+    /// A struct, and what it is at rest.
+    fn state(&self, block: &Block) -> Value {
         let number = self.number();
         let field = |field: &Field| match &field.holds {
-            Holds::Number(_) => format!("    pub {}: {number},\n", field.name),
-            Holds::Numbers(values) => format!("    pub {}: [{number}; {}],\n", field.name, values.len()),
-            Holds::Block(inner) => format!("    pub {}: {},\n", field.name, type_of(inner)),
+            Holds::Number(_) => format!("{}: {number}", field.name),
+            Holds::Numbers(values) => format!("{}: [{number}; {}]", field.name, values.len()),
+            Holds::Block(inner) => format!("{}: {}", field.name, type_of(inner)),
         };
-        let fields: String = block.fields.iter().map(field).collect();
-        let about = said(&[format!("State of {}.", block.about)], "///");
-        format!("{about}#[derive(Debug, Clone, Copy, PartialEq)]\npub struct {} {{\n{fields}}}\n", type_of(&block.name))
-    }
-
-    /// A struct within another, with what it is at rest.
-    fn state(&self, block: &Block) -> String {
-        let zero =
-            if self.zeroed(&block.name) { format!("\n{}", self.rest(block, true, "    ")) } else { String::new() };
-        let rest = self.rest(block, false, "    ");
-        format!("{}\nimpl {} {{\n{rest}{zero}}}\n", self.shape(block), type_of(&block.name))
+        context! {
+            type => type_of(&block.name), about => &block.about, at_rest => self.literal(block, false, 2),
+            fields => block.fields.iter().map(field).collect::<Value>(), rest => self.rest(block, false),
+            zero => self.zeroed(&block.name).then(|| self.rest(block, true)),
+        }
     }
 
     /// A state at rest, or zeros, as a constant of its struct.
-    fn rest(&self, block: &Block, zero: bool, indent: &str) -> String {
+    fn rest(&self, block: &Block, zero: bool) -> String {
         let (name, about) = if zero { ("ZERO", "Zeros") } else { ("REST", "At rest") };
-        let value = format!("{indent}const {name}: Self = {};\n", self.literal(block, zero, 1));
-        format!("{indent}/// {about}.\n{}", left(&value, indent))
+        let value = format!("    const {name}: Self = {};\n", self.literal(block, zero, 1));
+        format!("    /// {about}.\n{}", left(&value, "    "))
     }
 
     /// A state at rest, or zeros, `depth` levels deep.
@@ -213,21 +154,17 @@ impl Rust<'_> {
             let values: Vec<String> = c.values.iter().map(|v| shortest(*v, self.single)).collect();
             match c.table {
                 false => format!("const {}: {} = {};\n", constant_of(block, &c.name), self.number(), values[0]),
-                true => self.table(&constant_of(block, &c.name), &values, ""),
+                true => self.table(&constant_of(block, &c.name), &values),
             }
         };
         let lines: String = block.constants.iter().map(line).collect();
         (!lines.is_empty()).then_some(lines)
     }
 
-    fn table(&self, name: &str, values: &[String], indent: &str) -> String {
-        let begin = format!("{indent}const {name}: [{}; {}] = [", self.number(), values.len());
+    fn table(&self, name: &str, values: &[String]) -> String {
+        let begin = format!("const {name}: [{}; {}] = [", self.number(), values.len());
         let line = format!("{begin}{}];\n", values.join(", "));
-        if !broken(&line) {
-            return line;
-        }
-        let lines: String = wrapped(values).lines().map(|line| format!("{indent}{line}\n")).collect();
-        format!("{indent}#[rustfmt::skip]\n{begin}\n{lines}{indent}];\n")
+        if broken(&line) { format!("#[rustfmt::skip]\n{begin}\n{}];\n", wrapped(values)) } else { line }
     }
 
     /// A function, or the step of an entry.
@@ -258,56 +195,8 @@ impl Rust<'_> {
             [one] => format!("{}{one}\n", "    ".repeat(depth)),
             more => format!("{}({})\n", "    ".repeat(depth), more.join(", ")),
         };
-        let about: String = said(&function.about, "///").lines().map(|line| format!("{indent}{line}\n")).collect();
+        let about: String = function.about.iter().map(|line| format!("{indent}/// {line}\n")).collect();
         about + &left(&format!("{out}{indent}}}\n"), indent)
-    }
-
-    /// From one kind of number to the other, where that is done.
-    fn converted(&self) -> String {
-        let (number, mut names) = (self.number(), Vec::new());
-        for function in &self.whole.program.functions {
-            function.calls(&mut |name| names.push(name.to_owned()));
-        }
-        let has = |name: &str| names.iter().any(|known| known == name);
-        let real = format!("\n/// n as a real number.\nfn real(n: usize) -> {number} {{\n    n as {number}\n}}\n");
-        let whole = format!(
-            "\n/// v towards zero; 0 of what is no number.\nfn whole(v: {number}) -> usize {{\n    v as usize\n}}\n"
-        );
-        match (has("real"), has("whole")) {
-            (false, false) => String::new(),
-            (a, b) => format!("\n// Numbers\n{}{}", if a { &real } else { "" }, if b { &whole } else { "" }),
-        }
-    }
-
-    /// What proves it.
-    fn tests(&self) -> String {
-        let mut out = "\n#[cfg(test)]\nmod tests {\n    use super::*;\n".to_owned();
-        for entry in &self.whole.entries {
-            let vectors = &entry.vectors;
-            let (step, n, state) = (entry.step, vectors.outputs.len(), type_of(entry.state));
-            let values = |values: &mut dyn Iterator<Item = f64>| -> Vec<String> {
-                values.map(|v| shortest(v, self.single)).collect()
-            };
-            let table = |name: &str, values: Vec<String>| {
-                self.table(&format!("{}_{}", step.to_uppercase(), name.to_uppercase()), &values, "    ")
-            };
-            for (k, input) in entry.inputs.iter().enumerate() {
-                out += &format!("\n{}", table(input.name, values(&mut vectors.inputs.iter().map(|row| row[k]))));
-            }
-            out += &format!("\n{}", table("gives", values(&mut vectors.outputs.iter().copied())));
-            let upper = step.to_uppercase();
-            let inputs: Vec<String> =
-                entry.inputs.iter().map(|i| format!("{upper}_{}[k]", i.name.to_uppercase())).collect();
-            out += &format!(
-                "\n    #[test]\n    fn {step}_gives_what_piezoid_computes_bit_by_bit() {{\n        let mut state = {state}::new();\n        \
-                 for k in 0..{n} {{\n            let {y} = state.step({inputs});\n            \
-                 assert_eq!({y}.to_bits(), {upper}_GIVES[k].to_bits(), \"sample {{k}}: {{{y}}}\");\n        }}\n        \
-                 state.reset();\n        assert_eq!(state, {state}::default());\n    }}\n",
-                y = entry.output.name,
-                inputs = inputs.join(", "),
-            );
-        }
-        out + "}\n"
     }
 
     fn number(&self) -> &'static str {
@@ -324,37 +213,6 @@ fn type_of(block: &str) -> String {
 /// A constant of a block.
 fn constant_of(block: &Block, name: &str) -> String {
     format!("{}_{name}", block.name).to_uppercase()
-}
-
-/// The page that goes with it.
-fn page(wanted: &Wanted, whole: &Whole) -> String {
-    let name = wanted.name;
-    let number = if wanted.single { "f32" } else { "f64" };
-    let mut out = opening(wanted, whole, "a module in Rust", number);
-    out += &format!("## Use\n\nPut `{name}.rs` beside `main.rs` or `lib.rs`.\n\n```rust\nmod {name};\n\n");
-    for entry in &whole.entries {
-        let own = entry.called();
-        let inputs: Vec<&str> = entry.inputs.iter().map(|i| i.name).collect();
-        out += &format!("let mut {own} = {name}::{}::new();\n", type_of(entry.state));
-        let (output, given) = (entry.output.name, inputs.join(", "));
-        out += &format!("let {output} = {own}.step({given}); // every TS seconds: {}\n", entry.about);
-    }
-    out += "```\n\nNo `std`, no allocation, no `unsafe`, no crate: `core` alone, and no function of it but conversions. States are plain data: \
-            copy one to try a step, compare two, keep one for later. Indices are written to stay within their tables for every input. \
-            Inputs have to be finite numbers; the feed-forward takes one that is not for the one before. Editions 2018 to 2024.\n\n";
-    out += "## Proof\n\n";
-    out += &format!("```sh\nrustc --edition 2021 --test {name}.rs -o {name}_test && ./{name}_test\n```\n\n");
-    out += &format!(
-        "`cargo test` runs the same, as tests of your crate: {SAMPLES} samples of each state against what piezoid computes, bit by bit. "
-    );
-    out += &moved(wanted, whole, |entry| format!("{}::step", type_of(entry.state)));
-    out += "Rust contracts no products and sums, so that bits are the same on every machine with IEEE 754 arithmetic, optimised or not.\n\n";
-    out + "Warnings of `rustc` and `clippy` are denied where it was tried, and `rustfmt` leaves it as it is.\n"
-}
-
-/// Lines of documentation.
-fn said(lines: &[String], mark: &str) -> String {
-    lines.iter().map(|line| format!("{}\n", format!("{mark} {line}").trim_end())).collect()
 }
 
 /// An item, with word that it is to be left as it is if `rustfmt` would not.

@@ -9,16 +9,18 @@
 //! two of them would meet in double precision.
 
 use super::alone::{Alone, fresh, known};
-use super::line;
-use crate::c::{shortest, titled, wrapped};
-use crate::language::{Begun, Language, Words, less_one};
-use crate::whole::Whole;
+use crate::c::{shortest, wrapped};
+use crate::language::{Keywords, Language, Words, less_one};
+use crate::template::{Value, blocks, context, told};
+use crate::whole::{Entry, Whole};
 use crate::{Wanted, named};
 use piezoid::error::Error;
-use piezoid::program::{Block, Expr, Field, Function, Holds, Kind, Op, Place, Program};
+use piezoid::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Op, Place, Program};
+use piezoid::series::ends;
+use std::collections::BTreeMap;
 
 /// The words of MATLAB and Octave.
-const KEYWORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile \
+const WORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile \
     enumeration events for function global if methods otherwise parfor persistent properties return spmd switch try \
     until unwind_protect while";
 
@@ -34,8 +36,8 @@ const LONGEST: usize = 63;
 /// The language, with the functions of a program as it takes them.
 pub(super) struct Matlab<'m> {
     program: Program,
-    pub(super) name: &'m str,
-    pub(super) single: bool,
+    name: &'m str,
+    single: bool,
 }
 
 impl<'m> Matlab<'m> {
@@ -44,8 +46,7 @@ impl<'m> Matlab<'m> {
     /// # Errors
     /// Refuses a name that MATLAB or Octave has taken, and one that its functions would be too long with.
     pub(super) fn of(whole: &Whole, wanted: &'m Wanted) -> Result<Self, Error> {
-        let reserved: Vec<&str> = KEYWORDS.split_whitespace().chain(TAKEN.split_whitespace()).collect();
-        named(wanted.name, &reserved)?;
+        named(wanted.name, &format!("{WORDS} {TAKEN}"))?;
         let mut program = whole.program.clone();
         for function in &mut program.functions {
             // What is called from outside hands its state back even where that never changes.
@@ -63,42 +64,31 @@ impl<'m> Matlab<'m> {
         Ok(Matlab { program, name: wanted.name, single: wanted.single })
     }
 
-    /// The functions, block by block, and those that begin anew.
-    pub(super) fn functions(&self, whole: &Whole) -> String {
-        let mut out = String::new();
-        for (number, block) in self.program.blocks.iter().enumerate() {
-            let functions: Vec<&Function> = self.program.functions.iter().filter(|f| f.block == number).collect();
-            if functions.is_empty() {
-                continue;
-            }
-            out += &format!("\n%% {}\n", line(&titled(&block.about)));
-            out += &self.constants(block);
-            for function in functions {
-                out += &format!("\n{}", self.function(function));
-            }
-        }
-        for entry in &whole.entries {
-            out += &format!("\nfunction s = {}()\n    % The state at rest.\n", self.own(entry.reset));
-            out += &self.rest(entry.state, "s", false).iter().map(|line| format!("    {line}\n")).collect::<String>();
-            out += "end\n";
-        }
-        out
-    }
-
-    /// The constants of a block.
-    fn constants(&self, block: &Block) -> String {
-        let mut out = String::new();
-        for constant in &block.constants {
-            out += &match constant.table {
-                false => format!("    constants.{} = {};\n", constant.name, self.real(constant.values[0])),
-                true => format!("    constants.{} = {};\n", constant.name, self.column(&constant.values, "    ")),
+    /// What templates are told.
+    pub(super) fn told(&self, whole: &Whole, wanted: &Wanted) -> Value {
+        let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
+            let constant = |c: &Constant| match c.table {
+                false => format!("{} = {}", c.name, self.real(c.values[0])),
+                true => format!("{} = {}", c.name, self.column(&c.values, "    ")),
             };
-        }
-        if out.is_empty() {
-            out
-        } else {
-            format!("\nfunction constants = {}()\n{out}end\n", self.own(&constants_of(&block.name)))
-        }
+            let constants: Value = block.constants.iter().map(constant).collect();
+            let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();
+            context! { name => &block.name, about => &block.about, constants, functions }
+        };
+        // In an example, all that the model knows is gone through.
+        let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));
+        let simulate = |e: &Entry| (e.kind(), format!("{}_simulate", e.kind()).trim_start_matches('_').to_owned());
+        let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false));
+        let own = context! {
+            number => if self.single { "single" } else { "double" },
+            // Of what b0 = 0 is given, nothing shows in the same sample.
+            feedthrough => wanted.model.linear().b().first().is_some_and(|b0| *b0 != 0.0),
+            middle => 0.5 * (low + high), half => 0.5 * (high - low),
+            simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
+            rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
+            blocks => blocks(&self.program).map(block).collect::<Value>(),
+        };
+        context! { ..own, ..told(wanted, whole, &|values| self.column(values, "    ")) }
     }
 
     fn function(&self, function: &Function) -> String {
@@ -120,7 +110,9 @@ impl<'m> Matlab<'m> {
         let takes: Vec<&str> = function.takes.iter().map(|p| p.name.as_str()).collect();
         let mut out = format!("function {}{}({})\n", handed(&gives), self.own(&function.name), takes.join(", "));
         out += &function.about.iter().map(|about| format!("    % {about}\n")).collect::<String>();
-        if !constants_in(function).is_empty() {
+        let mut reads = false;
+        function.expressions(&mut |expr| reads |= matches!(expr, Expr::Constant(..)));
+        if reads {
             let name = self.own(&constants_of(&self.program.blocks[function.block].name));
             out += &format!(
                 "    persistent constants\n    if isempty(constants)\n        constants = {name}();\n    end\n"
@@ -146,12 +138,8 @@ impl<'m> Matlab<'m> {
         fields.iter().flat_map(line).collect()
     }
 
-    pub(super) fn number(&self) -> &'static str {
-        if self.single { "single" } else { "double" }
-    }
-
     /// A name that no other file has.
-    pub(super) fn own(&self, name: &str) -> String {
+    fn own(&self, name: &str) -> String {
         format!("{}_{name}", self.name)
     }
 
@@ -160,7 +148,7 @@ impl<'m> Matlab<'m> {
     }
 
     /// Numbers below each other.
-    pub(super) fn column(&self, values: &[f64], indent: &str) -> String {
+    fn column(&self, values: &[f64], indent: &str) -> String {
         let values: Vec<String> = values.iter().map(|v| shortest(*v, self.single)).collect();
         let rows: String = wrapped(&values).replace(',', ";").lines().map(|row| format!("{indent}{row}\n")).collect();
         let column = format!("[\n{rows}{indent}]");
@@ -188,17 +176,6 @@ fn handed(names: &[String]) -> String {
     }
 }
 
-/// The names of the constants that a function reads.
-fn constants_in(function: &Function) -> Vec<String> {
-    let mut names = Vec::new();
-    function.expressions(&mut |expr| {
-        if let Expr::Constant(_, name, _) = expr {
-            names.push(name.clone());
-        }
-    });
-    names
-}
-
 /// The number in MATLAB of what has the number `index` here.
 fn from_one(index: &Expr) -> Expr {
     let sum = |left: &Expr, n: usize| Expr::Binary(Op::Add, Box::new(left.clone()), Box::new(Expr::Whole(n)));
@@ -213,7 +190,23 @@ fn from_one(index: &Expr) -> Expr {
     }
 }
 
+const KEYWORDS: Keywords = Keywords {
+    choice: "if ?",
+    other_choice: "elseif ?",
+    otherwise: "else",
+    nothing: &[],
+    repeat: "while ?",
+    ends: ["end"; 3],
+    set: "=",
+    // What a remainder is, `divided` says.
+    operators: ["+", "-", "*", "/", "/", "<", "<=", ">", ">=", "==", "~=", "&&", "||"],
+};
+
 impl Language for Matlab<'_> {
+    fn keywords(&self) -> &'static Keywords {
+        &KEYWORDS
+    }
+
     fn single(&self) -> bool {
         self.single
     }
@@ -253,24 +246,6 @@ impl Language for Matlab<'_> {
         if self.single { format!("double(floor({value}))") } else { format!("floor({value})") }
     }
 
-    fn between(&self, op: Op, _: bool) -> &'static str {
-        match op {
-            Op::Add => "+",
-            Op::Subtract => "-",
-            Op::Multiply => "*",
-            // What a remainder is, `divided` says.
-            Op::Divide | Op::Remainder => "/",
-            Op::Less => "<",
-            Op::AtMost => "<=",
-            Op::More => ">",
-            Op::AtLeast => ">=",
-            Op::Equal => "==",
-            Op::Unequal => "~=",
-            Op::And => "&&",
-            Op::Or => "||",
-        }
-    }
-
     fn divided(&self, op: Op, left: &str, right: &str) -> Option<String> {
         Some(if op == Op::Remainder { format!("mod({left}, {right})") } else { format!("floor({left} / {right})") })
     }
@@ -299,24 +274,8 @@ impl Language for Matlab<'_> {
         vec![format!("{name} = {};", self.zeros(n))]
     }
 
-    fn set(&self, place: String, value: String) -> String {
-        format!("{place} = {value};")
-    }
-
     fn done(&self, call: &Expr, words: &Words) -> String {
         self.fresh(&[], call, words).concat()
-    }
-
-    fn if_holds(&self, holds: String) -> String {
-        format!("if {holds}")
-    }
-
-    fn else_if(&self, holds: String) -> String {
-        format!("elseif {holds}")
-    }
-
-    fn or_else(&self) -> String {
-        "else".into()
     }
 
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
@@ -326,14 +285,6 @@ impl Language for Matlab<'_> {
         };
         let (first, last) = (bound(from), bound(&less_one(to)));
         if down { format!("for {name} = {last}:-1:{first}") } else { format!("for {name} = {first}:{last}") }
-    }
-
-    fn as_long_as(&self, holds: String) -> String {
-        format!("while {holds}")
-    }
-
-    fn end(&self, _: Begun) -> &'static str {
-        "end"
     }
 }
 
@@ -439,7 +390,7 @@ end
     #[test]
     fn no_program_of_an_operator_hides_what_matlab_is_asked_for() {
         const CALLED: [&str; 8] = ["constants", "double", "floor", "isempty", "mod", "repmat", "single", "zeros"];
-        let keywords: Vec<&str> = KEYWORDS.split_whitespace().chain(CALLED).collect();
+        let keywords: Vec<&str> = WORDS.split_whitespace().chain(CALLED).collect();
         for operator in OPERATORS {
             let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap();
             let model = Model::new((operator.example)(5e-4).unwrap(), linear, 2.0).unwrap();

@@ -2,8 +2,8 @@
 
 use super::names::Names;
 use super::{COUNTER, DONE, St, TABLES, UNUSED, also, comment, constant, zeros};
-use crate::language::{Begun, Language, Words, less_one};
-use piezoid::program::{Block, Expr, Kind, Op, Place};
+use crate::language::{Keywords, Language, Words, less_one};
+use piezoid::program::{Block, Expr, Kind, Place};
 
 /// A function on its way into structured text.
 pub(super) struct Inside<'i> {
@@ -34,7 +34,22 @@ impl Inside<'_> {
     }
 }
 
+const KEYWORDS: Keywords = Keywords {
+    choice: "IF ? THEN",
+    other_choice: "ELSIF ? THEN",
+    otherwise: "ELSE",
+    nothing: &[],
+    repeat: "WHILE ? DO",
+    ends: ["END_IF;", "END_FOR;", "END_WHILE;"],
+    set: ":=",
+    operators: ["+", "-", "*", "/", "MOD", "<", "<=", ">", ">=", "=", "<>", "AND", "OR"],
+};
+
 impl Language for Inside<'_> {
+    fn keywords(&self) -> &'static Keywords {
+        &KEYWORDS
+    }
+
     fn single(&self) -> bool {
         self.st.single
     }
@@ -71,24 +86,6 @@ impl Language for Inside<'_> {
         format!("TRUNC({value})")
     }
 
-    fn between(&self, op: Op, _: bool) -> &'static str {
-        match op {
-            Op::Add => "+",
-            Op::Subtract => "-",
-            Op::Multiply => "*",
-            Op::Divide => "/",
-            Op::Remainder => "MOD",
-            Op::Less => "<",
-            Op::AtMost => "<=",
-            Op::More => ">",
-            Op::AtLeast => ">=",
-            Op::Equal => "=",
-            Op::Unequal => "<>",
-            Op::And => "AND",
-            Op::Or => "OR",
-        }
-    }
-
     fn note(&self, text: &str) -> String {
         comment(&[text.into()]).trim_end().into()
     }
@@ -114,26 +111,10 @@ impl Language for Inside<'_> {
         zeros(self.names.get(name), n, self.names.get(COUNTER))
     }
 
-    fn set(&self, place: String, value: String) -> String {
-        format!("{place} := {value};")
-    }
-
     fn done(&self, call: &Expr, words: &Words) -> String {
         // Not every edition has calls whose results nobody takes.
         let gives = words.gives(call);
         format!("{} := {};", self.names.get(if gives { UNUSED } else { DONE }), words.expr(call))
-    }
-
-    fn if_holds(&self, holds: String) -> String {
-        format!("IF {holds} THEN")
-    }
-
-    fn else_if(&self, holds: String) -> String {
-        format!("ELSIF {holds} THEN")
-    }
-
-    fn or_else(&self) -> String {
-        "ELSE".into()
     }
 
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
@@ -141,18 +122,6 @@ impl Language for Inside<'_> {
         match down {
             false => format!("FOR {name} := {first} TO {last} DO"),
             true => format!("FOR {name} := {last} TO {first} BY -1 DO"),
-        }
-    }
-
-    fn as_long_as(&self, holds: String) -> String {
-        format!("WHILE {holds} DO")
-    }
-
-    fn end(&self, begun: Begun) -> &'static str {
-        match begun {
-            Begun::If => "END_IF;",
-            Begun::For => "END_FOR;",
-            Begun::While => "END_WHILE;",
         }
     }
 }

@@ -8,17 +8,16 @@
 
 mod inside;
 mod names;
-mod proof;
 
-use super::c::{shortest, titled, wrapped};
+use super::c::{shortest, wrapped};
 use super::language::Words;
+use super::template::{Value, blocks, context, quiet, render, template, told};
 use super::whole::{Entry, Whole};
 use super::{CODE, File, Made, Target, Wanted, named};
 use inside::Inside;
 use names::{Names, RESERVED};
-use piezoid::program::{Block, Expr, Field, Function, Holds, Kind};
-use piezoid::system::System;
-use proof::page;
+use piezoid::program::{Block, Constant, Expr, Field, Function, Holds, Kind};
+use std::collections::BTreeMap;
 
 pub(super) const TARGET: Target = Target {
     name: "st",
@@ -28,11 +27,11 @@ pub(super) const TARGET: Target = Target {
     make: |wanted| {
         named(wanted.name, RESERVED)?;
         let whole = Whole::new(wanted)?;
-        let st = St::new(&whole, wanted)?;
+        let page = St::new(&whole, wanted)?.told(wanted);
         let files = vec![
-            File::text(format!("{}.st", wanted.name), st.library(wanted)),
-            File::text(format!("{}_test.st", wanted.name), st.test()),
-            File::text(format!("{}.md", wanted.name), page(wanted, &st)),
+            File::text(format!("{}.st", wanted.name), render(template!("st/library.st.j2"), page.clone())?),
+            File::text(format!("{}_test.st", wanted.name), render(template!("st/test.st.j2"), page.clone())?),
+            File::text(format!("{}.md", wanted.name), render(template!("st/readme.md.j2"), page)?),
         ];
         Ok(Made { files, notes: whole.notes })
     },
@@ -99,107 +98,75 @@ impl St<'_> {
         format!("{digits}{point}{}{exponent}", if exponent.is_empty() { "" } else { "E" })
     }
 
-    fn values(&self, values: &mut dyn Iterator<Item = f64>) -> Vec<String> {
-        values.map(|v| self.plain(v)).collect()
+    /// What templates are told.
+    fn told(&self, wanted: &Wanted) -> Value {
+        let program = &self.whole.program;
+        let state = |block: &&Block| {
+            let fields: Value = block.fields.iter().map(|field| self.field(field)).collect();
+            context! { type => self.state(&block.name), about => &block.about, fields }
+        };
+        let tables = program.blocks.iter().flat_map(|block| {
+            let name = |c: &Constant| self.fields.get(&constant(&block.name, &c.name));
+            let tables = block.constants.iter().filter(|c| c.table);
+            tables.map(move |c| format!("{} : {}", name(c), self.filled(&c.values)))
+        });
+        let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
+            let functions: Value = functions.into_iter().map(|(k, f)| self.function(f, k)).collect();
+            context! { about => &block.about, functions }
+        };
+        let own = context! {
+            number => self.number(), program => self.globals.get("!test"),
+            states => self.whole.states().iter().map(state).collect::<Value>(),
+            tables => context! { type => self.globals.get(TABLES), fields => tables.collect::<Value>() },
+            blocks => blocks(program).map(block).collect::<Value>(),
+            blocks_of => self.whole.entries.iter().filter_map(|e| self.entry(e)).collect::<BTreeMap<_, _>>(),
+        };
+        context! { ..own, ..told(wanted, self.whole, &|values| self.filled(values)) }
     }
 
-    /// The library: types, functions, function blocks.
-    fn library(&self, wanted: &Wanted) -> String {
-        let mut about = vec![
-            format!("{}.st: a piezo actuator and what drives it, as identified by piezoid.", self.name),
-            format!("One call of a function block is one sample of {} s.", shortest(wanted.model.ts(), false)),
-        ];
-        about.extend(self.whole.notes.iter().cloned());
-        let mut out = comment(&about);
-        for block in self.whole.states() {
-            out += &self.shape(block);
-        }
-        out += &self.tables();
-        for (number, block) in self.whole.program.blocks.iter().enumerate() {
-            let functions = self.whole.program.functions.iter().enumerate().filter(|(_, f)| f.block == number);
-            let functions: String = functions.map(|(k, f)| self.function(f, k)).collect();
-            if !functions.is_empty() {
-                out += &format!("\n{}{functions}", comment(&[titled(&block.about)]));
-            }
-        }
-        let blocks: String = self.whole.entries.iter().map(|entry| self.entry(entry)).collect();
-        out + &format!("\n{}{blocks}", comment(&["What is called from outside".into()]))
-    }
-
-    /// The type of a state, at rest.
-    fn shape(&self, block: &Block) -> String {
-        let mut out = format!("\n{}", comment(&[format!("State of {}.", block.about)]));
-        out += &format!("TYPE {} :\nSTRUCT\n", self.state(&block.name));
-        for field in &block.fields {
-            let kind = match &field.holds {
-                Holds::Number(0.0) => self.number().into(),
-                Holds::Number(value) => format!("{} := {}", self.number(), self.plain(*value)),
-                Holds::Numbers(values) if values.iter().all(|v| *v == 0.0) => self.array(values.len()),
-                Holds::Numbers(values) => self.filled(&self.values(&mut values.iter().copied()), "    "),
-                Holds::Block(inner) => self.state(inner).into(),
-            };
-            out += &format!("    {} : {kind};\n", self.fields.get(&field.name));
-        }
-        out + "END_STRUCT;\nEND_TYPE\n"
+    /// A field of a state, at rest.
+    fn field(&self, field: &Field) -> String {
+        let kind = match &field.holds {
+            Holds::Number(0.0) => self.number().into(),
+            Holds::Number(value) => format!("{} := {}", self.number(), self.plain(*value)),
+            Holds::Numbers(values) if values.iter().all(|v| *v == 0.0) => self.array(values.len()),
+            Holds::Numbers(values) => self.filled(values),
+            Holds::Block(inner) => self.state(inner).into(),
+        };
+        format!("{} : {kind}", self.fields.get(&field.name))
     }
 
     /// The type of a table and its values.
-    fn filled(&self, values: &[String], indent: &str) -> String {
-        let array = self.array(values.len());
+    fn filled(&self, values: &[f64]) -> String {
+        let (array, values) = (self.array(values.len()), values.iter().map(|v| self.plain(*v)).collect::<Vec<_>>());
         let line = format!("{array} := [{}]", values.join(", "));
         if line.len() <= 100 {
             return line;
         }
-        let lines: Vec<String> = wrapped(values).lines().map(|line| format!("{indent}{line}")).collect();
-        format!("{array} := [\n{}\n{indent}]", lines.join("\n").trim_end_matches(','))
-    }
-
-    /// The tables.
-    fn tables(&self) -> String {
-        let mut lines = String::new();
-        for block in &self.whole.program.blocks {
-            for c in block.constants.iter().filter(|c| c.table) {
-                let name = self.fields.get(&constant(&block.name, &c.name));
-                lines +=
-                    &format!("    {name} : {};\n", self.filled(&self.values(&mut c.values.iter().copied()), "    "));
-            }
-        }
-        if lines.is_empty() {
-            return lines;
-        }
-        let about = comment(&["Tables of constants, which nothing changes.".into()]);
-        format!("\n{about}TYPE {} :\nSTRUCT\n{lines}END_STRUCT;\nEND_TYPE\n", self.globals.get(TABLES))
+        let lines: Vec<String> = wrapped(&values).lines().map(|line| format!("    {line}")).collect();
+        format!("{array} := [\n{}\n    ]", lines.join("\n").trim_end_matches(','))
     }
 
     /// A function, the `k`-th.
-    fn function(&self, function: &Function, k: usize) -> String {
+    fn function(&self, function: &Function, k: usize) -> Value {
         let program = &self.whole.program;
-        let inside = Inside { st: self, names: &self.inner[k].0 };
+        let (names, inner) = &self.inner[k];
+        let inside = Inside { st: self, names };
         let words = Words { program, function, language: &inside };
-        let name = self.globals.get(&function.name);
-        let mut out =
-            if function.about.is_empty() { "\n".to_owned() } else { format!("\n{}", comment(&function.about)) };
-        let gives = if function.returns.is_empty() { "BOOL" } else { self.number() };
-        out += &format!("FUNCTION {name} : {gives}\n");
-        let line = |(key, kind): &Variable| format!("    {} : {kind};\n", inside.names.get(key));
-        let (mut given, mut changed) = (Vec::new(), Vec::new());
+        let declared = |key: &str, kind: &str| format!("{} : {kind}", names.get(key));
+        let (mut given, mut changed, mut constants) = (Vec::new(), Vec::new(), Vec::new());
         for p in &function.takes {
             match &p.kind {
-                Kind::Part(block) => changed.push((p.name.clone(), self.state(block).to_owned())),
-                Kind::Whole => given.push((p.name.clone(), "DINT".to_owned())),
-                _ => given.push((p.name.clone(), self.number().to_owned())),
+                Kind::Part(block) => changed.push(declared(&p.name, self.state(block))),
+                Kind::Whole => given.push(declared(&p.name, "DINT")),
+                _ => given.push(declared(&p.name, self.number())),
             }
         }
         if self.reading.contains(&function.name) {
-            changed.push((TABLES.into(), self.globals.get(TABLES).into()));
+            changed.push(declared(TABLES, self.globals.get(TABLES)));
         }
-        let results: Vec<Variable> = (1..function.returns.len()).map(|k| (also(k), self.number().into())).collect();
-        for (kind, variables) in
-            [("VAR_INPUT", &given), ("VAR_IN_OUT", &changed), ("VAR_OUTPUT", &results), ("VAR", &self.inner[k].1)]
-        {
-            out += &section(kind, &variables.iter().map(line).collect::<String>());
-        }
-        let mut constants = String::new();
+        let results: Vec<String> = (1..function.returns.len()).map(|k| declared(&also(k), self.number())).collect();
+        let own: Vec<String> = inner.iter().map(|(key, kind)| declared(key, kind)).collect();
         for (number, block) in program.blocks.iter().enumerate() {
             for c in block.constants.iter().filter(|c| !c.table) {
                 let mut read = false;
@@ -207,77 +174,57 @@ impl St<'_> {
                     read |= matches!(expr, Expr::Constant(of, known, None) if *of == number && *known == c.name)
                 });
                 if read {
-                    let own = inside.names.get(&constant(&block.name, &c.name));
-                    constants += &format!("    {own} : {} := {};\n", self.number(), self.plain(c.values[0]));
+                    let value = format!("{} := {}", self.number(), self.plain(c.values[0]));
+                    constants.push(declared(&constant(&block.name, &c.name), &value));
                 }
             }
         }
-        out += &section("VAR CONSTANT", &constants);
-        out += &words.steps(&function.steps, 0);
-        for (k, expr) in function.returns.iter().enumerate().skip(1) {
-            out += &format!("{} := {};\n", inside.names.get(&also(k)), words.expr(expr));
+        let sections = [
+            ("VAR_INPUT", given),
+            ("VAR_IN_OUT", changed),
+            ("VAR_OUTPUT", results),
+            ("VAR", own),
+            ("VAR CONSTANT", constants),
+        ];
+        let section = |(kind, variables): (&'static str, Vec<String>)| context! { kind, variables };
+        let result = |(k, expr): (usize, &Expr)| format!("{} := {}", names.get(&also(k)), words.expr(expr));
+        context! {
+            name => self.globals.get(&function.name),
+            gives => if function.returns.is_empty() { "BOOL" } else { self.number() },
+            about => if function.about.is_empty() { String::new() } else { comment(&function.about) },
+            sections => sections.into_iter().map(section).collect::<Value>(),
+            steps => words.steps(&function.steps, 0),
+            results => function.returns.iter().enumerate().skip(1).map(result).collect::<Value>(),
+            value => function.returns.first().map_or("TRUE".into(), |expr| words.expr(expr)),
         }
-        let first = function.returns.first().map_or("TRUE".into(), |expr| words.expr(expr));
-        out + &format!("{name} := {first};\nEND_FUNCTION\n")
     }
 
-    /// The function block of an entry.
-    fn entry(&self, entry: &Entry) -> String {
-        let program = &self.whole.program;
-        let Some((k, step)) = program.functions.iter().enumerate().find(|(_, f)| f.name == entry.step) else {
-            return String::new();
-        };
+    /// The function block of an entry: its names, and the call of its step.
+    fn entry(&self, entry: &Entry) -> Option<(&'static str, Value)> {
+        let mut functions = self.whole.program.functions.iter().enumerate();
+        let (k, step) = functions.find(|(_, f)| f.name == entry.step)?;
         let mut names = Names::without(&self.globals.taken);
-        for input in &entry.inputs {
-            names.add(input.name, input.name);
-        }
-        for (key, wish) in [
-            ("!output", entry.output.name),
-            ("!reset", "reset"),
-            ("!state", "state"),
-            ("!rest", "rest"),
-            (TABLES, "tables"),
-        ] {
-            names.add(key, wish);
-        }
-        let number = self.number();
-        let mut inputs = String::new();
-        for i in &entry.inputs {
-            inputs +=
-                &format!("    {} : {number}; {}", names.get(i.name), comment(&[format!("{} [{}]", i.about, i.unit)]));
-        }
-        inputs += &format!("    {} : BOOL; (* begins anew, with this sample *)\n", names.get("!reset"));
-        let about = comment(&[format!("{} [{}]", entry.output.about, entry.output.unit)]);
-        let output = format!("    {} : {number}; {about}", names.get("!output"));
-        let state = self.state(entry.state);
-        let mut own = format!("    {} : {state};\n    {} : {state};\n", names.get("!state"), names.get("!rest"));
+        entry.inputs.iter().for_each(|input| names.add(input.name, input.name));
+        names.add("!output", entry.output.name);
+        [("!reset", "reset"), ("!state", "state"), ("!rest", "rest"), (TABLES, "tables")]
+            .iter()
+            .for_each(|(key, wish)| names.add(key, wish));
         // What the function calls what it is given, and what that is called here.
         let inner = &self.inner[k].0;
         let outer = step.takes.iter().map(|p| match p.kind {
             Kind::Part(_) => (inner.get(&p.name), names.get("!state")),
             _ => (inner.get(&p.name), names.get(&p.name)),
         });
-        let mut given: Vec<String> = outer.map(|(inner, outer)| format!("{inner} := {outer}")).collect();
-        if self.reading.contains(&step.name) {
-            own += &format!("    {} : {};\n", names.get(TABLES), self.globals.get(TABLES));
-            given.push(format!("{} := {}", inner.get(TABLES), names.get(TABLES)));
-        }
-        let mut out = format!(
-            "\n{}FUNCTION_BLOCK {}\n",
-            comment(&[format!("One sample of {}.", entry.about)]),
-            self.block_of(entry)
-        );
-        out += &section("VAR_INPUT", &inputs);
-        out += &section("VAR_OUTPUT", &output);
-        out += &section("VAR", &own);
-        out += &format!(
-            "IF {} THEN\n    {} := {};\nEND_IF;\n",
-            names.get("!reset"),
-            names.get("!state"),
-            names.get("!rest")
-        );
-        let call = format!("{}({})", self.globals.get(&step.name), given.join(", "));
-        out + &format!("{} := {call};\nEND_FUNCTION_BLOCK\n", names.get("!output"))
+        let reads = self.reading.contains(&step.name);
+        let tables = reads.then(|| (inner.get(TABLES), names.get(TABLES)));
+        let given: Vec<String> = outer.chain(tables).map(|(inner, outer)| format!("{inner} := {outer}")).collect();
+        let told = context! {
+            inputs => entry.inputs.iter().map(|i| names.get(i.name)).collect::<Value>(), output => names.get("!output"),
+            reset => names.get("!reset"), state => names.get("!state"), rest => names.get("!rest"),
+            type => self.state(entry.state), tables => names.get(TABLES), reads,
+            call => format!("{}({})", self.globals.get(&step.name), given.join(", ")),
+        };
+        Some((entry.step, told))
     }
 
     /// What makes the state of a block zero, line by line.
@@ -298,15 +245,9 @@ fn zeros(name: &str, n: usize, counter: &str) -> Vec<String> {
     vec![format!("FOR {counter} := 0 TO {last} DO"), format!("    {name}[{counter}] := 0.0;"), "END_FOR;".into()]
 }
 
-/// Declarations of a kind, if there are any.
-fn section(kind: &str, lines: &str) -> String {
-    if lines.is_empty() { String::new() } else { format!("{kind}\n{lines}END_VAR\n") }
-}
-
 /// Lines of a comment.
 fn comment(lines: &[String]) -> String {
-    let lines: Vec<String> = lines.iter().map(|line| line.replace("*)", "* )").replace("(*", "( *")).collect();
-    format!("(* {} *)\n", lines.join("\n   "))
+    format!("(* {} *)\n", quiet(&lines.join("\n   ")))
 }
 
 #[cfg(test)]

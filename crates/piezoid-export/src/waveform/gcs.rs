@@ -12,15 +12,13 @@
 //! ```
 //! The language has no comments, so that the file has none: every line can be sent as it is, with a line feed at its end.
 //!
-//! Reference: order of arguments, counting from 1 and ten points a line as PI's PIPython sends them (`gcscommands.WAV_PNT`,
-//! `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py); period = servo cycle x WTR x points and 50 us, E-727 user
-//! manual E727T0005. It does not do: axes and tables other than the first, closed loop, triggers.
+//! Reference: order of arguments, counting from 1 and ten points a line (how many a controller accepts differs) as PI's PIPython
+//! sends them (`gcscommands.WAV_PNT`, `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py); period = servo cycle x
+//! WTR x points and 50 us, E-727 user manual E727T0005. It does not do: axes and tables other than the first, closed loop, triggers.
 
 use super::table::{Room, Table};
+use crate::template::{render, template};
 use piezoid::error::Error;
-
-/// Points a line: how many a controller accepts differs, PI's own sample sends ten.
-const LINE: usize = 10;
 
 /// Points of a table; `WMS?` tells how many a controller has room for.
 const POINTS: usize = 4096;
@@ -34,14 +32,8 @@ pub(super) fn table(u: &[f64], ts: f64, cycle: f64) -> Result<Table, Error> {
 }
 
 /// The commands.
-pub(super) fn commands(table: &Table) -> String {
-    let mut out = String::from("SVO 1 0\n");
-    for (number, points) in table.written.chunks(LINE).enumerate() {
-        let how = if number == 0 { "X" } else { "&" };
-        out += &format!("WAV 1 {how} PNT {} {} {}\n", number * LINE + 1, points.len(), points.join(" "));
-    }
-    out += &format!("WSL 1 1\nWTR 1 {} 0\nWGC 1 0\n", table.cycles);
-    out + &format!("SVA 1 {}\nWGO 1 1\n", table.written[0])
+pub(super) fn commands(table: &Table) -> Result<String, Error> {
+    render(template!("waveform/gcs.txt.j2"), table.told())
 }
 
 #[cfg(test)]
@@ -51,7 +43,7 @@ mod tests {
     #[test]
     fn points_go_in_lines_of_ten_and_are_counted_from_one() {
         let u: Vec<f64> = (0..23).map(|t| f64::from(t) - 7.00004).collect();
-        let text = commands(&table(&u, 5e-4, 5e-5).unwrap());
+        let text = commands(&table(&u, 5e-4, 5e-5).unwrap()).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "SVO 1 0");
         assert!(lines[1].starts_with("WAV 1 X PNT 1 10 -7.0000 -6.0000 "), "{}", lines[1]);

@@ -15,17 +15,18 @@
 mod drive;
 mod gcs;
 mod nv200;
-mod readme;
 mod table;
 
+use super::template::{Value, context, render, template};
 use super::{File, Made, Target, Wanted, named};
 use drive::{Drive, answer};
 use piezoid::error::{Error, positive};
 use piezoid::formats::csv;
+use piezoid::hammerstein::Model;
+use piezoid::number::{round, short};
 use piezoid::series::ends;
 use piezoid::system::System;
-use readme::{Shown, readme};
-use table::{Room, Table};
+use table::{Figures, Room, Table};
 
 pub(super) const TARGET: Target = Target {
     name: "waveform",
@@ -72,7 +73,7 @@ const DECIMALS: usize = 4;
 const FINE: f64 = 1e-6;
 
 fn make(wanted: &Wanted) -> Result<Made, Error> {
-    named(wanted.name, &[])?;
+    named(wanted.name, "")?;
     let (model, name, ts) = (wanted.model, wanted.name, wanted.model.ts());
     let Some(r) = wanted.reference else {
         return Err(Error::parameter("reference", "none", "must be given: one period of the wanted displacement"));
@@ -93,23 +94,58 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
     let wave = gcs::table(&drive.u, ts, servo_cycle)?;
     let buffer = range.map(|range| nv200::table(&drive.u, ts, range)).transpose()?;
 
-    let mut files = vec![File::text(format!("{name}.csv"), rows(wanted, &drive, &plain)?)];
-    let mut shown = vec![Shown::of("the model's own", &files[0], &plain, model, &drive)];
-    files.push(File::text(format!("{name}_gcs.txt"), gcs::commands(&wave)));
-    shown.push(Shown::of("PI GCS 2.0", &files[1], &wave, model, &drive));
-    let mut notes = drive.notes.clone();
-    if let Some(buffer) = &buffer {
-        files.push(File::text(format!("{name}_nv200.txt"), nv200::commands(buffer)));
-        shown.push(Shown::of("NV200", &files[2], buffer, model, &drive));
-    } else {
-        notes.push(
+    let mut made = Made { files: Vec::new(), notes: drive.notes.clone() };
+    let mut tables = Vec::new();
+    let mut add = |whose, end, table: &Table, text| {
+        let (told, sentence) = stated(whose, format!("{name}{end}"), table, model, &drive);
+        tables.push(told);
+        made.files.push(File::text(format!("{name}{end}"), text));
+        sentence
+    };
+    let mut sentences = vec![add("the model's own", ".csv", &plain, rows(wanted, &drive, &plain)?)];
+    sentences.push(add("PI GCS 2.0", "_gcs.txt", &wave, gcs::commands(&wave)?));
+    match &buffer {
+        Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?)),
+        None => made.notes.push(
             "there is no file for the NV200, which counts in percent of a range: give the voltages of 0 % and 100 %"
                 .into(),
-        );
+        ),
     }
-    notes.extend(shown.iter().map(Shown::sentence));
-    files.push(File::text(format!("{}.md", wanted.name), readme(wanted, &drive, &shown)));
-    Ok(Made { files, notes })
+    made.notes.extend(sentences);
+    let stands = |(low, high): (f64, f64)| [low, high];
+    let page = context! {
+        name, ts => ts.to_string(), unit => &model.units().y, samples => drive.u.len(), period => drive.u.len() as f64 * ts,
+        u => stands(ends(drive.u.iter().copied())), r => stands(ends(drive.r.iter().copied())), tables, servo_cycle,
+        range => range.map(|(low, high)| [low.to_string(), high.to_string()]), beginning => beginning(model, &drive),
+        slowest => model.creep().lags().iter().map(|lag| lag.tau_s).fold(0.0, f64::max),
+    };
+    made.files.push(File::text(format!("{name}.md"), render(template!("waveform/readme.md.j2"), page)?));
+    Ok(made)
+}
+
+/// What the page is told of a table, errors in percent, and what a terminal says of it.
+fn stated(whose: &str, file: String, table: &Table, model: &Model, drive: &Drive) -> (Value, String) {
+    let Figures { period, u, y, differs } = table.figures(model, drive);
+    let off = if period == 0.0 { String::new() } else { format!(", period {} % off", short(100.0 * period)) };
+    let sentence = format!(
+        "{file}: {} points of {} s{off}; on the model {} % of the stroke off, rms, {} % at most",
+        table.held.len(),
+        round(table.point()),
+        short(y.rms),
+        short(y.largest)
+    );
+    let figures = context! {
+        whose, file, point => table.point(), period => 100.0 * period, differs,
+        u_rms => u.rms, u_largest => u.largest, y_rms => y.rms, y_largest => y.largest,
+    };
+    (context! { ..figures, ..table.told() }, sentence)
+}
+
+/// How far off the model is at most in the first period from standing still at the first voltage [% of the stroke].
+fn beginning(model: &Model, drive: &Drive) -> f64 {
+    let y = model.resume(&mut model.settled(drive.u.first().copied().unwrap_or(0.0)), &drive.u);
+    let (low, high) = ends(drive.r.iter().copied());
+    100.0 * y.iter().zip(&drive.r).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max) / (high - low)
 }
 
 /// The table as CSV: time, voltage, what is wanted, and what the model answers.

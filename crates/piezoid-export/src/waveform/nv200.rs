@@ -21,6 +21,7 @@
 //! for it; saving in the amplifier (`gsave`).
 
 use super::table::{Room, Table};
+use crate::template::{render, template};
 use piezoid::error::Error;
 use piezoid::number::{round, short};
 use piezoid::series::ends;
@@ -50,12 +51,8 @@ pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<Table, Erro
 }
 
 /// The commands.
-pub(super) fn commands(table: &Table) -> String {
-    let mut out = format!("cl,0\ngtarb,{}\n", table.cycles);
-    for (index, percent) in table.written.iter().enumerate() {
-        out += &format!("gbarb,{index},{percent}\n");
-    }
-    out + &format!("gsarb,0\ngearb,{}\ngoarb,0\ngcarb,0\nmodsrc,3\ngrun,1\n", table.written.len() - 1)
+pub(super) fn commands(table: &Table) -> Result<String, Error> {
+    render(template!("waveform/nv200.txt.j2"), table.told())
 }
 
 #[cfg(test)]
@@ -66,7 +63,7 @@ mod tests {
     fn points_are_percent_of_the_range_and_counted_from_zero() {
         let table = table(&[-20.0, 55.0, 130.0], 1e-3, (-20.0, 130.0)).unwrap();
         assert_eq!(
-            commands(&table),
+            commands(&table).unwrap(),
             "cl,0\ngtarb,20\ngbarb,0,0.0000\ngbarb,1,50.0000\ngbarb,2,100.0000\n\
              gsarb,0\ngearb,2\ngoarb,0\ngcarb,0\nmodsrc,3\ngrun,1\n"
         );
@@ -78,7 +75,7 @@ mod tests {
         let u: Vec<f64> = (0..5000).map(|t| f64::from(t % 100)).collect();
         let table = table(&u, 5e-4, (0.0, 100.0)).unwrap();
         assert_eq!((table.held.len(), table.cycles), (1000, 50));
-        assert!(commands(&table).contains("\ngearb,999\n"));
+        assert!(commands(&table).unwrap().contains("\ngearb,999\n"));
     }
 
     #[test]

@@ -13,6 +13,7 @@
 //! sample, those wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
 
 use super::drive::{Answer, Drive, answer};
+use crate::template::{Value, context};
 use piezoid::error::Error;
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
@@ -99,6 +100,11 @@ impl Table {
             cycles,
             cycle: room.cycle,
         })
+    }
+
+    /// What templates are told.
+    pub(super) fn told(&self) -> Value {
+        context! { points => self.written.iter().collect::<Value>(), cycles => self.cycles }
     }
 
     /// How long a point is held [s].

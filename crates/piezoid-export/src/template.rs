@@ -1,0 +1,156 @@
+//! Templates: files beside the backends that look like what they become. What walks a program expression by expression is
+//! printed in Rust ([`language`](super::language)) and fills their holes; lists of numbers come printed too, since they are long.
+//!
+//! Blocks (`{% .. %}`) take their own line with them, `+%}` leaves its end. A name that is not in the context is an error.
+//! Filters: `short`, `round` and `exact` print a number, `titled` begins a text with a capital, `line` puts it in one line, `quoted`
+//! in quotes of MATLAB; `c`, `st` and `plain` take out what would end a comment of C or structured text, or mean something to printf.
+
+use super::Wanted;
+use super::whole::{Entry, Signal, Whole};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{AutoEscape, Environment, Output, State, UndefinedBehavior};
+pub(super) use minijinja::{Value, context};
+use piezoid::error::Error;
+use piezoid::number::{round, short};
+use piezoid::program::{Block, Function, Program};
+use piezoid::system::System;
+
+/// A template: its path, and what is in it. Where the path ends in `.xml.j2` or `.html.j2`, all values are escaped.
+pub(super) type Template = (&'static str, &'static str);
+
+/// The template at a path from this file.
+macro_rules! template {
+    ($path:literal) => {
+        ($path, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $path)))
+    };
+}
+pub(super) use template;
+
+/// What templates include.
+const INCLUDED: [Template; 5] = [
+    template!("readme/opening.md.j2"),
+    template!("readme/calls.md.j2"),
+    template!("readme/operations.md.j2"),
+    template!("fixed/counts.c.j2"),
+    template!("fmu/units.xml.j2"),
+];
+
+/// The text of a template for this context.
+///
+/// # Errors
+/// Of a template that is wrong, whatever the input.
+pub(super) fn render((path, text): Template, context: Value) -> Result<String, Error> {
+    let wrong = |error| Error::Content(format!("template {path}: {error:#}"));
+    let mut templates = Environment::new();
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    templates.set_syntax(syntax.map_err(wrong)?);
+    templates.set_undefined_behavior(UndefinedBehavior::Strict);
+    templates.set_auto_escape_callback(|path| match path.ends_with(".xml.j2") || path.ends_with(".html.j2") {
+        true => AutoEscape::Custom("markup".into()),
+        false => AutoEscape::None,
+    });
+    templates.set_formatter(|out: &mut Output, state: &mut State, value: &Value| {
+        let text = value.to_string();
+        Ok(out.write_str(&if *state.auto_escape() == AutoEscape::None { text } else { escaped(&text) })?)
+    });
+    templates.add_filter("short", short);
+    templates.add_filter("round", round);
+    templates.add_filter("exact", |value: f64| format!("{value:?}"));
+    templates.add_filter("titled", titled);
+    templates.add_filter("line", line);
+    templates.add_filter("quoted", |text: &str| format!("'{}'", line(text).replace('\'', "''")));
+    templates.add_filter("st", quiet);
+    templates.add_filter("c", |text: &str| text.replace("*/", "* /"));
+    templates.add_filter("plain", |text: &str| text.replace(['%', '\\', '"', '?'], ""));
+    for (path, text) in INCLUDED {
+        templates.add_template(path, text).map_err(wrong)?;
+    }
+    templates.render_named_str(path, text, context).map_err(wrong)
+}
+
+/// What every template is told: the model, and what is called from outside, with its vectors as `table` prints numbers.
+pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> String) -> Value {
+    let (model, name) = (wanted.model, wanted.name);
+    let signal = |signal: &Signal, values: &[f64]| {
+        let Signal { name, unit, about } = signal;
+        context! { name => *name, unit, about => *about, values => table(values) }
+    };
+    let entry = |entry: &Entry| {
+        let (vectors, mean) = (&entry.vectors, entry.vectors.mean);
+        let input =
+            |(k, input): (usize, &Signal)| signal(input, &vectors.inputs.iter().map(|row| row[k]).collect::<Vec<_>>());
+        context! {
+            step => entry.step, reset => entry.reset, state => entry.state, about => &entry.about,
+            kind => entry.kind(), called => entry.called(), named => entry.named(name),
+            inputs => entry.inputs.iter().enumerate().map(input).collect::<Value>(),
+            output => signal(&entry.output, &vectors.outputs), samples => vectors.outputs.len(),
+            sums => mean.sums, products => mean.products, quotients => mean.quotients,
+            comparisons => mean.comparisons, most => vectors.most, off => vectors.off, missed => vectors.missed,
+        }
+    };
+    let mut called = Vec::new();
+    whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
+    context! {
+        called, name, upper => name.to_uppercase(), single => wanted.single, ts => model.ts(), preview => wanted.preview,
+        hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
+        order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
+        entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),
+    }
+}
+
+/// The blocks that have functions, with these and their numbers.
+pub(super) fn blocks(program: &Program) -> impl Iterator<Item = (&Block, Vec<(usize, &Function)>)> {
+    let of = |number| program.functions.iter().enumerate().filter(move |(_, f)| f.block == number).collect::<Vec<_>>();
+    let blocks = program.blocks.iter().enumerate().map(move |(number, block)| (block, of(number)));
+    blocks.filter(|(_, functions)| !functions.is_empty())
+}
+
+/// `text` as the beginning of a page has it.
+pub(super) fn titled(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// `text` in one line.
+fn line(text: &str) -> String {
+    text.replace(|c: char| c.is_control(), " ")
+}
+
+/// `text` without what begins or ends a comment of structured text.
+pub(super) fn quiet(text: &str) -> String {
+    text.replace("*)", "* )").replace("(*", "( *")
+}
+
+/// What markup claims for itself, replaced; control characters that XML forbids are left out.
+fn escaped(text: &str) -> String {
+    let allowed = |c: char| !(c.is_control() && !"\t\n\r".contains(c) || matches!(c, '\u{fffe}' | '\u{ffff}'));
+    let text: String = text.chars().filter(|c| allowed(*c)).collect();
+    let claimed = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\"", "&quot;"), ("'", "&#39;")];
+    claimed.iter().fold(text, |text, (character, entity)| text.replace(character, entity))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_escaped_in_markup_alone() {
+        let text = |path| render((path, "<{{ unit }}>"), context! { unit => "<a>\u{1} & \"b\"" }).unwrap();
+        assert_eq!(text("page.xml.j2"), "<&lt;a&gt; &amp; &quot;b&quot;>");
+        assert_eq!(text("page.md.j2"), "<<a>\u{1} & \"b\">");
+    }
+
+    #[test]
+    fn what_the_context_does_not_have_is_an_error_that_names_the_template() {
+        let error = render(("page.md.j2", "{{ missing }}"), context! {}).unwrap_err().to_string();
+        assert!(error.starts_with("template page.md.j2: undefined value"), "{error}");
+    }
+
+    #[test]
+    fn nothing_that_is_given_ends_a_comment_or_a_string() {
+        let text = "{{ it|c }} {{ it|st }} {{ it|line|quoted }} {{ it|plain }}";
+        let it = context! { it => "*/ *)\n' %" };
+        let expected = "* / *)\n' % */ * )\n' % '*/ *) '' %' */ *)\n' ";
+        assert_eq!(render(("page.md.j2", text), it).unwrap(), expected);
+    }
+}
