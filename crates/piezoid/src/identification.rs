@@ -118,9 +118,10 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 ///
 /// ```
 /// use piezoid::{IdentifyOptions, identify};
-/// # use piezoid::{excitation::RisingSine, plant::find};
+/// # use piezoid::{Record, excitation::RisingSine, plant::{Plant, find}};
 /// # let u = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() }.samples(1e-3, 2000)?;
-/// # let record = find("pl140")?.plant(1e-3)?.measure(&u)?;
+/// # let plant = Plant::new(&(find("pl140")?.spec)(), 1e-3)?;
+/// # let record = Record::new(1e-3, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
 /// let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), order: Some(2), ..IdentifyOptions::default() };
 /// let found = identify(&[record], &options)?;
 /// assert_eq!(found.model.hysteresis().operator().name, "prandtl-ishlinskii");

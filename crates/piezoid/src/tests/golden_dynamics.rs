@@ -1,6 +1,5 @@
 //! Output error and modes against the numbers of scipy; `golden/*.py` write them.
 
-
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::Record;

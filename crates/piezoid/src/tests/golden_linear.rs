@@ -1,6 +1,5 @@
 //! The linear block and its fits against the numbers of scipy and numpy; `golden/*.py` write them.
 
-
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::linear::{self, Arx, Orders};

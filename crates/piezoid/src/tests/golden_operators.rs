@@ -1,6 +1,5 @@
 //! Hysteresis operators against their definitions, run with numpy and scipy; `golden/operators.py` writes the numbers.
 
-
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::hysteresis::operator;

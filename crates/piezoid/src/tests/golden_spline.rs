@@ -1,6 +1,5 @@
 //! Splines against the numbers of scipy; `golden/cubic_spline.py` writes them.
 
-
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::spline::Spline;

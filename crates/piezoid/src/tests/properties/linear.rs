@@ -1,12 +1,12 @@
 //! Linear blocks, their inverses, their estimation and its cost.
 
-use crate::tests::close::assert_close;
-use crate::tests::fused::fused;
 use super::strategies::*;
 use crate::excitation::Prbs;
 use crate::linear::{self, AbsoluteError, Arx, Orders};
 use crate::optimize::swarm::{self, Cost};
 use crate::progress::unwatched;
+use crate::tests::close::assert_close;
+use crate::tests::fused::fused;
 use crate::{Record, System};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};

@@ -1,10 +1,10 @@
 //! Models, hysteresis, records, figures of merit and limits.
 
-use crate::tests::close::assert_close;
 use super::strategies::*;
 use crate::excitation::Limits;
 use crate::hysteresis::{Pair, RateScheduled, Reading, TwoBranch};
 use crate::linear::Arx;
+use crate::tests::close::assert_close;
 use crate::validation::Metrics;
 use crate::{Model, Record, System, Units};
 use proptest::prelude::*;

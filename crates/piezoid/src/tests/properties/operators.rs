@@ -1,8 +1,8 @@
 //! Operators that sum weighted responses, with random thresholds and weights, and bases of random designs.
 
-use crate::tests::close::assert_close;
 use super::strategies::*;
 use crate::hysteresis::*;
+use crate::tests::close::assert_close;
 use proptest::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
