@@ -101,7 +101,7 @@ impl Bin {
 /// let sine = |hz: f64| (0..3000).map(|t| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin()).collect::<Vec<_>>();
 /// let seen = [4.0, 4.1, 20.0].map(|hz| {
 ///     let y = sine(hz).iter().map(|u| 33.0 * u + 1.0).collect();
-///     validate(&model, &Record::new(1e-3, sine(hz), y)?, Default::default())
+///     model.validate(&Record::new(1e-3, sine(hz), y)?)
 /// });
 /// let seen = seen.into_iter().collect::<Result<Vec<_>, _>>()?;
 /// let bins = merged(seen.iter().flat_map(|v| &v.by_frequency));
