@@ -120,6 +120,30 @@ const CODE: &[&str] = &["float", "preview", "controller"];
 pub static TARGETS: &[Target] =
     &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET, waveform::TARGET, fixed::TARGET];
 
+/// Export as a method of a model.
+///
+/// ```
+/// use piezoid::{Model, hysteresis::operator, linear::Arx};
+/// use piezoid_export::Export;
+/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
+/// assert_eq!(model.export("c", "bender")?.files[0].path, "bender.h");
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+pub trait Export {
+    /// The model for the target of this name, in double precision; functions and files are called after `name`.
+    ///
+    /// # Errors
+    /// No such target, a name that its language has no room for, a model that it cannot hold.
+    fn export(&self, target: &str, name: &str) -> Result<Made, Error>;
+}
+
+impl Export for Model {
+    fn export(&self, target: &str, name: &str) -> Result<Made, Error> {
+        (self::target(target)?.make)(&Wanted::new(self, name))
+    }
+}
+
 /// The target called `name`.
 ///
 /// ```

@@ -3,7 +3,7 @@
 use crate::error::{raised, refused};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
-use piezoid::formats::{self, Channel, Selection, Signal, Table, csv};
+use piezoid::formats::{self, Channel, Selection, Signal, Table};
 use piezoid::{Units, record};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -70,10 +70,7 @@ impl Record {
 
     /// The record as a file of the command line has it.
     fn to_csv(&self) -> PyResult<String> {
-        let units = self.record.units();
-        let names = (format!("u_{}", units.u), format!("y_{}", units.y));
-        let columns = [(&*names.0, self.record.u()), (&*names.1, self.record.y())];
-        csv::write(self.record.ts(), &columns).map_err(raised)
+        self.record.to_csv().map_err(raised)
     }
 
     fn __len__(&self) -> usize {

@@ -1,4 +1,28 @@
-//! piezoid turns measured voltage/displacement records of piezo actuators into models that predict them.
+//! From measured records of a piezo actuator to a model that predicts it, a voltage that makes it follow a path, and code for the
+//! machine that drives it.
+//!
+//! ```
+//! use piezoid::{IdentifyOptions, Record, formats::Selection, identify};
+//! use piezoid_export::Export;
+//! # use piezoid::{excitation::RisingSine, plant::{Plant, find}};
+//! # let plant = Plant::new(&(find("pl140")?.spec)(), 1e-3)?;
+//! # let csv = |frequency, n| -> Result<Vec<u8>, piezoid::Error> {
+//! #     let u = RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(1e-3, n)?;
+//! #     let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+//! #     Ok(Record::new(1e-3, u, y)?.to_csv()?.into_bytes())
+//! # };
+//! # let (train, test) = (csv(4.0, 2000)?, csv(7.0, 1000)?);
+//! # let path: Vec<f64> = (0..1000).map(|t| 200.0 * (0.02 * f64::from(t)).sin()).collect();
+//! // Bytes of CSV files with the columns t_s, u_V and y_um.
+//! let (train, test) = (Record::from_csv(&train, &Selection::default())?, Record::from_csv(&test, &Selection::default())?);
+//! let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
+//! let model = identify(&[train], &options)?.model;
+//! println!("{} % of peak-to-peak", model.validate(&test)?.metrics.rms_pp_percent);
+//! let voltage = model.compensate(&path)?.u;
+//! let files = model.export("c", "bender")?.files;
+//! # assert!(model.validate(&test)?.metrics.rms_pp_percent < 3.0 && voltage.len() == 1000 && files.len() == 4);
+//! # Ok::<(), piezoid::Error>(())
+//! ```
 //!
 //! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
 //! parameters, and the same input gives the same bytes.

@@ -102,6 +102,16 @@ pub struct Compensated {
     pub notes: Vec<String>,
 }
 
+impl Model {
+    /// The voltage for a path `r` [output unit] that is known as a whole, within what the model was identified on.
+    ///
+    /// # Errors
+    /// As [`FeedForward::new`] and [`FeedForward::whole`].
+    pub fn compensate(&self, r: &[f64]) -> Result<Compensated, Error> {
+        FeedForward::new(self, How::default())?.whole(r)
+    }
+}
+
 /// The inverse of a model.
 ///
 /// ```

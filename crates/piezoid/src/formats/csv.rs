@@ -15,7 +15,7 @@ mod number;
 mod text;
 mod write;
 
-pub use write::{write, write_record};
+pub use write::write;
 
 use super::Format;
 use super::quote::shortened;

@@ -46,6 +46,23 @@ pub(super) struct Column {
     pub(super) decimal: Option<(char, u64)>,
 }
 
+impl Record {
+    /// The record in a CSV file, whose columns are found by their names unless `columns` names others.
+    ///
+    /// ```
+    /// use piezoid::{Record, formats::Selection};
+    /// let record = Record::from_csv(b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n", &Selection::default())?;
+    /// assert_eq!((record.ts(), record.y()), (5e-4, &[0.1, 20.3][..]));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Table::parse`] and [`Table::record`].
+    pub fn from_csv(bytes: &[u8], columns: &Selection) -> Result<Self, Error> {
+        Table::parse(bytes)?.record(columns)
+    }
+}
+
 /// One column with its sampling: an input to simulate, a reference to follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {

@@ -1,6 +1,6 @@
 //! CSV files from outside: measured ones, written ones, and bytes that are no CSV at all.
 
-use crate::formats::csv::{write, write_record};
+use crate::formats::csv::write;
 use crate::formats::{Selection, Table};
 use crate::{Error, Record};
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ fn the_measured_model_file_is_read_whole() {
     assert_eq!((record.len(), record.ts()), (8027, 0.005));
     assert_eq!((record.units().u.as_str(), record.units().y.as_str()), ("cmdV", "um"));
     assert_eq!((record.u()[1], record.y()[1]), (1.856539, -120.154262));
-    assert_eq!(self::record(write_record(&record).unwrap().as_bytes()).unwrap(), record);
+    assert_eq!(self::record(record.to_csv().unwrap().as_bytes()).unwrap(), record);
 }
 
 #[test]

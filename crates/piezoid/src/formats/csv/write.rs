@@ -54,13 +54,16 @@ pub fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<String, Error> {
     Ok(text)
 }
 
-/// A record as a CSV file with the columns `t_s`, `u_*` and `y_*` in the record's units.
-///
-/// # Errors
-/// The units hold a line end.
-pub fn write_record(record: &Record) -> Result<String, Error> {
-    let [u, y] = [("u_", &record.units().u), ("y_", &record.units().y)].map(|(prefix, unit)| format!("{prefix}{unit}"));
-    write(record.ts(), &[(&u, record.u()), (&y, record.y())])
+impl Record {
+    /// This record as a CSV file with the columns `t_s`, `u_*` and `y_*` in its units.
+    ///
+    /// # Errors
+    /// The units hold a line end.
+    pub fn to_csv(&self) -> Result<String, Error> {
+        let name = |prefix: &str, unit: &str| format!("{prefix}{unit}");
+        let (u, y) = (name("u_", &self.units().u), name("y_", &self.units().y));
+        write(self.ts(), &[(&u, self.u()), (&y, self.y())])
+    }
 }
 
 /// A name, in quotes where it holds what separates or quotes.
@@ -148,7 +151,7 @@ mod tests {
     fn a_record_keeps_its_units_however_odd() {
         let units = Units { u: "mV".into(), y: "a;\"b\", c".into() };
         let record = Record::new(0.3, vec![-0.0, 1e-300], vec![f64::MAX, f64::MIN_POSITIVE]).unwrap().with_units(units);
-        let text = write_record(&record).unwrap();
+        let text = record.to_csv().unwrap();
         assert_eq!(Table::parse(text.as_bytes()).unwrap().record(&Selection::default()).unwrap(), record);
     }
 }
