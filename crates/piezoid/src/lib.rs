@@ -47,10 +47,10 @@ mod options;
 pub mod plant;
 pub mod program;
 pub mod progress;
-pub mod quality;
+mod quality;
 pub mod record;
 pub mod series;
-pub mod spline;
+mod spline;
 pub mod system;
 #[cfg(test)]
 mod testing;

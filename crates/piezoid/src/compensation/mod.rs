@@ -21,7 +21,8 @@ pub mod shaping;
 
 pub use fir::Fir;
 pub use learning::{Learned, Learning, learn};
-pub use preview::{Design, Preview};
+pub use preview::Design;
+pub(crate) use preview::Preview;
 pub use sample::Causal;
 pub use sample::LATEST;
 

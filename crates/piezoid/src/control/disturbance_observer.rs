@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct DisturbanceObserver {
+pub(crate) struct DisturbanceObserver {
     inverse: Arx,
     q: Arx,
     delay: usize,
@@ -44,7 +44,7 @@ impl DisturbanceObserver {
     ///
     /// # Errors
     /// Refuses a corner that is not positive, a share that is not finite, and a loop without gain at rest.
-    pub fn new(path: &Loop, corner_hz: f64, share: f64) -> Result<Self, Error> {
+    pub(crate) fn new(path: &Loop, corner_hz: f64, share: f64) -> Result<Self, Error> {
         positive("corner_hz", corner_hz, "Hz")?;
         check(&[("share", share)], path.limits)?;
         let (ts, b) = (path.linear().ts(), path.linear().b());

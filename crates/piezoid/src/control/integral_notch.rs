@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct IntegralNotch {
+pub(crate) struct IntegralNotch {
     ts: f64,
     ki: f64,
     notches: Vec<Arx>,
@@ -43,7 +43,7 @@ impl IntegralNotch {
     ///
     /// # Errors
     /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
-    pub fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         check(&[("ki", ki)], limits)?;
         let made = |&(hz, depth, width): &(f64, f64, f64)| {

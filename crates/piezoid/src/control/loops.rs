@@ -17,7 +17,7 @@ use crate::system::System;
 
 /// A plant in other units: its output times a factor, as micrometres from a plant in metres.
 #[derive(Debug, Clone)]
-pub struct Scaled<S> {
+pub(crate) struct Scaled<S> {
     /// The plant.
     pub system: S,
     /// Output unit wanted over output unit [-].
@@ -29,7 +29,7 @@ impl<S: System> Scaled<S> {
     ///
     /// # Errors
     /// An output that is no length.
-    pub fn of(system: S, model: &Model) -> Result<Self, Error> {
+    pub(crate) fn of(system: S, model: &Model) -> Result<Self, Error> {
         let unit = &model.units().y;
         let not_a_length = || {
             let (found, wanted) = (unit.clone(), "a length: m, mm, um or nm".into());
@@ -189,7 +189,7 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::Pi;
+    use crate::control::pi::Pi;
     use crate::linear::Arx;
 
     #[test]

@@ -250,7 +250,7 @@ fn bandwidth(grid: &[f64], l: &[Complex<f64>]) -> f64 {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::{Pi, filters};
+    use super::super::{filters, pi::Pi};
     use super::*;
     use crate::creep::Lag;
     use crate::testing::assert_close;

@@ -32,17 +32,16 @@ mod tolerance;
 mod tune;
 
 pub use comparison::{Attempt, Comparison, Driven, Wanted, compare};
-pub use disturbance_observer::DisturbanceObserver;
-pub use feeds::{Asked, FEEDS, Fed, Feed, feed};
-pub use integral_notch::IntegralNotch;
-pub use loops::{Course, Run, Scaled, Tracking, run};
+pub(crate) use feeds::Fed;
+pub use feeds::{FEEDS, feed};
+pub(crate) use loops::Scaled;
+pub use loops::{Course, Run, Tracking, run};
 pub use margins::{LATEST, Loop, Margins};
 pub use pi::Pi;
-pub use pid::{Gains, Pid};
-pub use positive_position::PositivePosition;
 pub use references::{REFERENCES, Reference, reference};
 pub use schemes::{Drive, Scheme};
-pub use tolerance::{Spread, Tolerance, Trial, drawn, trials};
+pub(crate) use tolerance::Spread;
+pub use tolerance::{Tolerance, Trial, drawn, trials};
 pub use tune::Target;
 
 use crate::error::Error;
@@ -108,7 +107,7 @@ pub trait Controller: Debug + Send + Sync {
 }
 
 /// How a controller is tuned to a loop so that the target is met.
-pub type Tune = fn(&Loop, &Target) -> Result<Arc<dyn Controller>, Error>;
+pub(crate) type Tune = fn(&Loop, &Target) -> Result<Arc<dyn Controller>, Error>;
 
 /// One kind of controller: a row of [`CONTROLLERS`].
 #[derive(Clone, Copy)]

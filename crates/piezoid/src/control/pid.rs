@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// The gains of a [`Pid`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gains {
+pub(crate) struct Gains {
     /// Proportional [V / output unit].
     pub kp: f64,
     /// Integral [V / (output unit s)].
@@ -41,7 +41,7 @@ pub struct Gains {
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pid {
+pub(crate) struct Pid {
     ts: f64,
     gains: Gains,
     limits: (f64, f64),
@@ -52,7 +52,7 @@ impl Pid {
     ///
     /// # Errors
     /// Refuses a `ts` that is not positive, gains that are not finite, a negative filter, and limits the wrong way round.
-    pub fn new(ts: f64, gains: Gains, limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, gains: Gains, limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let Gains { kp, ki, kd, filter_s } = gains;
         check(&[("kp", kp), ("ki", ki), ("kd", kd), ("filter_s", filter_s)], limits)?;
@@ -152,7 +152,7 @@ mod tests {
     fn without_a_derivative_it_is_a_pi() {
         let gains = Gains { kp: 0.3, ki: 20.0, kd: 0.0, filter_s: 1e-3 };
         let law = Pid::new(1e-3, gains, (-1.0, 1.0)).unwrap().law().unwrap();
-        let pi = super::super::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
+        let pi = super::super::pi::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
         let e: Vec<f64> = (0..50).map(|t| f64::from(t * t % 7)).collect();
         crate::testing::assert_close(&law.simulate(&e), &pi.simulate(&e), 1e-9, 1e-12);
     }

@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct PositivePosition {
+pub(crate) struct PositivePosition {
     ts: f64,
     ki: f64,
     gain: f64,
@@ -43,7 +43,13 @@ impl PositivePosition {
     ///
     /// # Errors
     /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
-    pub fn new(ts: f64, ki: f64, gain: f64, (hz, damping): (f64, f64), limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn new(
+        ts: f64,
+        ki: f64,
+        gain: f64,
+        (hz, damping): (f64, f64),
+        limits: (f64, f64),
+    ) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         positive("resonator frequency", hz, "Hz")?;
         check(&[("ki", ki), ("gain", gain)], limits)?;

@@ -177,7 +177,8 @@ pub fn drawn(spec: &Spec, share: f64, seed: u64, i: u64) -> Result<Spec, Error> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CONTROLLERS, Law, Pi, Scheme, Target, feed};
+    use super::super::pi::Pi;
+    use super::super::{CONTROLLERS, Law, Scheme, Target, feed};
     use super::*;
     use crate::compensation::How;
     use crate::excitation::{Limits, Sine};

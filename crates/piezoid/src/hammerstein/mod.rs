@@ -17,9 +17,11 @@ mod start;
 pub use paper::proportional;
 
 pub use domain::Domain;
-pub use joint::{Joint, Parameter, Trial, identify_joint};
+pub(crate) use joint::{Joint, identify_joint};
+pub use joint::{Parameter, Trial};
 pub use loops::HiddenLoop;
-pub use paper::{Identified, Paper, hidden, identify_paper};
+pub use paper::{Identified, hidden};
+pub(crate) use paper::{Paper, identify_paper};
 pub use rich::LinearPart;
 pub use start::Beginning;
 

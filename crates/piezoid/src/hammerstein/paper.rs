@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// How to identify the paper's way. The defaults are the paper's, but for the reading of held inputs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Paper {
+pub(crate) struct Paper {
     /// Order of the linear block.
     pub order: usize,
     /// Name of its estimator.
@@ -74,7 +74,7 @@ pub struct Identified {
 /// # Errors
 /// Records of different sampling periods, or of units that cannot be converted; what [`linear::fit`] refuses; loops that
 /// are none.
-pub fn identify_paper(
+pub(crate) fn identify_paper(
     linear: &[Record],
     rich: &[Record],
     how: &Paper,

@@ -29,8 +29,7 @@ pub use branches::{Branches, Loop, Split};
 pub use inverse::{Inverted, falls};
 pub(crate) use inverse::{between, in_room, inverse, inverse_behind_a_driver};
 pub use proportional::Proportional;
-pub use rate_scheduled::{Pair, RateScheduled};
-pub use tellinen::Tellinen;
+pub(crate) use rate_scheduled::{Pair, RateScheduled};
 pub use two_branch::{Reading, TwoBranch};
 
 use crate::error::Error;

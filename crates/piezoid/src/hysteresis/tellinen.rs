@@ -44,7 +44,7 @@ use std::sync::Arc;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tellinen {
+pub(crate) struct Tellinen {
     ts: f64,
     branches: Branches,
     decay: Decay<f64>,
@@ -137,7 +137,7 @@ impl Tellinen {
     ///
     /// # Errors
     /// Refuses a `ts` that is not positive.
-    pub fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let decay = Decay::of(branches.range(), |u| curves(&branches, u));
         Ok(Tellinen { ts, branches, decay })

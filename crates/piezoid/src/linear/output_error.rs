@@ -71,7 +71,7 @@ pub struct OutputError {
 /// # Errors
 /// As [`Regression::new`]; weights that are not one positive number a record; too few samples for the pasts and offsets;
 /// [`Error::Cancelled`].
-pub fn output_error(
+pub(crate) fn output_error(
     records: &[Record],
     orders: Orders,
     how: &Refinement,
@@ -87,7 +87,7 @@ pub fn output_error(
 ///
 /// # Errors
 /// As [`output_error`]; and a start that is unstable.
-pub fn refine(
+pub(crate) fn refine(
     records: &[Record],
     start: &Arx,
     how: &Refinement,

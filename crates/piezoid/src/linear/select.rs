@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 /// What to choose from, and how to judge.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
+pub(crate) struct Choice {
     /// The highest order.
     pub order: usize,
     /// The longest delay [samples].
@@ -52,7 +52,7 @@ impl Default for Choice {
 
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
+pub(crate) struct Candidate {
     /// Poles, and delay; n poles go with n + 1 coefficients of b after the delay.
     pub orders: Orders,
     /// The block of the first parts.
@@ -79,7 +79,7 @@ pub struct Candidate {
 
 /// The choice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// All that could be fitted, by order, then delay.
     pub candidates: Vec<Candidate>,
     /// The orders that could not, and why.
@@ -119,7 +119,7 @@ const ROUGH: levenberg_marquardt::Settings =
 /// # Errors
 /// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
 /// [`output_error`](super::output_error) refuses where it refuses every candidate; [`Error::Cancelled`].
-pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
+pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
     let highest = Orders { delay: how.delay, ..Orders::of(how.order) };
     if how.order == 0 {
         return Err(Error::parameter("order", 0, "must be at least 1"));

@@ -67,7 +67,7 @@ const CREEPS: f64 = 0.1;
 
 /// How to identify jointly.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
+pub(crate) struct Joint {
     /// Name of the hysteresis operator. Of several, which commas separate, and of all (`auto`) the simplest is taken that
     /// foretells held-out parts as well as the best.
     pub operator: String,
@@ -95,7 +95,7 @@ impl Default for Joint {
 /// # Errors
 /// Records of different sampling periods, or of units that cannot be converted; no rich record, or one nothing can be
 /// identified from; an operator that is not known; [`Error::Cancelled`].
-pub fn identify_joint(
+pub(crate) fn identify_joint(
     small: &[Record],
     rich: &[Record],
     how: &Joint,
