@@ -12,7 +12,7 @@ use page::{cell, row};
 use piezoid::excitation::{Multisine, Prbs, RisingSine, Sine, Staircase};
 use piezoid::hammerstein::{Identified, Model};
 use piezoid::hysteresis::Split;
-use piezoid::plant::{DriverSpec, Plant, Spec, find};
+use piezoid::plant::{DriverSpec, Plant, Preset, Spec};
 use piezoid::validation::Metrics;
 use piezoid::{Error, IdentifyOptions, Method, Record, Records, System, identify};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
@@ -84,7 +84,7 @@ pub(crate) struct Twin {
 impl Twin {
     /// The twin called `name`.
     pub(crate) fn new(name: &str) -> Result<Self, Error> {
-        Twin::of(&(find(name)?.spec)())
+        Twin::of(&(Preset::find(name)?.spec)())
     }
 
     /// The twin of these parameters.

@@ -8,7 +8,7 @@
 mod accuracy;
 
 use accuracy::{KINDS, TWINS, Twin, error, range};
-use piezoid::plant::{HysteresisSpec, Spec, find};
+use piezoid::plant::{HysteresisSpec, Preset, Spec};
 
 /// Frequencies below, at and above the resonance [Hz]. At the last the driver's current limit shapes every wave.
 const FREQUENCIES: [f64; 4] = [5.0, 40.0, 160.0, 400.0];
@@ -36,7 +36,7 @@ fn one_model_of_a_bouc_wen_twin_foretells_every_record_within_1_2_percent() {
 
 #[test]
 fn what_is_left_where_the_driver_slews_is_not_hysteresis() {
-    let spec = (find(TWINS[1]).expect("a twin").spec)();
+    let spec = (Preset::find(TWINS[1]).expect("a twin").spec)();
     let HysteresisSpec::BoucWen { range_v, displacement_m, beta_per_v, gamma_per_v, .. } = spec.hysteresis else {
         unreachable!("the law of its name")
     };

@@ -84,7 +84,7 @@ impl Proof {
                 let (skip, duration) = (options.skip, round(record.duration()));
                 bail!("{file}: --skip {skip} leaves nothing of this record, which lasts {duration} s: skip less");
             }
-            let validation = validation::validate(&model, &record, options).with_context(|| file.clone())?;
+            let validation = model.validate_with(&record, options).with_context(|| file.clone())?;
             Ok(Proven { file, record, validation })
         };
         let proven = self.data.iter().map(&mut prove).collect::<Result<Vec<_>>>()?;

@@ -124,7 +124,7 @@ impl Lowering<'_> {
 
     fn arguments(&self, called: &str, given: &[Expr]) -> Result<Vec<Expr>, Error> {
         let takes = self.program.function(called).map_or(&[][..], |f| &f.takes);
-        let argument = |(takes, given): (&piezoid::program::Parameter, &Expr)| match takes.kind {
+        let argument = |(takes, given): (&piezoid::program::Argument, &Expr)| match takes.kind {
             Kind::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
             Kind::Whole => self.whole(given),
             _ => Ok(given.clone()),

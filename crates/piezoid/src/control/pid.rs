@@ -11,7 +11,7 @@
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Now, check, integrating, program};
+use super::{Controller, ControllerInput, Law, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -34,10 +34,10 @@ pub(crate) struct Gains {
 /// The controller. State: the integral [V], the derivative [V], the last error [output unit].
 ///
 /// ```
-/// use piezoid::control::{Controller, Gains, Now, Pid};
+/// use piezoid::control::{Controller, Gains, ControllerInput, Pid};
 /// let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0))?;
 /// let mut x = pid.initial();
-/// assert_eq!(pid.step(&mut x, &Now { r: 1.0, ..Now::default() }), 0.5 + 0.1 + 0.5);
+/// assert_eq!(pid.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }), 0.5 + 0.1 + 0.5);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +78,7 @@ impl Controller for Pid {
         3
     }
 
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         let (keeps, takes) = self.derivative();
         let e = now.error();
         x[1] = keeps * x[1] + takes * (e - x[2]);
@@ -136,14 +136,14 @@ pub(super) const ROW: Law = Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::{Course, run};
+    use crate::control::ClosedLoop;
 
     #[test]
     fn after_a_limit_it_comes_back_at_once() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let pid = Pid::new(1e-3, Gains { kp: 0.3, ki: 20.0, kd: 1e-4, filter_s: 1e-3 }, (-1.0, 1.0)).unwrap();
-        let y = run(&plant, &pid, &Course::new(&r, &[0.0; 4000], (-1.0, 1.0))).unwrap().y;
+        let y = ClosedLoop::new(&r, &[0.0; 4000], (-1.0, 1.0)).run(&plant, &pid).unwrap().y;
         let late = y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap();
         assert!(late < 250 && (y[3999] - 0.5).abs() < 1e-6, "{late}");
     }

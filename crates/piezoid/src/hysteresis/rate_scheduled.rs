@@ -16,7 +16,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::Dual;
 use super::two_branch::{READ, example, read, read_slope};
-use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
+use super::{Basis, BasisDesign, Branches, Hysteresis, Operator, Reading, document, parse};
 use crate::elementary::ln;
 use crate::error::{Error, positive};
 use crate::intervals::Intervals;
@@ -324,7 +324,7 @@ struct Values {
 }
 
 impl Values {
-    fn new(design: &Design) -> Result<Self, Error> {
+    fn new(design: &BasisDesign) -> Result<Self, Error> {
         if design.frequencies.is_empty() {
             let because = "the records have no frequencies; use two-branch, or give a record of each frequency".into();
             return Err(Error::Unidentifiable { what: "the rate-scheduled block".into(), because });

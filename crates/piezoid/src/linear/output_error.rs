@@ -30,12 +30,12 @@ pub struct Refinement {
     /// What each record's squared errors count, in the ratio of 1 / (variance of its noise); empty counts all alike.
     pub weights: Vec<f64>,
     /// The search.
-    pub search: levenberg_marquardt::Settings,
+    pub search: levenberg_marquardt::SearchSettings,
 }
 
 /// A block by output error.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OutputError {
+pub(crate) struct OutputError {
     /// The block.
     pub arx: Arx,
     /// Its orders: what of `arx` was free.
@@ -203,7 +203,7 @@ pub(super) fn search(
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::progress::unwatched;
     use crate::system::System;
     use crate::testing::assert_close;
@@ -218,7 +218,7 @@ mod tests {
     /// The twin from rest, under a PRBS that begins with a step.
     fn pl140(seed: u64) -> Record {
         let u = Prbs::default().samples(TS, 2 * 2047).unwrap();
-        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(seed);
+        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     }

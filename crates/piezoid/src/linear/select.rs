@@ -99,8 +99,8 @@ const NEGLIGIBLE: f64 = 1e-4;
 const BLOCKS: usize = 20;
 
 /// Steps and tolerance that tell candidates apart.
-const ROUGH: levenberg_marquardt::Settings =
-    levenberg_marquardt::Settings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
+const ROUGH: levenberg_marquardt::SearchSettings =
+    levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// Chooses order and delay of the linear block of `records`.
 ///
@@ -291,7 +291,7 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::system::System;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -302,7 +302,7 @@ mod tests {
     /// The PL140 twin under a PRBS of 1 V, in micrometres.
     fn pl140(seed: u64, n: usize) -> Record {
         let u = Prbs::default().samples(TS, n).unwrap();
-        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(seed);
+        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     }

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// A plant: driver -> hysteresis -> creep -> beam -> sensor.
 ///
 /// ```
-/// use piezoid::plant::{Plant, Spec, find};
+/// use piezoid::plant::{Plant, Spec, Preset};
 ///
-/// let text = (find("pl140")?.spec)().to_json()?; // a starting point for a bender of your own
+/// let text = (Preset::find("pl140")?.spec)().to_json()?; // a starting point for a bender of your own
 /// let plant = Plant::new(&Spec::from_json(&text)?, 5e-4)?;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -99,7 +99,7 @@ pub enum HysteresisSpec {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum BeamSpec {
     /// Modes as they are; none at all is a bender without dynamics.
-    Modes(Vec<Mode>),
+    Modes(Vec<BeamMode>),
     /// The modes of a uniform cantilever.
     Cantilever(Cantilever),
 }
@@ -107,7 +107,7 @@ pub enum BeamSpec {
 /// A vibration mode as the tip shows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Mode {
+pub struct BeamMode {
     /// Undamped natural frequency [Hz].
     pub frequency_hz: f64,
     /// Damping ratio, between 0 and 1 [-].
