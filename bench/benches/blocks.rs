@@ -7,7 +7,7 @@ use piezoid::compensation::{Causal, FeedForward, How};
 use piezoid::control::predictive::{self, Predictive, Solver};
 use piezoid::control::{Controller, ControllerInput};
 use piezoid::creep::Creep;
-use piezoid::driver::{DriverModel, SUBSTEPS};
+use piezoid::driver::DriverModel;
 use piezoid::excitation::{Prbs, Sine};
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::{Basis, BasisDesign, Branches, Hysteresis, OPERATORS, Operator, Reading, TwoBranch};
@@ -276,7 +276,7 @@ fn linear() -> Result<Vec<Named>, Error> {
 fn models() -> Result<Vec<Named>, Error> {
     let model = |hysteresis| Model::new(hysteresis, arx()?, 0.0);
     let driver = DriverModel::new(1e-4, Some(6e4))?;
-    let faster = TS / SUBSTEPS as f64;
+    let faster = TS / DriverModel::SUBSTEPS as f64;
     let design = BasisDesign { ts: faster, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
     let plays = (Operator::find("prandtl-ishlinskii")?.basis)(&design)?.operator(&[0.1; 31])?;
     Ok(vec![

@@ -8,7 +8,7 @@ use page::row;
 use piezoid::number::short;
 use piezoid::plant::Preset;
 use piezoid::progress::unwatched;
-use piezoid_report::study::{self, METHODS, Study, TestSignal};
+use piezoid_report::study::{METHODS, Study, TestSignal};
 
 /// Figures of the study that docs/ keep: their names there, and here.
 const KEPT: [(&str, &str); 3] =

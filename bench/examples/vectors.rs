@@ -3,11 +3,11 @@
 //! `cargo run -p piezoid-bench --example vectors -- crates/piezoid/tests/vectors`
 
 use piezoid::creep::Creep;
-use piezoid::driver::{DriverModel, SUBSTEPS};
+use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{NamedReference, Whole};
+use piezoid_export::{Wanted, Whole};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let driven = ("driven", model("prandtl-ishlinskii", Some(driver)));
     for (name, model) in OPERATORS.iter().map(|o| (o.name, model(o.name, None))).chain([driven]) {
         let model = model?;
-        let whole = Whole::new(&NamedReference::new(&model, "m"))?;
+        let whole = Whole::new(&Wanted::new(&model, "m"))?;
         let document: Value = serde_json::from_str(&model.to_json())?;
         let mut vectors = json!({"model": document});
         for entry in &whole.entries {
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// The operator's example before creep and a resonance, behind a driver or not.
 fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
-    let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+    let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
     let model = Model::driven(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)

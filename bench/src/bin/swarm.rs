@@ -7,7 +7,7 @@ use multiversion::{multiversion, target::target_cfg_f};
 use piezoid::excitation::Prbs;
 use piezoid::linear::{AbsoluteError, Estimator, Orders, Regression};
 use piezoid::optimize::swarm::SwarmSettings;
-use piezoid::plant::{Plant, Preset};
+use piezoid::plant::Plant;
 use piezoid::{Error, Record, progress::unwatched};
 use std::hint::black_box;
 use std::time::Instant;

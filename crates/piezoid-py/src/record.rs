@@ -3,8 +3,8 @@
 use crate::error::{raised, refused};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
-use piezoid::formats::{self, Channel, Selection, Signal, Table};
-use piezoid::{Units, record};
+use piezoid::Units;
+use piezoid::formats::{Channel, Selection, Signal, Table};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 

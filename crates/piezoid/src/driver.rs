@@ -3,7 +3,7 @@
 //! ```text
 //! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period
 //! ```
-//! solved exactly. Hysteresis sees v at [`SUBSTEPS`] instants a sample, and what it makes of them enters the linear block
+//! solved exactly. Hysteresis sees v at [`DriverModel::SUBSTEPS`] instants a sample, and what it makes of them enters the linear block
 //! as their mean: beyond a quarter of the sampling rate a slewing voltage acts visibly later than one that jumps, and
 //! nothing behind the hysteresis could make up for it. A current limit I into a capacitance C is a slew of I / C.
 //!
@@ -13,9 +13,6 @@ use crate::elementary::exp;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-
-/// Instants a sample at which the hysteresis block sees the voltage.
-pub const SUBSTEPS: usize = 4;
 
 /// Lag and slew limit of the amplifier.
 ///
@@ -35,6 +32,9 @@ pub struct DriverModel {
 }
 
 impl DriverModel {
+    /// Instants a sample at which the hysteresis block sees the voltage.
+    pub const SUBSTEPS: usize = 4;
+
     /// A driver of this lag [s] and slew limit [input unit / s].
     ///
     /// # Errors
@@ -65,12 +65,14 @@ impl DriverModel {
     /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block, which remembers something or not,
     /// through a sample of `ts` [s].
     pub(crate) fn block(&self, ts: f64, remembers: bool) -> Block {
-        let h = ts / SUBSTEPS as f64;
+        let h = ts / DriverModel::SUBSTEPS as f64;
         let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit")
             .number("v", 0.0)
             .number("z", 0.0);
-        let block =
-            block.constant("h", h).constant("lag", self.lag_s).constant("twice_substeps", (2 * SUBSTEPS) as f64);
+        let block = block
+            .constant("h", h)
+            .constant("lag", self.lag_s)
+            .constant("twice_substeps", (2 * DriverModel::SUBSTEPS) as f64);
         let lags = self.lag_s > 0.0;
         let block = if lags { block.text(LAGGING) } else { block };
         // Without a lag u is there at once, and nothing is said of how it got there.
@@ -86,7 +88,7 @@ impl DriverModel {
         };
         let text = HIDDEN.replace("DRIVEN", &driven);
         let text = if remembers { text } else { text.replace("x: hysteresis, ", "").replace("(x, ", "(") };
-        block.count("substeps", SUBSTEPS).text(&text)
+        block.count("substeps", DriverModel::SUBSTEPS).text(&text)
     }
 
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {

@@ -8,7 +8,7 @@ use crate::hysteresis::{Reading, Split};
 use crate::linear;
 use crate::optimize::swarm::{self, GlobalBest};
 use crate::options::{OptionRow, Values, options};
-use crate::plant::DriverSpec;
+use crate::plant::Spec;
 use crate::progress::{Progress, unwatched};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
@@ -154,7 +154,8 @@ pub fn identify_watched<'r>(
 
 impl IdentifyOptions {
     /// The same with what the owner of a twin knows of its driver: lag, and current limit over capacitance.
-    pub fn with_driver_of(self, twin: &DriverSpec) -> Self {
+    pub fn with_driver_of(self, plant: &Spec) -> Self {
+        let twin = &plant.driver;
         let driver_slew = twin.current_a.map(|current| current / twin.capacitance_f);
         IdentifyOptions { driver_lag: Some(twin.lag_s).filter(|lag| *lag > 0.0), driver_slew, ..self }
     }
@@ -289,7 +290,7 @@ mod tests {
     #[test]
     fn the_driver_of_a_twin_is_known_unless_it_is_ideal() {
         let of = |name: &str| {
-            let options = IdentifyOptions::default().with_driver_of(&(Preset::find(name).unwrap().spec)().driver);
+            let options = IdentifyOptions::default().with_driver_of(&(Preset::find(name).unwrap().spec)());
             options.driver().unwrap()
         };
         assert_eq!(of("paper"), None);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-use piezoid::formats::{self, FORMATS, Selection, Table};
+use piezoid::formats::{FORMATS, Selection, Table};
 use piezoid::{Error, Record};
 
 /// Files of one record: what reads them, and what each leaves out.

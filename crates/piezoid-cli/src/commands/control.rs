@@ -159,7 +159,7 @@ impl Control {
             let Some(factor) = Units::factor(unit, "m") else {
                 bail!("{}: its output is in {unit}, which is no length: leave --noise out", self.model.display());
             };
-            spec.sensor.noise_rms_m = noise * factor;
+            spec = spec.with_sensor_noise(noise * factor);
         }
         let how = How { limits, clip: self.clip, ..How::default() };
         let target = self.tuning.target();

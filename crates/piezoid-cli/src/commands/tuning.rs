@@ -2,7 +2,7 @@
 
 use crate::values::positive;
 use clap::Args;
-use piezoid::control::{LATEST, MarginTarget};
+use piezoid::control::{ControlLoop, MarginTarget};
 
 /// Lateness and margins.
 #[derive(Args)]
@@ -34,5 +34,8 @@ impl Tuning {
 
 /// Samples that controllers can be tuned for.
 fn late(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n <= LATEST).ok_or_else(|| format!("it must be a whole number from 0 to {LATEST}"))
+    text.parse()
+        .ok()
+        .filter(|n| *n <= ControlLoop::LATEST)
+        .ok_or_else(|| format!("it must be a whole number from 0 to {}", ControlLoop::LATEST))
 }

@@ -8,7 +8,7 @@ use crate::values::apart;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::number::round;
-use piezoid::validation::{self, Metrics, ValidateOptions, Validation};
+use piezoid::validation::{Metrics, ValidateOptions, Validation};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use std::path::PathBuf;

@@ -14,7 +14,7 @@ mod structured_text;
 mod skipped;
 
 use piezoid::creep::Creep;
-use piezoid::driver::{DriverModel, SUBSTEPS};
+use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
@@ -37,7 +37,7 @@ fn models() -> Vec<(String, Model)> {
 }
 
 fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
-    let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+    let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
     let model = Model::driven(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)

@@ -318,7 +318,7 @@ mod tests {
     /// The program of a text, as it is and in counts, and its formats, after these inputs.
     fn both(text: &str, inputs: &[f64]) -> (Program, Formats, Program) {
         let block = Block::new("sum", "all so far").number("total", 0.0).text(text);
-        let program = Program::new(vec![piezoid::program::elementary(), block]).unwrap();
+        let program = Program::new(vec![piezoid::program::Block::elementary(), block]).unwrap();
         let mut machine = Machine::new(&program, "sum", false).watched();
         inputs.iter().for_each(|u| drop(machine.call("sum", &[*u]).unwrap()));
         let mut formats = Formats::of(&program, &[machine]);

@@ -3,7 +3,7 @@
 use crate::page::{Fact, Section, Table};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::hammerstein::Model;
-use piezoid::linear::{Arx, ModalForm, SEEN};
+use piezoid::linear::{Arx, ModalForm};
 use piezoid::number::short;
 use piezoid::series::ends;
 use piezoid::system::System;
@@ -81,7 +81,7 @@ fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
     let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
     let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
     let (top, low) = match reading.images() {
-        Some(_) => [top, low].map(|panel| panel.over_x(SEEN * half, half, "")).into(),
+        Some(_) => [top, low].map(|panel| panel.over_x(ModalForm::SEEN * half, half, "")).into(),
         None => (top, low),
     };
     let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {

@@ -31,7 +31,7 @@ pub(super) struct Bench {
 impl Bench {
     /// The plant of these parameters, its noise drawn from `seed`.
     pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
-        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor.range_m.map(|m| 1e3 * m) })
+        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor_range().map(|m| 1e3 * m) })
     }
 
     /// Drives the plant from rest and records it; what limits were reached is added to `limits`.

@@ -267,7 +267,7 @@ impl Study {
         };
         let options =
             IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..IdentifyOptions::default() }
-                .with_driver_of(&(plant.spec)().driver);
+                .with_driver_of(&(plant.spec)());
         let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
         let joint = identify_watched(records, &options, &mut of_joint)?;
 

@@ -24,7 +24,6 @@ pub use learning::{Learned, Learning};
 pub use preview::FirDesign;
 pub(crate) use preview::Preview;
 pub use sample::Causal;
-pub use sample::LATEST;
 
 use crate::error::{Error, finite};
 use crate::excitation::{Limits, Usage};

@@ -35,20 +35,20 @@ pub struct Causal {
     pub(super) inverse: FeedForward,
 }
 
-/// The latest: with it the filter has as many taps as can be solved for.
-pub const LATEST: usize = 488;
-
 /// Numbers of the state before the references.
 const BEFORE: usize = 1;
 
 impl Causal {
+    /// The latest: with it the filter has as many taps as can be solved for.
+    pub const LATEST: usize = 488;
+
     /// The inverse of `model` that is `late` samples late; settings of `how` for whole records do not count.
     ///
     /// # Errors
     /// As [`FeedForward::new`].
     pub fn new(model: &Model, how: How, late: usize) -> Result<Self, Error> {
-        if late > LATEST {
-            return Err(Error::parameter("late", late, format!("must be at most {LATEST} samples")));
+        if late > Causal::LATEST {
+            return Err(Error::parameter("late", late, format!("must be at most {} samples", Causal::LATEST)));
         }
         let how = How { clip: true, preview: Some(FirDesign::late(late)), ..how };
         Ok(Causal { inverse: FeedForward::new(model, how)? })

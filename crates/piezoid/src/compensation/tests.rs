@@ -1,6 +1,6 @@
 use super::*;
 use crate::creep::Creep;
-use crate::driver::{DriverModel, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::excitation::{Prbs, RisingSine, Triangle};
 use crate::hysteresis::OPERATORS;
 use crate::linear::Arx;
@@ -15,7 +15,7 @@ const TS: f64 = 5e-4;
 
 /// A beam behind an operator with creep, and behind a driver or none; +-30 V hold about +-1 mm.
 fn model(operator: &str, driver: Option<DriverModel>) -> Model {
-    let ts = TS / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+    let ts = TS / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let hysteresis = (crate::hysteresis::Operator::find(operator).unwrap().example)(ts).unwrap();
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.5, 3.2]).unwrap();
     let creep = Creep::logarithmic(TS, 0.01, 0.05, 5.0).unwrap();

@@ -29,9 +29,6 @@ const AROUND: i32 = 60;
 /// Points for each sample by which readings come late: 6 degrees of its phase.
 const TURN: usize = 32;
 
-/// Samples by which readings may come late, at most, for a controller to be tuned.
-pub const LATEST: usize = 20;
-
 /// Share of the sampling rate up to which all must be known for nothing to lie beyond.
 const KNOWN: f64 = 0.4;
 
@@ -49,7 +46,7 @@ pub struct ControlLoop {
     pub limits: (f64, f64),
     /// The fastest change of voltage, infinite where there is no limit [V/s]. Margins know nothing of it.
     pub slew: f64,
-    /// Samples d by which readings come late, [`LATEST`] at most.
+    /// Samples d by which readings come late, [`ControlLoop::LATEST`] at most.
     pub late: usize,
 }
 
@@ -69,6 +66,9 @@ pub struct Margins {
 }
 
 impl ControlLoop {
+    /// Samples by which readings may come late, at most, for a controller to be tuned.
+    pub const LATEST: usize = 20;
+
     /// The loop of a model between the lowest and the highest voltage [V], with readings in time. The slew limit of a driver in the
     /// model is left out.
     ///
@@ -153,9 +153,9 @@ impl ControlLoop {
 
 /// Refuses readings that come later than controllers are tuned for.
 pub(super) fn check_late(late: usize) -> Result<(), Error> {
-    match late <= LATEST {
+    match late <= ControlLoop::LATEST {
         true => Ok(()),
-        false => Err(Error::parameter("late", late, format!("must be at most {LATEST} samples"))),
+        false => Err(Error::parameter("late", late, format!("must be at most {} samples", ControlLoop::LATEST))),
     }
 }
 

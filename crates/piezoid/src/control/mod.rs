@@ -36,7 +36,7 @@ pub(crate) use feeds::FeedResult;
 pub use feeds::{FEEDS, Feed};
 pub(crate) use loops::Scaled;
 pub use loops::{ClosedLoop, ClosedLoopRun, Tracking};
-pub use margins::{ControlLoop, LATEST, Margins};
+pub use margins::{ControlLoop, Margins};
 pub use pi::Pi;
 pub use references::{REFERENCES, Reference};
 pub use schemes::{Drive, Scheme};
@@ -243,7 +243,7 @@ mod tests {
             for (kind, c) in tuned(late) {
                 assert_eq!(c.blocks().is_some(), c.law().is_some(), "{}", kind.name);
                 let Some(blocks) = c.blocks() else { continue };
-                let program = Program::new([vec![elementary::block()], blocks].concat()).unwrap();
+                let program = Program::new([vec![Block::elementary()], blocks].concat()).unwrap();
                 let mut machine = Machine::new(&program, "control_state", false);
                 let mut x = c.initial();
                 for t in 0..600 {

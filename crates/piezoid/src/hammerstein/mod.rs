@@ -24,7 +24,7 @@ pub use rich::LinearPart;
 pub use start::InitialCondition;
 
 use crate::creep::{Creep, Lag};
-use crate::driver::{DriverModel, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hysteresis::{self, Hysteresis};
 use crate::linear::Arx;
@@ -79,7 +79,7 @@ impl Model {
         Model::driven(None, hysteresis, linear, offset)
     }
 
-    /// The same behind a driver, of which the hysteresis block sees [`SUBSTEPS`] voltages a sample and must be sampled
+    /// The same behind a driver, of which the hysteresis block sees [`DriverModel::SUBSTEPS`] voltages a sample and must be sampled
     /// as much faster.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Model {
         linear: Arx,
         offset: f64,
     ) -> Result<Self, Error> {
-        let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+        let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
         Record::same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
         crate::error::finite("offset", &[offset])?;
         let (creep, units) = (Creep::new(linear.ts(), Vec::new())?, Units::default());
@@ -207,7 +207,7 @@ impl Model {
         let d: Document = serde_json::from_value(value).map_err(|e| Error::Content(format!("model file: {e}")))?;
         let driver = d.driver.map(|d| DriverModel::new(d.lag_s, d.slew)).transpose()?;
         let linear = Arx::new(d.ts, d.linear.a, d.linear.b)?;
-        let ts = if driver.is_some() { d.ts / SUBSTEPS as f64 } else { d.ts };
+        let ts = if driver.is_some() { d.ts / DriverModel::SUBSTEPS as f64 } else { d.ts };
         let model = Model::driven(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
         let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
         let identified = d.identified.map(Domain::checked).transpose()?;
@@ -278,9 +278,9 @@ impl Model {
     /// Replaces the inputs in `signal` by z, from the states of the hysteresis block and the driver.
     fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], signal: &mut [f64]) {
         let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
-        let h = self.ts() / SUBSTEPS as f64;
+        let h = self.ts() / DriverModel::SUBSTEPS as f64;
         for stretch in signal.chunks_mut(SEEN) {
-            let mut seen = [[0.0; SUBSTEPS]; SEEN];
+            let mut seen = [[0.0; DriverModel::SUBSTEPS]; SEEN];
             let seen = &mut seen[..stretch.len()];
             for (voltages, u) in seen.iter_mut().zip(&*stretch) {
                 for voltage in voltages {
@@ -295,7 +295,7 @@ impl Model {
                     twice += *z + next;
                     *z = next;
                 }
-                *mean = twice / (2 * SUBSTEPS) as f64;
+                *mean = twice / (2 * DriverModel::SUBSTEPS) as f64;
             }
         }
     }
@@ -370,7 +370,8 @@ mod tests {
         let u: Vec<f64> = (0..2 * STRETCH).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
         for o in OPERATORS {
             for driver in [None, Some(DriverModel::new(1e-4, Some(2e4)).unwrap())] {
-                let hysteresis = (o.example)(5e-4 / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 }).unwrap();
+                let hysteresis =
+                    (o.example)(5e-4 / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 }).unwrap();
                 let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
                 let model = Model::driven(driver, hysteresis, linear, -0.1).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();

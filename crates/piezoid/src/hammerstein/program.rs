@@ -1,7 +1,6 @@
 //! The model as a program.
 
 use super::Model;
-use crate::elementary;
 use crate::error::Error;
 use crate::hysteresis::{inverse, inverse_behind_a_driver};
 use crate::program::{Block, Program};
@@ -56,7 +55,7 @@ fn step(s: state, u) {{
             let because = format!("its operator, `{}`, has none", self.hysteresis().operator().name);
             Error::Unsuited { what: "program".into(), because }
         };
-        let mut program = Program::new(vec![elementary::block(), self.hysteresis().block().ok_or_else(unsuited)?])?;
+        let mut program = Program::new(vec![Block::elementary(), self.hysteresis().block().ok_or_else(unsuited)?])?;
         inverse(&mut program)?;
         if let Some(driver) = self.driver() {
             let remembers = self.hysteresis().order() > 0;
@@ -105,14 +104,14 @@ fn step(s: state, u) {{
 mod tests {
     use super::*;
     use crate::creep::Creep;
-    use crate::driver::{DriverModel, SUBSTEPS};
+    use crate::driver::DriverModel;
     use crate::hysteresis::OPERATORS;
     use crate::linear::Arx;
     use crate::program::Machine;
 
     /// A model of an operator behind each kind of driver, or none, with blocks of these many coefficients.
     fn model(operator: usize, driver: Option<DriverModel>, (na, nb): (usize, usize)) -> Model {
-        let ts = if driver.is_some() { 5e-4 / SUBSTEPS as f64 } else { 5e-4 };
+        let ts = if driver.is_some() { 5e-4 / DriverModel::SUBSTEPS as f64 } else { 5e-4 };
         let coefficient = |k: usize| 0.5 * (-0.5f64).powi(k as i32);
         let (a, b) = ((0..na).map(coefficient).collect(), (0..nb).map(|k| coefficient(k) + 1.0).collect());
         let hysteresis = (OPERATORS[operator].example)(ts).unwrap();

@@ -309,7 +309,7 @@ mod tests {
 
     /// Steps `operator` and its program along `u`.
     pub(in crate::hysteresis) fn same_as_a_program(operator: &dyn Hysteresis, u: &[f64]) {
-        let program = Program::new(vec![elementary::block(), operator.block().unwrap()]).unwrap();
+        let program = Program::new(vec![Block::elementary(), operator.block().unwrap()]).unwrap();
         let mut machine = Machine::new(&program, "hysteresis", false);
         let mut x = operator.initial();
         assert_eq!(machine.state(), x, "{operator:?}");
@@ -332,7 +332,7 @@ mod tests {
         for example in members() {
             let (name, mut x) = (example.operator().name, example.initial());
             let (Some(block), Some(_)) = (example.block(), example.ahead(&x, 0.0)) else { continue };
-            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for (t, u) in trying().into_iter().enumerate() {
@@ -365,7 +365,7 @@ mod tests {
     fn every_inverse_as_a_program_gives_the_same_bits() {
         for (example, block) in programs() {
             let name = example.operator().name;
-            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
             let rises = example.falls(-30.0, 30.0).is_none();
             let mut machine = Machine::new(&program, "hysteresis", false);
@@ -396,7 +396,7 @@ mod tests {
     #[test]
     fn programs_bear_what_is_no_number() {
         for (_, block) in programs() {
-            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for u in [1.0, f64::NAN, 2.0, f64::INFINITY, -3.0, f64::NEG_INFINITY, 5.0, -8.0, 1e300, -1e300, 4.0] {

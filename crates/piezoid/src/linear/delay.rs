@@ -9,7 +9,7 @@
 //! modes beyond its poles: where the two differ, the mechanics is not what it was taken for.
 
 use super::fit_modes::Modes;
-use super::output_error::{Refinement, output_error};
+use super::output_error::{OutputError, Refinement};
 use super::regression::Orders;
 use super::uncertainty::Uncertain;
 use crate::error::Error;
@@ -59,7 +59,7 @@ impl Delay {
             }
         }
         let orders = Orders { delay: modes.arx.delay(), ..Orders::of(2 * modes.modes.len()) };
-        let by_phase = output_error(records, orders, how, progress)?.arx.reading().delay;
+        let by_phase = OutputError::fit(records, orders, how, progress)?.arx.reading().delay;
         Ok(Delay { seconds: modes.delay, by_phase, modes })
     }
 }

@@ -7,7 +7,7 @@
 use super::Arx;
 use super::absolute_error::AbsoluteError;
 use super::instrumental::{self, Rounds};
-use super::output_error::{Refinement, output_error};
+use super::output_error::{OutputError, Refinement};
 use super::regression::{Orders, Regression};
 use crate::error::{Error, row};
 use crate::optimize::{Minimum, Reason, least_absolute, swarm};
@@ -90,7 +90,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         summary: "sum of squared free-run errors, by Levenberg-Marquardt: no bias by noise in y",
         reference: "Ljung 1998, System Identification; Marquardt 1963, doi:10.1137/0111030",
         estimate: |given, _, progress| {
-            let found = output_error(given.records, given.regression.orders, &Refinement::default(), progress)?;
+            let found = OutputError::fit(given.records, given.regression.orders, &Refinement::default(), progress)?;
             let Minimum { x, history, courses, .. } = found.minimum;
             Ok(Solution { theta: x, offsets: Some(found.offsets), history, courses })
         },

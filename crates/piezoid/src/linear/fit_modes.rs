@@ -10,7 +10,7 @@
 
 use super::free_run::dot;
 use super::modal_error::{ModalError, ModalRun};
-use super::output_error::{Refinement, checked, output_error};
+use super::output_error::{OutputError, Refinement, checked};
 use super::uncertainty::{Evidence, Uncertain, sandwich, spread};
 use super::{Arx, Orders};
 use crate::error::Error;
@@ -67,7 +67,7 @@ impl Modes {
     /// ```
     ///
     /// # Errors
-    /// What [`output_error`] refuses of order 2 n; [`Error::Unidentifiable`] when it finds fewer than `n` modes;
+    /// What [`OutputError::fit`] refuses of order 2 n; [`Error::Unidentifiable`] when it finds fewer than `n` modes;
     /// [`Error::Cancelled`].
     pub fn fit(
         records: &[Record],
@@ -119,7 +119,7 @@ const TRIED: usize = 2;
 /// ln w, ln zeta and k = 0 of each mode, and r = 0: of the modes that carry most in a block by output error, and with each
 /// but the first of them at the other frequencies that look the same to the samples.
 fn starts(records: &[Record], n: usize, longest: usize, how: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
-    let block = |delay| output_error(records, Orders { delay, ..Orders::of(2 * n) }, how, &mut unwatched);
+    let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, how, &mut unwatched);
     let mut blocks: Vec<_> = (0..=longest).map(block).collect::<Result<_, _>>()?;
     blocks.sort_by(|p, q| p.minimum.cost.total_cmp(&q.minimum.cost));
     let mut found: Vec<(f64, f64)> = Vec::new();

@@ -26,9 +26,6 @@ use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// Of half the sampling rate, the share up to which a pole is what it seems.
-pub const SEEN: f64 = 0.9;
-
 /// What a pole, or a conjugate pair, is in mechanics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -58,7 +55,7 @@ impl PoleShare {
         // |s| Ts, which is pi at half the sampling rate.
         let turn = Complex::new(z.re, z.im).ln().norm();
         match () {
-            () if turn >= SEEN * PI => PoleKind::Image,
+            () if turn >= ModalForm::SEEN * PI => PoleKind::Image,
             () if z.im > 0.0 => PoleKind::Mode,
             () => PoleKind::Lag,
         }
@@ -86,6 +83,9 @@ pub struct ModalForm {
 }
 
 impl ModalForm {
+    /// Of half the sampling rate, the share up to which a pole is what it seems.
+    pub const SEEN: f64 = 0.9;
+
     /// The poles that are modes, by rising frequency.
     pub fn modes(&self) -> Vec<PoleShare> {
         self.poles.iter().filter(|p| p.kind() == PoleKind::Mode).copied().collect()

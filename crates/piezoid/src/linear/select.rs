@@ -118,7 +118,7 @@ const ROUGH: levenberg_marquardt::SearchSettings =
 ///
 /// # Errors
 /// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
-/// [`output_error`](super::output_error) refuses where it refuses every candidate; [`Error::Cancelled`].
+/// [`OutputError::fit`] refuses where it refuses every candidate; [`Error::Cancelled`].
 pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
     let highest = Orders { delay: how.delay, ..Orders::of(how.order) };
     if how.order == 0 {
@@ -363,7 +363,7 @@ mod tests {
     fn an_idle_pole_changes_nothing() {
         let records = [late(1)];
         let orders = Orders { na: 2, nb: 3, delay: 1 };
-        let fit = crate::linear::output_error(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
+        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
         crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }

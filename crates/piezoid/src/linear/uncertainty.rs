@@ -51,7 +51,7 @@ pub struct UncertainPole {
 
 impl OutputError {
     /// The poles of the block, as [`Arx::poles`] lists them.
-    pub(crate) fn poles(&self) -> Vec<UncertainPole> {
+    pub fn poles(&self) -> Vec<UncertainPole> {
         let a = self.arx.a();
         let known = |pole: Pole| {
             let z = Complex::new(pole.z.re, pole.z.im);
@@ -71,14 +71,14 @@ impl OutputError {
     }
 
     /// Output for a constant input of 1.
-    pub(crate) fn dc_gain(&self) -> Uncertain {
+    pub fn dc_gain(&self) -> Uncertain {
         let (gain, still) = (self.arx.dc_gain(), 1.0 - self.arx.a().iter().sum::<f64>());
         let by_theta = [vec![gain / still; self.orders.na], vec![1.0 / still; self.orders.nb]].concat();
         self.uncertain(gain, &by_theta)
     }
 
     /// A function of theta = [a, b after the delay] by its `value` here and its `slopes` by the first entries of theta.
-    pub(crate) fn uncertain(&self, value: f64, slopes: &[f64]) -> Uncertain {
+    pub fn uncertain(&self, value: f64, slopes: &[f64]) -> Uncertain {
         spread(value, slopes, &self.covariance, self.orders.parameters())
     }
 }
@@ -190,7 +190,7 @@ impl OutputError {
     /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
     /// let records = [Record::new(5e-4, u.clone(), truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect())?];
     /// let (how, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
-    /// let fit = output_error(&records, orders, &how, &mut piezoid::progress::unwatched)?;
+    /// let fit = OutputError::fit(&records, orders, &how, &mut piezoid::progress::unwatched)?;
     /// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
     /// let replicates = fit.bootstrap(&records, &how, &draws, &mut piezoid::progress::unwatched)?;
     /// let resonance = replicates.of(|arx| arx.poles()[0].hz);
@@ -199,9 +199,9 @@ impl OutputError {
     /// ```
     ///
     /// # Errors
-    /// Fewer than two replicates, blocks of no samples, and what [`output_error`](super::output_error) refuses;
+    /// Fewer than two replicates, blocks of no samples, and what [`OutputError::fit`] refuses;
     /// [`Error::Cancelled`].
-    pub(crate) fn bootstrap(
+    pub fn bootstrap(
         &self,
         records: &[Record],
         how: &Refinement,
@@ -263,7 +263,7 @@ impl OutputError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::{Orders, output_error};
+    use crate::linear::{Orders, OutputError};
     use crate::testing::assert_close;
     use rand_distr::{Distribution, Normal};
 
@@ -288,7 +288,7 @@ mod tests {
     }
 
     fn fitted(seed: u64, colour: f64) -> OutputError {
-        output_error(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut unwatched).unwrap()
+        OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut unwatched).unwrap()
     }
 
     /// The numbers that are followed: frequency, damping, gain.

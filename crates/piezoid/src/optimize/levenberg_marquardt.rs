@@ -45,7 +45,7 @@ pub(crate) struct Normal {
 /// How to search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct SearchSettings {
+pub(crate) struct SearchSettings {
     /// Steps tried at most, refused ones included.
     pub iterations: usize,
     /// Converged when a step promises to lower the cost by less than this share of it.

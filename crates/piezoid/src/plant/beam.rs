@@ -92,7 +92,7 @@ impl Cantilever {
     ///
     /// # Errors
     /// Dimensions and material must be positive numbers.
-    pub fn modes(&self) -> Result<Vec<BeamMode>, Error> {
+    pub(crate) fn modes(&self) -> Result<Vec<BeamMode>, Error> {
         let length = positive("beam.cantilever.length_m", self.length_m, "metres")?;
         let thickness = positive("beam.cantilever.thickness_m", self.thickness_m, "metres")?;
         let modulus = positive("beam.cantilever.youngs_modulus_pa", self.youngs_modulus_pa, "pascals")?;

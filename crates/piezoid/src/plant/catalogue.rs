@@ -13,7 +13,7 @@ pub(crate) const DENSITY: f64 = 7800.0;
 
 /// One bender of the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bender {
+pub(super) struct Bender {
     /// Order number.
     pub name: &'static str,
     /// Free displacement at +-30 V, to one side [m].
@@ -70,16 +70,17 @@ pub(crate) const PL140: Bender = Bender {
 };
 
 /// The five benders of the sheet.
-pub static BENDERS: [Bender; 5] = [PL112, PL122, PL127, PL128, PL140];
+#[cfg(test)]
+pub(super) static BENDERS: [Bender; 5] = [PL112, PL122, PL127, PL128, PL140];
 
 impl Bender {
     /// Stiffness at the tip [N/m].
-    pub fn stiffness(&self) -> f64 {
+    pub(super) fn stiffness(&self) -> f64 {
         self.blocking_force / self.displacement
     }
 
     /// Young's modulus that gives the stiffness [Pa].
-    pub fn youngs_modulus(&self) -> f64 {
+    pub(super) fn youngs_modulus(&self) -> f64 {
         let i = self.width * self.thickness.powi(3) / 12.0;
         self.stiffness() * self.free_length.powi(3) / (3.0 * i)
     }

@@ -16,7 +16,7 @@
 
 mod beam;
 mod bouc_wen;
-pub mod catalogue;
+mod catalogue;
 mod creep;
 mod driver;
 mod everett;
@@ -29,7 +29,8 @@ mod spec;
 
 pub use presets::{PLANTS, Preset};
 pub use saturation::Saturation;
-pub use spec::{BeamMode, BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, SensorSpec, Spec};
+pub use spec::Spec;
+pub(crate) use spec::{BeamSpec, HysteresisSpec, Logged};
 
 use crate::error::{Error, positive};
 use crate::system::System;

@@ -31,7 +31,6 @@ mod slope;
 mod tree;
 mod words;
 
-pub use crate::elementary::block as elementary;
 pub use run::{Counts, Machine};
 pub use tree::{Argument, Expr, Function, Kind, Limit, Op, Place, Step};
 

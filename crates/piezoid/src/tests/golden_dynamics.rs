@@ -3,7 +3,7 @@
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::Record;
-use crate::linear::{Modes, Orders, Refinement, output_error};
+use crate::linear::{Modes, Orders, OutputError, Refinement};
 use crate::progress::unwatched;
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ fn the_least_output_error_is_that_of_scipys_least_squares_with_free_pasts_and_of
         let how = Refinement { weights: given.iter().map(|r| number(r, "weight")).collect(), ..Refinement::default() };
         let (a, b) = (numbers(row, "a"), numbers(row, "b"));
         let orders = Orders { na: a.len(), nb: b.len(), delay: number(row, "delay") as usize };
-        let found = output_error(&records, orders, &how, &mut unwatched).expect("a block that scipy finds");
+        let found = OutputError::fit(&records, orders, &how, &mut unwatched).expect("a block that scipy finds");
         // Both end where a step would gain less than 1e-12 of the cost: the parameters there are good to its root.
         assert_close(name, &[found.minimum.cost], &[number(row, "cost")], 1e-9, 0.0);
         assert_close(name, found.arx.a(), &a, 1e-6, 1e-6);

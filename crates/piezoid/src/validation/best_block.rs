@@ -77,7 +77,7 @@ impl Judged {
         let part = Record::new(record.ts(), record.u()[..end].to_vec(), record.y()[..end].to_vec()).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
         let how = Refinement { search: ROUGH, ..Refinement::default() };
-        Some(linear::output_error(&[part], orders, &how, &mut unwatched).ok()?.arx)
+        Some(linear::OutputError::fit(&[part], orders, &how, &mut unwatched).ok()?.arx)
     }
 
     fn run(&self, arx: &Arx) -> Option<Closest> {

@@ -39,7 +39,7 @@ pub struct PredictiveSettings {
     /// Noise of a reading, rms over the range of y [-]. Far above what the sensor has where the plant may differ from the
     /// model: the observer then leaves alone what its resonance answers.
     pub noise: f64,
-    /// Samples by which readings come late, at most [`LATEST`](crate::control::LATEST).
+    /// Samples by which readings come late, at most [`LATEST`](crate::control::ControlLoop::LATEST).
     pub late: usize,
     /// What solves the quadratic program.
     pub solver: Solver,

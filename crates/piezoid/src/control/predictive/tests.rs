@@ -5,7 +5,7 @@ use super::super::tune::detuned;
 use super::realisation::tests::blocks;
 use super::*;
 use crate::creep::Creep;
-use crate::driver::{DriverModel, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::hysteresis::{Operator, Proportional, load};
 use crate::testing::assert_close;
 use nalgebra::DMatrix;
@@ -27,7 +27,7 @@ fn sine(amplitude: f64, n: usize) -> Vec<f64> {
 /// The same behind a driver with a lag and this slew limit [V/s].
 fn driven(off: f64, slew: f64) -> Model {
     let driver = DriverModel::new(1e-4, Some(slew)).unwrap();
-    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS / SUBSTEPS as f64).unwrap();
+    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS / DriverModel::SUBSTEPS as f64).unwrap();
     let plain = model(off);
     let driven = Model::driven(Some(driver), plays, plain.linear().clone(), plain.offset()).unwrap();
     driven.with_creep(plain.creep().clone()).unwrap()

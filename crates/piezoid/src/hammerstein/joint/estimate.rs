@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use super::runs::Run;
 use crate::creep::{Creep, Lag};
-use crate::driver::{DriverModel, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::hysteresis::{Basis, ShapeParameter};
@@ -107,9 +107,9 @@ impl<'a> Responses<'a> {
             return &self.phi;
         };
         self.mean.fill(0.0);
-        let share = 0.5 / SUBSTEPS as f64;
-        for _ in 0..SUBSTEPS {
-            self.v = driver.advance(self.v, u, self.ts / SUBSTEPS as f64);
+        let share = 0.5 / DriverModel::SUBSTEPS as f64;
+        for _ in 0..DriverModel::SUBSTEPS {
+            self.v = driver.advance(self.v, u, self.ts / DriverModel::SUBSTEPS as f64);
             self.before.clone_from(&self.phi);
             self.basis.step(&mut self.x, self.v, &mut self.phi);
             for ((mean, before), phi) in self.mean.iter_mut().zip(&self.before).zip(&self.phi) {

@@ -40,7 +40,7 @@ use super::paper::{Identified, common_units, unexcited};
 use super::rich::LinearPart;
 use super::{Domain, InitialCondition, Model};
 use crate::creep::Lag;
-use crate::driver::{DriverModel, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hysteresis::{BasisDesign, Operator};
 use crate::number::short;
@@ -118,7 +118,7 @@ pub(crate) fn identify_joint(
     let mut runs = runs::of(beside, &rich, &mut notes)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
-    let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };
+    let faster = if how.driver.is_some() { ts / DriverModel::SUBSTEPS as f64 } else { ts };
     let frequencies = rich.iter().filter_map(|r| crate::waveform::dominant_frequency(r.u(), ts)).collect();
     let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
     let design = BasisDesign { ts: faster, range, elements: how.elements, frequencies };

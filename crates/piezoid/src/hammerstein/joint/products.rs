@@ -13,7 +13,7 @@ use super::estimate::{Estimate, Responses};
 use super::layout::Layout;
 use super::runs::Run;
 use super::signals::{AllPole, Filter, Ladder};
-use crate::driver::SUBSTEPS;
+use crate::driver::DriverModel;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -188,7 +188,7 @@ impl<'a> Columns<'a> {
 /// dz/dp_j along a run, counted from its first sample.
 fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
     let u = run.record.u();
-    let steps = if estimate.driver.is_some() { SUBSTEPS } else { 1 };
+    let steps = if estimate.driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
     // The inputs the hysteresis block sees; the first stands for the way there from rest.
     let (mut v, mut seen) = (u[0], vec![u[0]]);
     for &u in run.past.iter().chain(u) {
@@ -229,7 +229,7 @@ mod tests {
 
     /// An estimate of everything: weights, shapes off their kinks, creep, dynamics with a delay.
     fn estimate(row: &Operator, driver: Option<DriverModel>) -> Estimate {
-        let ts = if driver.is_some() { TS / SUBSTEPS as f64 } else { TS };
+        let ts = if driver.is_some() { TS / DriverModel::SUBSTEPS as f64 } else { TS };
         let design = BasisDesign { ts, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![5.0, 20.0] };
         let basis = (row.basis)(&design).unwrap();
         let off = |s: &crate::hysteresis::ShapeParameter| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);

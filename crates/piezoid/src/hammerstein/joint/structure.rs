@@ -13,12 +13,12 @@ use super::refine::{Fitted, Watch, refine};
 use super::runs::Run;
 use super::solve::Freed;
 use crate::creep::{Creep, Lag};
-use crate::driver::SUBSTEPS;
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
 use crate::hysteresis::{BasisDesign, Operator, Proportional};
-use crate::linear::{Arx, Choice, Estimator, Orders, Refinement, output_error, refine as refine_alone, select};
+use crate::linear::{Arx, Choice, Estimator, Orders, OutputError, Refinement, refine as refine_alone, select};
 use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::unwatched;
@@ -77,7 +77,8 @@ fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String)
 
 /// The block of order `n`, with the delay that leaves least.
 fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
-    let of = |delay| output_error(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched);
+    let of =
+        |delay| OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched);
     let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
     // The longest delay that costs nothing.
@@ -96,7 +97,7 @@ fn behind(record: &Record, how: &Joint) -> Result<Record, Error> {
         return Ok(record.clone());
     }
     let ts = record.ts();
-    let nothing = Arc::new(Proportional::new(ts / SUBSTEPS as f64, 1.0)?);
+    let nothing = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
     let alone = Model::driven(how.driver, nothing, Arx::gain(ts, 1.0)?, 0.0)?;
     let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
     Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
