@@ -1,6 +1,6 @@
 use super::*;
 use crate::excitation::{EXCITATIONS, Prbs, Sine};
-use crate::plant::{PLANTS, Plant, Preset};
+use crate::plant::{PLANTS, Plant};
 
 const TS: f64 = 5e-4;
 
@@ -192,4 +192,13 @@ fn noise_alone_is_no_outlier() {
     let u = sine(28.0, 7.0, 40_000);
     let y = u.iter().map(|u| 33.0 * u + 30.0 * noise()).collect();
     assert_eq!(found(&Record::new(TS, u, y).unwrap()), []);
+}
+
+#[test]
+fn a_jump_of_one_sample_is_masked() {
+    let u: Vec<f64> = (0..800).map(|t| (f64::from(t) * 0.02).sin()).collect();
+    let mut y: Vec<f64> = u.iter().map(|u| 33.0 * u).collect();
+    y[300] += 20.0;
+    let seen = inspect(&Record::new(5e-4, u, y).unwrap(), &Need::default());
+    assert_eq!((seen.findings[0].defect, seen.masked(), seen.usable[300]), (Defect::Outliers, 1, false));
 }
