@@ -263,7 +263,7 @@ mod tests {
             }
             match &usual[row.name] {
                 Value::Null => assert!(!row.absent.is_empty() || row.group == JOINT, "{}", row.name),
-                value => row.check(value).unwrap(),
+                value => assert_eq!(row.fit(value.clone()), Ok(value.clone())),
             }
         }
     }
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn the_defaults_that_are_told_of_the_papers_method_are_those_it_has() {
         let usual = Paper::default();
-        let told = |name: &str| IdentifyOptions::default_of(name);
+        let told = |name: &str| IdentifyOptions::rows().iter().find(|row| row.name == name).unwrap().usual();
         assert_eq!([told("bins"), told("particles")], [usual.bins, usual.swarm.particles].map(|n| n.to_string()));
         assert_eq!(told("iterations"), usual.swarm.iterations.to_string());
         assert_eq!((told("estimator"), usual.swarm.seed), (usual.estimator, IdentifyOptions::default().seed));
