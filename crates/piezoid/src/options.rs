@@ -62,40 +62,54 @@ pub struct OptionRow {
 
 impl OptionRow {
     /// An option that takes `values`; a table adds its name and its help.
-    pub(crate) const fn new(values: Values) -> Self {
+    pub const fn new(values: Values) -> Self {
         let default = || Value::Null;
-        OptionRow { name: "", values, unit: "", help: "", default, absent: "", required: false, group: "", requires: "" }
+        OptionRow {
+            name: "",
+            values,
+            unit: "",
+            help: "",
+            default,
+            absent: "",
+            required: false,
+            group: "",
+            requires: "",
+        }
     }
 
     /// Any number in `unit`.
-    pub(crate) const fn number(unit: &'static str) -> Self {
+    pub const fn number(unit: &'static str) -> Self {
         let any = Values::Number { least: f64::NEG_INFINITY, open: true, below: f64::INFINITY };
         OptionRow { unit, ..OptionRow::new(any) }
     }
 
     /// A positive number in `unit`.
-    pub(crate) const fn positive(unit: &'static str) -> Self {
+    pub const fn positive(unit: &'static str) -> Self {
         OptionRow { unit, ..OptionRow::new(Values::Number { least: 0.0, open: true, below: f64::INFINITY }) }
     }
 
     /// A number in `unit` that is 0 or more.
-    pub(crate) const fn not_negative(unit: &'static str) -> Self {
+    pub const fn not_negative(unit: &'static str) -> Self {
         OptionRow { unit, ..OptionRow::new(Values::Number { least: 0.0, open: false, below: f64::INFINITY }) }
     }
 
-    pub(crate) const fn absent(self, absent: &'static str) -> Self {
+    /// What holds where it has no value.
+    pub const fn absent(self, absent: &'static str) -> Self {
         OptionRow { absent, ..self }
     }
 
-    pub(crate) const fn group(self, group: &'static str) -> Self {
+    /// Its heading.
+    pub const fn group(self, group: &'static str) -> Self {
         OptionRow { group, ..self }
     }
 
-    pub(crate) const fn requires(self, requires: &'static str) -> Self {
+    /// The option without which it means nothing.
+    pub const fn requires(self, requires: &'static str) -> Self {
         OptionRow { requires, ..self }
     }
 
-    pub(crate) const fn required(self) -> Self {
+    /// It must be given.
+    pub const fn required(self) -> Self {
         OptionRow { required: true, ..self }
     }
 
@@ -228,9 +242,18 @@ pub trait Options: Default + Serialize + DeserializeOwned {
         }
         serde_json::from_value(Value::Object(fitted)).map_err(|e| Error::Content(format!("options: {e}")))
     }
+
+    /// The options that are not what they are by themselves, with their values in words.
+    fn changed(&self) -> Vec<(OptionRow, String)> {
+        let given = serde_json::to_value(self).unwrap_or_default();
+        let changed = Self::rows().into_iter().filter(|row| given[row.name] != (row.default)());
+        changed.map(|row| (row, given[row.name].to_string().trim_matches('"').to_string())).collect()
+    }
 }
 
 /// Defines the options of a verb: the struct, its defaults and its table. The comment of a field is its help.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! options {
     (
         $(#[$about:meta])*
@@ -256,18 +279,18 @@ macro_rules! options {
             }
         }
 
-        impl $crate::options::Options for $name {
-            fn rows() -> Vec<$crate::options::OptionRow> {
-                let own = [$($crate::options::OptionRow {
+        impl $crate::Options for $name {
+            fn rows() -> Vec<$crate::OptionRow> {
+                let own = [$($crate::OptionRow {
                     name: stringify!($field),
                     help: concat!($($help),+).trim_ascii().trim_end_matches('.'),
                     default: || serde_json::to_value::<$type>($default).unwrap_or_default(),
                     ..$row
                 }),*];
-                own.into_iter()$(.chain(<$group as $crate::options::Options>::rows()))*.collect()
+                own.into_iter()$(.chain(<$group as $crate::Options>::rows()))*.collect()
             }
         }
     };
 }
 
-pub(crate) use options;
+pub(crate) use crate::options;

@@ -1,14 +1,15 @@
 //! The model in the report, block by block, in the order in which the input passes them.
 
-use super::{Trial, creep, hysteresis, linear};
+use super::{creep, hysteresis, linear};
 use crate::page::Section;
+use piezoid::Compared;
 use piezoid::driver::Driver;
 use piezoid::hammerstein::{Domain, Model};
 use piezoid::number::{round, short};
 use std::f64::consts::TAU;
 
 /// What the model is made of.
-pub(super) fn section(model: &Model, trials: &[Trial]) -> Section {
+pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
     let section = Section::new("The model");
     let section = match model.identified() {
         Some(domain) => section.text(known(domain, &model.units().u)),

@@ -20,6 +20,7 @@ pub use page::page;
 pub use test_signal::{FORMS, Form, STEPS, TestSignal, UPPER_RULE, nearest};
 pub use words::{four_decimals, verdict};
 
+use crate::plot::Figure;
 use bench::Bench;
 use piezoid::error::Error;
 use piezoid::excitation::Prbs;
@@ -27,11 +28,11 @@ use piezoid::hammerstein::{HiddenLoop, Identified, Model};
 use piezoid::hysteresis::Reading;
 use piezoid::linear::{self, Arx, Fit, Orders};
 use piezoid::optimize::swarm::{GlobalBest, Settings};
-use piezoid::plant::Preset;
+use piezoid::plant::{Preset, find};
 use piezoid::progress::{Progress, Stage, unwatched};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{IdentifyOptions, Records, identify_watched};
+use piezoid::{File, IdentifyOptions, OptionRow, Records, Values, identify_watched, options};
 
 /// Sampling period [s], the paper's.
 pub const TS: f64 = 5e-4;
@@ -221,6 +222,35 @@ pub struct Study {
     pub test_signals: Vec<TestSignal>,
     /// What its reader should know.
     pub notes: Vec<String>,
+}
+
+options! {
+    /// Which plants to study.
+    pub struct StudyOptions {
+        /// The plant to study (see `piezoid plants`).
+        plant: Option<String> = None, OptionRow::new(Values::Text("NAME")).absent("paper and pl140");
+        /// Seed of the swarm and of the plant's noise.
+        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+    }
+}
+
+impl StudyOptions {
+    /// The study of each plant.
+    ///
+    /// # Errors
+    /// No such plant, and as [`run`].
+    pub fn run(&self, progress: &mut Progress) -> Result<Vec<Study>, Error> {
+        let plants = self.plant.as_deref().map_or(vec!["paper", "pl140"], |name| vec![name]);
+        let plants = plants.into_iter().map(find).collect::<Result<Vec<_>, _>>()?;
+        plants.into_iter().map(|plant| run(plant, self.seed, progress)).collect()
+    }
+}
+
+/// The figures of studies, and their page.
+pub fn files(studies: &[Study]) -> Vec<File> {
+    let svg = |(name, figure): (String, Figure)| File::new(format!("{name}.svg"), figure.svg());
+    let page = File::new("report.html", page(studies).html());
+    studies.iter().flat_map(figures).map(svg).chain([page]).collect()
 }
 
 /// Runs the experiment on `plant`; `seed` drives the swarms and the plant's noise.

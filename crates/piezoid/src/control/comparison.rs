@@ -80,6 +80,8 @@ pub struct Comparison {
     pub wanted: Vec<Wanted>,
     /// The schemes, in the order given.
     pub driven: Vec<Driven>,
+    /// What was left out, one sentence each.
+    pub notes: Vec<String>,
 }
 
 /// Drives the plant of `spec` along every reference by every scheme; with a tolerance also plants drawn about it, along the first.
@@ -142,7 +144,7 @@ pub fn compare(
     if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
         return Err(error);
     }
-    Ok(Comparison { plant: name.into(), wanted, driven })
+    Ok(Comparison { plant: name.into(), wanted, driven, notes: Vec::new() })
 }
 
 impl Comparison {

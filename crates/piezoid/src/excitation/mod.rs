@@ -123,7 +123,9 @@ mod tests {
             name if row.required => Some((name, 50.0)),
             _ => None,
         };
-        excitation.samples(5e-4, 1.0, (excitation.rows)().into_iter().filter_map(value).collect()).unwrap_or_else(|e| panic!("{}: {e}", excitation.name))
+        excitation
+            .samples(5e-4, 1.0, (excitation.rows)().into_iter().filter_map(value).collect())
+            .unwrap_or_else(|e| panic!("{}: {e}", excitation.name))
     }
 
     #[test]
@@ -171,7 +173,9 @@ mod tests {
     fn an_option_that_is_unknown_missing_or_no_number_is_refused_by_its_name() {
         let refusal = |given: Value| find("stepped-sine").unwrap().samples(1e-3, 1.0, given).unwrap_err().to_string();
         assert!(refusal(json!({"amplitud": 1.0})).ends_with("did you mean `amplitude`?"));
-        assert!(refusal(json!({"amplitude": 1.0})).starts_with("frequency = (not given): must be a positive number [Hz]"));
+        assert!(
+            refusal(json!({"amplitude": 1.0})).starts_with("frequency = (not given): must be a positive number [Hz]")
+        );
         let steps = |steps: Value| refusal(json!({"amplitude": 1.0, "frequency": 700.0, "steps": steps}));
         assert!(steps(json!(7.5)).starts_with("steps = 7.5: must be a whole number from 3"));
         assert!(steps(json!(7.0)).starts_with("frequency = 700"), "a number that is whole counts something");
