@@ -5,18 +5,14 @@ use crate::plant::{PLANTS, Plant};
 const TS: f64 = 5e-4;
 
 fn drive(excitation: &crate::excitation::Excitation, amplitude: f64) -> Vec<f64> {
-    let values: Vec<(&str, f64)> = excitation
-        .parameters
-        .iter()
-        .filter_map(|p| match p.name {
-            "amplitude" => Some(("amplitude", amplitude)),
-            "frequency-start" | "frequency-low" => Some((p.name, 3.0)),
-            "frequency-end" | "frequency-high" => Some((p.name, 200.0)),
-            _ if p.default.is_none() => Some((p.name, 7.0)),
-            _ => None,
-        })
-        .collect();
-    excitation.samples(TS, 2.0, &values).unwrap()
+    let value = |row: crate::OptionRow| match row.name {
+        "amplitude" => Some(("amplitude", amplitude)),
+        "frequency_start" | "frequency_low" => Some((row.name, 3.0)),
+        "frequency_end" | "frequency_high" => Some((row.name, 200.0)),
+        name if row.required => Some((name, 7.0)),
+        _ => None,
+    };
+    excitation.samples(TS, 2.0, (excitation.rows)().into_iter().filter_map(value).collect()).unwrap()
 }
 
 fn run(plant: &str, u: &[f64]) -> crate::plant::PlantRun {
