@@ -74,7 +74,7 @@ impl ExportOptions {
     /// Refuses what would count for nothing.
     fn fit(&self, target: &Target, is_followed: bool) -> Result<(), Error> {
         let given = self.changed().into_iter().map(|(row, value)| (row.name, value));
-        for (name, value) in given.chain(is_followed.then(|| ("reference", "given".into()))) {
+        for (name, value) in given.chain(is_followed.then(|| ("reference", "true".into()))) {
             let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
             if !takers.is_empty() && !takers.contains(&target.name) {
                 let rule = format!("is not for the target {}, but for {}", target.name, takers.join(", "));

@@ -199,6 +199,14 @@ impl Error {
     pub fn of(self, name: &str) -> Self {
         Error::File { name: name.into(), error: Box::new(self) }
     }
+
+    /// The same about the file of this name, unless it is about an option or another file.
+    pub fn about(self, name: &str) -> Self {
+        match self {
+            Error::Parameter { .. } | Error::Unknown { .. } | Error::File { .. } => self,
+            other => other.of(name),
+        }
+    }
 }
 
 /// "`ts` = 0.1 or `time_col`"

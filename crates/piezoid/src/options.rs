@@ -121,7 +121,10 @@ impl OptionRow {
             Value::Bool(on) if self.values == Values::Bit => u8::from(on).to_string(),
             Value::Array(several) if several.is_empty() => self.absent.into(),
             Value::String(text) => text,
-            value => value.to_string().trim_end_matches(".0").into(),
+            value => match value.as_f64() {
+                Some(small) if small != 0.0 && small.abs() < 1e-3 => format!("{small:e}"),
+                _ => value.to_string().trim_end_matches(".0").into(),
+            },
         }
     }
 

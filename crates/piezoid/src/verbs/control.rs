@@ -1,6 +1,6 @@
 //! Schemes of control along references, on a simulated actuator.
 
-use super::File;
+use super::{File, blamed};
 use crate::compensation::{FeedForward, How};
 use crate::control::{
     Attempt, Comparison, Drive, LATEST, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
@@ -134,7 +134,7 @@ impl ControlOptions {
             }
         };
         let wanted = names.into_iter().map(wanted).collect::<Result<_, _>>()?;
-        self.along((plant, &spec), &model, wanted, progress)
+        self.along((plant, &spec), &model, wanted, progress).map_err(|e| blamed(e, file))
     }
 
     /// The same along references that are known.

@@ -50,7 +50,11 @@ impl ExciteOptions {
             clipped = u.iter().zip(&within).filter(|(u, within)| u != within).count();
             u = within;
         }
-        Ok(Excited { ts: self.ts, usage: Some(limits.refuse(&u, self.ts)?), u, clipped })
+        let named = |e: Error| match &self.limits.driver {
+            Some(name) => e.about(&format!("driver `{name}`")),
+            None => e,
+        };
+        Ok(Excited { ts: self.ts, usage: Some(limits.refuse(&u, self.ts).map_err(named)?), u, clipped })
     }
 }
 

@@ -10,9 +10,9 @@ use crate::record::{Units, same_sampling};
 use crate::system::System;
 
 const BEGINNINGS: Values = Values::Choice(&[
-    ("rest", "rest, and a jump to the first input"),
-    ("settled", "the first input, which had stood for long"),
-    ("motion", "the same as in the record"),
+    ("rest", "Rest, and a jump to the first input"),
+    ("settled", "The first input, which had stood for long"),
+    ("motion", "The same as in the record"),
 ]);
 
 options! {
