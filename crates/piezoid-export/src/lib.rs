@@ -22,7 +22,7 @@ pub use vectors::Vectors;
 pub use whole::{Entry, Signal, Whole};
 
 use piezoid::compensation::How;
-use piezoid::control::{Controller, Drive, Scheme, controller};
+use piezoid::control::{Controller, Drive, Law, Scheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::{File, Model, OptionRow, Options, TuneOptions, Values, options};
@@ -91,7 +91,7 @@ impl ExportOptions {
 
     /// The controller of this name for the model.
     fn tuned(&self, name: &str, model: &Model, how: How) -> Result<Drive, Error> {
-        let law = controller(name)?;
+        let law = Law::find(name)?;
         // What takes no feed-forward plans for itself.
         if !law.fed {
             let rule = "plans anew in every sample, which is no law to export: take one with a law, such as pi";
@@ -186,9 +186,9 @@ pub static TARGETS: &[Target] =
 /// Export as a method of a model.
 ///
 /// ```
-/// use piezoid::{Model, hysteresis::operator, linear::Arx};
+/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
 /// use piezoid_export::Export;
-/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
 /// assert_eq!(model.export("c", "bender")?.files[0].name, "bender.h");
 /// # Ok::<(), piezoid::Error>(())
@@ -211,8 +211,8 @@ impl Export for Model {
 ///
 /// ```
 /// use piezoid_export::{Wanted, target};
-/// use piezoid::{Model, hysteresis::operator, linear::Arx};
-/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
 /// let made = (target("c")?.make)(&Wanted::new(&model, "bender"))?;
 /// assert_eq!(made.files[0].name, "bender.h");

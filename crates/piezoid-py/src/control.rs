@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::plant::Plant;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
-use piezoid::control::{Wanted, reference};
+use piezoid::control::{NamedReference, Reference};
 use piezoid::{ControlOptions, System};
 use piezoid_report::report;
 use pyo3::prelude::*;
@@ -23,7 +23,7 @@ pub(crate) fn follow(
     peak: f64,
     hz: f64,
 ) -> PyResult<Py<numpy::PyArray1<f64>>> {
-    let kind = reference(name).map_err(raised)?;
+    let kind = Reference::find(name).map_err(raised)?;
     (kind.samples)(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
 }
 
@@ -45,11 +45,10 @@ pub(crate) fn control(
         if r.is_empty() {
             return Err(refused(&format!("{name} has no samples: give it some")));
         }
-        wanted.push(Wanted::new(name.clone(), model.ts(), r.to_vec()));
+        wanted.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
     }
     let (name, spec) = (plant.0, plant.1.get().spec.clone());
-    let compared =
-        watched(py, progress, |progress| options.along((&name, &spec), &model, wanted, progress))?;
+    let compared = watched(py, progress, |progress| options.along((&name, &spec), &model, wanted, progress))?;
     let runs = PyList::empty(py);
     for driven in &compared.driven {
         for (wanted, attempt) in compared.wanted.iter().zip(&driven.attempts) {

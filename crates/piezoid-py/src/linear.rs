@@ -7,7 +7,7 @@ use crate::record::Record;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
 use numpy::PyArray1;
-use piezoid::linear::{self, Orders, estimator};
+use piezoid::linear::{self, Estimator, Orders};
 use piezoid::{IdentifyOptions, System};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
@@ -119,10 +119,9 @@ pub(crate) fn fit(
     let records = own;
     let (na, nb, delay) = orders;
     let settings = options::<IdentifyOptions>(swarm)?.swarm();
-    let estimator = estimator(by).map_err(raised)?;
-    let found = watched(py, progress, |progress| {
-        linear::fit(&records, Orders { na, nb, delay }, estimator, &settings, progress)
-    })?;
+    let estimator = Estimator::find(by).map_err(raised)?;
+    let found =
+        watched(py, progress, |progress| estimator.fit(&records, Orders { na, nb, delay }, &settings, progress))?;
     let beside = json!({
         "estimator": found.estimator, "offsets": found.offsets, "residuals": found.residuals, "history": found.history,
     });

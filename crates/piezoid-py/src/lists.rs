@@ -6,7 +6,7 @@ use crate::samples::array;
 use numpy::PyArray1;
 use piezoid::ExciteOptions;
 use piezoid::control::{CONTROLLERS, FEEDS, REFERENCES};
-use piezoid::excitation::{DRIVERS, EXCITATIONS, find};
+use piezoid::excitation::{DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
@@ -20,9 +20,7 @@ use serde_json::{Value, json};
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let row =
         |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
-    let excitation = |e: &piezoid::excitation::Excitation| {
-        json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": rows((e.rows)())})
-    };
+    let excitation = |e: &piezoid::excitation::Excitation| json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": rows((e.rows)())});
     let operator = |o: &&piezoid::hysteresis::Operator| {
         let mut row = row(o.name, o.summary, o.reference);
         row["properties"] =
@@ -53,7 +51,7 @@ pub(crate) fn excite(
     common: &Bound<'_, PyDict>,
     own: &Bound<'_, PyDict>,
 ) -> PyResult<Py<PyArray1<f64>>> {
-    let (excitation, own) = (find(name).map_err(raised)?, document(own)?);
+    let (excitation, own) = (Excitation::find(name).map_err(raised)?, document(own)?);
     let common: ExciteOptions = options(common)?;
     let made = py.detach(|| common.run(excitation, own)).map_err(raised)?;
     Ok(array(py, made.u).unbind())

@@ -2,7 +2,7 @@
 
 use crate::json::{object, options};
 use crate::watch::watched;
-use piezoid_report::study::{StudyOptions, figures, page, to_json, verdict};
+use piezoid_report::study::{Study, StudyOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -14,6 +14,6 @@ type Told = (Py<PyAny>, Vec<(String, String)>, String, String);
 pub(crate) fn study(py: Python<'_>, given: &Bound<'_, PyDict>, progress: Option<Py<PyAny>>) -> PyResult<Told> {
     let options: StudyOptions = options(given)?;
     let done = watched(py, progress, |progress| options.run(progress))?;
-    let drawn = figures(&done[0]).into_iter().map(|(name, figure)| (name, figure.svg())).collect();
-    Ok((object(py, &to_json(&done))?, drawn, page(&done).html(), verdict(&done[0])))
+    let drawn = done[0].figures().into_iter().map(|(name, figure)| (name, figure.svg())).collect();
+    Ok((object(py, &Study::to_json(&done))?, drawn, Study::page(&done).html(), done[0].verdict()))
 }

@@ -119,9 +119,11 @@ pub(crate) fn log_growth_slope(x: f64) -> f64 {
 /// Below it the slopes of the growths would cancel, and the first terms of their series are exact to 1e-9.
 const SMALL: f64 = 0.01;
 
-/// The same for programs, and what else every language can do but not in the same way.
-pub fn block() -> Block {
-    Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
+impl Block {
+    /// Exponential, logarithm and the like, the same in every language.
+    pub fn elementary() -> Self {
+        Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
+    }
 }
 
 const TEXT: &str = "
@@ -293,7 +295,7 @@ mod tests {
 
         #[test]
         fn programs_have_the_same_to_the_bit(x in -750.0..750.0f64, small in -0.9..0.9f64) {
-            let program = Program::new(vec![block()]).unwrap();
+            let program = Program::new(vec![Block::elementary()]).unwrap();
             let mut machine = Machine::new(&program, "", false);
             let mut of = |name: &str, numbers: &[f64]| machine.call(name, numbers).unwrap()[0];
             for x in [x, small, 0.01 * small, 0.0] {

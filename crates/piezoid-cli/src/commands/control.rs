@@ -8,7 +8,7 @@ use crate::layout::table;
 use crate::values::{Misused, apart};
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::control::{Attempt, Comparison, Drive, Now, Run, Wanted, reference};
+use piezoid::control::{Attempt, ClosedLoopRun, Comparison, ControllerInput, Drive, NamedReference, Reference};
 use piezoid::formats::Selection;
 use piezoid::number::{round, short as number};
 use piezoid::{ControlOptions, System};
@@ -69,7 +69,7 @@ impl Control {
         files::ready(&results)?;
         for path in &paths {
             let name = path.to_string_lossy();
-            if let (false, Err(unknown)) = (path.exists(), reference(name.split(':').next().unwrap_or(&name))) {
+            if let (false, Err(unknown)) = (path.exists(), Reference::find(name.split(':').next().unwrap_or(&name))) {
                 bail!(Misused(format!("{name}: there is no such file, and {unknown}")));
             }
         }
@@ -107,11 +107,11 @@ fn steps(compared: &Comparison) -> impl Iterator<Item = String> + '_ {
 }
 
 /// The time of a step of the controller on the readings of a run: of the middle one, and of 99 of 100 at most.
-fn timed(drive: &Drive, run: &Run) -> [Duration; 2] {
+fn timed(drive: &Drive, run: &ClosedLoopRun) -> [Duration; 2] {
     let controller = drive.controller();
     let mut x = controller.initial();
     let mut took = |t: usize| {
-        let now = Now { y: run.y[t - 1], r: run.r[t - 1], feed: run.u[t], ahead: &run.r[t..] };
+        let now = ControllerInput { y: run.y[t - 1], r: run.r[t - 1], feed: run.u[t], ahead: &run.r[t..] };
         let start = Instant::now();
         black_box(controller.step(&mut x, black_box(&now)));
         start.elapsed()
@@ -132,7 +132,7 @@ fn tables(compared: &Comparison, console: &Console) -> String {
 fn tracking(compared: &Comparison, console: &Console) -> String {
     let unit = compared.unit();
     if let [only] = &compared.wanted[..] {
-        let row = |d: &piezoid::control::Driven| {
+        let row = |d: &piezoid::control::SchemeResult| {
             let figures = match &d.attempts[0] {
                 Err(_) => vec!["-".to_string(); 5],
                 Ok(Attempt { run, tracking: t, .. }) => {
@@ -146,7 +146,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         let header = [&*only.name, "rms [% of stroke]", &rms, &max, "effort [V]", "highest [V]"];
         return table(&header, &rows, console.room());
     }
-    let row = |(k, wanted): (usize, &Wanted)| {
+    let row = |(k, wanted): (usize, &NamedReference)| {
         let figure = |a: &Result<Attempt, _>| a.as_ref().map_or("-".into(), |a| number(a.tracking.percent_of_stroke));
         let cells = compared.driven.iter().map(|d| figure(&d.attempts[k]));
         [wanted.name.clone()].into_iter().chain(cells).collect()
@@ -157,7 +157,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
 }
 
 fn margins(compared: &Comparison, console: &Console) -> Option<String> {
-    let row = |d: &piezoid::control::Driven| {
+    let row = |d: &piezoid::control::SchemeResult| {
         let m = d.drive.margins()?;
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz].map(number);
         Some([d.name()].into_iter().chain(figures).collect())
@@ -168,7 +168,7 @@ fn margins(compared: &Comparison, console: &Console) -> Option<String> {
 }
 
 fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
-    let row = |d: &piezoid::control::Driven| {
+    let row = |d: &piezoid::control::SchemeResult| {
         let spread = d.spread.as_ref()?;
         let shares = [0.5, 0.9, 1.0].map(|share| number(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());

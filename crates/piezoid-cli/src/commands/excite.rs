@@ -73,7 +73,7 @@ impl FromArgMatches for Excite {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let wrong = |text: String| clap::Error::raw(ErrorKind::InvalidSubcommand, text);
         let (name, matches) = matches.subcommand().ok_or_else(|| wrong("name a kind of drive signal".into()))?;
-        let kind = excitation::find(name).map_err(|e| wrong(e.to_string()))?;
+        let kind = excitation::Excitation::find(name).map_err(|e| wrong(e.to_string()))?;
         Ok(Excite { kind, given: given(&(kind.rows)(), matches), common: Common::from_arg_matches(matches)? })
     }
 

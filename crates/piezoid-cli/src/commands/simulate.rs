@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::SimulateOptions;
 use piezoid::formats::Selection;
-use piezoid::hammerstein::Beginning;
+use piezoid::hammerstein::InitialCondition;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -56,7 +56,7 @@ impl Simulate {
         files::ready(&[Some(&self.output)])?;
         let (mut options, columns) = (self.options.0, &self.columns.0);
         if self.settled {
-            options.begin = Beginning::Settled;
+            options.begin = InitialCondition::Settled;
         }
         let input = files::read(&self.input)?;
         let made = match (&self.plant, &self.model) {

@@ -21,7 +21,6 @@ use super::template::{Value, context, render, template};
 use super::{ExportOptions, File, Made, Target, Wanted, named};
 use drive::{Drive, answer};
 use piezoid::error::{Error, positive};
-use piezoid::formats::csv;
 use piezoid::hammerstein::Model;
 use piezoid::number::{round, short};
 use piezoid::series::ends;
@@ -121,7 +120,10 @@ fn rows(wanted: &Wanted, drive: &Drive, table: &Table) -> Result<String, Error> 
     let digits = (0..300).map(|k| 10f64.powi(k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
     let rounded = |x: &[f64]| x.iter().map(|x| (digits * x).round() / digits + 0.0).collect::<Vec<_>>();
     let (r, answered) = (rounded(&drive.r), rounded(&answer(model, &table.held).y));
-    csv::write(model.ts(), &[("u_V", &table.held), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)])
+    piezoid::formats::Table::write(
+        model.ts(),
+        &[("u_V", &table.held), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)],
+    )
 }
 
 #[cfg(test)]

@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn where_the_error_lies_and_what_it_is_stands_in_tables_and_figures() {
-        let hysteresis = (piezoid::hysteresis::operator("proportional").unwrap().example)(5e-4).unwrap();
+        let hysteresis = (piezoid::hysteresis::Operator::find("proportional").unwrap().example)(5e-4).unwrap();
         let beam = Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
         let model = Model::new(hysteresis, beam, 0.0).unwrap();
         let wave = |hz: f64| (0..4000).map(move |t| 9.0 * (std::f64::consts::TAU * hz * f64::from(t) * 5e-4).sin());
@@ -127,7 +127,7 @@ mod tests {
     }
 
     fn beam() -> Model {
-        let hysteresis = (piezoid::hysteresis::operator("dahl").unwrap().example)(5e-4).unwrap();
+        let hysteresis = (piezoid::hysteresis::Operator::find("dahl").unwrap().example)(5e-4).unwrap();
         Model::new(hysteresis, Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap(), 0.0).unwrap()
     }
 
@@ -161,11 +161,11 @@ mod tests {
         for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
             assert!(plain.contains(said), "{said}");
         }
-        for absent in ["Creep", "Driver", "image"] {
+        for absent in ["Creep", "DriverModel", "image"] {
             assert!(!plain.contains(absent), "{absent}");
         }
-        let driver = piezoid::driver::Driver::new(1e-4, Some(6e4)).unwrap();
-        let stop = (piezoid::hysteresis::operator("stop").unwrap().example)(1.25e-4).unwrap();
+        let driver = piezoid::driver::DriverModel::new(1e-4, Some(6e4)).unwrap();
+        let stop = (piezoid::hysteresis::Operator::find("stop").unwrap().example)(1.25e-4).unwrap();
         let image = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap();
         let creep = piezoid::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
         let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();

@@ -3,7 +3,7 @@
 use super::{creep, hysteresis, linear};
 use crate::page::Section;
 use piezoid::Compared;
-use piezoid::driver::Driver;
+use piezoid::driver::DriverModel;
 use piezoid::hammerstein::{Domain, Model};
 use piezoid::number::{round, short};
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
         None => section,
     };
     let section = match model.driver() {
-        Some(driver) => section.heading("Driver").text(limits(driver, model)),
+        Some(driver) => section.heading("DriverModel").text(limits(driver, model)),
         None => section,
     };
     let section = hysteresis::block(section, model, trials);
@@ -42,7 +42,7 @@ fn known(domain: &Domain, unit: &str) -> String {
     )
 }
 
-fn limits(driver: &Driver, model: &Model) -> String {
+fn limits(driver: &DriverModel, model: &Model) -> String {
     let unit = &model.units().u;
     let lag = match driver.lag_s {
         0.0 => "Without a lag".to_string(),

@@ -5,7 +5,7 @@ use crate::page::{Section, Table, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::number::{round, short};
-use piezoid::validation::Shape;
+use piezoid::validation::LoopShape;
 
 /// The longest stretch of time that a figure of a record shows [samples].
 const SHOWN: usize = 4000;
@@ -85,7 +85,7 @@ fn shapes(trial: &Compared) -> Table {
     let table = table.number("cycles").text("").number("width [%]").number(format!("area [{} {}]", units.u, units.y));
     let table = table.number("closure [%]").number(format!("slope {slope}")).number(format!("after a turn {slope}"));
     let table = table.number("turns");
-    let shape = |s: &Shape| {
+    let shape = |s: &LoopShape| {
         let turn = s.slope_after_turn.map_or("-".into(), short);
         [short(s.width_percent), short(s.area), short(s.closure_percent), short(s.slope), turn, round(s.reversals)]
     };

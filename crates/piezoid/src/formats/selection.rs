@@ -8,7 +8,7 @@ use super::quote::{listed, shortened};
 use super::table::{Column, Table};
 use crate::Error;
 use crate::options::{OptionRow, Values, options};
-use crate::record::{plain, span};
+use crate::record::{Record, plain};
 use serde_json::Value;
 use std::ops::Range;
 
@@ -42,7 +42,7 @@ impl Selection {
     pub(super) fn part(&self, ts: f64, n: usize) -> Result<Range<usize>, Error> {
         match (self.from, self.to) {
             (None, None) => Ok(0..n),
-            (from, to) => span(from.unwrap_or(0.0), to.unwrap_or(f64::INFINITY), ts, n),
+            (from, to) => Record::span(from.unwrap_or(0.0), to.unwrap_or(f64::INFINITY), ts, n),
         }
     }
 

@@ -23,7 +23,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::{Dual, Real};
 use super::two_branch::example;
-use super::{Basis, Branches, Design, Hysteresis, Operator, Shape, document, parse};
+use super::{Basis, BasisDesign, Branches, Hysteresis, Operator, ShapeParameter, document, parse};
 use crate::error::{Error, positive};
 use crate::program::Block;
 use crate::system::System;
@@ -33,18 +33,8 @@ use std::sync::Arc;
 /// Two branches and Tellinen's way between them.
 ///
 /// State: the last input; the side, from -1 (ascending) to 1 (descending), 0 at rest.
-///
-/// ```
-/// use piezoid::{System, hysteresis::{Branches, Tellinen}};
-/// let u = vec![-30.0, 0.0, 30.0];
-/// let branches = Branches::new((u.clone(), vec![-30.0, -2.0, 30.0]), (u, vec![-30.0, 2.0, 30.0]))?;
-/// let z = Tellinen::new(5e-4, branches)?.simulate(&[-30.0, 0.0, -0.1]);
-/// assert!((z[1] + 2.0).abs() < 1e-9); // on the ascending branch
-/// assert!((z[2] - z[1]).abs() < 0.1); // and off it without a jump
-/// # Ok::<(), piezoid::Error>(())
-/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tellinen {
+pub(crate) struct Tellinen {
     ts: f64,
     branches: Branches,
     decay: Decay<f64>,
@@ -137,7 +127,7 @@ impl Tellinen {
     ///
     /// # Errors
     /// Refuses a `ts` that is not positive.
-    pub fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let decay = Decay::of(branches.range(), |u| curves(&branches, u));
         Ok(Tellinen { ts, branches, decay })
@@ -287,7 +277,7 @@ static WIDTHS: [&str; 9] =
 
 impl Unit {
     /// Straight branches, a tenth apart.
-    fn even(design: &Design) -> Result<Self, Error> {
+    fn even(design: &BasisDesign) -> Result<Self, Error> {
         let n = design.elements.unwrap_or(KNOTS).clamp(1, BENDS.len());
         let nodes = Nodes::of(design.range, n + 2)?;
         Unit::new(design.ts, nodes, vec![0.0; n], vec![0.1; n])
@@ -337,9 +327,9 @@ impl Basis for Unit {
         Vec::new()
     }
 
-    fn shape(&self) -> Vec<Shape> {
-        let bend = |(&value, name): (&f64, &&'static str)| Shape { name, value, low: -0.25, high: 0.25 };
-        let width = |(&value, name): (&f64, &&'static str)| Shape { name, value, low: 1e-3, high: 0.5 };
+    fn shape(&self) -> Vec<ShapeParameter> {
+        let bend = |(&value, name): (&f64, &&'static str)| ShapeParameter { name, value, low: -0.25, high: 0.25 };
+        let width = |(&value, name): (&f64, &&'static str)| ShapeParameter { name, value, low: 1e-3, high: 0.5 };
         let bends = self.bends.iter().zip(&BENDS).map(bend);
         bends.chain(self.widths.iter().zip(&WIDTHS).map(width)).collect()
     }
@@ -418,5 +408,14 @@ mod tests {
         let turned = Branches::new((u.clone(), vec![-10.0, 1.0, 10.0]), (u, vec![-10.0, -1.0, 10.0])).unwrap();
         let z = Tellinen::new(1.0, turned).unwrap().simulate(&[-10.0, 5.0, 4.999]);
         assert!((z[2] - z[1]).abs() < 0.01, "{z:?}");
+    }
+
+    #[test]
+    fn a_reversal_leaves_the_branch_without_a_jump() {
+        let u = vec![-30.0, 0.0, 30.0];
+        let branches = Branches::new((u.clone(), vec![-30.0, -2.0, 30.0]), (u, vec![-30.0, 2.0, 30.0])).unwrap();
+        let z = Tellinen::new(5e-4, branches).unwrap().simulate(&[-30.0, 0.0, -0.1]);
+        assert!((z[1] + 2.0).abs() < 1e-9); // on the ascending branch
+        assert!((z[2] - z[1]).abs() < 0.1); // and off it without a jump
     }
 }

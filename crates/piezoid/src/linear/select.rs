@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 /// What to choose from, and how to judge.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
+pub(crate) struct Choice {
     /// The highest order.
     pub order: usize,
     /// The longest delay [samples].
@@ -52,7 +52,7 @@ impl Default for Choice {
 
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
+pub(crate) struct Candidate {
     /// Poles, and delay; n poles go with n + 1 coefficients of b after the delay.
     pub orders: Orders,
     /// The block of the first parts.
@@ -79,7 +79,7 @@ pub struct Candidate {
 
 /// The choice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// All that could be fitted, by order, then delay.
     pub candidates: Vec<Candidate>,
     /// The orders that could not, and why.
@@ -99,27 +99,15 @@ const NEGLIGIBLE: f64 = 1e-4;
 const BLOCKS: usize = 20;
 
 /// Steps and tolerance that tell candidates apart.
-const ROUGH: levenberg_marquardt::Settings =
-    levenberg_marquardt::Settings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
+const ROUGH: levenberg_marquardt::SearchSettings =
+    levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// Chooses order and delay of the linear block of `records`.
 ///
-/// ```
-/// use piezoid::{Record, System, linear::{Arx, Choice, select}};
-/// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5])?;
-/// let u: Vec<f64> = (0..1200).map(|t| f64::from((t * t % 101 % 13) as u8) - 6.0).collect();
-/// let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
-/// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
-/// let few = Choice { order: 3, delay: 1, ..Choice::default() };
-/// let chosen = select(&[Record::new(5e-4, u, y)?], &few, &mut piezoid::progress::unwatched)?;
-/// assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
 /// # Errors
 /// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
-/// [`output_error`](super::output_error) refuses where it refuses every candidate; [`Error::Cancelled`].
-pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
+/// [`OutputError::fit`] refuses where it refuses every candidate; [`Error::Cancelled`].
+pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
     let highest = Orders { delay: how.delay, ..Orders::of(how.order) };
     if how.order == 0 {
         return Err(Error::parameter("order", 0, "must be at least 1"));
@@ -291,7 +279,7 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, find};
+    use crate::plant::Plant;
     use crate::system::System;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -302,7 +290,7 @@ mod tests {
     /// The PL140 twin under a PRBS of 1 V, in micrometres.
     fn pl140(seed: u64, n: usize) -> Record {
         let u = Prbs::default().samples(TS, n).unwrap();
-        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(seed);
+        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     }
@@ -363,7 +351,7 @@ mod tests {
     fn an_idle_pole_changes_nothing() {
         let records = [late(1)];
         let orders = Orders { na: 2, nb: 3, delay: 1 };
-        let fit = crate::linear::output_error(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
+        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
         crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }
@@ -385,5 +373,16 @@ mod tests {
         assert!(message(Choice { order: 200, ..Choice::default() }).contains("at least"));
         let still = Record::new(TS, vec![1.0; 900], vec![2.0; 900]).unwrap();
         assert!(select(&[still], &Choice::default(), &mut unwatched).unwrap_err().to_string().contains("any order"));
+    }
+
+    #[test]
+    fn order_and_delay_of_a_known_block_are_found() {
+        let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap();
+        let u: Vec<f64> = (0..1200).map(|t| f64::from((t * t % 101 % 13) as u8) - 6.0).collect();
+        let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
+        let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
+        let few = Choice { order: 3, delay: 1, ..Choice::default() };
+        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut crate::progress::unwatched).unwrap();
+        assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
     }
 }

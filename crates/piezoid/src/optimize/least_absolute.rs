@@ -10,7 +10,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 /// The optimum and its certificate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeastAbsolute {
+pub(crate) struct LeastAbsolute {
     /// The optimal x.
     pub x: Vec<f64>,
     /// Sum of absolute deviations at x.
@@ -22,16 +22,9 @@ pub struct LeastAbsolute {
 /// The x that minimises sum_i |y_i - a_i' x|, for `rows` that hold `[y_i, a_i...]` one after another, each with
 /// `dimension` numbers in a_i.
 ///
-/// ```
-/// // A constant fitted by least absolute deviations is the median.
-/// let fit = piezoid::optimize::least_absolute(&[1.0, 1.0, 2.0, 1.0, 99.0, 1.0], 1)?;
-/// assert!((fit.x[0] - 2.0).abs() < 1e-6);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
 /// # Errors
 /// Refuses numbers that are not finite; [`Error::Unidentifiable`] when the solver ends without an optimum.
-pub fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
+pub(crate) fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
     crate::error::finite("rows", rows)?;
     let stride = dimension + 1;
     let n = rows.len() / stride;
@@ -100,5 +93,12 @@ mod tests {
         let fit = least_absolute(&rows, 2).unwrap();
         crate::testing::assert_close(&fit.x, &[2.0, 3.0], 1e-7, 1e-7);
         crate::testing::assert_close(&[fit.bound], &[fit.cost], 1e-7, 1e-7);
+    }
+
+    #[test]
+    fn a_constant_becomes_the_median() {
+        // A constant fitted by least absolute deviations is the median.
+        let fit = crate::optimize::least_absolute(&[1.0, 1.0, 2.0, 1.0, 99.0, 1.0], 1).unwrap();
+        assert!((fit.x[0] - 2.0).abs() < 1e-6);
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::excitation::{EXCITATIONS, Prbs, Sine};
-use crate::plant::{PLANTS, Plant, find};
+use crate::plant::{PLANTS, Plant};
 
 const TS: f64 = 5e-4;
 
@@ -15,8 +15,8 @@ fn drive(excitation: &crate::excitation::Excitation, amplitude: f64) -> Vec<f64>
     excitation.samples(TS, 2.0, (excitation.rows)().into_iter().filter_map(value).collect()).unwrap()
 }
 
-fn run(plant: &str, u: &[f64]) -> crate::plant::Run {
-    Plant::new(&(find(plant).unwrap().spec)(), TS).unwrap().run(u)
+fn run(plant: &str, u: &[f64]) -> crate::plant::PlantRun {
+    Plant::named(plant, TS).unwrap().run(u)
 }
 
 fn measured(plant: &str, u: Vec<f64>) -> Record {
@@ -40,7 +40,10 @@ fn found(record: &Record) -> Vec<Defect> {
 /// Records of every kind that are rich enough to hide a defect in.
 fn sound() -> Vec<(String, Record)> {
     let named = |plant: &'static str, name: &str, amplitude| {
-        (format!("{plant} {name}"), measured(plant, drive(crate::excitation::find(name).unwrap(), amplitude)))
+        (
+            format!("{plant} {name}"),
+            measured(plant, drive(crate::excitation::Excitation::find(name).unwrap(), amplitude)),
+        )
     };
     ["paper", "pl140", "pl112"]
         .iter()
@@ -185,4 +188,13 @@ fn noise_alone_is_no_outlier() {
     let u = sine(28.0, 7.0, 40_000);
     let y = u.iter().map(|u| 33.0 * u + 30.0 * noise()).collect();
     assert_eq!(found(&Record::new(TS, u, y).unwrap()), []);
+}
+
+#[test]
+fn a_jump_of_one_sample_is_masked() {
+    let u: Vec<f64> = (0..800).map(|t| (f64::from(t) * 0.02).sin()).collect();
+    let mut y: Vec<f64> = u.iter().map(|u| 33.0 * u).collect();
+    y[300] += 20.0;
+    let seen = inspect(&Record::new(5e-4, u, y).unwrap(), &Need::default());
+    assert_eq!((seen.findings[0].defect, seen.masked(), seen.usable[300]), (Defect::Outliers, 1, false));
 }

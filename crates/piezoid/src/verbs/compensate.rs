@@ -1,11 +1,11 @@
 //! The voltage for a requested displacement.
 
 use super::{File, blamed};
-use crate::compensation::shaping::Shape;
+use crate::compensation::shaping::Shaping;
 use crate::compensation::{Compensated, FeedForward, How};
 use crate::error::Error;
 use crate::excitation::LimitOptions;
-use crate::formats::{Selection, csv};
+use crate::formats::{Selection, Table};
 use crate::hammerstein::Model;
 use crate::options::{OptionRow, Values, options};
 use crate::record::Units;
@@ -20,7 +20,7 @@ options! {
         clip: bool = false, OptionRow::new(Values::Switch);
         /// Correct, this many times at most, what the model's free run leaves.
         sweeps: usize = 0, OptionRow::new(Values::Whole(0, u64::MAX));
-    } with limits: LimitOptions with shape: Shape
+    } with limits: LimitOptions with shape: Shaping
 }
 
 /// A voltage, and how near the model says the displacement comes.
@@ -96,6 +96,6 @@ impl Compensation {
     /// As [`csv::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let (u, r) = (format!("u_{}", self.units.u), format!("r_{}", self.units.y));
-        csv::write(self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])
+        Table::write(self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])
     }
 }

@@ -3,17 +3,17 @@
 use super::{File, blamed};
 use crate::compensation::{FeedForward, How};
 use crate::control::{
-    Attempt, Comparison, Drive, LATEST, Reference, Run, Scheme, Target, Tolerance, Wanted, compare, reference,
+    Attempt, ClosedLoopRun, Comparison, ControlLoop, Drive, MarginTarget, NamedReference, Reference, Scheme, Tolerance,
 };
 use crate::error::Error;
 use crate::excitation::LimitOptions;
-use crate::formats::{Selection, csv};
+use crate::formats::{Selection, Table};
 use crate::hammerstein::Model;
 use crate::number::{round, short};
 use crate::options::{OptionRow, Values, options};
 use crate::plant::Spec;
 use crate::progress::Progress;
-use crate::record::factor;
+use crate::record::Units;
 use crate::system::System;
 
 /// What is compared where nothing is named.
@@ -53,11 +53,11 @@ options! {
     #[derive(Copy)]
     pub struct TuneOptions {
         /// Samples by which readings come late; controllers are tuned for it.
-        late: usize = 0, OptionRow::new(Values::Whole(0, LATEST as u64));
+        late: usize = 0, OptionRow::new(Values::Whole(0, ControlLoop::LATEST as u64));
         /// Gain margin to tune to [dB].
-        gain_margin: f64 = Target::default().gain_db, OptionRow::positive("dB");
+        gain_margin: f64 = MarginTarget::default().gain_db, OptionRow::positive("dB");
         /// Phase margin to tune to [degrees].
-        phase_margin: f64 = Target::default().phase_deg, OptionRow::positive("degrees");
+        phase_margin: f64 = MarginTarget::default().phase_deg, OptionRow::positive("degrees");
     }
 }
 
@@ -67,7 +67,8 @@ impl TuneOptions {
     /// # Errors
     /// As [`Drive::new`].
     pub fn drive(&self, scheme: Scheme, model: &Model, how: How) -> Result<Drive, Error> {
-        let target = Target { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..Target::default() };
+        let target =
+            MarginTarget { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..MarginTarget::default() };
         Drive::new(scheme, model, how, self.late, &target)
     }
 }
@@ -120,7 +121,8 @@ impl ControlOptions {
         if let Some(noise) = self.noise {
             let unit = &model.units().y;
             let none = || Error::Content(format!("its output is in {unit}, which is no length: leave the noise out"));
-            spec.sensor.noise_rms_m = noise * factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
+            spec.sensor.noise_rms_m =
+                noise * Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
         }
         let names: Vec<&str> = match self.reference.is_empty() {
             true => ALONG.to_vec(),
@@ -128,9 +130,9 @@ impl ControlOptions {
         };
         let wanted = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
             (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, how),
-            (None, Some(file)) => Ok(Wanted::new(file.short(), model.ts(), file.reference(columns, &model)?)),
+            (None, Some(file)) => Ok(NamedReference::new(file.short(), model.ts(), file.reference(columns, &model)?)),
             (None, None) => {
-                Err(reference(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
+                Err(Reference::find(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
             }
         };
         let wanted = names.into_iter().map(wanted).collect::<Result<_, _>>()?;
@@ -145,7 +147,7 @@ impl ControlOptions {
         &self,
         plant: (&str, &Spec),
         model: &Model,
-        wanted: Vec<Wanted>,
+        wanted: Vec<NamedReference>,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
         let (how, mut drives, mut notes) = (self.how()?, Vec::new(), Vec::new());
@@ -163,11 +165,12 @@ impl ControlOptions {
                 }
             }
         }
-        for Wanted { name, r, .. } in &wanted {
+        for NamedReference { name, r, .. } in &wanted {
             drives.first().map_or(Ok(()), |drive| drive.check(r)).map_err(|e| e.of(name))?;
         }
         let share = |percent: f64| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed };
-        let mut compared = compare(plant, drives, wanted, self.seed, self.tolerance.map(share).as_ref(), progress)?;
+        let mut compared =
+            Comparison::run(plant, drives, wanted, self.seed, self.tolerance.map(share).as_ref(), progress)?;
         compared.notes = notes;
         Ok(compared)
     }
@@ -184,7 +187,14 @@ impl ControlOptions {
     }
 
     /// A named reference.
-    fn repeated(&self, name: &str, kind: &Reference, hz: f64, model: &Model, how: How) -> Result<Wanted, Error> {
+    fn repeated(
+        &self,
+        name: &str,
+        kind: &Reference,
+        hz: f64,
+        model: &Model,
+        how: How,
+    ) -> Result<NamedReference, Error> {
         let (peak, ts) = (self.amplitude.map_or_else(|| held(model, how), Ok)?, model.ts());
         let n = (SECONDS.max(PERIODS / hz) / ts).round();
         if n > LONGEST {
@@ -193,7 +203,7 @@ impl ControlOptions {
             return Err(Error::parameter("reference", name, rule));
         }
         let r = (kind.samples)(ts, n as usize, peak, hz)?;
-        Ok(Wanted::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
+        Ok(NamedReference::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
     }
 }
 
@@ -204,12 +214,12 @@ impl Comparison {
     /// There is none, and as [`csv::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
-        let Some((drive, Attempt { run: Run { u, y, r, .. }, .. })) = first else {
+        let Some((drive, Attempt { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
             return Err(Error::Content("there is no run: nothing was followed".into()));
         };
         let (ts, units) = (drive.model().ts(), drive.model().units());
         let names = [format!("u_{}", units.u), format!("y_{}", units.y), format!("r_{}", units.y)];
-        csv::write(ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
+        Table::write(ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
     }
 
     /// What its reader should know, one sentence each.
@@ -250,7 +260,7 @@ impl Comparison {
 /// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.
 fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
     let (name, hz) = text.split_once(':').map_or((text, None), |(name, hz)| (name, Some(hz)));
-    let kind = reference(name).ok()?;
+    let kind = Reference::find(name).ok()?;
     let hz = hz.map_or(Ok(FREQUENCY), |hz| {
         let hz = hz.parse().ok().filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
         hz.ok_or_else(|| Error::parameter("reference", text, "the frequency must be a positive number of hertz"))

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::excitation::{Excitation, LimitOptions, Usage};
-use crate::formats::csv;
+use crate::formats::Table;
 use crate::options::{OptionRow, Values, options};
 use serde_json::Value;
 
@@ -64,6 +64,6 @@ impl Excited {
     /// # Errors
     /// As [`csv::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
-        csv::write(self.ts, &[("u_V", &self.u)])
+        Table::write(self.ts, &[("u_V", &self.u)])
     }
 }

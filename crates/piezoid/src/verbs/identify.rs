@@ -7,7 +7,7 @@ use crate::hammerstein::{HiddenLoop, Identified, Model};
 use crate::identification::{IdentifyOptions, Method, Records, identify_watched};
 use crate::linear::{Arx, PoleShare};
 use crate::progress::Progress;
-use crate::validation::{Linearity, Offset, ValidateOptions, small_signal, validate};
+use crate::validation::{Linearity, Offset, ValidateOptions};
 use serde_json::{Value, json};
 
 /// A model, what was found on the way, and how it meets its training data.
@@ -45,13 +45,13 @@ impl IdentifyOptions {
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
         let compare = |(file, record): (&File, &crate::Record)| {
             let record = record.output_in(&found.model.units().y)?;
-            let validation = validate(&found.model, &record, &options)?;
+            let validation = found.model.validate_with(&record, &options)?;
             Ok(Compared { name: file.name.clone(), record, validation })
         };
         let training = large.iter().zip(&records).map(compare).collect::<Result<_, Error>>()?;
         let origins = small.iter().chain(large).map(File::origin).collect();
         let model = found.model.clone().with_provenance(self.provenance(&found, command, origins));
-        let linearity = small_signal_records.iter().map(|record| small_signal(record).ok()).collect();
+        let linearity = small_signal_records.iter().map(|record| Linearity::of(record).ok()).collect();
         Ok(Identification { found, model, training, linearity })
     }
 

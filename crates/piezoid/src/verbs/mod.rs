@@ -16,9 +16,9 @@ pub use simulate::{SimulateOptions, Simulated};
 pub use validate::{Compared, Validated};
 
 use crate::error::Error;
-use crate::formats::{self, Selection, Signal};
+use crate::formats::{Selection, Signal, Table};
 use crate::hammerstein::Model;
-use crate::record::{Record, factor, same_sampling};
+use crate::record::{Record, Units};
 use crate::system::System;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -57,7 +57,7 @@ impl File {
     /// # Errors
     /// It holds none, or not the columns that are meant.
     pub fn record(&self, columns: &Selection) -> Result<Record, Error> {
-        formats::read(&self.name, &self.bytes).and_then(|table| table.record(columns)).map_err(|e| e.of(&self.name))
+        Table::read(&self.name, &self.bytes).and_then(|table| table.record(columns)).map_err(|e| e.of(&self.name))
     }
 
     /// The input in it, which may hold nothing else.
@@ -65,7 +65,7 @@ impl File {
     /// # Errors
     /// As [`File::record`].
     pub fn input(&self, columns: &Selection) -> Result<Signal, Error> {
-        formats::read(&self.name, &self.bytes).and_then(|table| table.input(columns)).map_err(|e| e.of(&self.name))
+        Table::read(&self.name, &self.bytes).and_then(|table| table.input(columns)).map_err(|e| e.of(&self.name))
     }
 
     /// The reference in it, which may hold nothing else, in the unit of the model's output.
@@ -74,10 +74,10 @@ impl File {
     /// As [`File::record`]; one that is sampled otherwise than the model, or in a unit that cannot be converted.
     pub fn reference(&self, columns: &Selection, model: &Model) -> Result<Vec<f64>, Error> {
         let read = || {
-            let Signal { ts, samples, unit } = formats::read(&self.name, &self.bytes)?.reference(columns)?;
-            same_sampling("the model", model.ts(), "the reference", ts)?;
+            let Signal { ts, samples, unit } = Table::read(&self.name, &self.bytes)?.reference(columns)?;
+            Record::same_sampling("the model", model.ts(), "the reference", ts)?;
             let (what, wanted) = ("the reference".into(), &model.units().y);
-            let factor = factor(&unit, wanted);
+            let factor = Units::factor(&unit, wanted);
             let factor = factor.ok_or_else(|| Error::Units { what, found: unit, wanted: wanted.clone() })?;
             Ok(samples.iter().map(|r| r * factor).collect())
         };

@@ -2,11 +2,11 @@
 
 use super::File;
 use crate::error::Error;
-use crate::formats::{Selection, Signal, csv};
-use crate::hammerstein::Beginning;
+use crate::formats::{Selection, Signal, Table};
+use crate::hammerstein::InitialCondition;
 use crate::options::{OptionRow, Values, options};
 use crate::plant::{Plant, Spec};
-use crate::record::{Units, same_sampling};
+use crate::record::{Record, Units};
 use crate::system::System;
 
 const BEGINNINGS: Values = Values::Choice(&[
@@ -20,7 +20,7 @@ options! {
     #[derive(Copy)]
     pub struct SimulateOptions {
         /// What came before: rest; the first input, which had stood for long; or the same as in the record.
-        begin: Beginning = Beginning::Rest, OptionRow::new(BEGINNINGS);
+        begin: InitialCondition = InitialCondition::Rest, OptionRow::new(BEGINNINGS);
         /// Seed of the plant's noise.
         seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
     }
@@ -50,8 +50,8 @@ impl SimulateOptions {
         let Signal { ts, samples: u, .. } = input.input(columns)?;
         let plant = Plant::new(plant, ts)?.with_seed(self.seed);
         let settled = || plant.settled(u.first().copied().unwrap_or_default());
-        let mut x = if self.begin == Beginning::Rest { plant.initial() } else { settled() };
-        if self.begin == Beginning::Motion {
+        let mut x = if self.begin == InitialCondition::Rest { plant.initial() } else { settled() };
+        if self.begin == InitialCondition::Motion {
             plant.resume(&mut x, &u);
         }
         let y = plant.resume(&mut x, &u).iter().map(|y| y * 1e6).collect();
@@ -72,7 +72,7 @@ impl SimulateOptions {
             let (what, wanted) = ("the input".into(), units.u);
             return Err(Error::Units { what, found: unit, wanted }.of(&input.name));
         }
-        same_sampling("the model", model.ts(), "the input", ts).map_err(|e| e.of(&input.name))?;
+        Record::same_sampling("the model", model.ts(), "the input", ts).map_err(|e| e.of(&input.name))?;
         let mut x = model.before(&u, self.begin);
         let y = model.resume(&mut x, &u);
         Simulated { ts, u, y, units, reached: String::new() }.bounded()
@@ -94,6 +94,6 @@ impl Simulated {
     /// As [`csv::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
-        csv::write(self.ts, &[(&u, &self.u), (&y, &self.y)])
+        Table::write(self.ts, &[(&u, &self.u), (&y, &self.y)])
     }
 }

@@ -6,7 +6,7 @@ use crate::formats::Selection;
 use crate::hammerstein::Model;
 use crate::number::round;
 use crate::record::Record;
-use crate::validation::{Bin, Metrics, ValidateOptions, Validation, merged, validate};
+use crate::validation::{Bin, Metrics, ValidateOptions, Validation};
 use serde_json::{Value, json};
 
 /// A record and the model's free run beside it.
@@ -44,7 +44,7 @@ impl ValidateOptions {
                     let rule = format!("leaves nothing of this record, which lasts {duration} s: skip less");
                     return Err(Error::parameter("skip", self.skip, rule));
                 }
-                let validation = validate(model, &record, self)?;
+                let validation = model.validate_with(&record, self)?;
                 Ok(Compared { name: file.name.clone(), record, validation })
             };
             compared().map_err(|e| e.of(&file.name))
@@ -80,8 +80,8 @@ impl Validated {
     /// The bins of all records by frequency and by amplitude.
     pub fn bins(&self) -> [Vec<Bin>; 2] {
         [
-            merged(self.files.iter().flat_map(|c| &c.validation.by_frequency)),
-            merged(self.files.iter().flat_map(|c| &c.validation.by_amplitude)),
+            Bin::merged(self.files.iter().flat_map(|c| &c.validation.by_frequency)),
+            Bin::merged(self.files.iter().flat_map(|c| &c.validation.by_amplitude)),
         ]
     }
 
