@@ -26,6 +26,7 @@ use piezoid::control::{Controller, Drive, Law, Scheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::{File, Model, OptionRow, Options, TuneOptions, Values, options};
+use serde_json::Value;
 
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
@@ -83,7 +84,8 @@ impl ExportOptions {
         }
         match self.tuning.changed().first() {
             Some((row, value)) if self.controller.is_none() => {
-                Err(Error::parameter(row.name, value, "is what a controller is tuned to: name one"))
+                let error = Error::parameter(row.name, value, "is what a controller is tuned to: ");
+                Err(error.advised(vec![("controller", Value::Null)]))
             }
             _ => Ok(()),
         }

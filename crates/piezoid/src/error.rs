@@ -191,7 +191,8 @@ impl Error {
         }
     }
 
-    pub(crate) fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
+    /// The same, ending so that options which would settle it follow.
+    pub fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
         Error::Advised { error: Box::new(self), options }
     }
 

@@ -45,7 +45,7 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
     named(wanted.name(), "")?;
     let (model, name, ts) = (wanted.model, wanted.name(), wanted.model.ts());
     let Some(r) = wanted.reference else {
-        return Err(Error::parameter("reference", "none", "must be given: one period of the wanted displacement"));
+        return Err(Error::parameter("reference", "none", "must be given: one period of the requested displacement"));
     };
     let found = &model.units().u;
     if found != "V" {

@@ -44,8 +44,13 @@ def export(
     >>> sorted(pz.export(model, "c", name="bender", low=-30.0, high=30.0))
     ['bender.c', 'bender.h', 'bender.md', 'bender_test.c']
     """
+    for name in options:
+        if name not in _OPTIONS:
+            raise TypeError(f"unexpected keyword {name!r}: options are {', '.join(_OPTIONS)}")
     files, notes = _piezoid.export(as_model(model)._core, target, options, reference, folder)
     return Exported(files, notes)
 
 
-export.__doc__ = (export.__doc__ or "").replace("{options}", "\n    ".join(described(_piezoid.export_options())))
+_ROWS = _piezoid.export_options()
+_OPTIONS = [row["name"] for row in _ROWS]
+export.__doc__ = (export.__doc__ or "").replace("{options}", "\n    ".join(described(_ROWS)))

@@ -8,6 +8,7 @@ use super::Limits;
 use super::limits::GROUP;
 use crate::error::{Error, row};
 use crate::options::{OptionRow, Values, options};
+use serde_json::Value;
 
 /// A driver by name.
 #[derive(Debug, Clone, Copy)]
@@ -92,8 +93,9 @@ impl LimitOptions {
             Some(name) => Driver::find(name)?.loaded(own.capacitance)?,
             None if own == Limits::default() => return Ok(None),
             None if own == (Limits { capacitance: own.capacitance, ..Limits::default() }) => {
-                let rule = "is for a limit of current: name a driver, or leave it out";
-                return Err(Error::parameter("capacitance", own.capacitance.unwrap_or_default(), rule));
+                let rule = "is for a limit of current: leave it out, or ";
+                let error = Error::parameter("capacitance", own.capacitance.unwrap_or_default(), rule);
+                return Err(error.advised(vec![("driver", Value::Null), ("current", Value::Null)]));
             }
             None => Limits::default(),
         };
