@@ -37,7 +37,8 @@ options! {
         float: bool = false, OptionRow::new(Values::Switch);
         /// Samples of the reference that the feed-forward is given ahead of time.
         preview: usize = 0, OptionRow::new(Values::Whole(0, u64::MAX));
-        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not predictive.
+        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not
+        /// predictive.
         controller: Option<String> = None, OptionRow::new(NAME);
         /// Come as close to it as the limits allow instead of refusing.
         clip: bool = false, OptionRow::new(Values::Switch).requires("reference").group(WAVEFORMS);
@@ -52,8 +53,8 @@ const NAME: Values = Values::Text("NAME");
 const WAVEFORMS: &str = "Waveforms";
 
 impl ExportOptions {
-    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the requested
-    /// displacement [output unit].
+    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the
+    /// requested displacement [output unit].
     ///
     /// # Errors
     /// No such target, options that it does not take, a controller or a model that it cannot hold.

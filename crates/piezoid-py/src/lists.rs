@@ -20,7 +20,11 @@ use serde_json::{Value, json};
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let row =
         |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
-    let excitation = |e: &piezoid::excitation::Excitation| json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": rows((e.rows)())});
+    let excitation = |e: &Excitation| {
+        let mut row = row(e.name, e.summary, e.reference);
+        row["parameters"] = rows((e.rows)());
+        row
+    };
     let operator = |o: &&piezoid::hysteresis::Operator| {
         let mut row = row(o.name, o.summary, o.reference);
         row["properties"] =

@@ -106,7 +106,8 @@ impl ControlOptions {
     /// Each scheme along each reference on a plant. A reference that is no name is one of the `files`.
     ///
     /// # Errors
-    /// Names that there are not, a file that holds no reference or is not there, and what [`ControlOptions::along`] refuses.
+    /// Names that there are not, a file that holds no reference or is not there, and what [`ControlOptions::along`]
+    /// refuses.
     pub fn run(
         &self,
         (plant, spec): (&str, &Spec),
@@ -227,8 +228,8 @@ impl Comparison {
         let mut told = self.notes.clone();
         if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
             told.push(format!(
-                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it on a PRBS too for \
-                 a faster one",
+                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it \
+                 on a PRBS too for a faster one",
                 short(hz)
             ));
         }
@@ -277,6 +278,7 @@ fn held(model: &Model, how: How) -> Result<f64, Error> {
     }
     let (low, high, unit) = (round(low), round(high), &model.units().y);
     Err(Error::Content(format!(
-        "the model holds {low} to {high} {unit}, and named references go to both sides of 0: give a file or an amplitude"
+        "the model holds {low} to {high} {unit}, and named references go to both sides of 0: give a file or an \
+         amplitude"
     )))
 }
