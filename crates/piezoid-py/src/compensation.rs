@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::PyArray1;
-use piezoid::compensation::{Causal, Compensated, How};
+use piezoid::compensation::{Causal, Compensated, FeedForwardSettings};
 use piezoid::{CompensateOptions, System};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -15,12 +15,12 @@ use serde_json::json;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What compensation may use.
-pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<How> {
+pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
     options::<CompensateOptions>(settings)?.how().map_err(raised)
 }
 
 /// A voltage, what the model makes of it, and the rest as a document.
-pub(crate) type Made = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
+pub(crate) type CompensationTuple = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
 
 /// The voltage for a reference.
 pub(crate) fn compensated(
@@ -28,7 +28,7 @@ pub(crate) fn compensated(
     model: &piezoid::Model,
     reference: &Bound<'_, PyAny>,
     settings: &Bound<'_, PyDict>,
-) -> PyResult<Made> {
+) -> PyResult<CompensationTuple> {
     let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
     let r = slice(&read)?;
     let made = py.detach(|| options.of(model, r.to_vec())).map_err(raised)?;
@@ -46,7 +46,7 @@ pub(crate) struct FeedForward {
 }
 
 impl FeedForward {
-    pub(crate) fn new(model: &piezoid::Model, how: How, late: usize) -> PyResult<Self> {
+    pub(crate) fn new(model: &piezoid::Model, how: FeedForwardSettings, late: usize) -> PyResult<Self> {
         let causal = Causal::new(model, how, late).map_err(raised)?;
         let state = Mutex::new(causal.initial());
         Ok(FeedForward { causal, state })

@@ -62,7 +62,7 @@ pub(crate) fn control(
                     run.set_item("y", array(py, attempt.run.y.clone()))?;
                     run.set_item("r", array(py, attempt.run.r.clone()))?;
                     run.set_item("percent_of_stroke", attempt.tracking.percent_of_stroke)?;
-                    run.set_item("notes", attempt.fed.notes.clone())?;
+                    run.set_item("notes", attempt.feed_forward.notes.clone())?;
                 }
             }
             runs.append(run)?;

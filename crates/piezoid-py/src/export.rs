@@ -13,7 +13,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 
 /// Files by their paths, and notes.
-type Made = (Vec<(String, Py<PyBytes>)>, Vec<String>);
+type ExportTuple = (Vec<(String, Py<PyBytes>)>, Vec<String>);
 
 /// Writes a file, which is whole or not there.
 #[pyfunction]
@@ -30,7 +30,7 @@ pub(crate) fn export(
     given: &Bound<'_, PyDict>,
     reference: Option<Bound<'_, PyAny>>,
     folder: Option<PathBuf>,
-) -> PyResult<Made> {
+) -> PyResult<ExportTuple> {
     let (model, options) = (inner(model), options::<ExportOptions>(given)?);
     let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
     let reference = read.as_ref().map(|r| slice(r)).transpose()?;

@@ -1,7 +1,7 @@
 //! Documents of the library as Python's own objects.
 
 use crate::error::raised;
-use piezoid::{OptionRow, Options, Values};
+use piezoid::{OptionKind, OptionRow, Options};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyList, PyString};
@@ -71,11 +71,11 @@ fn finite(number: f64) -> Option<Value> {
 pub(crate) fn rows(rows: Vec<OptionRow>) -> Value {
     let row = |row: OptionRow| {
         let choices: Vec<&str> = match row.values {
-            Values::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
+            OptionKind::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
             _ => Vec::new(),
         };
         let default = match (row.default)() {
-            Value::Bool(on) if row.values == Values::Bit => json!(u8::from(on)),
+            Value::Bool(on) if row.values == OptionKind::Bit => json!(u8::from(on)),
             default => default,
         };
         json!({

@@ -7,11 +7,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// A study as a document, its figures by name as SVG, its page, and its verdict.
-type Told = (Py<PyAny>, Vec<(String, String)>, String, String);
+type StudyTuple = (Py<PyAny>, Vec<(String, String)>, String, String);
 
 /// The study of a plant.
 #[pyfunction]
-pub(crate) fn study(py: Python<'_>, given: &Bound<'_, PyDict>, progress: Option<Py<PyAny>>) -> PyResult<Told> {
+pub(crate) fn study(py: Python<'_>, given: &Bound<'_, PyDict>, progress: Option<Py<PyAny>>) -> PyResult<StudyTuple> {
     let options: StudyOptions = options(given)?;
     let done = watched(py, progress, |progress| options.run(progress))?;
     let drawn = done[0].figures().into_iter().map(|(name, figure)| (name, figure.svg())).collect();

@@ -19,7 +19,7 @@ use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{Made, Wanted, target};
+use piezoid_export::{ExportRequest, Exported, target};
 use skipped::skipped;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -45,7 +45,7 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
 }
 
 /// What `target` makes of a model, written into a folder.
-fn exported(target_name: &str, wanted: &Wanted, folder: &Path) -> Made {
+fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exported {
     let made = (target(target_name).unwrap().make)(wanted).unwrap();
     for File { path, bytes } in &made.files {
         let path = folder.join(path);

@@ -6,8 +6,8 @@ mod motion;
 mod repetition;
 
 pub(crate) use band::band;
-pub(crate) use cycles::{Cycle, cycles, turns};
-pub(crate) use motion::{in_motion, lead};
+pub(crate) use cycles::{Cycle, cycles, reversals};
+pub(crate) use motion::{in_motion, inputs_before};
 pub use repetition::period;
 
 use crate::series::ends;
