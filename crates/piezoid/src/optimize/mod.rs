@@ -1,10 +1,12 @@
 //! Searches for the best parameters. How a search ended is data ([`Minimum::reason`]), not an error.
 
+#[cfg(feature = "clarabel")]
 mod least_absolute;
 pub mod levenberg_marquardt;
 mod non_negative;
 pub mod swarm;
 
+#[cfg(feature = "clarabel")]
 pub use least_absolute::{LeastAbsolute, least_absolute};
 pub(crate) use non_negative::non_negative;
 

@@ -23,6 +23,7 @@
 
 mod condensed;
 mod horizon;
+#[cfg(feature = "clarabel")]
 mod interior;
 mod kalman;
 mod limits;
@@ -40,11 +41,12 @@ use crate::hammerstein::Model;
 use crate::hysteresis::falls;
 use crate::linear::Arx;
 use crate::number::short;
+use crate::series::dot;
 use crate::system::System;
-use condensed::{Ended, dot};
+use condensed::Ended;
 use horizon::Horizon;
 use kalman::Observer;
-use nalgebra::{DVector, DVectorView, DVectorViewMut};
+use nalgebra::{DVectorView, DVectorViewMut};
 use realisation::Realisation;
 use state::{Layout, Parts};
 use std::sync::Arc;
@@ -223,6 +225,7 @@ impl Predictive {
         self.limit(&mut parts, ends);
         let ended = match self.settings.solver {
             Solver::ActiveSet => self.horizon.program.solve(parts.z, parts.low, parts.high, parts.scratch),
+            #[cfg(feature = "clarabel")]
             Solver::InteriorPoint => self.interior(&mut parts),
         };
         let u = self.voltage(&parts, free, ends);
@@ -287,8 +290,9 @@ impl Predictive {
     }
 
     /// The program by the interior-point method.
+    #[cfg(feature = "clarabel")]
     fn interior(&self, parts: &mut Parts<'_>) -> Ended {
-        let g = &self.horizon.program.h * DVector::from_column_slice(parts.z);
+        let g = &self.horizon.program.h * nalgebra::DVector::from_column_slice(parts.z);
         let found = interior::solve(&self.horizon.program, g.as_slice(), parts.low, parts.high);
         found.iter().for_each(|z| parts.z.copy_from_slice(z));
         Ended { changes: 0, solved: found.is_some() }

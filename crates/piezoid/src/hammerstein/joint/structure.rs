@@ -8,7 +8,6 @@
 use super::Joint;
 use super::dynamics::{Dynamics, NOTHING, creeping, dynamics, quickened, slowest_pole, told_from};
 use super::estimate::{Estimate, Responses};
-use super::products::dot;
 use super::refine::{Fitted, Watch, refine};
 use super::runs::Run;
 use super::solve::Freed;
@@ -26,7 +25,7 @@ use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::unwatched;
 use crate::record::Record;
-use crate::series::scatter;
+use crate::series::{dot, scatter};
 use crate::system::System;
 use crate::waveform::dominant_frequency;
 use std::sync::Arc;
