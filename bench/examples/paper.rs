@@ -1,4 +1,4 @@
-//! The paper rebuilt: its Table 1 beside what the study leaves, and over the test signals that it may have used.
+//! The paper reproduced: its Table 1 beside the errors of the study, and over the test signals that it may have used.
 //!
 //! `cargo run --release -p piezoid-bench --example paper -- docs` writes the tables of docs/paper.md and its figures.
 
