@@ -241,7 +241,7 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
         text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
     }
-    text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
+    text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
 
 /// The records of a twin on which the best joint model is less than [`TIMES`] times better than the best of the paper's.

@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: paper FOLDER")?);
     let study = study::run(find("paper")?, 1, &mut unwatched)?;
     let page = folder.join("paper.md");
-    page::write(&page, "verdict", &format!("{}\n", study::verdict(&study)))?;
+    page::write(&page, "verdict", &page::wrapped(&study::verdict(&study)))?;
     page::write(&page, "table 1", &table_1(&study))?;
     page::write(&page, "test signals", &signals(&study))?;
     for (name, figure) in study::figures(&study) {

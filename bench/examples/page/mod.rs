@@ -19,6 +19,29 @@ pub(crate) fn row(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
+/// The paragraphs of `text`, in lines of 120 characters at most.
+pub(crate) fn wrapped(text: &str) -> String {
+    let mut lines = String::new();
+    for paragraph in text.lines() {
+        let mut width = 0;
+        for word in paragraph.split_whitespace() {
+            let n = word.chars().count();
+            let gap = if width == 0 {
+                ""
+            } else if width + 1 + n > 120 {
+                "\n"
+            } else {
+                " "
+            };
+            width = if gap == " " { width + 1 + n } else { n };
+            lines += gap;
+            lines += word;
+        }
+        lines += "\n";
+    }
+    lines
+}
+
 /// Replaces the text in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
 pub(crate) fn write(page: &Path, name: &str, table: &str) -> Result<(), Box<dyn Error>> {
     let (from, to) = (format!("<!-- {name}: written by `cargo xtask docs` -->"), format!("<!-- end of {name} -->"));
