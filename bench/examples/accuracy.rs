@@ -166,7 +166,7 @@ struct Way {
 static WAYS: [Way; 4] = [
     Way { name: "paper", role: Role::Descending, identify: |twin| twin.paper(IdentifyOptions::default()) },
     Way {
-        name: "paper, tuned",
+        name: "paper, best settings",
         role: Role::Muted,
         identify: |twin| {
             let (order, estimator, split) = (Some(4), Some("output-error".into()), Some(Split::Direction));
@@ -226,7 +226,7 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         "median",
         "worst",
         "least ratio to `paper`",
-        "least ratio to `paper, tuned`",
+        "least ratio to `paper, best settings`",
     ];
     let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
     for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
@@ -237,9 +237,9 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
             if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1}", least(paper)) }
         };
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
-        let [paper, tuned] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
+        let [paper, best settings] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
-        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
+        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, best settings]);
     }
     text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
