@@ -237,9 +237,9 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
             if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1}", least(paper)) }
         };
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
-        let [paper, best settings] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
+        let [paper, tuned] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
-        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, best settings]);
+        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
     }
     text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
