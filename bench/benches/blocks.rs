@@ -5,18 +5,18 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use piezoid::compensation::{Causal, FeedForward, How};
 use piezoid::control::predictive::{self, Predictive, Solver};
-use piezoid::control::{Controller, Now};
+use piezoid::control::{Controller, ControllerInput};
 use piezoid::creep::Creep;
-use piezoid::driver::{Driver, SUBSTEPS};
+use piezoid::driver::DriverModel;
 use piezoid::excitation::{Prbs, Sine};
 use piezoid::hammerstein::Model;
-use piezoid::hysteresis::{Basis, Branches, Design, Hysteresis, OPERATORS, Operator, Reading, TwoBranch, operator};
-use piezoid::linear::{AbsoluteError, Arx, Orders, Regression, estimator, fit};
-use piezoid::optimize::swarm::{Cost, Settings};
-use piezoid::plant::{Plant, find};
+use piezoid::hysteresis::{Basis, BasisDesign, Branches, Hysteresis, OPERATORS, Operator, Reading, TwoBranch};
+use piezoid::linear::{AbsoluteError, Arx, Estimator, Orders, Regression};
+use piezoid::optimize::swarm::{Cost, SwarmSettings};
+use piezoid::plant::{Plant, Preset};
 use piezoid::progress::unwatched;
 use piezoid::{Error, Record, System};
-use piezoid_report::study;
+use piezoid_report::study::Study;
 use serde_json::{Map, Value};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 const TS: f64 = 5e-4;
 
 fn prbs_record() -> Result<Record, Error> {
-    let plant = Plant::new(&(find("pl140")?.spec)(), TS)?;
+    let plant = Plant::named("pl140", TS)?;
     let u = Prbs { order: 12, ..Prbs::default() }.samples(TS, 4095)?;
     let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
     Record::new(TS, u, y)
@@ -59,9 +59,9 @@ fn estimators(c: &mut Criterion) {
     let mut group = c.benchmark_group("linear block from 4095 samples");
     group.sample_size(20);
     for name in ["swarm", "least-squares", "least-absolute"] {
-        let Ok(by) = estimator(name) else { continue };
+        let Ok(by) = Estimator::find(name) else { continue };
         group.bench_function(name, |b| {
-            b.iter(|| fit(black_box(&records), Orders::of(2), by, &Settings::default(), &mut unwatched));
+            b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut unwatched));
         });
     }
     group.finish();
@@ -84,7 +84,7 @@ fn simulation(c: &mut Criterion) {
     side_by_side(c, "models", models());
     let operator = |row: &&'static Operator| Ok((row.name.into(), fitted(row.name)? as Arc<dyn System>));
     side_by_side(c, "operators", OPERATORS.iter().map(operator).collect());
-    let twin = |name: &str| Ok((name.into(), Arc::new(Plant::new(&(find(name)?.spec)(), TS)?) as Arc<dyn System>));
+    let twin = |name: &str| Ok((name.into(), Arc::new(Plant::named(name, TS)?) as Arc<dyn System>));
     side_by_side(c, "twins", ["paper", "pl140"].into_iter().map(twin).collect());
 }
 
@@ -112,8 +112,12 @@ fn predictive(c: &mut Criterion) {
     let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
     let Ok(model) = model else { return };
     let mut group = c.benchmark_group("predictive");
-    let near = predictive::Settings { voltage: (-30.0, 30.0), slew: Some(6e4), ..predictive::Settings::default() };
-    let far = predictive::Settings {
+    let near = predictive::PredictiveSettings {
+        voltage: (-30.0, 30.0),
+        slew: Some(6e4),
+        ..predictive::PredictiveSettings::default()
+    };
+    let far = predictive::PredictiveSettings {
         voltage: (-12.0, 12.0),
         slew: Some(3e3),
         displacement: Some((-300.0, 300.0)),
@@ -122,15 +126,19 @@ fn predictive(c: &mut Criterion) {
     for (name, settings) in [("free", near), ("limited", far)] {
         for (by, solver) in [("active set", Solver::ActiveSet), ("interior point", Solver::InteriorPoint)] {
             for horizon in [10, 20, 40] {
-                let settings =
-                    predictive::Settings { horizon, solver, multiplications_per_second: 1e12, ..settings.clone() };
+                let settings = predictive::PredictiveSettings {
+                    horizon,
+                    solver,
+                    multiplications_per_second: 1e12,
+                    ..settings.clone()
+                };
                 let Ok(mpc) = Predictive::new(&model, settings) else { continue };
                 let r: Vec<f64> = (0..200 + horizon).map(|t| 400.0 * triangle(t as f64 / 100.0)).collect();
                 let (mut x, mut plant) = (mpc.settled(0.0), model.settled(0.0));
                 let (mut t, mut y) = (0, 0.0);
                 group.bench_function(format!("{name}, {by}, {horizon} samples"), |b| {
                     b.iter(|| {
-                        let now = Now { y, ahead: black_box(&r[t..]), ..Now::default() };
+                        let now = ControllerInput { y, ahead: black_box(&r[t..]), ..ControllerInput::default() };
                         y = model.step(&mut plant, mpc.step(&mut x, &now));
                         t = (t + 1) % 200;
                     });
@@ -227,8 +235,8 @@ impl Hysteresis for Tried {
 
 /// The basis of the operator called `name`, of its own number of elements.
 fn basis(name: &str) -> Result<Box<dyn Basis>, Error> {
-    let design = Design { ts: TS, range: (-30.0, 30.0), elements: None, frequencies: vec![5.0, 20.0, 40.0, 80.0] };
-    (operator(name)?.basis)(&design)
+    let design = BasisDesign { ts: TS, range: (-30.0, 30.0), elements: None, frequencies: vec![5.0, 20.0, 40.0, 80.0] };
+    (Operator::find(name)?.basis)(&design)
 }
 
 /// The operator called `name`, of its own number of elements.
@@ -267,10 +275,10 @@ fn linear() -> Result<Vec<Named>, Error> {
 /// Models by what precedes the paper's linear block.
 fn models() -> Result<Vec<Named>, Error> {
     let model = |hysteresis| Model::new(hysteresis, arx()?, 0.0);
-    let driver = Driver::new(1e-4, Some(6e4))?;
-    let faster = TS / SUBSTEPS as f64;
-    let design = Design { ts: faster, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
-    let plays = (operator("prandtl-ishlinskii")?.basis)(&design)?.operator(&[0.1; 31])?;
+    let driver = DriverModel::new(1e-4, Some(6e4))?;
+    let faster = TS / DriverModel::SUBSTEPS as f64;
+    let design = BasisDesign { ts: faster, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
+    let plays = (Operator::find("prandtl-ishlinskii")?.basis)(&design)?.operator(&[0.1; 31])?;
     Ok(vec![
         ("the paper's: two branches".into(), Arc::new(model(Arc::new(two_branch()?))?)),
         ("30 plays".into(), Arc::new(model(fitted("prandtl-ishlinskii")?)?)),
@@ -289,10 +297,12 @@ fn study(c: &mut Criterion) {
     let mut group = c.benchmark_group("study");
     group.sample_size(10);
     let whole = |names: &[&str]| -> Result<usize, Error> {
-        let studies =
-            names.iter().map(|name| study::run(find(name)?, 1, &mut unwatched)).collect::<Result<Vec<_>, _>>()?;
-        let drawn: usize = studies.iter().flat_map(study::figures).map(|(_, figure)| figure.svg().len()).sum();
-        Ok(drawn + study::page(&studies).html().len())
+        let studies = names
+            .iter()
+            .map(|name| Study::run(Preset::find(name)?, 1, &mut unwatched))
+            .collect::<Result<Vec<_>, _>>()?;
+        let drawn: usize = studies.iter().flat_map(Study::figures).map(|(_, figure)| figure.svg().len()).sum();
+        Ok(drawn + Study::page(&studies).html().len())
     };
     for names in [&["paper"][..], &["pl140"], &["paper", "pl140"]] {
         group.bench_function(names.join(" and "), |b| b.iter(|| whole(black_box(names))));

@@ -12,7 +12,7 @@ use page::{cell, row};
 use piezoid::excitation::{Multisine, Prbs, RisingSine, Sine, Staircase};
 use piezoid::hammerstein::{Identified, Model};
 use piezoid::hysteresis::Split;
-use piezoid::plant::{DriverSpec, Plant, Spec, find};
+use piezoid::plant::{Plant, Preset, Spec};
 use piezoid::validation::Metrics;
 use piezoid::{Error, IdentifyOptions, Method, Record, Records, System, identify};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
@@ -78,18 +78,18 @@ fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
 /// A twin on a bench.
 pub(crate) struct Twin {
     plant: Plant,
-    driver: DriverSpec,
+    spec: Spec,
 }
 
 impl Twin {
     /// The twin called `name`.
     pub(crate) fn new(name: &str) -> Result<Self, Error> {
-        Twin::of(&(find(name)?.spec)())
+        Twin::of(&(Preset::find(name)?.spec)())
     }
 
     /// The twin of these parameters.
     pub(crate) fn of(spec: &Spec) -> Result<Self, Error> {
-        Ok(Twin { plant: Plant::new(spec, TS)?, driver: spec.driver.clone() })
+        Ok(Twin { plant: Plant::new(spec, TS)?, spec: spec.clone() })
     }
 
     /// Measures the response to a drive from rest [um], at the largest amplitude within the limit. The seed sets the noise.
@@ -124,7 +124,7 @@ impl Twin {
         let rising =
             |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
         let options = IdentifyOptions { operator: operator.into(), seed: 0, ..IdentifyOptions::default() };
-        let options = if driver { options.with_driver_of(&self.driver) } else { options };
+        let options = if driver { options.with_driver_of(&self.spec) } else { options };
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, &options)
     }
 

@@ -6,9 +6,9 @@ mod page;
 
 use page::row;
 use piezoid::number::short;
-use piezoid::plant::find;
+use piezoid::plant::Preset;
 use piezoid::progress::unwatched;
-use piezoid_report::study::{self, METHODS, PRINTED_MSE, Study, UPPER_RULE, nearest};
+use piezoid_report::study::{METHODS, Study, TestSignal};
 
 /// Figures of the study that docs/ keep: their names there, and here.
 const KEPT: [(&str, &str); 3] =
@@ -19,7 +19,7 @@ fn table_1(study: &Study) -> String {
     let heads = ["f [Hz]", "the paper"].into_iter().chain(METHODS.iter().map(|method| method.name));
     let mut text =
         row(&heads.map(String::from).collect::<Vec<_>>()) + "|--:|" + &"--:|".repeat(1 + METHODS.len()) + "\n";
-    for (hz, printed) in PRINTED_MSE {
+    for (hz, printed) in Study::PRINTED_MSE {
         let Some(f) = study.frequencies.iter().find(|f| f.hz == hz) else { continue };
         let errors = f.rows.iter().map(|r| short(r.metrics.mse));
         text += &row(&[hz.to_string(), format!("{printed:.4}")].into_iter().chain(errors).collect::<Vec<_>>());
@@ -30,12 +30,12 @@ fn table_1(study: &Study) -> String {
 /// For both readings of the rule and for the block of Table 2, the nearest test signals of each form.
 fn signals(study: &Study) -> String {
     let heads = ["method", "test signal"].map(String::from).into_iter();
-    let heads = heads.chain(PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);
-    let mut text = row(&heads.collect::<Vec<_>>()) + "|---|---|" + &"--:|".repeat(PRINTED_MSE.len() + 1) + "\n";
-    for method in ["printed-rule", UPPER_RULE, "table2-arx"] {
-        for form in study::FORMS {
-            let some = study.test_signals.iter().filter(|s| s.form == form.name);
-            let Some(signal) = nearest(some, method) else { continue };
+    let heads = heads.chain(Study::PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);
+    let mut text = row(&heads.collect::<Vec<_>>()) + "|---|---|" + &"--:|".repeat(Study::PRINTED_MSE.len() + 1) + "\n";
+    for method in ["printed-rule", TestSignal::UPPER_RULE, "table2-arx"] {
+        for form in TestSignal::FORMS {
+            let some = study.test_signals.iter().filter(|s| s.form == form);
+            let Some(signal) = TestSignal::nearest(some, method) else { continue };
             let errors = signal.of(method).map(|mse| format!("{mse:.4}"));
             let off = format!("{:.0} %", 100.0 * signal.deviation(method));
             let cells = [format!("`{method}`"), signal.words()].into_iter().chain(errors).chain([off]);
@@ -47,12 +47,12 @@ fn signals(study: &Study) -> String {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: paper FOLDER")?);
-    let study = study::run(find("paper")?, 1, &mut unwatched)?;
+    let study = Study::run(Preset::find("paper")?, 1, &mut unwatched)?;
     let page = folder.join("paper.md");
-    page::write(&page, "verdict", &page::wrapped(&study::verdict(&study)))?;
+    page::write(&page, "verdict", &page::wrapped(&study.verdict()))?;
     page::write(&page, "table 1", &table_1(&study))?;
     page::write(&page, "test signals", &signals(&study))?;
-    for (name, figure) in study::figures(&study) {
+    for (name, figure) in study.figures() {
         if let Some((_, kept)) = KEPT.iter().find(|(drawn, _)| *drawn == name) {
             std::fs::write(folder.join(format!("{kept}.svg")), figure.svg())?;
         }

@@ -13,9 +13,11 @@ pub(crate) mod accuracy;
 use accuracy::page::{self, cell, row};
 use accuracy::{TS, TWINS, Twin};
 use piezoid::compensation::How;
-use piezoid::control::{CONTROLLERS, Comparison, Drive, Driven, Scheme, Target, Tolerance, Wanted, compare, reference};
+use piezoid::control::{
+    CONTROLLERS, Comparison, Drive, MarginTarget, NamedReference, Reference, Scheme, SchemeResult, Tolerance,
+};
 use piezoid::excitation::Limits;
-use piezoid::plant::find;
+use piezoid::plant::Preset;
 use piezoid::progress::unwatched;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
@@ -49,15 +51,16 @@ pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
 const SEED: u64 = 7;
 
 /// A reference.
-pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<Wanted, Error> {
+pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
     let n = (f64::max(1.0, 4.0 / hz) / TS) as usize;
-    Ok(Wanted::new(format!("{kind} {hz}"), TS, (reference(kind)?.samples)(TS, n, PEAK, hz)?))
+    Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
 }
 
 /// A scheme for a model, with this many samples of its reference known ahead.
 pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<Drive, Error> {
     let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-    let mut drive = Drive::new(Scheme::named(name)?, model, How { limits, ..How::default() }, 0, &Target::default())?;
+    let mut drive =
+        Drive::new(Scheme::named(name)?, model, How { limits, ..How::default() }, 0, &MarginTarget::default())?;
     drive.ahead = ahead;
     Ok(drive)
 }
@@ -69,13 +72,13 @@ pub(crate) fn compared(
     paths: &[(&str, f64)],
     tolerance: Option<&Tolerance>,
 ) -> Result<Comparison, Error> {
-    let plant = find(twin)?;
+    let plant = Preset::find(twin)?;
     let paths = paths.iter().copied().map(wanted).collect::<Result<Vec<_>, _>>()?;
-    compare((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut unwatched)
+    Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut unwatched)
 }
 
 /// The rms error along each reference [% of its height]; infinite where the reference was refused.
-pub(crate) fn errors(driven: &Driven) -> Vec<f64> {
+pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     let percent = |a: &Result<piezoid::control::Attempt, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
     };
@@ -83,7 +86,7 @@ pub(crate) fn errors(driven: &Driven) -> Vec<f64> {
 }
 
 /// A table of errors by reference; each row begins with its names.
-fn table<'a>(titles: &[&str], rows: impl Iterator<Item = (Vec<String>, &'a Driven)>) -> String {
+fn table<'a>(titles: &[&str], rows: impl Iterator<Item = (Vec<String>, &'a SchemeResult)>) -> String {
     let head = titles.iter().map(|t| t.to_string()).chain(PATHS.map(|(kind, hz)| format!("{kind} {hz}")));
     let rule = "|".to_string() + &"---|".repeat(titles.len()) + &"--:|".repeat(PATHS.len()) + "\n";
     let body =

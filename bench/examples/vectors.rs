@@ -3,8 +3,8 @@
 //! `cargo run -p piezoid-bench --example vectors -- crates/piezoid/tests/vectors`
 
 use piezoid::creep::Creep;
-use piezoid::driver::{Driver, SUBSTEPS};
-use piezoid::hysteresis::{OPERATORS, operator};
+use piezoid::driver::DriverModel;
+use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
 use piezoid_export::{Wanted, Whole};
@@ -16,7 +16,7 @@ const TS: f64 = 5e-4;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name the folder of the vector files")?;
-    let driver = Driver::new(1e-4, Some(2e4))?;
+    let driver = DriverModel::new(1e-4, Some(2e4))?;
     let driven = ("driven", model("prandtl-ishlinskii", Some(driver)));
     for (name, model) in OPERATORS.iter().map(|o| (o.name, model(o.name, None))).chain([driven]) {
         let model = model?;
@@ -33,9 +33,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 /// The operator's example before creep and a resonance, behind a driver or not.
-fn model(name: &str, driver: Option<Driver>) -> Result<Model, Error> {
-    let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
+    let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-    let model = Model::driven(driver, (operator(name)?.example)(TS / faster)?, block, 2.0)?;
+    let model = Model::driven(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
 }

@@ -7,9 +7,9 @@
 #[path = "../examples/tracking.rs"]
 mod tracking;
 
-use piezoid::compensation::shaping;
-use piezoid::control::{CONTROLLERS, Tolerance, Wanted, compare};
-use piezoid::plant::find;
+use piezoid::compensation::Fir;
+use piezoid::control::{CONTROLLERS, Comparison, NamedReference, Tolerance};
+use piezoid::plant::Preset;
 use piezoid::progress::unwatched;
 use piezoid::{Error, Model, System};
 use std::sync::OnceLock;
@@ -52,9 +52,10 @@ fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let level = |t: usize| 200.0 * (((t / 200) % 4) as f64 - 1.5);
     let steps: Vec<f64> = (0..4000).map(level).collect();
     let line = drive(model(), "gain", 0).expect("a drive");
-    let plant = find(TWIN).expect("a twin");
-    let wanted = vec![Wanted { name: "steps".into(), r: shaped(&steps), from: 0 }];
-    let done = compare((plant.name, &(plant.spec)()), vec![line], wanted, 1, None, &mut unwatched).expect("a run");
+    let plant = Preset::find(TWIN).expect("a twin");
+    let wanted = vec![NamedReference { name: "steps".into(), r: shaped(&steps), from: 0 }];
+    let done =
+        Comparison::run((plant.name, &(plant.spec)()), vec![line], wanted, 1, None, &mut unwatched).expect("a run");
     let y = &done.driven[0].attempts[0].as_ref().expect("a run").run.y;
     let swing = |part: &[f64]| {
         let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
@@ -66,8 +67,8 @@ fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
 #[test]
 fn a_shaped_staircase_does_not_ring_the_resonance() {
     let mode = model().linear().resonance().expect("a mode");
-    let zvd = shaping::zvd(TS, mode.hz, mode.damping).expect("a shaper");
-    let smooth = shaping::smooth(TS, 0.02).expect("a bell");
+    let zvd = Fir::zvd(TS, mode.hz, mode.damping).expect("a shaper");
+    let smooth = Fir::smooth(TS, 0.02).expect("a bell");
     let (raw, shaped) = (rings(<[f64]>::to_vec), rings(|r| zvd.simulate(r)));
     let moved = rings(|r| zvd.simulate(&smooth.simulate(r)));
     assert!(raw > 0.2 && shaped < 0.1 * raw && moved < 0.05 * raw, "{raw} {shaped} {moved}");

@@ -7,7 +7,7 @@
 mod matrix;
 
 use matrix::error;
-use piezoid::hysteresis::{OPERATORS, Operator, operator};
+use piezoid::hysteresis::{OPERATORS, Operator};
 
 /// A millionth of peak-to-peak, in percent.
 const RECOVERED: f64 = 1e-4;
@@ -29,7 +29,7 @@ fn kept() -> Vec<(String, Vec<String>)> {
 #[track_caller]
 fn is_recovered(names: &[&str]) {
     for name in names {
-        let row = operator(name).expect("an operator");
+        let row = Operator::find(name).expect("an operator");
         let left = error(row, row).expect("a model");
         assert!(left <= RECOVERED, "{name}: {left} % of peak-to-peak");
     }

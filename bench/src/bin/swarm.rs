@@ -5,9 +5,9 @@
 
 use multiversion::{multiversion, target::target_cfg_f};
 use piezoid::excitation::Prbs;
-use piezoid::linear::{AbsoluteError, Orders, Regression, estimator, fit};
-use piezoid::optimize::swarm::{Settings, minimise};
-use piezoid::plant::{Plant, find};
+use piezoid::linear::{AbsoluteError, Estimator, Orders, Regression};
+use piezoid::optimize::swarm::SwarmSettings;
+use piezoid::plant::Plant;
 use piezoid::{Error, Record, progress::unwatched};
 use std::hint::black_box;
 use std::time::Instant;
@@ -19,12 +19,12 @@ fn main() -> Result<(), Error> {
     let verb = arguments.next().unwrap_or_default();
     let seed = arguments.next().and_then(|s| s.parse().ok()).unwrap_or(1);
     // The twin with noise: the data an experimenter has.
-    let plant = Plant::new(&(find("pl140")?.spec)(), TS)?;
+    let plant = Plant::named("pl140", TS)?;
     let u = Prbs { order: 12, ..Prbs::default() }.samples(TS, 4095)?;
     let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
     let record = Record::new(TS, u.clone(), y.clone())?;
-    let settings = Settings { seed, ..Settings::default() };
-    let squares = fit(&[record], Orders::of(2), estimator("least-squares")?, &settings, &mut unwatched)?;
+    let settings = SwarmSettings { seed, ..SwarmSettings::default() };
+    let squares = Estimator::find("least-squares")?.fit(&[record], Orders::of(2), &settings, &mut unwatched)?;
     let offset = squares.offsets[0];
     let centred = Record::new(TS, u, y.iter().map(|y| y - offset).collect())?;
     let regression = Regression::new(&[centred], Orders::of(2))?;
@@ -36,7 +36,7 @@ fn main() -> Result<(), Error> {
     }
     let bounds = regression.search_box(&[squares.arx.a(), squares.arx.b()].concat())?;
     let start = Instant::now();
-    let found = minimise(&AbsoluteError::from(&regression), bounds, settings.clone(), &mut unwatched)?;
+    let found = settings.clone().minimise(&AbsoluteError::from(&regression), bounds, &mut unwatched)?;
     let seconds = start.elapsed().as_secs_f64();
     let (evaluations, rows) = (settings.particles * (settings.iterations + 1), regression.len());
     println!(

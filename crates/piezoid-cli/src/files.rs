@@ -3,8 +3,8 @@
 use crate::values::{period, seconds};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
+use piezoid::Units;
 use piezoid::formats::{Selection, Signal, Table};
-use piezoid::record::{factor, same_sampling};
 use piezoid::{Model, Record, System};
 use piezoid_host::files;
 use serde_json::{Value, json};
@@ -82,8 +82,8 @@ impl Columns {
     /// The reference in a file that may hold nothing else, in the unit of the model's output.
     pub(crate) fn reference(&self, path: &Path, model: &Model) -> Result<Vec<f64>> {
         let Signal { ts, samples, unit } = self.signal(path, Table::reference)?;
-        same_sampling("the model", model.ts(), "the reference", ts).with_context(|| named(path))?;
-        let Some(factor) = factor(&unit, &model.units().y) else {
+        Record::same_sampling("the model", model.ts(), "the reference", ts).with_context(|| named(path))?;
+        let Some(factor) = Units::factor(&unit, &model.units().y) else {
             let (name, wanted) = (named(path), &model.units().y);
             bail!("{name}: the reference is in {unit} but the model gives {wanted}: convert it beforehand");
         };
@@ -95,7 +95,7 @@ impl Columns {
         let (table, _) = parse(path)?;
         let signal = || {
             let Signal { ts, samples, unit } = of(&table, &self.selection())?;
-            let range = piezoid::record::span(from, to, ts, samples.len())?;
+            let range = Record::span(from, to, ts, samples.len())?;
             Ok::<_, piezoid::Error>(Signal { ts, samples: samples[range].to_vec(), unit })
         };
         signal().with_context(|| named(path))
@@ -108,7 +108,7 @@ fn named(path: &Path) -> String {
 
 fn parse(path: &Path) -> Result<(Table, Vec<u8>)> {
     let bytes = read(path)?;
-    Ok((piezoid::formats::read(&named(path), &bytes).with_context(|| named(path))?, bytes))
+    Ok((Table::read(&named(path), &bytes).with_context(|| named(path))?, bytes))
 }
 
 /// The bytes of a file.

@@ -4,7 +4,7 @@ use crate::commands::Proven;
 use crate::console::Console;
 use crate::layout::{capitalised, table};
 use piezoid::number::{round, short as number};
-use piezoid::validation::{Bin, Loops, Metrics, Source, merged};
+use piezoid::validation::{Bin, Loops, Metrics, Source};
 
 /// The most bands shown unless all are asked for, and how many of the worst are shown in their place.
 const MOST: usize = 12;
@@ -33,8 +33,8 @@ pub(crate) fn all(proven: &[Proven], total: &Metrics, full: bool, console: &Cons
 /// The bins of all records by frequency and by amplitude.
 pub(crate) fn merged_bins(proven: &[Proven]) -> [Vec<Bin>; 2] {
     [
-        merged(proven.iter().flat_map(|p| &p.validation.by_frequency)),
-        merged(proven.iter().flat_map(|p| &p.validation.by_amplitude)),
+        Bin::merged(proven.iter().flat_map(|p| &p.validation.by_frequency)),
+        Bin::merged(proven.iter().flat_map(|p| &p.validation.by_amplitude)),
     ]
 }
 

@@ -123,9 +123,9 @@ pub static TARGETS: &[Target] =
 /// Export as a method of a model.
 ///
 /// ```
-/// use piezoid::{Model, hysteresis::operator, linear::Arx};
+/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
 /// use piezoid_export::Export;
-/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
 /// assert_eq!(model.export("c", "bender")?.files[0].path, "bender.h");
 /// # Ok::<(), piezoid::Error>(())
@@ -148,8 +148,8 @@ impl Export for Model {
 ///
 /// ```
 /// use piezoid_export::{Wanted, target};
-/// use piezoid::{Model, hysteresis::operator, linear::Arx};
-/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
 /// let made = (target("c")?.make)(&Wanted::new(&model, "bender"))?;
 /// assert_eq!(made.files[0].path, "bender.h");

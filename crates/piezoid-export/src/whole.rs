@@ -2,7 +2,7 @@
 
 use super::Wanted;
 use super::vectors::{self, Vectors};
-use piezoid::compensation::{Causal, How, LATEST};
+use piezoid::compensation::{Causal, How};
 use piezoid::error::Error;
 use piezoid::number::short;
 use piezoid::program::{Block, Holds, Program};
@@ -120,8 +120,8 @@ impl Whole {
 
     /// Adds the inverse, or why there is none.
     fn feed_forward(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
-        if wanted.preview > LATEST {
-            let rule = format!("must be at most {LATEST} samples");
+        if wanted.preview > Causal::LATEST {
+            let rule = format!("must be at most {} samples", Causal::LATEST);
             return Err(Error::parameter("preview", wanted.preview, rule));
         }
         match Causal::new(wanted.model, wanted.how, wanted.preview) {

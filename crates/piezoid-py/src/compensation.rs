@@ -54,7 +54,7 @@ pub(crate) fn compensated(
     settings: &Bound<'_, PyDict>,
 ) -> PyResult<Made> {
     let (read, how) = (samples("reference", reference)?, how(settings)?);
-    let shape = shaping::Shape {
+    let shape = shaping::Shaping {
         smooth: given(settings, "smooth")?,
         zvd: given(settings, "zvd")?.unwrap_or(false),
         notch: given(settings, "notch")?.unwrap_or(false),

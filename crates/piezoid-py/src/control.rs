@@ -8,7 +8,7 @@ use crate::plant::Plant;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
 use piezoid::System;
-use piezoid::control::{Drive, Scheme, Target, Tolerance, Wanted, compare, reference};
+use piezoid::control::{Comparison, Drive, MarginTarget, NamedReference, Reference, Scheme, Tolerance};
 use piezoid_report::report;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -16,9 +16,9 @@ use pyo3::types::{PyDict, PyList};
 /// How schemes are tuned: lateness of readings, gain margin [dB], phase margin [degrees].
 pub(crate) type Tuning = (usize, Option<f64>, Option<f64>);
 
-pub(crate) fn target(tuning: &Tuning) -> Target {
-    let usual = Target::default();
-    Target { gain_db: tuning.1.unwrap_or(usual.gain_db), phase_deg: tuning.2.unwrap_or(usual.phase_deg), ..usual }
+pub(crate) fn target(tuning: &Tuning) -> MarginTarget {
+    let usual = MarginTarget::default();
+    MarginTarget { gain_db: tuning.1.unwrap_or(usual.gain_db), phase_deg: tuning.2.unwrap_or(usual.phase_deg), ..usual }
 }
 
 /// `n` samples of the reference called `name`.
@@ -31,7 +31,7 @@ pub(crate) fn follow(
     peak: f64,
     hz: f64,
 ) -> PyResult<Py<numpy::PyArray1<f64>>> {
-    let kind = reference(name).map_err(raised)?;
+    let kind = Reference::find(name).map_err(raised)?;
     (kind.samples)(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn control(
         if r.is_empty() {
             return Err(refused(&format!("{name} has no samples: give it some")));
         }
-        wanted.push(Wanted::new(name.clone(), model.ts(), r.to_vec()));
+        wanted.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
     }
     let share = tolerance.map(|(share, draws)| Tolerance { share, draws, seed });
     let (name, spec) = (plant.0, plant.1.get().spec.clone());
@@ -73,7 +73,7 @@ pub(crate) fn control(
             Ok(drive)
         };
         let drives = schemes.into_iter().map(drive).collect::<Result<Vec<_>, piezoid::Error>>()?;
-        compare((&name, &spec), drives, wanted.clone(), seed, share.as_ref(), progress)
+        Comparison::run((&name, &spec), drives, wanted.clone(), seed, share.as_ref(), progress)
     })?;
     let runs = PyList::empty(py);
     for driven in &compared.driven {

@@ -5,7 +5,7 @@ use crate::control::{Tuning, target};
 use crate::error::{raised, refused};
 use crate::model::Model;
 use crate::samples::{samples, slice};
-use piezoid::control::{Drive, Scheme, controller};
+use piezoid::control::{Drive, Law, Scheme};
 use piezoid_export::{Playback, Wanted, target as chosen};
 use piezoid_host::{compiler, files};
 use pyo3::prelude::*;
@@ -63,7 +63,7 @@ pub(crate) fn export(
             let drive = match &law {
                 None => None,
                 Some(name) => {
-                    let scheme = Scheme { law: Some(controller(name)?), ..Scheme::named("gain")? };
+                    let scheme = Scheme { law: Some(Law::find(name)?), ..Scheme::named("gain")? };
                     Some(Drive::new(scheme, &model, how, tuning.0, &target)?)
                 }
             };

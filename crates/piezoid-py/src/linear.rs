@@ -9,7 +9,7 @@ use crate::samples::{array, samples, slice};
 use crate::watch::watched;
 use numpy::PyArray1;
 use piezoid::System;
-use piezoid::linear::{self, Orders, estimator};
+use piezoid::linear::{self, Estimator, Orders};
 use piezoid::optimize::swarm;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
@@ -120,18 +120,17 @@ pub(crate) fn fit(
     }
     let records = own;
     let (na, nb, delay) = orders;
-    let usual = swarm::Settings::default();
-    let settings = swarm::Settings {
+    let usual = swarm::SwarmSettings::default();
+    let settings = swarm::SwarmSettings {
         particles: swarm.0.unwrap_or(usual.particles),
         iterations: swarm.1.unwrap_or(usual.iterations),
         seed: swarm.2,
         global_best: global_best(swarm.3)?,
         ..usual
     };
-    let estimator = estimator(by).map_err(raised)?;
-    let found = watched(py, progress, |progress| {
-        linear::fit(&records, Orders { na, nb, delay }, estimator, &settings, progress)
-    })?;
+    let estimator = Estimator::find(by).map_err(raised)?;
+    let found =
+        watched(py, progress, |progress| estimator.fit(&records, Orders { na, nb, delay }, &settings, progress))?;
     let beside = json!({
         "estimator": found.estimator, "offsets": found.offsets, "residuals": found.residuals, "history": found.history,
     });

@@ -5,7 +5,7 @@ use crate::json::object;
 use crate::samples::array;
 use numpy::PyArray1;
 use piezoid::control::{CONTROLLERS, FEEDS, REFERENCES};
-use piezoid::excitation::{DRIVERS, EXCITATIONS, find};
+use piezoid::excitation::{DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
@@ -56,7 +56,7 @@ pub(crate) fn excite(
 ) -> PyResult<Py<PyArray1<f64>>> {
     let values: Vec<(String, f64)> = values.into_iter().map(|(name, v)| (name.replace('_', "-"), v)).collect();
     let values: Vec<(&str, f64)> = values.iter().map(|(name, v)| (name.as_str(), *v)).collect();
-    let excitation = find(name).map_err(raised)?;
+    let excitation = Excitation::find(name).map_err(raised)?;
     // Parameters are keywords here, and written as such.
     let named = |error: piezoid::Error| {
         let keywords = excitation.parameters.iter().filter(|p| p.name.contains('-'));

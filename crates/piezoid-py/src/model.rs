@@ -8,8 +8,8 @@ use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::{Complex64, PyArray1};
 use piezoid::System;
-use piezoid::hammerstein::Beginning;
-use piezoid::validation::{ValidateOptions, validate};
+use piezoid::hammerstein::InitialCondition;
+use piezoid::validation::ValidateOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -102,10 +102,10 @@ impl Model {
         let given = samples("u", u)?;
         let u = finite("u", slice(&given)?)?;
         let beginning = match begin {
-            "rest" => Beginning::Rest,
-            "settled" => Beginning::Settled,
-            "motion" => Beginning::Motion,
-            "likely" => Beginning::of(u)[0],
+            "rest" => InitialCondition::Rest,
+            "settled" => InitialCondition::Settled,
+            "motion" => InitialCondition::Motion,
+            "likely" => InitialCondition::of(u)[0],
             _ => return Err(refused(&format!("begin = {begin}: must be rest, settled, motion or likely"))),
         };
         let mut x = py.detach(|| self.model.before(u, beginning));
@@ -137,7 +137,7 @@ impl Model {
         given: &Bound<'_, PyDict>,
     ) -> PyResult<(Py<PyAny>, Py<PyArray1<f64>>)> {
         let options: ValidateOptions = options(given)?;
-        let v = py.detach(|| validate(&self.model, &record.record, &options)).map_err(raised)?;
+        let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
             "unit": record.record.units().y, "start": v.start, "beginning": v.beginning, "taken_off": v.taken_off,
             "metrics": v.metrics, "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,

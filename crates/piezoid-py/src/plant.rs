@@ -21,7 +21,7 @@ impl Plant {
     /// The one called `name`.
     #[staticmethod]
     fn named(name: &str) -> PyResult<Self> {
-        plant::find(name).map(|preset| Plant { spec: (preset.spec)() }).map_err(raised)
+        plant::Preset::find(name).map(|preset| Plant { spec: (preset.spec)() }).map_err(raised)
     }
 
     #[staticmethod]
@@ -35,7 +35,7 @@ impl Plant {
 
     /// One whose values differ from these by up to `tolerance` of each, as catalogue values do.
     fn drawn(&self, tolerance: f64, seed: u64, index: u64) -> PyResult<Self> {
-        piezoid::control::drawn(&self.spec, tolerance, seed, index).map(|spec| Plant { spec }).map_err(raised)
+        self.spec.drawn(tolerance, seed, index).map(|spec| Plant { spec }).map_err(raised)
     }
 
     /// The readings [um], and in words which limits were reached.

@@ -3,8 +3,8 @@
 use crate::error::{raised, refused};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
-use piezoid::formats::{self, Channel, Selection, Signal, Table};
-use piezoid::{Units, record};
+use piezoid::Units;
+use piezoid::formats::{Channel, Selection, Signal, Table};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -102,7 +102,7 @@ pub(crate) struct Columns {
 impl Columns {
     #[staticmethod]
     fn from_file(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Self> {
-        py.detach(|| formats::read(name, bytes)).map(|table| Columns { table }).map_err(raised)
+        py.detach(|| Table::read(name, bytes)).map(|table| Columns { table }).map_err(raised)
     }
 
     #[staticmethod]
@@ -137,7 +137,7 @@ impl Columns {
         unit: &str,
     ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
         let Signal { ts, mut samples, unit: own } = self.table.reference(&selection(ts, columns)).map_err(raised)?;
-        let Some(factor) = record::factor(&own, unit) else {
+        let Some(factor) = Units::factor(&own, unit) else {
             return Err(refused(&format!("the reference is in {own} but {unit} is wanted: convert it beforehand")));
         };
         samples.iter_mut().for_each(|r| *r *= factor);

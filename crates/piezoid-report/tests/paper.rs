@@ -9,18 +9,19 @@ use fused::fused;
 use piezoid::excitation::{Prbs, SteppedSine};
 use piezoid::linear::{self, Orders};
 use piezoid::optimize::swarm::{self, GlobalBest};
-use piezoid::plant::{Plant, find};
+use piezoid::plant::{Plant, Preset};
 use piezoid::progress::{Stage, unwatched};
 use piezoid::{Error, Record};
-use piezoid_report::study::{
-    self, FREQUENCIES, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, UPPER_RULE, nearest,
-};
+use piezoid_report::study::{self, METHODS, Study, TestSignal};
 use serde_json::Value;
 use std::ops::ControlFlow;
 use std::sync::LazyLock;
 
+/// Sampling period of the study [s].
+const TS: f64 = 5e-4;
+
 fn run(plant: &str, seed: u64) -> Study {
-    study::run(find(plant).expect("a preset"), seed, &mut unwatched).expect("a study of it")
+    Study::run(Preset::find(plant).expect("a preset"), seed, &mut unwatched).expect("a study of it")
 }
 
 static PAPER: LazyLock<Study> = LazyLock::new(|| run("paper", 1));
@@ -46,7 +47,7 @@ fn every_estimator_finds_the_pole_of_table_2() {
 
 #[test]
 fn the_rule_as_printed_leaves_what_table_1_has_at_all_four_frequencies() {
-    for (hz, printed) in PRINTED_MSE {
+    for (hz, printed) in Study::PRINTED_MSE {
         let ((mse, _), (held, _)) = (errors(&PAPER, "printed-rule", hz), errors(&PAPER, "held-direction", hz));
         assert!((mse / printed - 1.0).abs() <= 0.2, "{mse} mm^2 at {hz} Hz, beside {printed} in Table 1");
         assert!(held <= 5e-5, "{held} mm^2 at {hz} Hz with the direction held");
@@ -55,13 +56,13 @@ fn the_rule_as_printed_leaves_what_table_1_has_at_all_four_frequencies() {
 
 #[test]
 fn the_test_signal_of_the_study_is_the_nearest_to_table_1_of_all_that_are_tried() {
-    let (first, last) = (STEPS.start(), STEPS.end());
+    let (first, last) = (TestSignal::STEPS.start(), TestSignal::STEPS.end());
     assert_eq!((*first, *last, PAPER.test_signals.len()), (4, 40, 2 * 37));
-    let signal = nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
-    assert_eq!((signal.form, signal.steps), ("stepped-sine", STEPS_USED));
-    assert_eq!(STEPS_USED, SteppedSine::default().steps);
+    let signal = TestSignal::nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
+    assert_eq!((signal.form, signal.steps), ("stepped-sine", Study::STEPS_USED));
+    assert_eq!(Study::STEPS_USED, SteppedSine::default().steps);
     for method in ["printed-rule", "held-direction", "table2-arx"] {
-        let study = PRINTED_MSE.map(|(hz, _)| errors(&PAPER, method, hz).0);
+        let study = Study::PRINTED_MSE.map(|(hz, _)| errors(&PAPER, method, hz).0);
         assert_eq!(signal.of(method), study, "the same signal gives the same errors");
     }
     // The number of steps decides: with 20, as many as a study took before, the error falls with frequency.
@@ -76,13 +77,23 @@ fn with_the_branch_that_lies_above_read_as_upper_the_error_grows_for_most_test_s
         let growing = PAPER.test_signals.iter().filter(|s| s.of(method)[3] > 1.5 * s.of(method)[0]);
         growing.count()
     };
-    assert!(grows(UPPER_RULE) > 60 && grows("printed-rule") < 15, "{} {}", grows(UPPER_RULE), grows("printed-rule"));
+    assert!(
+        grows(TestSignal::UPPER_RULE) > 60 && grows("printed-rule") < 15,
+        "{} {}",
+        grows(TestSignal::UPPER_RULE),
+        grows("printed-rule")
+    );
     let within = |method: &str| PAPER.test_signals.iter().filter(|s| s.deviation(method) <= 0.2).count();
-    assert!(within(UPPER_RULE) > 5 && within("printed-rule") == 1, "{} {}", within(UPPER_RULE), within("printed-rule"));
+    assert!(
+        within(TestSignal::UPPER_RULE) > 5 && within("printed-rule") == 1,
+        "{} {}",
+        within(TestSignal::UPPER_RULE),
+        within("printed-rule")
+    );
     // Neither reading is nearer than the one of the study with its own test signal.
-    let upper = nearest(&PAPER.test_signals, UPPER_RULE).expect("a test signal");
-    let used = nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
-    assert!(used.deviation("printed-rule") < upper.deviation(UPPER_RULE));
+    let upper = TestSignal::nearest(&PAPER.test_signals, TestSignal::UPPER_RULE).expect("a test signal");
+    let used = TestSignal::nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
+    assert!(used.deviation("printed-rule") < upper.deviation(TestSignal::UPPER_RULE));
 }
 
 #[test]
@@ -91,8 +102,8 @@ fn with_the_direction_held_nothing_breaks_at_80_hz_nor_above_the_resonance() {
         let (mse, _) = errors(&PAPER, "held-direction", hz);
         assert!(mse <= 0.001, "{mse} mm^2 at {hz} Hz");
     }
-    assert_eq!(FREQUENCIES[FREQUENCIES.len() - 1], 250.0);
-    for hz in FREQUENCIES {
+    assert_eq!(Study::FREQUENCIES[Study::FREQUENCIES.len() - 1], 250.0);
+    for hz in Study::FREQUENCIES {
         let (_, percent) = errors(&PAPER, "held-direction", hz);
         assert!(percent <= 2.0, "{percent} % of peak-to-peak at {hz} Hz");
     }
@@ -101,13 +112,13 @@ fn with_the_direction_held_nothing_breaks_at_80_hz_nor_above_the_resonance() {
 #[test]
 fn the_error_grows_with_frequency_as_the_paper_reports_without_the_block_of_its_table_2() {
     let growth = |method| errors(&PAPER, method, 80.0).0 / errors(&PAPER, method, 5.0).0;
-    let printed = PRINTED_MSE[3].1 / PRINTED_MSE[0].1;
+    let printed = Study::PRINTED_MSE[3].1 / Study::PRINTED_MSE[0].1;
     assert!((growth("printed-rule") / printed - 1.0).abs() < 0.2, "{} times", growth("printed-rule"));
-    for (hz, printed) in PRINTED_MSE {
+    for (hz, printed) in Study::PRINTED_MSE {
         let (mse, _) = errors(&PAPER, "table2-arx", hz);
         assert!(mse > 5.0 * printed, "Table 2's block leaves {mse} mm^2 at {hz} Hz");
     }
-    let signal = nearest(&PAPER.test_signals, "table2-arx").expect("a test signal");
+    let signal = TestSignal::nearest(&PAPER.test_signals, "table2-arx").expect("a test signal");
     assert!(signal.deviation("table2-arx") > 0.4, "{} by Table 2's block", signal.words());
     let width = |hz: f64| {
         let f = PAPER.frequencies.iter().find(|f| f.hz == hz).expect("a frequency of the study");
@@ -121,13 +132,13 @@ fn the_error_grows_with_frequency_as_the_paper_reports_without_the_block_of_its_
 #[test]
 fn one_joint_model_foretells_frequencies_it_has_not_seen_better_than_branches_made_for_each() {
     assert_eq!(PAPER.joint.model.hysteresis().operator().name, "bouc-wen", "the twin's own law is found");
-    for hz in FREQUENCIES {
+    for hz in Study::FREQUENCIES {
         let (_, percent) = errors(&PAPER, "joint", hz);
         assert!(percent <= 1e-4, "{percent} % of peak-to-peak at {hz} Hz");
     }
     assert!(PL140.joint.model.driver().is_some() && PAPER.joint.model.driver().is_none());
     // The steps reach the driver's current limit, at 250 Hz throughout: it is given, but a sample has one mean voltage.
-    for (hz, most, share) in FREQUENCIES.map(|hz| if hz < 250.0 { (hz, 0.6, 0.06) } else { (hz, 5.5, 0.7) }) {
+    for (hz, most, share) in Study::FREQUENCIES.map(|hz| if hz < 250.0 { (hz, 0.6, 0.06) } else { (hz, 5.5, 0.7) }) {
         let ((_, joint), (_, held)) = (errors(&PL140, "joint", hz), errors(&PL140, "held-direction", hz));
         assert!(joint <= most && joint <= share * held, "{joint} % of peak-to-peak at {hz} Hz, beside {held}");
     }
@@ -176,12 +187,12 @@ fn assert_whole(value: &Value, path: &str) {
 #[test]
 fn every_number_of_either_study_is_finite_in_its_tables_figures_and_page() {
     for study in [&*PAPER, &*PL140] {
-        let document = study::to_json(std::slice::from_ref(study));
+        let document = Study::to_json(std::slice::from_ref(study));
         assert_whole(&document["studies"][0], study.plant.name);
         let runs = study.frequencies.iter().flat_map(|f| f.rows.iter().flat_map(|r| &r.simulated).chain(f.test.y()));
         assert!(runs.chain(&study.convergence).all(|v| v.is_finite()));
-        let page = study::page(std::slice::from_ref(study)).html();
-        let figures = study::figures(study).into_iter().map(|(name, figure)| (name, figure.svg()));
+        let page = Study::page(std::slice::from_ref(study)).html();
+        let figures = study.figures().into_iter().map(|(name, figure)| (name, figure.svg()));
         for (name, text) in figures.chain([("page".to_string(), page)]) {
             let words = text.split(|c: char| !c.is_alphanumeric());
             let wrong = words.into_iter().find(|w| matches!(*w, "NaN" | "nan" | "inf" | "Infinity"));
@@ -192,9 +203,9 @@ fn every_number_of_either_study_is_finite_in_its_tables_figures_and_page() {
 
 #[test]
 fn the_document_has_the_tables_that_scripts_rely_on() {
-    let document = study::to_json(&[PAPER.clone(), PL140.clone()]);
+    let document = Study::to_json(&[PAPER.clone(), PL140.clone()]);
     let rows = |table: &str| document[table].as_array().expect("a list").clone();
-    assert_eq!(rows("table1").len(), 2 * FREQUENCIES.len() * METHODS.len());
+    assert_eq!(rows("table1").len(), 2 * Study::FREQUENCIES.len() * METHODS.len());
     for row in rows("table1") {
         assert!(row["method"].is_string() && row["plant"].is_string(), "{row}");
         for key in ["frequency_hz", "mse", "nrmse_percent", "rms_pp_percent", "loop_width_percent"] {
@@ -227,9 +238,9 @@ fn the_document_has_the_tables_that_scripts_rely_on() {
 #[test]
 fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
     let (first, again) = ([PAPER.clone(), PL140.clone()], [run("paper", 1), run("pl140", 1)]);
-    let json = |studies: &[Study]| serde_json::to_string_pretty(&study::to_json(studies)).expect("a document");
+    let json = |studies: &[Study]| serde_json::to_string_pretty(&Study::to_json(studies)).expect("a document");
     assert!(json(&first) == json(&again), "the documents differ");
-    assert!(study::page(&first).html() == study::page(&again).html(), "the pages differ");
+    assert!(Study::page(&first).html() == Study::page(&again).html(), "the pages differ");
     assert!(json(&first) != json(&[run("paper", 2), first[1].clone()]), "the seed changes nothing");
 }
 
@@ -244,7 +255,7 @@ fn a_study_stops_when_it_is_told_to_at_any_stage() {
             seen += usize::from(here);
             if here { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        match study::run(find("paper").expect("a preset"), 1, &mut stop) {
+        match Study::run(Preset::find("paper").expect("a preset"), 1, &mut stop) {
             Err(Error::Cancelled { done, total, .. }) => assert!(done == at && total > at, "{done} of {total}"),
             other => panic!("{stage} {at}: {:?}", other.map(|s| s.notes)),
         }
@@ -259,12 +270,12 @@ fn a_study_stops_when_it_is_told_to_at_any_stage() {
 #[track_caller]
 fn swarm_meets_the_optimum(plant: &str) {
     let u = Prbs { order: 12, amplitude: 1.0, ..Prbs::default() }.samples(TS, 4095).expect("a PRBS");
-    let y = Plant::new(&(find(plant).expect("a preset").spec)(), TS).expect("a plant").run(&u).y;
+    let y = Plant::named(plant, TS).expect("a plant").run(&u).y;
     let record = [Record::new(TS, u, y.iter().map(|y| 1e3 * y).collect()).expect("a record")];
     let cost = |estimator, seed, global_best| {
-        let settings = swarm::Settings { seed, global_best, ..swarm::Settings::default() };
-        let estimator = linear::estimator(estimator).expect("an estimator");
-        linear::fit(&record, Orders::of(2), estimator, &settings, &mut unwatched).expect("a fit").residuals.sum_abs
+        let settings = swarm::SwarmSettings { seed, global_best, ..swarm::SwarmSettings::default() };
+        let estimator = linear::Estimator::find(estimator).expect("an estimator");
+        estimator.fit(&record, Orders::of(2), &settings, &mut unwatched).expect("a fit").residuals.sum_abs
     };
     let optimum = cost("least-absolute", 1, GlobalBest::Ever);
     let within = if fused() { 1e-6 } else { 2e-6 };
@@ -277,7 +288,7 @@ fn swarm_meets_the_optimum(plant: &str) {
 
 #[test]
 fn the_pictures_in_the_documentation_are_those_of_the_study() {
-    let figures = study::figures(&PAPER);
+    let figures = PAPER.figures();
     let places = |svg: &str| {
         let numbers = svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
         numbers.filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<f64>>()

@@ -3,7 +3,7 @@
 //! ```text
 //! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period
 //! ```
-//! solved exactly. Hysteresis sees v at [`SUBSTEPS`] instants a sample, and what it makes of them enters the linear block
+//! solved exactly. Hysteresis sees v at [`DriverModel::SUBSTEPS`] instants a sample, and what it makes of them enters the linear block
 //! as their mean: beyond a quarter of the sampling rate a slewing voltage acts visibly later than one that jumps, and
 //! nothing behind the hysteresis could make up for it. A current limit I into a capacitance C is a slew of I / C.
 //!
@@ -14,19 +14,16 @@ use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 
-/// Instants a sample at which the hysteresis block sees the voltage.
-pub const SUBSTEPS: usize = 4;
-
 /// Lag and slew limit of the amplifier.
 ///
 /// ```
-/// let driver = piezoid::driver::Driver::new(1e-4, Some(0.5 / 8.2e-6))?; // 0.5 A into 8.2 uF
+/// let driver = piezoid::driver::DriverModel::new(1e-4, Some(0.5 / 8.2e-6))?; // 0.5 A into 8.2 uF
 /// assert!((driver.slew.unwrap() - 61e3).abs() < 1e3);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Driver {
+pub struct DriverModel {
     /// Time constant; 0 is none [s].
     pub lag_s: f64,
     /// Largest |v'|; none is unlimited [input unit / s].
@@ -34,7 +31,10 @@ pub struct Driver {
     pub slew: Option<f64>,
 }
 
-impl Driver {
+impl DriverModel {
+    /// Instants a sample at which the hysteresis block sees the voltage.
+    pub const SUBSTEPS: usize = 4;
+
     /// A driver of this lag [s] and slew limit [input unit / s].
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Driver {
         if let Some(slew) = slew {
             positive("driver.slew", slew, "input units a second")?;
         }
-        Ok(Driver { lag_s, slew })
+        Ok(DriverModel { lag_s, slew })
     }
 
     /// The voltage after `h` [s] of `u`, from `v`.
@@ -65,12 +65,14 @@ impl Driver {
     /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block, which remembers something or not,
     /// through a sample of `ts` [s].
     pub(crate) fn block(&self, ts: f64, remembers: bool) -> Block {
-        let h = ts / SUBSTEPS as f64;
+        let h = ts / DriverModel::SUBSTEPS as f64;
         let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit")
             .number("v", 0.0)
             .number("z", 0.0);
-        let block =
-            block.constant("h", h).constant("lag", self.lag_s).constant("twice_substeps", (2 * SUBSTEPS) as f64);
+        let block = block
+            .constant("h", h)
+            .constant("lag", self.lag_s)
+            .constant("twice_substeps", (2 * DriverModel::SUBSTEPS) as f64);
         let lags = self.lag_s > 0.0;
         let block = if lags { block.text(LAGGING) } else { block };
         // Without a lag u is there at once, and nothing is said of how it got there.
@@ -86,7 +88,7 @@ impl Driver {
         };
         let text = HIDDEN.replace("DRIVEN", &driven);
         let text = if remembers { text } else { text.replace("x: hysteresis, ", "").replace("(x, ", "(") };
-        block.count("substeps", SUBSTEPS).text(&text)
+        block.count("substeps", DriverModel::SUBSTEPS).text(&text)
     }
 
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {
@@ -101,7 +103,7 @@ fn lagging(v, u, s) {
 }
 ";
 
-/// [`Driver::advance`], where the slew is limited.
+/// [`DriverModel::advance`], where the slew is limited.
 const SLEWING: &str = "
 // The voltage after a substep of u, from v.
 fn driven(v, u) {
@@ -144,7 +146,7 @@ mod tests {
 
     #[test]
     fn how_a_path_is_divided_does_not_matter_and_it_solves_its_equation() {
-        let driver = Driver::new(1e-4, Some(6e4)).unwrap();
+        let driver = DriverModel::new(1e-4, Some(6e4)).unwrap();
         let run = |n: usize| {
             let h = 5e-4 / n as f64;
             (0..n).fold(-3.0, |v, _| driver.advance(v, 20.0, h))
@@ -156,8 +158,8 @@ mod tests {
 
     #[test]
     fn without_a_lag_or_a_limit_the_voltage_is_there_at_once() {
-        assert_eq!(Driver::new(0.0, None).unwrap().advance(1.0, 5.0, 1e-9), 5.0);
-        assert_eq!(Driver::new(0.0, Some(1e3)).unwrap().advance(1.0, 5.0, 1e-3), 2.0);
-        assert!(Driver::new(-1.0, None).is_err() && Driver::new(0.0, Some(0.0)).is_err());
+        assert_eq!(DriverModel::new(0.0, None).unwrap().advance(1.0, 5.0, 1e-9), 5.0);
+        assert_eq!(DriverModel::new(0.0, Some(1e3)).unwrap().advance(1.0, 5.0, 1e-3), 2.0);
+        assert!(DriverModel::new(-1.0, None).is_err() && DriverModel::new(0.0, Some(0.0)).is_err());
     }
 }

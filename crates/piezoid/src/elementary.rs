@@ -119,9 +119,11 @@ pub(crate) fn log_growth_slope(x: f64) -> f64 {
 /// Below it the slopes of the growths would cancel, and the first terms of their series are exact to 1e-9.
 const SMALL: f64 = 0.01;
 
-/// The same for programs, and what else every language can do but not in the same way.
-pub fn block() -> Block {
-    Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
+impl Block {
+    /// Exponential, logarithm and the like, the same in every language.
+    pub fn elementary() -> Self {
+        Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
+    }
 }
 
 const TEXT: &str = "

@@ -162,6 +162,20 @@ impl Error {
     }
 }
 
+/// The row called `name` of a list of a `kind`.
+///
+/// # Errors
+/// [`Error::Unknown`] with the names there are.
+pub(crate) fn row<T>(
+    kind: &'static str,
+    mut rows: impl Iterator<Item = &'static T> + Clone,
+    name_of: fn(&T) -> &'static str,
+    name: &str,
+) -> Result<&'static T, Error> {
+    let known = rows.clone().map(name_of);
+    rows.find(|row| name_of(row) == name).ok_or_else(|| Error::unknown(kind, name, known))
+}
+
 /// Refuses a setting that is not a positive finite number.
 pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     if value > 0.0 && value.is_finite() {

@@ -1,6 +1,6 @@
 //! From records to a model: the front door of identification.
 
-use crate::driver::Driver;
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::excitation;
 use crate::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
@@ -8,7 +8,7 @@ use crate::hysteresis::{Reading, Split};
 use crate::linear;
 use crate::optimize::swarm::{self, GlobalBest};
 use crate::options::{OptionRow, Values, options};
-use crate::plant::DriverSpec;
+use crate::plant::Spec;
 use crate::progress::{Progress, unwatched};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
@@ -118,9 +118,9 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 ///
 /// ```
 /// use piezoid::{IdentifyOptions, identify};
-/// # use piezoid::{Record, excitation::RisingSine, plant::{Plant, find}};
+/// # use piezoid::{Record, excitation::RisingSine, plant::{Plant, Preset}};
 /// # let u = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() }.samples(1e-3, 2000)?;
-/// # let plant = Plant::new(&(find("pl140")?.spec)(), 1e-3)?;
+/// # let plant = Plant::named("pl140", 1e-3)?;
 /// # let record = Record::new(1e-3, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
 /// let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), order: Some(2), ..IdentifyOptions::default() };
 /// let found = identify(&[record], &options)?;
@@ -154,7 +154,8 @@ pub fn identify_watched<'r>(
 
 impl IdentifyOptions {
     /// The same with what the owner of a twin knows of its driver: lag, and current limit over capacitance.
-    pub fn with_driver_of(self, twin: &DriverSpec) -> Self {
+    pub fn with_driver_of(self, plant: &Spec) -> Self {
+        let twin = &plant.driver;
         let driver_slew = twin.current_a.map(|current| current / twin.capacitance_f);
         IdentifyOptions { driver_lag: Some(twin.lag_s).filter(|lag| *lag > 0.0), driver_slew, ..self }
     }
@@ -165,7 +166,7 @@ impl IdentifyOptions {
     /// [`Error::Parameter`] and [`Error::Unknown`], with the option.
     pub fn check(&self) -> Result<(), Error> {
         if self.operator != "auto" {
-            crate::hysteresis::operators(&self.operator)?;
+            crate::hysteresis::Operator::list(&self.operator)?;
         }
         self.belong()?;
         match self.method {
@@ -204,7 +205,7 @@ impl IdentifyOptions {
     }
 
     /// The driver as a block, where anything is known of it.
-    fn driver(&self) -> Result<Option<Driver>, Error> {
+    fn driver(&self) -> Result<Option<DriverModel>, Error> {
         let limits = match &self.driver {
             Some(name) => excitation::Driver::find(name)?.loaded(self.capacitance)?,
             None => excitation::Limits::default(),
@@ -213,7 +214,7 @@ impl IdentifyOptions {
         let slew = slew.reduce(f64::min);
         match (self.driver_lag, slew) {
             (None, None) => Ok(None),
-            (lag, slew) => Driver::new(lag.unwrap_or(0.0), slew).map(Some),
+            (lag, slew) => DriverModel::new(lag.unwrap_or(0.0), slew).map(Some),
         }
     }
 
@@ -224,7 +225,7 @@ impl IdentifyOptions {
             return Err(Error::parameter("order", order, "must be at least 1 by the paper's method"));
         }
         let estimator = self.estimator.clone().unwrap_or(usual.estimator);
-        linear::estimator(&estimator)?;
+        linear::Estimator::find(&estimator)?;
         Ok(Paper {
             order,
             estimator,
@@ -232,7 +233,7 @@ impl IdentifyOptions {
             split: self.split.unwrap_or(usual.split),
             bins: self.bins.unwrap_or(usual.bins),
             reading: self.reading.unwrap_or(usual.reading),
-            swarm: swarm::Settings {
+            swarm: swarm::SwarmSettings {
                 particles: self.particles.unwrap_or(usual.swarm.particles),
                 iterations: self.iterations.unwrap_or(usual.swarm.iterations),
                 seed: self.seed,
@@ -247,7 +248,7 @@ impl IdentifyOptions {
 mod tests {
     use super::*;
     use crate::options::Options;
-    use crate::plant::find;
+    use crate::plant::Preset;
     use serde_json::{Value, json};
 
     /// Every name that a row offers is one that the option can have.
@@ -289,10 +290,10 @@ mod tests {
     #[test]
     fn the_driver_of_a_twin_is_known_unless_it_is_ideal() {
         let of = |name: &str| {
-            let options = IdentifyOptions::default().with_driver_of(&(find(name).unwrap().spec)().driver);
+            let options = IdentifyOptions::default().with_driver_of(&(Preset::find(name).unwrap().spec)());
             options.driver().unwrap()
         };
         assert_eq!(of("paper"), None);
-        assert_eq!(of("pl140"), Some(Driver { lag_s: 1e-4, slew: Some(0.5 / 8.2e-6) }));
+        assert_eq!(of("pl140"), Some(DriverModel { lag_s: 1e-4, slew: Some(0.5 / 8.2e-6) }));
     }
 }

@@ -4,8 +4,8 @@
 //! ```
 //! use piezoid::{IdentifyOptions, Record, formats::Selection, identify};
 //! use piezoid_export::Export;
-//! # use piezoid::{excitation::RisingSine, plant::{Plant, find}};
-//! # let plant = Plant::new(&(find("pl140")?.spec)(), 1e-3)?;
+//! # use piezoid::{excitation::RisingSine, plant::{Plant, Preset}};
+//! # let plant = Plant::named("pl140", 1e-3)?;
 //! # let csv = |frequency, n| -> Result<Vec<u8>, piezoid::Error> {
 //! #     let u = RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(1e-3, n)?;
 //! #     let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
@@ -47,10 +47,10 @@ mod options;
 pub mod plant;
 pub mod program;
 pub mod progress;
-pub mod quality;
+mod quality;
 pub mod record;
 pub mod series;
-pub mod spline;
+mod spline;
 pub mod system;
 #[cfg(test)]
 mod testing;

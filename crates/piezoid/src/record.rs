@@ -19,27 +19,29 @@ impl Default for Units {
     }
 }
 
-/// The factor that turns numbers in length unit `from` into numbers in `to`; 1 between equal names, `None` where no
-/// factor is known.
-///
-/// ```
-/// assert_eq!(piezoid::record::factor("mm", "um"), Some(1e3));
-/// assert_eq!(piezoid::record::factor("counts", "um"), None);
-/// ```
-pub fn factor(from: &str, to: &str) -> Option<f64> {
-    // Powers of ten below the metre, so that the factor is one correctly rounded number.
-    let below = |unit: &str| match unit {
-        "m" => Some(0),
-        "mm" => Some(3),
-        "um" => Some(6),
-        "nm" => Some(9),
-        _ => None,
-    };
-    if from == to {
-        return Some(1.0);
+impl Units {
+    /// The factor that turns numbers in length unit `from` into numbers in `to`; 1 between equal names, `None` where no
+    /// factor is known.
+    ///
+    /// ```
+    /// assert_eq!(piezoid::Units::factor("mm", "um"), Some(1e3));
+    /// assert_eq!(piezoid::Units::factor("counts", "um"), None);
+    /// ```
+    pub fn factor(from: &str, to: &str) -> Option<f64> {
+        // Powers of ten below the metre, so that the factor is one correctly rounded number.
+        let below = |unit: &str| match unit {
+            "m" => Some(0),
+            "mm" => Some(3),
+            "um" => Some(6),
+            "nm" => Some(9),
+            _ => None,
+        };
+        if from == to {
+            return Some(1.0);
+        }
+        let power: i32 = below(to)? - below(from)?;
+        Some(if power >= 0 { 10f64.powi(power) } else { 1.0 / 10f64.powi(-power) })
     }
-    let power: i32 = below(to)? - below(from)?;
-    Some(if power >= 0 { 10f64.powi(power) } else { 1.0 / 10f64.powi(-power) })
 }
 
 /// Input and output sampled together, evenly: `u[t]` and `y[t]` stand in one row.
@@ -129,7 +131,7 @@ impl Record {
     /// # Errors
     /// Refused when no sample lies between them.
     pub fn part(&self, from: f64, to: f64) -> Result<Self, Error> {
-        let range = span(from, to, self.ts, self.len())?;
+        let range = Record::span(from, to, self.ts, self.len())?;
         Ok(Record { u: self.u[range.clone()].to_vec(), y: self.y[range].to_vec(), ..self.clone() })
     }
 
@@ -139,7 +141,7 @@ impl Record {
     /// Refused when no factor between the units is known (see [`factor`]).
     pub fn output_in(&self, unit: &str) -> Result<Self, Error> {
         let unit = &*plain(unit);
-        let k = factor(&self.units.y, unit).ok_or_else(|| Error::Units {
+        let k = Units::factor(&self.units.y, unit).ok_or_else(|| Error::Units {
             what: "the output of the record".into(),
             found: self.units.y.clone(),
             wanted: unit.into(),
@@ -149,40 +151,44 @@ impl Record {
     }
 }
 
-/// The samples from `from` up to, not including, `to` [s], of `n` samples that start at 0 s.
-///
-/// A time within a millionth of a sampling period of a sample is that sample: 300 x 0.005 s is sample 300 however the
-/// product rounds.
-///
-/// # Errors
-/// Refused when no sample lies between them, or `from` is negative.
-pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usize>, Error> {
-    if from.is_nan() || from < 0.0 {
-        return Err(Error::parameter(
-            "from",
-            format!("{from} s"),
-            "must not lie before the first sample, which is at 0 s",
-        ));
+impl Record {
+    /// The samples from `from` up to, not including, `to` [s], of `n` samples that start at 0 s.
+    ///
+    /// A time within a millionth of a sampling period of a sample is that sample: 300 x 0.005 s is sample 300 however the
+    /// product rounds.
+    ///
+    /// # Errors
+    /// Refused when no sample lies between them, or `from` is negative.
+    pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usize>, Error> {
+        if from.is_nan() || from < 0.0 {
+            return Err(Error::parameter(
+                "from",
+                format!("{from} s"),
+                "must not lie before the first sample, which is at 0 s",
+            ));
+        }
+        let index = |t: f64| (t / ts - 1e-6).ceil().clamp(0.0, n as f64) as usize;
+        let (start, end) = (index(from), index(to));
+        if start < end {
+            return Ok(start..end);
+        }
+        let asked = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
+        let last = crate::number::round((n.max(1) - 1) as f64 * ts);
+        Err(Error::Content(format!("no sample lies {asked}: the data span 0 s to {last} s")))
     }
-    let index = |t: f64| (t / ts - 1e-6).ceil().clamp(0.0, n as f64) as usize;
-    let (start, end) = (index(from), index(to));
-    if start < end {
-        return Ok(start..end);
-    }
-    let asked = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
-    let last = crate::number::round((n.max(1) - 1) as f64 * ts);
-    Err(Error::Content(format!("no sample lies {asked}: the data span 0 s to {last} s")))
 }
 
-/// Refuses sampling periods that differ by more than a millionth, naming what has them.
-///
-/// # Errors
-/// [`Error::Sampling`].
-pub fn same_sampling(left: &str, left_ts: f64, right: &str, right_ts: f64) -> Result<(), Error> {
-    if (left_ts - right_ts).abs() <= 1e-6 * left_ts {
-        return Ok(());
+impl Record {
+    /// Refuses sampling periods that differ by more than a millionth, naming what has them.
+    ///
+    /// # Errors
+    /// [`Error::Sampling`].
+    pub fn same_sampling(left: &str, left_ts: f64, right: &str, right_ts: f64) -> Result<(), Error> {
+        if (left_ts - right_ts).abs() <= 1e-6 * left_ts {
+            return Ok(());
+        }
+        Err(Error::Sampling { left: left.into(), left_ts, right: right.into(), right_ts })
     }
-    Err(Error::Sampling { left: left.into(), left_ts, right: right.into(), right_ts })
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ use crate::intervals::Intervals;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spline {
+pub(crate) struct Spline {
     knots: Intervals,
     /// For each piece, the value, slope, half curvature and sixth of the third derivative at its left knot.
     pieces: Vec<[f64; 4]>,
@@ -28,7 +28,7 @@ impl Spline {
     /// # Errors
     /// Refuses no knots, unequal lengths, numbers that are not finite, knots that do not rise, and curves too steep for
     /// numbers.
-    pub fn new(x: &[f64], y: &[f64]) -> Result<Self, Error> {
+    pub(crate) fn new(x: &[f64], y: &[f64]) -> Result<Self, Error> {
         finite("knots x", x)?;
         finite("knots y", y)?;
         if x.len() != y.len() {
@@ -66,8 +66,8 @@ impl Spline {
     }
 
     /// The curve at `x`; beyond the knots, the cubic of the outermost piece, which soon runs far off.
-    #[inline]
-    pub fn at(&self, x: f64) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn at(&self, x: f64) -> f64 {
         self.on(self.place(x))
     }
 
@@ -95,11 +95,6 @@ impl Spline {
     /// Of each piece the coefficients of 1, t, t^2 and t^3, t being how far into it.
     pub(crate) fn pieces(&self) -> &[[f64; 4]] {
         &self.pieces
-    }
-
-    /// The knots, rising.
-    pub fn knots(&self) -> &[f64] {
-        self.knots.edges()
     }
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-use piezoid::formats::{self, FORMATS, Selection, Table};
+use piezoid::formats::{FORMATS, Selection, Table};
 use piezoid::{Error, Record};
 
 /// Files of one record: what reads them, and what each leaves out.
@@ -40,7 +40,7 @@ fn one_record_is_the_same_in_every_format_whatever_the_file_is_called() {
     let wanted = Record::new(5e-4, vec![0.0, 1.0, 1.5, -2.0], vec![0.0, 20.0, 33.0, -40.0]).expect("a record");
     for (_, name, bytes, left) in FILES {
         for called in [name, "record", "record.csv", "record.mat"] {
-            let table = formats::read(called, bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let table = Table::read(called, bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(record(&table).as_ref(), Ok(&wanted), "{name}");
             let told = missing(&table);
             let left_out = told.split_once("; left out: ").map_or("", |(_, left)| left);
@@ -85,7 +85,7 @@ fn other_types_and_names_are_there_to_choose() {
         ("links.h5", "armed", [0.0, 1.0, 1.0, 0.0]),
     ] {
         let (_, _, bytes, _) = FILES.iter().find(|(_, file, ..)| *file == name).expect("a file of the list");
-        let table = formats::read(name, bytes).expect("a file that is read");
+        let table = Table::read(name, bytes).expect("a file that is read");
         let selection = Selection { output: Some(channel.into()), ..Selection::default() };
         assert_eq!(table.record(&selection).expect("a record").y(), wanted, "{name}: {channel}");
     }
@@ -93,7 +93,7 @@ fn other_types_and_names_are_there_to_choose() {
 
 #[test]
 fn what_cannot_be_read_is_told_by_what_it_should_be() {
-    let message = |name: &str, bytes: &[u8]| formats::read(name, bytes).expect_err(name).to_string();
+    let message = |name: &str, bytes: &[u8]| Table::read(name, bytes).expect_err(name).to_string();
     assert_eq!(
         message("r.mat", b"nothing of the kind"),
         "cannot be read: a file called .mat should hold variables of MATLAB, but this one does not begin so: it is \
@@ -111,23 +111,23 @@ fn what_cannot_be_read_is_told_by_what_it_should_be() {
 fn a_damaged_file_is_read_or_refused_wherever_it_is_cut_or_changed() {
     for (_, name, bytes, _) in FILES.iter().filter(|(row, ..)| *row != "csv") {
         for end in 0..bytes.len() {
-            drop(formats::read(name, &bytes[..end]).map(|table| record(&table)));
+            drop(Table::read(name, &bytes[..end]).map(|table| record(&table)));
         }
         let mut changed = bytes.to_vec();
         for at in 0..bytes.len() {
             for flip in [0x01, 0x80, 0xff] {
                 changed[at] ^= flip;
-                drop(formats::read(name, &changed).map(|table| record(&table)));
+                drop(Table::read(name, &changed).map(|table| record(&table)));
                 changed[at] ^= flip;
             }
         }
         for at in 0..bytes.len().saturating_sub(8) {
             // A length, place or count that is as large as can be.
             changed[at..at + 8].fill(0xff);
-            drop(formats::read(name, &changed).map(|table| record(&table)));
+            drop(Table::read(name, &changed).map(|table| record(&table)));
             changed[at..at + 8].copy_from_slice(&bytes[at..at + 8]);
         }
-        let half = formats::read(name, &bytes[..bytes.len() / 2]).and_then(|table| record(&table));
+        let half = Table::read(name, &bytes[..bytes.len() / 2]).and_then(|table| record(&table));
         assert!(half.is_err(), "{name}");
     }
 }

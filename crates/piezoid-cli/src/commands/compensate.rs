@@ -7,7 +7,7 @@ use crate::layout::table;
 use crate::values::{apart, argument, period};
 use anyhow::{Context, Result};
 use clap::Args;
-use piezoid::compensation::shaping::Shape;
+use piezoid::compensation::shaping::Shaping;
 use piezoid::compensation::{Compensated, FeedForward, How};
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
@@ -49,7 +49,7 @@ pub(crate) struct Compensate {
     /// Take the model's resonance out of the reference with a notch.
     #[arg(long)]
     notch: bool,
-    /// Shape the reference so that the model's resonance does not ring.
+    /// Shaping the reference so that the model's resonance does not ring.
     #[arg(long)]
     zvd: bool,
     /// Correct, this many times at most, what the model's free run leaves.
@@ -76,7 +76,7 @@ impl Compensate {
         let inverse =
             FeedForward::new(&model, how).map_err(advised).with_context(|| self.model.display().to_string())?;
         let asked = self.columns.reference(&self.reference, &model)?;
-        let shape = Shape { smooth: self.smooth, zvd: self.zvd, notch: self.notch };
+        let shape = Shaping { smooth: self.smooth, zvd: self.zvd, notch: self.notch };
         let r = argument(shape.of(&model, asked.clone()))?;
         let made = inverse.whole(&r).map_err(advised).with_context(|| self.reference.display().to_string())?;
         let (metrics, of_asked) = (Metrics::of(&r, &made.reached), Metrics::of(&asked, &made.reached));
@@ -94,7 +94,7 @@ impl Compensate {
             "usage": made.usage, "notes": made.notes, "asked": of_asked,
         });
         let (u_name, r_name) = (format!("u_{}", model.units().u), format!("r_{}", model.units().y));
-        let text = piezoid::formats::csv::write(model.ts(), &[(&u_name, &made.u), (&r_name, &r)])?;
+        let text = piezoid::formats::Table::write(model.ts(), &[(&u_name, &made.u), (&r_name, &r)])?;
         files::write(&self.output, &text, console)?;
         files::write_json(self.json.as_deref(), &result, console)
     }

@@ -11,10 +11,10 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::compensation::How;
 use piezoid::control::{
-    Attempt, Comparison, Drive, Now, Reference, Run, Scheme, Tolerance, Wanted, compare, reference,
+    Attempt, ClosedLoopRun, Comparison, ControllerInput, Drive, NamedReference, Reference, Scheme, Tolerance,
 };
 use piezoid::number::{round, short as number};
-use piezoid::{Model, System};
+use piezoid::{Model, System, Units};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -156,10 +156,10 @@ impl Control {
         let model = files::model(&self.model)?;
         if let Some(noise) = self.noise {
             let unit = &model.units().y;
-            let Some(factor) = piezoid::record::factor(unit, "m") else {
+            let Some(factor) = Units::factor(unit, "m") else {
                 bail!("{}: its output is in {unit}, which is no length: leave --noise out", self.model.display());
             };
-            spec.sensor.noise_rms_m = noise * factor;
+            spec = spec.with_sensor_noise(noise * factor);
         }
         let how = How { limits, clip: self.clip, ..How::default() };
         let target = self.tuning.target();
@@ -181,16 +181,23 @@ impl Control {
             }
         }
         let wanted = self.wanted(&model, how)?;
-        for Wanted { name, r, .. } in &wanted {
+        for NamedReference { name, r, .. } in &wanted {
             drives[0].check(r).map_err(|e| self.amplifier.advised(e)).with_context(|| name.clone())?;
         }
         let share =
             self.tolerance.map(|percent| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed });
         let plant = Path::new(&self.plant).file_name().and_then(|name| name.to_str()).unwrap_or(&self.plant);
-        console.done(compare((plant, &spec), drives, wanted, self.seed, share.as_ref(), &mut console.progress()))
+        console.done(Comparison::run(
+            (plant, &spec),
+            drives,
+            wanted,
+            self.seed,
+            share.as_ref(),
+            &mut console.progress(),
+        ))
     }
 
-    fn wanted(&self, model: &Model, how: How) -> Result<Vec<Wanted>> {
+    fn wanted(&self, model: &Model, how: How) -> Result<Vec<NamedReference>> {
         let names: Vec<&str> = match self.reference.is_empty() {
             true => REFERENCES.to_vec(),
             false => self.reference.iter().map(String::as_str).collect(),
@@ -199,12 +206,13 @@ impl Control {
         let one = |name: &str| match named(name) {
             None => {
                 let path = Path::new(name);
-                if let (false, Err(unknown)) = (path.exists(), reference(name.split(':').next().unwrap_or(name))) {
+                if let (false, Err(unknown)) = (path.exists(), Reference::find(name.split(':').next().unwrap_or(name)))
+                {
                     bail!(Misused(format!("{name}: there is no such file, and {unknown}")));
                 }
                 let r = self.columns.reference(path, model)?;
                 let short = path.file_name().and_then(|name| name.to_str()).unwrap_or(name);
-                Ok(Wanted::new(short, ts, r))
+                Ok(NamedReference::new(short, ts, r))
             }
             Some((kind, hz)) => {
                 let hz = hz?;
@@ -218,7 +226,7 @@ impl Control {
                 }
                 let n = n as usize;
                 let r = argument((kind.samples)(ts, n, peak, hz))?;
-                Ok(Wanted::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
+                Ok(NamedReference::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
             }
         };
         names.into_iter().map(one).collect()
@@ -269,7 +277,7 @@ impl Control {
 /// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.
 fn named(text: &str) -> Option<(&'static Reference, Result<f64>)> {
     let (name, hz) = text.split_once(':').map_or((text, None), |(name, hz)| (name, Some(hz)));
-    let kind = reference(name).ok()?;
+    let kind = Reference::find(name).ok()?;
     let hz = hz.map_or(Ok(FREQUENCY), |hz| {
         let hz = hz.parse().ok().filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
         hz.ok_or_else(|| {
@@ -293,11 +301,11 @@ fn held(model: &Model, how: How) -> Result<f64> {
 }
 
 /// The time of a step of the controller on the readings of a run: of the middle one, and of 99 of 100 at most.
-fn timed(drive: &Drive, run: &Run) -> [Duration; 2] {
+fn timed(drive: &Drive, run: &ClosedLoopRun) -> [Duration; 2] {
     let controller = drive.controller();
     let mut x = controller.initial();
     let mut took = |t: usize| {
-        let now = Now { y: run.y[t - 1], r: run.r[t - 1], feed: run.u[t], ahead: &run.r[t..] };
+        let now = ControllerInput { y: run.y[t - 1], r: run.r[t - 1], feed: run.u[t], ahead: &run.r[t..] };
         let start = Instant::now();
         black_box(controller.step(&mut x, black_box(&now)));
         start.elapsed()
@@ -308,11 +316,11 @@ fn timed(drive: &Drive, run: &Run) -> [Duration; 2] {
 }
 
 /// The run as a record, with the reference.
-fn record(compared: &Comparison, run: &Run) -> Result<String> {
+fn record(compared: &Comparison, run: &ClosedLoopRun) -> Result<String> {
     let model = compared.driven[0].drive.model();
     let (u, y, r) =
         (format!("u_{}", model.units().u), format!("y_{}", model.units().y), format!("r_{}", model.units().y));
-    Ok(piezoid::formats::csv::write(model.ts(), &[(&u, &run.u), (&y, &run.y), (&r, &run.r)])?)
+    Ok(piezoid::formats::Table::write(model.ts(), &[(&u, &run.u), (&y, &run.y), (&r, &run.r)])?)
 }
 
 fn tables(compared: &Comparison, console: &Console) -> String {
@@ -326,7 +334,7 @@ fn tables(compared: &Comparison, console: &Console) -> String {
 fn tracking(compared: &Comparison, console: &Console) -> String {
     let unit = compared.unit();
     if let [only] = &compared.wanted[..] {
-        let row = |d: &piezoid::control::Driven| {
+        let row = |d: &piezoid::control::SchemeResult| {
             let figures = match &d.attempts[0] {
                 Err(_) => vec!["-".to_string(); 5],
                 Ok(Attempt { run, tracking: t, .. }) => {
@@ -340,7 +348,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         let header = [&*only.name, "rms [% of stroke]", &rms, &max, "effort [V]", "highest [V]"];
         return table(&header, &rows, console.room());
     }
-    let row = |(k, wanted): (usize, &Wanted)| {
+    let row = |(k, wanted): (usize, &NamedReference)| {
         let figure = |a: &Result<Attempt, _>| a.as_ref().map_or("-".into(), |a| number(a.tracking.percent_of_stroke));
         let cells = compared.driven.iter().map(|d| figure(&d.attempts[k]));
         [wanted.name.clone()].into_iter().chain(cells).collect()
@@ -351,7 +359,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
 }
 
 fn margins(compared: &Comparison, console: &Console) -> Option<String> {
-    let row = |d: &piezoid::control::Driven| {
+    let row = |d: &piezoid::control::SchemeResult| {
         let m = d.drive.margins()?;
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz].map(number);
         Some([d.name()].into_iter().chain(figures).collect())
@@ -362,7 +370,7 @@ fn margins(compared: &Comparison, console: &Console) -> Option<String> {
 }
 
 fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
-    let row = |d: &piezoid::control::Driven| {
+    let row = |d: &piezoid::control::SchemeResult| {
         let spread = d.spread.as_ref()?;
         let shares = [0.5, 0.9, 1.0].map(|share| number(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());

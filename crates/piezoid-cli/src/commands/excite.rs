@@ -99,7 +99,7 @@ impl FromArgMatches for Excite {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let wrong = |text: String| clap::Error::raw(ErrorKind::InvalidSubcommand, text);
         let (name, matches) = matches.subcommand().ok_or_else(|| wrong("name a kind of drive signal".into()))?;
-        let kind = excitation::find(name).map_err(|e| wrong(e.to_string()))?;
+        let kind = excitation::Excitation::find(name).map_err(|e| wrong(e.to_string()))?;
         let given = |p: &Parameter| Some((p.name, *matches.get_one::<f64>(p.name)?));
         let values = kind.parameters.iter().filter_map(given).collect();
         Ok(Excite { kind, values, common: Common::from_arg_matches(matches)? })
@@ -133,6 +133,6 @@ impl Excite {
                 console.remark(&format!("{}: {} {}{share}", peak.quantity, number(peak.value), peak.unit));
             }
         }
-        files::write(&output, &piezoid::formats::csv::write(ts, &[("u_V", &u)])?, console)
+        files::write(&output, &piezoid::formats::Table::write(ts, &[("u_V", &u)])?, console)
     }
 }

@@ -9,7 +9,7 @@ use anyhow::{Error, Result, anyhow, bail};
 use clap::Args;
 use piezoid::Model;
 use piezoid::compensation::How;
-use piezoid::control::{Drive, Scheme, controller};
+use piezoid::control::{Drive, Law, Scheme};
 use piezoid_export::{Playback, TARGETS, Target, Wanted, target};
 use piezoid_host::{compiler, files as host};
 use std::path::{Path, PathBuf};
@@ -155,7 +155,7 @@ impl Export {
 
     /// The controller of this name for the model.
     fn tuned(&self, name: &str, model: &Model, how: How) -> Result<Drive> {
-        let law = argument(controller(name))?;
+        let law = argument(Law::find(name))?;
         // What takes no feed-forward plans for itself.
         if !law.fed {
             bail!(Misused(format!("--controller {name} plans anew in every sample, which is no law to export")));

@@ -4,8 +4,8 @@ use super::{Proven, figures};
 use crate::console::Console;
 use crate::layout::table;
 use crate::tables;
-use piezoid::hammerstein::{Identified, Parameter, Trial};
-use piezoid::linear::{Arx, PoleShare, Reading, Residuals, Root};
+use piezoid::hammerstein::{FittedParameter, Identified, OperatorTrial};
+use piezoid::linear::{Arx, ModalForm, PoleShare, Residuals, Root};
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
 use piezoid::{Model, System};
@@ -79,8 +79,8 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
         text += &trials(found, console);
     }
     if !found.parameters.is_empty() {
-        let error = |p: &Parameter| Option::<f64>::from(p.error).map_or("-".into(), number);
-        let row = |p: &Parameter| vec![p.name.clone(), number(p.value), error(p)];
+        let error = |p: &FittedParameter| Option::<f64>::from(p.error).map_or("-".into(), number);
+        let row = |p: &FittedParameter| vec![p.name.clone(), number(p.value), error(p)];
         let rows: Vec<_> = found.parameters.iter().map(row).collect();
         text += &format!("\n{}", table(&["parameter", "value", "std error"], &rows, console.room()));
     }
@@ -92,7 +92,7 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
 }
 
 /// The linear block read as mechanics.
-fn mechanics(reading: &Reading, console: &Console) -> String {
+fn mechanics(reading: &ModalForm, console: &Console) -> String {
     let header = ["mechanics", "f [Hz]", "damping", "share %", "mass [g]", "damper [N s/m]"];
     let rows: Vec<Vec<String>> = reading.rows().into_iter().map(Vec::from).collect();
     let note = "Shares of the static displacement; mass and damper of a spring of 1 N/mm, in proportion to it.";
@@ -111,16 +111,16 @@ fn beside(model: &Model, console: &Console) -> String {
     if let Some(driver) = model.driver() {
         let lag = format!("a lag of {} ms", round(1e3 * driver.lag_s));
         let slew = driver.slew.map(|slew| format!(", at most {} {}/s", number(slew), model.units().u));
-        text += &console.paragraph(&format!("Driver: {lag}{}", slew.unwrap_or_default()), "  ");
+        text += &console.paragraph(&format!("DriverModel: {lag}{}", slew.unwrap_or_default()), "  ");
     }
     text
 }
 
 /// The operators that were tried, the best first.
 fn trials(found: &Identified, console: &Console) -> String {
-    let mut trials: Vec<&Trial> = found.trials.iter().collect();
+    let mut trials: Vec<&OperatorTrial> = found.trials.iter().collect();
     trials.sort_by(|p, q| p.held_out_percent.total_cmp(&q.held_out_percent));
-    let row = |t: &&Trial| {
+    let row = |t: &&OperatorTrial| {
         vec![t.operator.to_string(), t.parameters.to_string(), number(t.held_out_percent), t.verdict.to_string()]
     };
     let header = ["operator", "parameters", "held out, rms/pp %", ""];

@@ -9,7 +9,7 @@ use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::hammerstein::Identified;
-use piezoid::validation::{Linearity, Offset, ValidateOptions, small_signal, validate};
+use piezoid::validation::{Linearity, Offset, ValidateOptions};
 use piezoid::{IdentifyOptions, Method, Record, Records, identify_watched};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -96,7 +96,7 @@ impl Identify {
         for note in &found.notes {
             console.remark(note);
         }
-        let linearity: Vec<Option<Linearity>> = small.iter().map(|record| small_signal(record).ok()).collect();
+        let linearity: Vec<Option<Linearity>> = small.iter().map(|record| Linearity::of(record).ok()).collect();
         for (path, seen) in self.small_signal.iter().zip(&linearity) {
             if let Some(seen) = seen.as_ref().filter(|seen| seen.is_linear != Some(true)) {
                 console.remark(&format!("{}: {}", path.display(), seen.verdict));
@@ -118,7 +118,7 @@ fn trained(
 ) -> Result<Vec<Proven>> {
     let prove = |(path, record): (&&PathBuf, &Record)| {
         let record = record.output_in(&found.model.units().y)?;
-        let validation = validate(&found.model, &record, options)?;
+        let validation = found.model.validate_with(&record, options)?;
         Ok(Proven { file: path.display().to_string(), record, validation })
     };
     files.iter().zip(records).map(prove).collect()

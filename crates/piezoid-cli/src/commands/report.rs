@@ -6,7 +6,7 @@ use crate::files;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid_report::report::{Trial, report};
+use piezoid_report::report::{ReportedRecord, report};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -29,13 +29,13 @@ impl Report {
         apart(&[Some(&self.output)], &self.proof.inputs())?;
         files::ready(&[Some(&self.output)])?;
         let (model, proven) = self.proof.run()?;
-        let trials: Vec<Trial> = proven.iter().map(trial).collect();
+        let trials: Vec<ReportedRecord> = proven.iter().map(trial).collect();
         files::write(&self.output, &report(&model, &trials).html(), console)
     }
 }
 
 /// A record under its file's name, without folders: the same work gives the same page wherever it is done.
-fn trial(p: &Proven) -> Trial<'_> {
+fn trial(p: &Proven) -> ReportedRecord<'_> {
     let name = Path::new(&p.file).file_name().and_then(|name| name.to_str()).unwrap_or(&p.file);
-    Trial { name, record: &p.record, validation: &p.validation }
+    ReportedRecord { name, record: &p.record, validation: &p.validation }
 }

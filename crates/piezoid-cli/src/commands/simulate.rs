@@ -6,9 +6,9 @@ use crate::files::{self, Columns};
 use crate::values::apart;
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use piezoid::System;
-use piezoid::hammerstein::Beginning;
+use piezoid::hammerstein::InitialCondition;
 use piezoid::plant::Plant;
+use piezoid::{Record, System};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -91,12 +91,12 @@ impl Simulate {
                     let (name, found) = (self.input.display(), &input.unit);
                     bail!("{name}: the input is in {found} but the model takes {}: convert it beforehand", units.u);
                 }
-                piezoid::record::same_sampling("the model", model.ts(), "the input", ts)
+                Record::same_sampling("the model", model.ts(), "the input", ts)
                     .with_context(|| self.input.display().to_string())?;
                 let beginning = match begin {
-                    Begin::Rest => Beginning::Rest,
-                    Begin::Settled => Beginning::Settled,
-                    Begin::Motion => Beginning::Motion,
+                    Begin::Rest => InitialCondition::Rest,
+                    Begin::Settled => InitialCondition::Settled,
+                    Begin::Motion => InitialCondition::Motion,
                 };
                 let mut x = model.before(u, beginning);
                 (model.resume(&mut x, u), units.u.clone(), units.y.clone())
@@ -108,6 +108,6 @@ impl Simulate {
             bail!("the answer grows beyond all numbers at {time} s: the model is unstable, or the input far too large");
         }
         let (u_name, y_name) = (format!("u_{u_unit}"), format!("y_{y_unit}"));
-        files::write(&self.output, &piezoid::formats::csv::write(ts, &[(&u_name, u), (&y_name, &y)])?, console)
+        files::write(&self.output, &piezoid::formats::Table::write(ts, &[(&u_name, u), (&y_name, &y)])?, console)
     }
 }

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use piezoid::number::{round, short as number};
 use piezoid::plant;
-use piezoid_report::study::{self, METHODS, PRINTED_MSE, STEPS_USED, Study as Outcome};
+use piezoid_report::study::{self, METHODS, Study as Outcome};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -57,30 +57,31 @@ impl Study {
         files::ready(&[Some(&self.out.join("report.html")), self.json.as_deref()])?;
         let studies = names
             .iter()
-            .map(|name| study::run(plant::find(name)?, self.seed, &mut console.progress()))
+            .map(|name| Outcome::run(plant::Preset::find(name)?, self.seed, &mut console.progress()))
             .collect::<Result<Vec<Outcome>, _>>();
         let studies = console.done(studies)?;
 
-        for (name, figure) in studies.iter().flat_map(study::figures) {
+        for (name, figure) in studies.iter().flat_map(Outcome::figures) {
             files::write(&self.out.join(format!("{name}.svg")), &figure.svg(), console)?;
         }
         let page = self.out.join("report.html");
-        files::write(&page, &study::page(&studies).html(), console)?;
+        files::write(&page, &Outcome::page(&studies).html(), console)?;
         if self.json.as_deref() != Some(Path::new("-")) {
             for study in &studies {
                 console.print(&summary(study, console))?;
             }
             console.print(&format!("Report: {}\n", page.display()))?;
         }
-        files::write_json(self.json.as_deref(), &study::to_json(&studies), console)
+        files::write_json(self.json.as_deref(), &Outcome::to_json(&studies), console)
     }
 }
 
 fn summary(study: &Outcome, console: &Console) -> String {
     let mut text = console.paragraph(&format!("PLANT {}: {}", study.plant.name, study.plant.summary), "  ");
-    let of_frequencies = |title: &str, figure: &dyn Fn(&study::Row) -> f64, printed: bool| {
+    let of_frequencies = |title: &str, figure: &dyn Fn(&study::StudyRow) -> f64, printed: bool| {
         let row = |f: &study::Frequency| {
-            let mse = PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map_or("-".into(), |(_, mse)| number(*mse));
+            let mse =
+                Outcome::PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map_or("-".into(), |(_, mse)| number(*mse));
             let cells = METHODS.iter().map(|m| f.row(m.name).map_or("-".into(), |r| number(figure(r))));
             let amplitude = (!printed).then(|| round(f.amplitude));
             [round(f.hz)].into_iter().chain(amplitude).chain(cells).chain(printed.then_some(mse)).collect()
@@ -93,21 +94,18 @@ fn summary(study: &Outcome, console: &Console) -> String {
         format!("\n{}\n{}", title, table(&header, &rows, console.room()))
     };
     text += &of_frequencies(
-        &format!("Table 1: mean squared error on the stepped sine of {STEPS_USED} steps [mm^2]"),
+        &format!("Table 1: mean squared error on the stepped sine of {} steps [mm^2]", Outcome::STEPS_USED),
         &|r| r.metrics.mse,
         true,
     );
     text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
 
-    let coefficients = |b: &study::Block| {
-        let values = b.coefficients().into_iter().map(study::four_decimals);
-        [b.name.to_string()].into_iter().chain(values).collect()
-    };
+    let coefficients = |b: &study::StudyBlock| [b.name.to_string()].into_iter().chain(b.printed()).collect();
     let rows: Vec<_> = study.blocks.iter().map(coefficients).collect();
     let header = ["estimator", "a1", "a2", "b0", "b1", "b2"];
     text += &format!("\nTable 2: the linear block [b in mm/V]\n{}", table(&header, &rows, console.room()));
 
-    let dynamics = |b: &study::Block| {
+    let dynamics = |b: &study::StudyBlock| {
         let pole = b.arx.poles().pop();
         let zeros: Vec<String> = b.arx.zeros().iter().map(|z| format!("{:.3}", z.modulus())).collect();
         let inverse = if b.arx.inverse().is_ok() { "stable" } else { "unstable" };
@@ -118,7 +116,7 @@ fn summary(study: &Outcome, console: &Console) -> String {
     let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse, (8)"];
     text += &format!("\nWhat it means\n{}", table(&header, &rows, console.room()));
     text += "\n";
-    let paragraphs: Vec<String> = study::verdict(study).split("\n\n").map(|p| console.paragraph(p, "")).collect();
+    let paragraphs: Vec<String> = study.verdict().split("\n\n").map(|p| console.paragraph(p, "")).collect();
     text += &paragraphs.join("\n");
     for note in &study.notes {
         text += "\n";

@@ -8,7 +8,7 @@ use crate::values::apart;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use piezoid::number::round;
-use piezoid::validation::{self, Metrics, ValidateOptions, Validation};
+use piezoid::validation::{Metrics, ValidateOptions, Validation};
 use piezoid::{Model, Record};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -84,7 +84,7 @@ impl Proof {
                 let (skip, duration) = (options.skip, round(record.duration()));
                 bail!("{file}: --skip {skip} leaves nothing of this record, which lasts {duration} s: skip less");
             }
-            let validation = validation::validate(&model, &record, options).with_context(|| file.clone())?;
+            let validation = model.validate_with(&record, options).with_context(|| file.clone())?;
             Ok(Proven { file, record, validation })
         };
         let proven = self.data.iter().map(&mut prove).collect::<Result<Vec<_>>>()?;

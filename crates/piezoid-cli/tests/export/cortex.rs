@@ -2,7 +2,7 @@
 
 use crate::{TS, exported, models, run, there};
 use piezoid::Model;
-use piezoid::hysteresis::{Design, operator};
+use piezoid::hysteresis::{BasisDesign, Operator};
 use piezoid::linear::Arx;
 use piezoid_export::{Wanted, Whole};
 use std::path::Path;
@@ -98,13 +98,13 @@ fn the_papers_model_takes_600_instructions_at_most_and_a_feed_forward_of_15_play
 /// Two branches and Table 2's block.
 fn papers_model() -> Model {
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap();
-    Model::new((operator("two-branch").unwrap().example)(TS).unwrap(), block, 0.0).unwrap()
+    Model::new((Operator::find("two-branch").unwrap().example)(TS).unwrap(), block, 0.0).unwrap()
 }
 
 /// 15 plays before a resonance, whose inverse is a filter of 48 taps.
 fn fifteen_plays() -> Model {
-    let design = Design { ts: TS, range: (-30.0, 30.0), elements: Some(15), frequencies: Vec::new() };
-    let basis = (operator("prandtl-ishlinskii").unwrap().basis)(&design).unwrap();
+    let design = BasisDesign { ts: TS, range: (-30.0, 30.0), elements: Some(15), frequencies: Vec::new() };
+    let basis = (Operator::find("prandtl-ishlinskii").unwrap().basis)(&design).unwrap();
     let weights: Vec<f64> = (0..basis.len()).map(|k| if k == 0 { 0.7 } else { 0.03 }).collect();
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
     Model::new(basis.operator(&weights).unwrap(), block, 2.0).unwrap()

@@ -14,8 +14,8 @@ mod structured_text;
 mod skipped;
 
 use piezoid::creep::Creep;
-use piezoid::driver::{Driver, SUBSTEPS};
-use piezoid::hysteresis::{OPERATORS, operator};
+use piezoid::driver::DriverModel;
+use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
 use piezoid_export::{File, Made, Wanted, target};
@@ -31,15 +31,15 @@ fn models() -> Vec<(String, Model)> {
     let named = |name: &str| name.replace('-', "_");
     let mut models: Vec<(String, Model)> =
         OPERATORS.iter().map(|o| (named(o.name), model(o.name, None).unwrap())).collect();
-    let driver = Driver::new(1e-4, Some(2e4)).unwrap();
+    let driver = DriverModel::new(1e-4, Some(2e4)).unwrap();
     models.push(("driven_plays".into(), model("prandtl-ishlinskii", Some(driver)).unwrap()));
     models
 }
 
-fn model(name: &str, driver: Option<Driver>) -> Result<Model, Error> {
-    let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
+    let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-    let model = Model::driven(driver, (operator(name)?.example)(TS / faster)?, block, 2.0)?;
+    let model = Model::driven(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
 }
 

@@ -19,7 +19,7 @@ fn controller() -> Pi {
 fn kinds() -> Vec<(String, Model)> {
     let mut kinds = models();
     kinds.retain(|(name, _)| ["bouc_wen", "driven_plays"].contains(&name.as_str()));
-    let plays = (piezoid::hysteresis::operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+    let plays = (piezoid::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
     let direct = Model::new(plays, Arx::new(TS, vec![0.6], vec![0.3, 0.2]).unwrap(), 2.0).unwrap();
     kinds.push(("direct".into(), direct));
     kinds

@@ -11,7 +11,7 @@ use super::template::{Value, blocks, context, render, template, told};
 use super::whole::{Entry, Whole, state_of};
 use super::{CODE, File, Made, Target, Wanted, named};
 use piezoid::error::Error;
-use piezoid::program::{Block, Constant, Field, Function, Holds, Kind, Parameter};
+use piezoid::program::{Argument, Block, Constant, Field, Function, Holds, Kind};
 use piezoid::system::System;
 use std::collections::BTreeMap;
 
@@ -128,7 +128,7 @@ impl C<'_> {
     fn function(&self, function: &Function) -> Value {
         let number = self.number_in(function);
         let outside = self.whole.entries.iter().any(|entry| entry.step == function.name);
-        let takes = |p: &Parameter| match &p.kind {
+        let takes = |p: &Argument| match &p.kind {
             Kind::Whole => format!("int {}", p.name),
             Kind::Part(block) => {
                 format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name)

@@ -124,7 +124,7 @@ impl Lowering<'_> {
 
     fn arguments(&self, called: &str, given: &[Expr]) -> Result<Vec<Expr>, Error> {
         let takes = self.program.function(called).map_or(&[][..], |f| &f.takes);
-        let argument = |(takes, given): (&piezoid::program::Parameter, &Expr)| match takes.kind {
+        let argument = |(takes, given): (&piezoid::program::Argument, &Expr)| match takes.kind {
             Kind::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
             Kind::Whole => self.whole(given),
             _ => Ok(given.clone()),
@@ -318,7 +318,7 @@ mod tests {
     /// The program of a text, as it is and in counts, and its formats, after these inputs.
     fn both(text: &str, inputs: &[f64]) -> (Program, Formats, Program) {
         let block = Block::new("sum", "all so far").number("total", 0.0).text(text);
-        let program = Program::new(vec![piezoid::program::elementary(), block]).unwrap();
+        let program = Program::new(vec![piezoid::program::Block::elementary(), block]).unwrap();
         let mut machine = Machine::new(&program, "sum", false).watched();
         inputs.iter().for_each(|u| drop(machine.call("sum", &[*u]).unwrap()));
         let mut formats = Formats::of(&program, &[machine]);

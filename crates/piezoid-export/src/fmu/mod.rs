@@ -199,14 +199,14 @@ mod tests {
     use super::super::{Compiler, target};
     use super::*;
     use piezoid::hammerstein::Model;
-    use piezoid::hysteresis::operator;
+    use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
     use piezoid::record::Units;
     use roxmltree::Document;
     use std::io::Read;
 
     fn model(unit: &str) -> Model {
-        let plays = (operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
         let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap(), 2.0).unwrap();
         model.with_units(Units { u: "V".into(), y: unit.into() })
     }

@@ -4,7 +4,7 @@ use crate::Wanted;
 use crate::template::{Value, context};
 use crate::whole::Entry;
 use piezoid::program::{Field, Holds, Program};
-use piezoid::record::factor;
+use piezoid::record::Units;
 use piezoid::system::System;
 
 /// `causality`, `variability` and `initial` in the words of both versions of the standard.
@@ -83,6 +83,6 @@ pub(super) fn told(wanted: &Wanted, program: &Program, entry: &Entry) -> Value {
     units.retain(|unit| !unit.is_empty());
     units.sort_unstable();
     units.dedup();
-    let unit = |name: &str| context! { name, metres => factor(name, "m") };
+    let unit = |name: &str| context! { name, metres => Units::factor(name, "m") };
     context! { variables, states, places, units => units.into_iter().map(unit).collect::<Value>() }
 }

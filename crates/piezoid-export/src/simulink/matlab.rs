@@ -408,7 +408,7 @@ end
 
     #[test]
     fn a_name_too_long_for_the_functions_is_refused_with_the_length_that_fits() {
-        let plays = (piezoid::hysteresis::operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let plays = (piezoid::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
         let model = Model::new(plays, Arx::new(5e-4, vec![], vec![1.0]).unwrap(), 0.0).unwrap();
         let mut whole = Whole::new(&Wanted::new(&model, "bender")).unwrap();
         let long = "fn a_function_of_a_name_that_is_too_long_for_matlab(v) { return v; }";

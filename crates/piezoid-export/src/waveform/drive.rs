@@ -10,7 +10,7 @@
 //!
 //! Reference: as [`piezoid::compensation`]. It does not do: the way there, from standing still to what repeats.
 
-use piezoid::compensation::{FeedForward, How, Learning, learn};
+use piezoid::compensation::{FeedForward, How, Learning};
 use piezoid::error::{Error, finite};
 use piezoid::hammerstein::Model;
 use piezoid::number::{round, short};
@@ -55,7 +55,7 @@ impl Drive {
         let inverse = FeedForward::new(model, how)?;
         // The plant is the model, so that its inverse is right: no caution.
         let whole_steps = Learning { trials: TRIALS, gain: 1.0, cutoff_hz: None };
-        let learned = learn(&mut |u| answer(model, u).y, &inverse, &r, whole_steps)?;
+        let learned = whole_steps.run(&mut |u| answer(model, u).y, &inverse, &r)?;
         // A step back to the beginning that is too fast goes on into it.
         let u = if how.clip { how.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n) } else { learned.u };
         let joined = [u.as_slice(), &u[..1]].concat();
@@ -132,14 +132,17 @@ mod tests {
     use crate::testing::assert_close;
     use piezoid::creep::Creep;
     use piezoid::excitation::Limits;
-    use piezoid::hysteresis::operator;
+    use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
     use std::f64::consts::TAU;
 
     /// With creep and a resonance of 147 Hz.
     fn model(name: &str, creep: Creep) -> Model {
         let block = Arx::new(1e-3, vec![1.2, -0.9], vec![0.0, 3.0, 2.8]).unwrap();
-        Model::new((operator(name).unwrap().example)(1e-3).unwrap(), block, 2.0).unwrap().with_creep(creep).unwrap()
+        Model::new((Operator::find(name).unwrap().example)(1e-3).unwrap(), block, 2.0)
+            .unwrap()
+            .with_creep(creep)
+            .unwrap()
     }
 
     fn sine(n: usize, height: f64) -> Vec<f64> {

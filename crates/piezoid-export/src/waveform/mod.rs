@@ -21,7 +21,6 @@ use super::template::{Value, context, render, template};
 use super::{File, Made, Target, Wanted, named};
 use drive::{Drive, answer};
 use piezoid::error::{Error, positive};
-use piezoid::formats::csv;
 use piezoid::hammerstein::Model;
 use piezoid::number::{round, short};
 use piezoid::series::ends;
@@ -40,8 +39,8 @@ pub(super) const TARGET: Target = Target {
 ///
 /// ```
 /// use piezoid_export::{Playback, Wanted, target};
-/// use piezoid::{Model, hysteresis::operator, linear::Arx};
-/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![2.0, 2.0])?, 2.0)?;
 /// let r: Vec<f64> = (0..100).map(|t| 200.0 * (std::f64::consts::TAU * 0.01 * f64::from(t)).sin()).collect();
 /// let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
@@ -155,7 +154,10 @@ fn rows(wanted: &Wanted, drive: &Drive, table: &Table) -> Result<String, Error> 
     let digits = (0..300).map(|k| 10f64.powi(k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
     let rounded = |x: &[f64]| x.iter().map(|x| (digits * x).round() / digits + 0.0).collect::<Vec<_>>();
     let (r, answered) = (rounded(&drive.r), rounded(&answer(model, &table.held).y));
-    csv::write(model.ts(), &[("u_V", &table.held), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)])
+    piezoid::formats::Table::write(
+        model.ts(),
+        &[("u_V", &table.held), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)],
+    )
 }
 
 #[cfg(test)]

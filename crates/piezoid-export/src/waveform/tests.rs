@@ -6,7 +6,7 @@ use crate::testing::assert_close;
 use piezoid::compensation::How;
 use piezoid::creep::Creep;
 use piezoid::excitation::Limits;
-use piezoid::hysteresis::operator;
+use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
 use piezoid::record::Units;
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ const TS: f64 = 5e-4;
 fn model(name: &str, unit: &str, micrometres: f64) -> Model {
     let b = [0.0, 3.0, 2.8].map(|b| b / micrometres).to_vec();
     let block = Arx::new(TS, vec![1.7424, -0.9453], b).unwrap();
-    let model = Model::new((operator(name).unwrap().example)(TS).unwrap(), block, 2.0 / micrometres).unwrap();
+    let model = Model::new((Operator::find(name).unwrap().example)(TS).unwrap(), block, 2.0 / micrometres).unwrap();
     let creeping = model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 10.0).unwrap()).unwrap();
     creeping.with_units(Units { u: "V".into(), y: unit.into() })
 }

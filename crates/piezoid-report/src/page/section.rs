@@ -6,7 +6,7 @@ use crate::plot::{Figure, escape};
 use std::fmt::Write;
 
 #[derive(Debug, Clone, PartialEq)]
-enum Block {
+enum StudyBlock {
     Heading(Text),
     Paragraph(Text),
     List(Vec<Text>),
@@ -40,7 +40,7 @@ impl Fact {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     title: String,
-    blocks: Vec<Block>,
+    blocks: Vec<StudyBlock>,
 }
 
 /// How many figures and tables a page has shown so far.
@@ -56,49 +56,49 @@ impl Section {
         Section { title: title.into(), blocks: Vec::new() }
     }
 
-    fn with(mut self, block: Block) -> Self {
+    fn with(mut self, block: StudyBlock) -> Self {
         self.blocks.push(block);
         self
     }
 
     /// A heading within the section.
     pub fn heading(self, text: impl Into<Text>) -> Self {
-        self.with(Block::Heading(text.into()))
+        self.with(StudyBlock::Heading(text.into()))
     }
 
     /// A paragraph.
     pub fn text(self, text: impl Into<Text>) -> Self {
-        self.with(Block::Paragraph(text.into()))
+        self.with(StudyBlock::Paragraph(text.into()))
     }
 
     /// A list with bullets.
     pub fn list<T: Into<Text>>(self, items: impl IntoIterator<Item = T>) -> Self {
-        self.with(Block::List(items.into_iter().map(Into::into).collect()))
+        self.with(StudyBlock::List(items.into_iter().map(Into::into).collect()))
     }
 
     /// Lines kept as they are: commands, code, printed output.
     pub fn listing(self, lines: impl Into<String>) -> Self {
-        self.with(Block::Listing(lines.into()))
+        self.with(StudyBlock::Listing(lines.into()))
     }
 
     /// Something to know.
     pub fn note(self, title: impl Into<Text>, text: impl Into<Text>) -> Self {
-        self.with(Block::Callout { warning: false, title: title.into(), text: text.into() })
+        self.with(StudyBlock::Callout { warning: false, title: title.into(), text: text.into() })
     }
 
     /// Something to beware of.
     pub fn warning(self, title: impl Into<Text>, text: impl Into<Text>) -> Self {
-        self.with(Block::Callout { warning: true, title: title.into(), text: text.into() })
+        self.with(StudyBlock::Callout { warning: true, title: title.into(), text: text.into() })
     }
 
     /// A row of large numbers.
     pub fn facts(self, facts: impl IntoIterator<Item = Fact>) -> Self {
-        self.with(Block::Facts(facts.into_iter().collect()))
+        self.with(StudyBlock::Facts(facts.into_iter().collect()))
     }
 
     /// A figure with its own title and caption.
     pub fn figure(self, figure: Figure) -> Self {
-        self.with(Block::Figure(figure))
+        self.with(StudyBlock::Figure(figure))
     }
 
     /// Small figures side by side under one title and caption: 2 to 4 columns on a desk, one on a phone.
@@ -110,7 +110,7 @@ impl Section {
         figures: impl IntoIterator<Item = Figure>,
     ) -> Self {
         let figures = figures.into_iter().collect();
-        self.with(Block::Figures {
+        self.with(StudyBlock::Figures {
             columns: columns.clamp(2, 4),
             title: title.into(),
             caption: caption.into(),
@@ -120,7 +120,7 @@ impl Section {
 
     /// A table.
     pub fn table(self, table: Table) -> Self {
-        self.with(Block::Table(table))
+        self.with(StudyBlock::Table(table))
     }
 
     /// Its title.
@@ -134,17 +134,17 @@ impl Section {
     }
 }
 
-impl Block {
+impl StudyBlock {
     fn write(&self, out: &mut String, numbers: &mut Numbers) {
         let _ = match self {
-            Block::Heading(text) => writeln!(out, "<h3>{}</h3>", text.html()),
-            Block::Paragraph(text) => writeln!(out, "<p>{}</p>", text.html()),
-            Block::List(items) => {
+            StudyBlock::Heading(text) => writeln!(out, "<h3>{}</h3>", text.html()),
+            StudyBlock::Paragraph(text) => writeln!(out, "<p>{}</p>", text.html()),
+            StudyBlock::List(items) => {
                 let items: String = items.iter().map(|i| format!("<li>{}</li>\n", i.html())).collect();
                 writeln!(out, "<ul>\n{items}</ul>")
             }
-            Block::Listing(lines) => writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", escape(lines)),
-            Block::Callout { warning, title, text } => {
+            StudyBlock::Listing(lines) => writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", escape(lines)),
+            StudyBlock::Callout { warning, title, text } => {
                 let class = if *warning { " warning" } else { "" };
                 let (title, text) = (title.html(), text.html());
                 writeln!(
@@ -152,11 +152,11 @@ impl Block {
                     "<div class=\"callout{class}\" role=\"note\"><p class=\"name\">{title}</p><p>{text}</p></div>"
                 )
             }
-            Block::Facts(facts) => {
+            StudyBlock::Facts(facts) => {
                 let facts: String = facts.iter().map(Fact::html).collect();
                 writeln!(out, "<dl class=\"facts\">\n{facts}</dl>")
             }
-            Block::Figure(figure) => {
+            StudyBlock::Figure(figure) => {
                 numbers.figures += 1;
                 let caption = caption(numbers.figures, &escape(figure.title()), &escape(figure.caption()));
                 writeln!(
@@ -166,7 +166,7 @@ impl Block {
                     figure.inline()
                 )
             }
-            Block::Figures { columns, title, caption: text, figures } => {
+            StudyBlock::Figures { columns, title, caption: text, figures } => {
                 numbers.figures += 1;
                 let caption = caption(numbers.figures, title.html(), text.html());
                 let figures: String = figures.iter().map(|f| format!("<div>\n{}</div>\n", f.inline())).collect();
@@ -174,7 +174,7 @@ impl Block {
                 let number = numbers.figures;
                 writeln!(out, "<figure class=\"plates of-{columns}\" id=\"figure-{number}\">\n{grid}{caption}</figure>")
             }
-            Block::Table(table) => {
+            StudyBlock::Table(table) => {
                 numbers.tables += 1;
                 table.write(out, numbers.tables);
                 Ok(())

@@ -1,16 +1,16 @@
 //! Where the error lies: by frequency and by amplitude, over all records.
 
-use super::Trial;
+use super::ReportedRecord;
 use crate::page::{Section, Table};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::number::short;
-use piezoid::validation::{Bin, Source, merged};
+use piezoid::validation::{Bin, Source};
 
 /// Adds figures and tables of the bins of all records, where there are several bins.
-pub(super) fn by_all(section: Section, trials: &[Trial]) -> Section {
+pub(super) fn by_all(section: Section, trials: &[ReportedRecord]) -> Section {
     let units = trials[0].record.units();
-    let by_frequency = merged(trials.iter().flat_map(|t| &t.validation.by_frequency));
-    let by_amplitude = merged(trials.iter().flat_map(|t| &t.validation.by_amplitude));
+    let by_frequency = Bin::merged(trials.iter().flat_map(|t| &t.validation.by_frequency));
+    let by_amplitude = Bin::merged(trials.iter().flat_map(|t| &t.validation.by_amplitude));
     let section = one(section, "Error by frequency", "f [Hz]", &by_frequency, &units.y);
     one(section, "Error by amplitude", &format!("amplitude of the input [{}]", units.u), &by_amplitude, &units.y)
 }

@@ -3,7 +3,7 @@
 use crate::page::{Fact, Section, Table};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::hammerstein::Model;
-use piezoid::linear::{Arx, Reading, SEEN};
+use piezoid::linear::{Arx, ModalForm};
 use piezoid::number::short;
 use piezoid::series::ends;
 use piezoid::system::System;
@@ -42,7 +42,7 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
         .listing(format!("{a}{b}offset  {}", model.offset()))
 }
 
-fn facts(reading: &Reading, gain: &str, ts: f64) -> Vec<Fact> {
+fn facts(reading: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
     let first = reading.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
     let what = match reading.delay < -0.25 * ts {
         true => "delay: the output was logged after its input acted",
@@ -52,7 +52,7 @@ fn facts(reading: &Reading, gain: &str, ts: f64) -> Vec<Fact> {
     [Some(Fact::new(short(reading.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
 }
 
-fn modes(reading: &Reading) -> Table {
+fn modes(reading: &ModalForm) -> Table {
     let table = Table::new("The linear block read as mechanics").text("").number("f [Hz]").number("damping ratio");
     let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
     let table = reading.rows().into_iter().fold(table, Table::row).note(
@@ -66,7 +66,7 @@ fn modes(reading: &Reading) -> Table {
 }
 
 /// Gain and phase, with the modes marked.
-fn response(arx: &Arx, reading: &Reading, unit: &str) -> Figure {
+fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
     let (hz, half) = (frequencies(arx, reading), 0.5 / arx.ts());
     let all: Vec<_> = hz.iter().map(|&hz| arx.response(hz)).collect();
     let gain: Vec<f64> = all.iter().map(|r| r.gain).collect();
@@ -81,7 +81,7 @@ fn response(arx: &Arx, reading: &Reading, unit: &str) -> Figure {
     let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
     let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
     let (top, low) = match reading.images() {
-        Some(_) => [top, low].map(|panel| panel.over_x(SEEN * half, half, "")).into(),
+        Some(_) => [top, low].map(|panel| panel.over_x(ModalForm::SEEN * half, half, "")).into(),
         None => (top, low),
     };
     let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {
@@ -93,7 +93,7 @@ fn response(arx: &Arx, reading: &Reading, unit: &str) -> Figure {
 }
 
 /// What is seen.
-fn told(gain: &[f64], hz: &[f64], reading: &Reading) -> String {
+fn told(gain: &[f64], hz: &[f64], reading: &ModalForm) -> String {
     let half = short(hz[hz.len() - 1]);
     let peak = (0..gain.len()).max_by(|&i, &j| gain[i].total_cmp(&gain[j])).filter(|&k| gain[k] > 1.01 * gain[0]);
     let peak = peak.map_or(String::new(), |k| {
@@ -117,7 +117,7 @@ fn quarters(phase: &[f64]) -> Vec<f64> {
 }
 
 /// Three decades up to half the sampling rate, more where a mode lies lower, and fine about each mode.
-fn frequencies(arx: &Arx, reading: &Reading) -> Vec<f64> {
+fn frequencies(arx: &Arx, reading: &ModalForm) -> Vec<f64> {
     let modes = reading.modes();
     let half = 0.5 / arx.ts();
     let low = modes.iter().fold(1e-3 * half, |low, mode| low.min(0.1 * mode.pole.hz));

@@ -21,7 +21,7 @@ use piezoid::validation::{Metrics, Validation};
 
 /// A record and the model's free run over it.
 #[derive(Debug, Clone, Copy)]
-pub struct Trial<'a> {
+pub struct ReportedRecord<'a> {
     /// What the record is called: its file's name.
     pub name: &'a str,
     /// The record.
@@ -31,7 +31,7 @@ pub struct Trial<'a> {
 }
 
 /// The report: one file that opens from disk.
-pub fn report(model: &Model, trials: &[Trial]) -> Page {
+pub fn report(model: &Model, trials: &[ReportedRecord]) -> Page {
     let operator = model.hysteresis().operator();
     let page = Page::new("Hammerstein model").subtitle(format!(
         "{} hysteresis, {}, sampled every {} s",
@@ -51,7 +51,7 @@ pub fn report(model: &Model, trials: &[Trial]) -> Page {
     }
 }
 
-fn proof(trials: &[Trial]) -> Section {
+fn proof(trials: &[ReportedRecord]) -> Section {
     let each: Vec<Metrics> = trials.iter().map(|t| t.validation.metrics).collect();
     let total = Metrics::total(&each);
     let unit = &trials[0].record.units().y;
@@ -79,9 +79,9 @@ fn proof(trials: &[Trial]) -> Section {
 }
 
 /// What no record can tell.
-fn unproven(trials: &[Trial]) -> Vec<String> {
+fn unproven(trials: &[ReportedRecord]) -> Vec<String> {
     let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
-    let of = |t: &Trial, text: &str| t.validation.unproven.iter().any(|other| subject(other) == subject(text));
+    let of = |t: &ReportedRecord, text: &str| t.validation.unproven.iter().any(|other| subject(other) == subject(text));
     let first = trials.first().map_or(&[][..], |t| &t.validation.unproven);
     first.iter().filter(|text| trials.iter().all(|t| of(t, text))).cloned().collect()
 }
@@ -100,7 +100,7 @@ mod tests {
             let u: Vec<f64> = (0..900).map(|t| 12.0 * (f64::from(t) * 0.05).sin() + 1.0).collect();
             let record = Record::new(5e-4, u.clone(), model.simulate(&u)).unwrap();
             let validation = model.validate(&record).unwrap();
-            let trials = [Trial { name: "a<b.csv", record: &record, validation: &validation }];
+            let trials = [ReportedRecord { name: "a<b.csv", record: &record, validation: &validation }];
             let html = report(&model, &trials).html();
             assert_eq!(html, report(&model, &trials).html());
             assert!(html.contains("a&lt;b.csv"));
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn where_the_error_lies_and_what_it_is_stands_in_tables_and_figures() {
-        let hysteresis = (piezoid::hysteresis::operator("proportional").unwrap().example)(5e-4).unwrap();
+        let hysteresis = (piezoid::hysteresis::Operator::find("proportional").unwrap().example)(5e-4).unwrap();
         let beam = Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
         let model = Model::new(hysteresis, beam, 0.0).unwrap();
         let wave = |hz: f64| (0..4000).map(move |t| 9.0 * (std::f64::consts::TAU * hz * f64::from(t) * 5e-4).sin());
@@ -124,7 +124,7 @@ mod tests {
         });
         let model = model.with_identified(piezoid::hammerstein::Domain::of(&records[..1]).unwrap());
         let seen = records.each_ref().map(|r| model.validate(r).unwrap());
-        let trials = [0, 1].map(|k| Trial { name: "r.csv", record: &records[k], validation: &seen[k] });
+        let trials = [0, 1].map(|k| ReportedRecord { name: "r.csv", record: &records[k], validation: &seen[k] });
         let html = report(&model, &trials).html();
         for said in [
             "Error by frequency",
@@ -142,7 +142,7 @@ mod tests {
     }
 
     fn beam() -> Model {
-        let hysteresis = (piezoid::hysteresis::operator("dahl").unwrap().example)(5e-4).unwrap();
+        let hysteresis = (piezoid::hysteresis::Operator::find("dahl").unwrap().example)(5e-4).unwrap();
         Model::new(hysteresis, Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap(), 0.0).unwrap()
     }
 
@@ -176,11 +176,11 @@ mod tests {
         for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
             assert!(plain.contains(said), "{said}");
         }
-        for absent in ["Creep", "Driver", "image"] {
+        for absent in ["Creep", "DriverModel", "image"] {
             assert!(!plain.contains(absent), "{absent}");
         }
-        let driver = piezoid::driver::Driver::new(1e-4, Some(6e4)).unwrap();
-        let stop = (piezoid::hysteresis::operator("stop").unwrap().example)(1.25e-4).unwrap();
+        let driver = piezoid::driver::DriverModel::new(1e-4, Some(6e4)).unwrap();
+        let stop = (piezoid::hysteresis::Operator::find("stop").unwrap().example)(1.25e-4).unwrap();
         let image = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap();
         let creep = piezoid::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
         let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();

@@ -1,21 +1,21 @@
 //! The model in the report, block by block, in the order in which the input passes them.
 
-use super::{Trial, creep, hysteresis, linear};
+use super::{ReportedRecord, creep, hysteresis, linear};
 use crate::page::Section;
-use piezoid::driver::Driver;
+use piezoid::driver::DriverModel;
 use piezoid::hammerstein::{Domain, Model};
 use piezoid::number::{round, short};
 use std::f64::consts::TAU;
 
 /// What the model is made of.
-pub(super) fn section(model: &Model, trials: &[Trial]) -> Section {
+pub(super) fn section(model: &Model, trials: &[ReportedRecord]) -> Section {
     let section = Section::new("The model");
     let section = match model.identified() {
         Some(domain) => section.text(known(domain, &model.units().u)),
         None => section,
     };
     let section = match model.driver() {
-        Some(driver) => section.heading("Driver").text(limits(driver, model)),
+        Some(driver) => section.heading("DriverModel").text(limits(driver, model)),
         None => section,
     };
     let section = hysteresis::block(section, model, trials);
@@ -41,7 +41,7 @@ fn known(domain: &Domain, unit: &str) -> String {
     )
 }
 
-fn limits(driver: &Driver, model: &Model) -> String {
+fn limits(driver: &DriverModel, model: &Model) -> String {
     let unit = &model.units().u;
     let lag = match driver.lag_s {
         0.0 => "Without a lag".to_string(),

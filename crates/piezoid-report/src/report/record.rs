@@ -1,16 +1,16 @@
 //! A record in the report: its course, its loops, and what is left.
 
-use super::{Trial, residuals};
+use super::{ReportedRecord, residuals};
 use crate::page::{Section, Table, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::number::{round, short};
-use piezoid::validation::Shape;
+use piezoid::validation::LoopShape;
 
 /// The longest stretch of time that a figure of a record shows [samples].
 const SHOWN: usize = 4000;
 
-pub(super) fn section(trial: &Trial) -> Section {
-    let Trial { name, record, validation } = *trial;
+pub(super) fn section(trial: &ReportedRecord) -> Section {
+    let ReportedRecord { name, record, validation } = *trial;
     let section = Section::new(name);
     let section = validation.remarks.iter().fold(section, |s, remark| s.warning("To know", sentence(remark)));
     let section = match validation.taken_off {
@@ -28,8 +28,8 @@ pub(super) fn section(trial: &Trial) -> Section {
     residuals::residuals(section, trial)
 }
 
-fn time_series(trial: &Trial) -> Figure {
-    let Trial { record, validation, .. } = *trial;
+fn time_series(trial: &ReportedRecord) -> Figure {
+    let ReportedRecord { record, validation, .. } = *trial;
     let units = record.units();
     let range = validation.start..record.len().min(validation.start + SHOWN);
     let t: Vec<f64> = range.clone().map(|k| k as f64 * record.ts()).collect();
@@ -59,8 +59,8 @@ fn time_series(trial: &Trial) -> Figure {
         .stacked()
 }
 
-fn loops(trial: &Trial) -> Figure {
-    let Trial { record, validation, .. } = *trial;
+fn loops(trial: &ReportedRecord) -> Figure {
+    let ReportedRecord { record, validation, .. } = *trial;
     let units = record.units();
     let range = validation.start..record.len().min(validation.start + SHOWN);
     let u = &record.u()[range.clone()];
@@ -77,14 +77,14 @@ fn loops(trial: &Trial) -> Figure {
 }
 
 /// The loops as measured, and as the model has them, row below row.
-fn shapes(trial: &Trial) -> Table {
+fn shapes(trial: &ReportedRecord) -> Table {
     let units = trial.record.units();
     let slope = format!("[{}/{}]", units.y, units.u);
     let table = Table::new("Loops, measured and model").number("f [Hz]").number(format!("amplitude [{}]", units.u));
     let table = table.number("cycles").text("").number("width [%]").number(format!("area [{} {}]", units.u, units.y));
     let table = table.number("closure [%]").number(format!("slope {slope}")).number(format!("after a turn {slope}"));
     let table = table.number("turns");
-    let shape = |s: &Shape| {
+    let shape = |s: &LoopShape| {
         let turn = s.slope_after_turn.map_or("-".into(), short);
         [short(s.width_percent), short(s.area), short(s.closure_percent), short(s.slope), turn, round(s.reversals)]
     };

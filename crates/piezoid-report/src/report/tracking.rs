@@ -2,7 +2,7 @@
 
 use crate::page::{Fact, Page, Section, Table};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::control::{Attempt, Comparison, Driven, FEEDS, Wanted};
+use piezoid::control::{Attempt, Comparison, FEEDS, NamedReference, SchemeResult};
 use piezoid::number::short;
 use piezoid::system::System;
 use piezoid::waveform::period;
@@ -29,10 +29,10 @@ pub fn tracking(compared: &Comparison) -> Page {
 }
 
 /// A curve of one scheme, which looks the same all over the page; dashed when colours begin anew.
-fn curve(compared: &Comparison, d: &Driven, x: &[f64], y: &[f64]) -> Series {
-    let uncompensated = |d: &Driven| d.name() == FEEDS[0].name;
+fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Series {
+    let uncompensated = |d: &SchemeResult| d.name() == FEEDS[0].name;
     let others = compared.driven.iter().filter(|d| !uncompensated(d));
-    match others.map(Driven::name).position(|name| name == d.name()) {
+    match others.map(SchemeResult::name).position(|name| name == d.name()) {
         None => Series::line(x, y).role(Role::Muted),
         Some(k) if k < COLOURS => Series::line(x, y).role(Role::accent(k)),
         Some(k) => Series::dashed(x, y).role(Role::accent(k)),
@@ -40,15 +40,15 @@ fn curve(compared: &Comparison, d: &Driven, x: &[f64], y: &[f64]) -> Series {
 }
 
 fn errors(compared: &Comparison) -> Section {
-    let table = |title: &str, of: fn(&Attempt, &Wanted) -> f64| {
+    let table = |title: &str, of: fn(&Attempt, &NamedReference) -> f64| {
         let table = compared.driven.iter().fold(Table::new(title).text("reference"), |t, d| t.number(d.name()));
         compared.wanted.iter().enumerate().fold(table, |table, (k, wanted)| {
-            let cell = |d: &Driven| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, wanted)));
+            let cell = |d: &SchemeResult| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, wanted)));
             table.row([wanted.name.clone()].into_iter().chain(compared.driven.iter().map(cell)).collect::<Vec<_>>())
         })
     };
     let best = |k: usize| {
-        let percent = |d: &Driven| Some((d.attempts[k].as_ref().ok()?.tracking.percent_of_stroke, d.name()));
+        let percent = |d: &SchemeResult| Some((d.attempts[k].as_ref().ok()?.tracking.percent_of_stroke, d.name()));
         compared.driven.iter().filter_map(percent).min_by(|a, b| a.0.total_cmp(&b.0))
     };
     let worst = (0..compared.wanted.len()).filter_map(|k| Some((best(k)?, k))).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
@@ -67,9 +67,10 @@ fn errors(compared: &Comparison) -> Section {
         ))
         .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
     let section = section.table(table("Effort: rms change of voltage a sample [V]", |a, _| a.tracking.effort));
-    let refusal = |d: &Driven| {
-        let of =
-            |(w, a): (&Wanted, &Result<Attempt, _>)| Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?));
+    let refusal = |d: &SchemeResult| {
+        let of = |(w, a): (&NamedReference, &Result<Attempt, _>)| {
+            Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?))
+        };
         compared.wanted.iter().zip(&d.attempts).filter_map(of).collect::<Vec<_>>()
     };
     match compared.driven.iter().flat_map(refusal).collect::<Vec<_>>() {
@@ -135,8 +136,8 @@ fn loops(compared: &Comparison) -> Option<Section> {
 
 /// The error of each trial, where something was learnt.
 fn learning(compared: &Comparison) -> Option<Section> {
-    let learnt = |d: &Driven| {
-        let of = |(w, a): (&Wanted, &Result<Attempt, _>)| {
+    let learnt = |d: &SchemeResult| {
+        let of = |(w, a): (&NamedReference, &Result<Attempt, _>)| {
             Some((w.name.clone(), w.height(), a.as_ref().ok()?.fed.trials.clone()))
         };
         compared
@@ -154,7 +155,7 @@ fn learning(compared: &Comparison) -> Option<Section> {
         let percent: Vec<f64> = trials.iter().map(|rms| 100.0 * rms / height).collect();
         axes.with(Series::marked(&n, &percent).role(Role::accent(k)).named(name.clone()))
     });
-    let caption = "Trial 0 is the feed-forward. One twice as bad as the best is taken back.";
+    let caption = "ReportedRecord 0 is the feed-forward. One twice as bad as the best is taken back.";
     Some(Section::new("Learning").figure(Figure::new("Error by trial", caption).panel(axes)))
 }
 
@@ -188,32 +189,34 @@ fn spread(compared: &Comparison) -> Option<Section> {
 mod tests {
     use super::*;
     use piezoid::compensation::How;
-    use piezoid::control::{Drive, Scheme, Target, Tolerance, compare, reference};
+    use piezoid::control::{Comparison, Drive, MarginTarget, Reference, Scheme, Tolerance};
     use piezoid::excitation::Limits;
     use piezoid::hammerstein::Model;
-    use piezoid::hysteresis::operator;
+    use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
-    use piezoid::plant::find;
+    use piezoid::plant::Preset;
     use piezoid::progress::unwatched;
 
     #[test]
     fn the_page_shows_every_scheme_along_every_reference_and_says_what_was_refused() {
         let ts = 5e-4;
-        let plays = (operator("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
         let units = piezoid::record::Units { u: "V".into(), y: "um".into() };
         let linear = Arx::new(ts, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1]).unwrap();
         let model = Model::new(plays, linear, 0.0).unwrap().with_units(units);
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
         let drive = |name| {
             let how = How { limits, clip: true, ..How::default() };
-            Drive::new(Scheme::named(name).unwrap(), &model, how, 0, &Target::default()).unwrap()
+            Drive::new(Scheme::named(name).unwrap(), &model, how, 0, &MarginTarget::default()).unwrap()
         };
-        let wanted = |name, hz| Wanted::new(name, ts, (reference(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap());
+        let wanted = |name, hz| {
+            NamedReference::new(name, ts, (Reference::find(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap())
+        };
         let drives = ["gain", "learning", "feed-forward+pi"].map(drive).to_vec();
-        let (plant, tolerance) = (find("pl140").unwrap(), Tolerance { draws: 3, ..Tolerance::default() });
+        let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Tolerance::default() });
         let all = vec![wanted("sine", 10.0), wanted("random", 20.0)];
         let compared =
-            compare((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut unwatched).unwrap();
+            Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut unwatched).unwrap();
         let html = tracking(&compared).html();
         for said in
             ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "must repeat", "random"]

@@ -1,13 +1,13 @@
 //! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
 
 use super::{
-    AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, Row, SETTLING, STEPS_USED, Seen, TS,
+    AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, SETTLING, Seen, Study, StudyRow, TS,
     Way, table_2,
 };
 use piezoid::error::Error;
 use piezoid::excitation::{RisingSine, Sine, SteppedSine};
-use piezoid::hammerstein::{HiddenLoop, Model, hidden, proportional};
-use piezoid::hysteresis::{Branches, Hysteresis, Loop, Proportional, Split, TwoBranch};
+use piezoid::hammerstein::{HiddenLoop, Model};
+use piezoid::hysteresis::{Branches, Hysteresis, MeasuredLoop, Proportional, Split, TwoBranch};
 use piezoid::linear::Arx;
 use piezoid::plant::{Plant, Saturation, Spec};
 use piezoid::record::{Record, Units};
@@ -31,7 +31,7 @@ pub(super) struct Bench {
 impl Bench {
     /// The plant of these parameters, its noise drawn from `seed`.
     pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
-        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor.range_m.map(|m| 1e3 * m) })
+        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor_range().map(|m| 1e3 * m) })
     }
 
     /// Drives the plant from rest and records it; what limits were reached is added to `limits`.
@@ -91,7 +91,8 @@ impl Bench {
         let n = (DURATION / TS) as usize;
         let frequency = hz;
         let sine = |amplitude| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
-        let stepped = |amplitude| SteppedSine { amplitude, frequency, steps: STEPS_USED, offset: 0.0 }.samples(TS, n);
+        let stepped =
+            |amplitude| SteppedSine { amplitude, frequency, steps: Study::STEPS_USED, offset: 0.0 }.samples(TS, n);
         let amplitude = self.amplitude(&[&sine, &stepped])?;
         let sine = self.measure(sine(amplitude)?, &format!("sine of {hz} Hz"), limits)?;
         let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
@@ -103,7 +104,7 @@ impl Bench {
             let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
             Ok(HiddenLoop { frequency_hz: Some(hz), u, z, found })
         };
-        let loop_by = |arx: &Arx, offset: f64| loop_of(&hidden(arx, offset, sine.y())?.0);
+        let loop_by = |arx: &Arx, offset: f64| loop_of(&arx.hidden(offset, sine.y())?.0);
         let table_2 = table_2(hz)?;
         let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(&table_2, 0.0)?);
         // Without the driver, whose lag is no hysteresis, but sampled as often as behind it.
@@ -118,7 +119,7 @@ impl Bench {
         let z: Vec<f64> = joint.hysteresis().simulate(&u).iter().step_by(faster).map(|z| scale * z).collect();
         let of_joint = loop_of(&z)?;
         let test = whole.part(SETTLING, f64::INFINITY)?;
-        let width = |found: &Loop| 100.0 * found.branches.width();
+        let width = |found: &MeasuredLoop| 100.0 * found.branches.width();
         let rows = METHODS.iter().map(|method| {
             let series = |block: Arc<dyn Hysteresis>, arx: &Arx, offset| Model::new(block, arx.clone(), offset);
             let (model, loop_width_percent) = match method.way {
@@ -131,14 +132,14 @@ impl Bench {
                     (series(Arc::new(block), arx, offset)?, width(found))
                 }
                 Way::Gain => {
-                    let (gain, offset) = proportional(&own.0, own.1, std::slice::from_ref(&sine))?;
+                    let (gain, offset) = own.0.proportional(own.1, std::slice::from_ref(&sine))?;
                     (series(Arc::new(Proportional::new(TS, gain)?), &own.0, offset)?, 0.0)
                 }
                 Way::Joint => (joint.clone(), width(&of_joint.found)),
             };
             let simulated = model.simulate(whole.u())[settled..].to_vec();
             let metrics = Metrics::of(test.y(), &simulated);
-            Ok(Row { method: method.name, model, metrics, loop_width_percent, simulated })
+            Ok(StudyRow { method: method.name, model, metrics, loop_width_percent, simulated })
         });
         let rows = rows.collect::<Result<_, Error>>()?;
         Ok(Frequency { hz, amplitude, own: by_own, by_table_2, joint: of_joint, test, rows })

@@ -1,38 +1,40 @@
 //! The study as a document for scripts.
 
-use super::{Block, Frequency, PRINTED_MSE, RISING, Row, Study, TestSignal, verdict};
-use piezoid::hammerstein::Trial;
+use super::{Frequency, RISING, Study, StudyBlock, StudyRow, TestSignal};
+use piezoid::hammerstein::OperatorTrial;
 use serde_json::{Map, Value, json};
 
-/// The studies as one document: `table1`, `table2` over all plants, `convergence` of the first, and each study whole
-/// under `studies`. Numbers that are not finite are null.
-pub fn to_json(studies: &[Study]) -> Value {
-    let all = |table: &dyn Fn(&Study) -> Vec<Value>| studies.iter().flat_map(table).collect::<Vec<_>>();
-    let each = |s: &Study| {
+impl Study {
+    /// The studies as one document: `table1`, `table2` over all plants, `convergence` of the first, and each study whole
+    /// under `studies`. Numbers that are not finite are null.
+    pub fn to_json(studies: &[Study]) -> Value {
+        let all = |table: &dyn Fn(&Study) -> Vec<Value>| studies.iter().flat_map(table).collect::<Vec<_>>();
+        let each = |s: &Study| {
+            json!({
+                "plant": s.plant.name,
+                "table1": table1(s),
+                "table2": table2(s),
+                "convergence": s.convergence,
+                "convergence_as_printed": s.convergence_as_printed,
+                "optimum": s.optimum,
+                "noise_gain": s.noise_gain,
+                "joint": joint(s),
+                "test_signals": s.test_signals.iter().flat_map(test_signal).collect::<Vec<_>>(),
+                "verdict": s.verdict(),
+                "notes": s.notes,
+            })
+        };
         json!({
-            "plant": s.plant.name,
-            "table1": table1(s),
-            "table2": table2(s),
-            "convergence": s.convergence,
-            "convergence_as_printed": s.convergence_as_printed,
-            "optimum": s.optimum,
-            "noise_gain": s.noise_gain,
-            "joint": joint(s),
-            "test_signals": s.test_signals.iter().flat_map(test_signal).collect::<Vec<_>>(),
-            "verdict": verdict(s),
-            "notes": s.notes,
+            "table1": all(&table1),
+            "table2": all(&table2),
+            "convergence": studies.first().map(|s| &s.convergence),
+            "studies": studies.iter().map(each).collect::<Vec<_>>(),
         })
-    };
-    json!({
-        "table1": all(&table1),
-        "table2": all(&table2),
-        "convergence": studies.first().map(|s| &s.convergence),
-        "studies": studies.iter().map(each).collect::<Vec<_>>(),
-    })
+    }
 }
 
 fn table1(study: &Study) -> Vec<Value> {
-    let row = |f: &Frequency, r: &Row| {
+    let row = |f: &Frequency, r: &StudyRow| {
         json!({
             "plant": study.plant.name,
             "frequency_hz": f.hz,
@@ -42,7 +44,7 @@ fn table1(study: &Study) -> Vec<Value> {
             "nrmse_percent": r.metrics.nrmse_percent,
             "rms_pp_percent": r.metrics.rms_pp_percent,
             "loop_width_percent": r.loop_width_percent,
-            "printed_mse": PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map(|(_, mse)| mse),
+            "printed_mse": Study::PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz).map(|(_, mse)| mse),
         })
     };
     study.frequencies.iter().flat_map(|f| f.rows.iter().map(move |r| row(f, r))).collect()
@@ -63,7 +65,7 @@ fn test_signal(signal: &TestSignal) -> impl Iterator<Item = Value> {
 }
 
 fn table2(study: &Study) -> Vec<Value> {
-    let row = |b: &Block| {
+    let row = |b: &StudyBlock| {
         json!({
             "plant": study.plant.name,
             "estimator": b.name,
@@ -82,7 +84,7 @@ fn table2(study: &Study) -> Vec<Value> {
 }
 
 fn joint(study: &Study) -> Value {
-    let trial = |t: &Trial| {
+    let trial = |t: &OperatorTrial| {
         json!({
             "operator": t.operator,
             "parameters": t.parameters,

@@ -1,7 +1,7 @@
 //! The figures of the study: the paper's Figs 2 to 5, and those that show why its errors come about.
 
 use super::words;
-use super::{FORMS, Frequency, METHODS, PRINTED_MSE, STEPS, STEPS_USED, Study, TS, TestSignal, UPPER_RULE, nearest};
+use super::{Frequency, METHODS, Study, TS, TestSignal};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::hysteresis::Branches;
 use piezoid::linear::Arx;
@@ -12,21 +12,23 @@ const TICKS: [f64; 7] = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 250.0];
 /// Periods of the test that a figure shows.
 const PERIODS: f64 = 2.0;
 
-/// Every figure of a study with the name of its file, in the order of the page.
-pub fn figures(study: &Study) -> Vec<(String, Figure)> {
-    let name = |what: &str| format!("{}-{what}", study.plant.name);
-    let mut all = vec![
-        (name("convergence"), convergence(study)),
-        (name("courses"), courses(study)),
-        (name("response"), response(study)),
-    ];
-    all.extend(study.frequencies.iter().map(|f| (name(&format!("loop-{:03.0}hz", f.hz)), hysteresis_loop(f))));
-    all.extend(study.frequencies.iter().map(|f| (name(&format!("test-{:03.0}hz", f.hz)), test(f))));
-    all.push((name("width"), width(study)));
-    all.push((name("error"), error(study)));
-    all.push((name("test-signal"), test_signal(study)));
-    all.push((name("deviation"), deviation(study)));
-    all
+impl Study {
+    /// Every figure of a study with the name of its file, in the order of the page.
+    pub fn figures(&self) -> Vec<(String, Figure)> {
+        let name = |what: &str| format!("{}-{what}", self.plant.name);
+        let mut all = vec![
+            (name("convergence"), convergence(self)),
+            (name("courses"), courses(self)),
+            (name("response"), response(self)),
+        ];
+        all.extend(self.frequencies.iter().map(|f| (name(&format!("loop-{:03.0}hz", f.hz)), hysteresis_loop(f))));
+        all.extend(self.frequencies.iter().map(|f| (name(&format!("test-{:03.0}hz", f.hz)), test(f))));
+        all.push((name("width"), width(self)));
+        all.push((name("error"), error(self)));
+        all.push((name("test-signal"), test_signal(self)));
+        all.push((name("deviation"), deviation(self)));
+        all
+    }
 }
 
 fn iterations(n: usize) -> Vec<f64> {
@@ -217,13 +219,14 @@ pub(super) fn error(study: &Study) -> Figure {
         let mse: Vec<f64> = rows.map(|r| r.metrics.mse.max(FLOOR)).collect();
         axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
     }
-    let (f, mse): (Vec<f64>, Vec<f64>) = PRINTED_MSE.iter().copied().unzip();
+    let (f, mse): (Vec<f64>, Vec<f64>) = Study::PRINTED_MSE.iter().copied().unzip();
     // Dashed, for the line beneath to be seen where they are alike.
     axes = axes.with(Series::dashed(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
     let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
     let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
     let caption = format!(
-        "Mean squared error of every method on a stepped sine of {STEPS_USED} steps a period, and the values of the paper's Table 1.{floor}"
+        "Mean squared error of every method on a stepped sine of {used} steps a period, and the values of the paper's Table 1.{floor}",
+        used = Study::STEPS_USED
     );
     Figure::new("Error on the test signal against frequency", caption).panel(axes)
 }
@@ -231,14 +234,14 @@ pub(super) fn error(study: &Study) -> Figure {
 /// Methods shown over the test signal: name, words for stepped sines and for staircases, role.
 const SHOWN: [(&str, [&str; 2], Role); 4] = [
     ("printed-rule", ["rule as printed", "staircase"], Role::Descending),
-    (UPPER_RULE, ["upper branch", ""], Role::Ascending),
+    (TestSignal::UPPER_RULE, ["upper branch", ""], Role::Ascending),
     ("held-direction", ["direction held", ""], Role::Model),
     ("table2-arx", ["Table 2's block", ""], Role::Residual),
 ];
 
 /// An axis of steps and levels.
 fn steps() -> Axis {
-    let ends = (f64::from(*STEPS.start()), f64::from(*STEPS.end()));
+    let ends = (f64::from(*TestSignal::STEPS.start()), f64::from(*TestSignal::STEPS.end()));
     Axis::new("steps a period, or levels")
         .ticks(&[4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0])
         .range(ends.0, ends.1)
@@ -246,8 +249,8 @@ fn steps() -> Axis {
 
 /// A curve of each form: solid of stepped sines, dashed of staircases.
 fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl Fn(&TestSignal) -> f64) -> Axes {
-    FORMS.iter().zip(names).enumerate().fold(axes, |axes, (k, (form, name))| {
-        let signals = study.test_signals.iter().filter(|s| s.form == form.name);
+    TestSignal::FORMS.into_iter().zip(names).enumerate().fold(axes, |axes, (k, (form, name))| {
+        let signals = study.test_signals.iter().filter(|s| s.form == form);
         let (steps, values): (Vec<f64>, Vec<f64>) = signals.map(|s| (f64::from(s.steps), value(s))).unzip();
         let series = if k == 0 { Series::line(&steps, &values) } else { Series::dashed(&steps, &values) };
         axes.with(series.role(role).named(name))
@@ -262,7 +265,7 @@ pub(super) fn test_signal(study: &Study) -> Figure {
 
 /// The same as a figure a frequency.
 pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
-    over_steps(study).into_iter().zip(PRINTED_MSE).map(|(axes, (hz, printed))| {
+    over_steps(study).into_iter().zip(Study::PRINTED_MSE).map(|(axes, (hz, printed))| {
         Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm².")).panel(axes)
     })
 }
@@ -277,13 +280,13 @@ fn over_steps(study: &Study) -> Vec<Axes> {
             by_form(study, axes, *role, names, |signal| signal.of(method)[k].max(FLOOR))
         })
     };
-    PRINTED_MSE.iter().enumerate().map(panel).collect()
+    Study::PRINTED_MSE.iter().enumerate().map(panel).collect()
 }
 
 /// How near each test signal comes to the paper's Table 1.
 pub(super) fn deviation(study: &Study) -> Figure {
     let found = |method: &str| {
-        let found = nearest(&study.test_signals, method);
+        let found = TestSignal::nearest(&study.test_signals, method);
         found.map_or(String::new(), |s| format!("{} ({:.0} %)", s.words(), 100.0 * s.deviation(method)))
     };
     let caption = format!(
@@ -291,7 +294,7 @@ pub(super) fn deviation(study: &Study) -> Figure {
          steps a period; dashed: staircases, against levels. Nearest by the rule as printed is a {}; with its upper branch as the one that \
          lies above a {}; with the linear block of the paper's Table 2 a {}.",
         found("printed-rule"),
-        found(UPPER_RULE),
+        found(TestSignal::UPPER_RULE),
         found("table2-arx")
     );
     let axes = Axes::new(steps(), Axis::log("largest deviation from the paper's Table 1 [%]"));

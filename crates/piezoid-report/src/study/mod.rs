@@ -14,11 +14,7 @@ mod page;
 mod test_signal;
 mod words;
 
-pub use document::to_json;
-pub use figures::figures;
-pub use page::page;
-pub use test_signal::{FORMS, Form, STEPS, TestSignal, UPPER_RULE, nearest};
-pub use words::{four_decimals, verdict};
+pub use test_signal::TestSignal;
 
 use bench::Bench;
 use piezoid::error::Error;
@@ -26,7 +22,7 @@ use piezoid::excitation::Prbs;
 use piezoid::hammerstein::{HiddenLoop, Identified, Model};
 use piezoid::hysteresis::Reading;
 use piezoid::linear::{self, Arx, Fit, Orders};
-use piezoid::optimize::swarm::{GlobalBest, Settings};
+use piezoid::optimize::swarm::{GlobalBest, SwarmSettings};
 use piezoid::plant::Preset;
 use piezoid::progress::{Progress, Stage, unwatched};
 use piezoid::record::Record;
@@ -34,17 +30,11 @@ use piezoid::validation::Metrics;
 use piezoid::{IdentifyOptions, Records, identify_watched};
 
 /// Sampling period [s], the paper's.
-pub const TS: f64 = 5e-4;
-
-/// Frequencies of the loops [Hz]: the paper's four, then on through the resonance.
-pub const FREQUENCIES: [f64; 8] = [5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 250.0];
-
-/// Table 1 of the paper: frequency [Hz] and mean squared error. Its unit is not stated; here it is taken to be mm^2.
-pub const PRINTED_MSE: [(f64, f64); 4] = [(5.0, 0.0129), (20.0, 0.0155), (40.0, 0.0180), (80.0, 0.0322)];
+const TS: f64 = 5e-4;
 
 /// Table 2 of the paper: frequency [Hz], and a1, a2, b0, b1, b2. The paper says that the block is identified only once, and
 /// prints a row a frequency, which differ in b0 (50 Hz has that of 80 Hz). Their unit is not stated; here it is taken to be mm/V.
-pub const TABLE_2: [(f64, [f64; 5]); 2] =
+const TABLE_2: [(f64, [f64; 5]); 2] =
     [(5.0, [1.7424, -0.9453, 0.0012, -0.0004, -0.0003]), (80.0, [1.7424, -0.9453, 0.0011, -0.0004, -0.0003])];
 
 /// Amplitude of the sines, plain and stepped [V]: the whole range of the PL140, about its middle.
@@ -52,9 +42,6 @@ const AMPLITUDE: f64 = 30.0;
 
 /// Amplitude of the PRBS [V], at which the hysteresis opens by less than 1 %.
 const SMALL: f64 = 1.0;
-
-/// Steps a period of the test signal: of all that are tried on twin `paper` the nearest to the paper's Table 1 ([`nearest`]).
-pub const STEPS_USED: u32 = 7;
 
 /// Length of a sine, plain or stepped, and the part at its start that is left to settle [s].
 const DURATION: f64 = 2.0;
@@ -67,7 +54,7 @@ const RANGE_USED: f64 = 0.6;
 const BINS: usize = 16;
 
 /// Frequencies [Hz] of the rising sines of the joint model, and their length [s].
-pub const RISING: [f64; 4] = [5.0, 20.0, 80.0, 160.0];
+const RISING: [f64; 4] = [5.0, 20.0, 80.0, 160.0];
 const RISING_DURATION: f64 = 1.0;
 
 /// Operators of the joint model, of which the better is taken: the usual law of the literature, and what measured ceramics are
@@ -79,7 +66,7 @@ const LEVELS: usize = 20;
 
 /// One way to predict the test signal: a row of [`METHODS`].
 #[derive(Debug)]
-pub struct Method {
+pub struct StudyMethod {
     /// As tables and files write it.
     pub name: &'static str,
     /// One line.
@@ -106,24 +93,24 @@ enum Seen {
 }
 
 /// The methods compared.
-pub static METHODS: &[Method] = &[
-    Method {
+pub static METHODS: &[StudyMethod] = &[
+    StudyMethod {
         name: "printed-rule",
         summary: "the paper's two branches by its rule: ascending while u rises, otherwise descending",
         way: Way::Branches(Seen::ByOwn, Reading::Printed),
     },
-    Method {
+    StudyMethod {
         name: "held-direction",
         summary: "the same branches, the direction held while the input stands",
         way: Way::Branches(Seen::ByOwn, Reading::Held),
     },
-    Method { name: "linear", summary: "no hysteresis: the best gain", way: Way::Gain },
-    Method {
+    StudyMethod { name: "linear", summary: "no hysteresis: the best gain", way: Way::Gain },
+    StudyMethod {
         name: "table2-arx",
         summary: "the paper's rule with the linear block printed in its Table 2, the row of 80 Hz from there on",
         way: Way::Branches(Seen::ByTable2, Reading::Printed),
     },
-    Method {
+    StudyMethod {
         name: "joint",
         summary: "one model of all frequencies, its parts identified together: the known driver, a hysteresis operator with memory, and no inverse",
         way: Way::Joint,
@@ -132,7 +119,7 @@ pub static METHODS: &[Method] = &[
 
 /// A linear block of Table 2: the printed one, or one estimated here.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Block {
+pub struct StudyBlock {
     /// `printed` and `printed-80hz`, the rows of 5 and of 80 Hz, or the name of the estimator.
     pub name: &'static str,
     /// The block, in mm/V.
@@ -141,10 +128,15 @@ pub struct Block {
     pub fit: Option<Fit>,
 }
 
-impl Block {
+impl StudyBlock {
     /// a1, a2, b0, b1, b2.
     pub fn coefficients(&self) -> Vec<f64> {
         [self.arx.a(), self.arx.b()].concat()
+    }
+
+    /// The same with four decimals, as in the paper's Table 2.
+    pub fn printed(&self) -> Vec<String> {
+        self.coefficients().into_iter().map(words::four_decimals).collect()
     }
 }
 
@@ -157,7 +149,7 @@ fn table_2(hz: f64) -> Result<Arx, Error> {
 
 /// What one method made of one frequency: a row of Table 1.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct StudyRow {
     /// Name of the method.
     pub method: &'static str,
     /// Its model, in mm and V.
@@ -186,12 +178,12 @@ pub struct Frequency {
     /// The stepped sine and the answer to it [mm], settled.
     pub test: Record,
     /// One row a method.
-    pub rows: Vec<Row>,
+    pub rows: Vec<StudyRow>,
 }
 
 impl Frequency {
     /// The row of a method.
-    pub fn row(&self, method: &str) -> Option<&Row> {
+    pub fn row(&self, method: &str) -> Option<&StudyRow> {
         self.rows.iter().find(|r| r.method == method)
     }
 }
@@ -204,7 +196,7 @@ pub struct Study {
     /// The PRBS record [mm].
     pub small_signal: Record,
     /// Table 2: the printed block and those estimated from the PRBS.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<StudyBlock>,
     /// The swarm's best cost at the start and after each iteration [mm].
     pub convergence: Vec<f64>,
     /// The same with the g_best of equation (4) as printed: the best of the current positions [mm].
@@ -223,80 +215,93 @@ pub struct Study {
     pub notes: Vec<String>,
 }
 
-/// Runs the experiment on `plant`; `seed` drives the swarms and the plant's noise.
-///
-/// # Errors
-/// What the identification refuses, and [`Error::Cancelled`].
-pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result<Study, Error> {
-    let bench = Bench::new(&(plant.spec)(), seed)?;
-    let (mut notes, mut limits) = (Vec::new(), Vec::new());
+impl Study {
+    /// Frequencies of the loops [Hz]: the paper's four, then on through the resonance.
+    pub const FREQUENCIES: [f64; 8] = [5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 250.0];
 
-    let period = (1 << 12) - 1;
-    let prbs = Prbs { order: 12, amplitude: SMALL, ..Prbs::default() }.samples(TS, period)?;
-    let small_signal = bench.measure(prbs, "PRBS", &mut limits)?;
-    let by = |name, global_best, progress: &mut Progress| {
-        let (estimator, settings) = (linear::estimator(name)?, Settings { seed, global_best, ..Settings::default() });
-        linear::fit(std::slice::from_ref(&small_signal), Orders::of(2), estimator, &settings, progress)
-    };
-    let mut of_swarm =
-        |stage: Stage| progress(Stage { what: &format!("{}: linear block by swarm", plant.name), ..stage });
-    let swarm_fit = by("swarm", GlobalBest::Ever, &mut of_swarm)?;
-    let as_printed = by("swarm", GlobalBest::Current, &mut of_swarm)?;
-    let exact = by("least-absolute", GlobalBest::Ever, &mut unwatched)?;
-    let squares = by("least-squares", GlobalBest::Ever, &mut unwatched)?;
-    let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
-    if let Err(why) = own.0.inverse() {
-        notes.push(format!(
-            "The paper's inverse (8) cannot be used: {why}. The loops stand on the inverse of the whole record instead, which runs \
-             forward and backward in time."
-        ));
-    }
-    if let Some(why) = linear::too_low(std::slice::from_ref(&small_signal), &squares) {
-        notes.push(format!(
-            "Order 2 has room for one mode{why}. Modes above half the sampling rate, as every bender has, fold back below it, and the \
-             paper's block has to bend to them."
-        ));
-    }
+    /// Table 1 of the paper: frequency [Hz] and mean squared error. Its unit is not stated; here it is taken to be mm^2.
+    pub const PRINTED_MSE: [(f64, f64); 4] = [(5.0, 0.0129), (20.0, 0.0155), (40.0, 0.0180), (80.0, 0.0322)];
 
-    let rising = RISING.into_iter().map(|hz| bench.rising(hz, &mut limits)).collect::<Result<Vec<_>, _>>()?;
-    let mut of_joint = |stage: Stage| {
-        progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
-    };
-    let options =
-        IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..IdentifyOptions::default() }
-            .with_driver_of(&(plant.spec)().driver);
-    let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
-    let joint = identify_watched(records, &options, &mut of_joint)?;
+    /// Steps a period of the test signal: of all that are tried on twin `paper` the nearest to the paper's Table 1 ([`nearest`]).
+    pub const STEPS_USED: u32 = 7;
 
-    let mut frequencies = Vec::new();
-    for (done, hz) in FREQUENCIES.into_iter().enumerate() {
-        let (what, total) = (format!("{}: loops and tests by frequency", plant.name), FREQUENCIES.len());
-        if progress(Stage { what: &what, done, total }).is_break() {
-            return Err(Error::Cancelled { what, done, total });
+    /// Runs the experiment on `plant`; `seed` drives the swarms and the plant's noise.
+    ///
+    /// # Errors
+    /// What the identification refuses, and [`Error::Cancelled`].
+    pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result<Study, Error> {
+        let bench = Bench::new(&(plant.spec)(), seed)?;
+        let (mut notes, mut limits) = (Vec::new(), Vec::new());
+
+        let period = (1 << 12) - 1;
+        let prbs = Prbs { order: 12, amplitude: SMALL, ..Prbs::default() }.samples(TS, period)?;
+        let small_signal = bench.measure(prbs, "PRBS", &mut limits)?;
+        let by = |name, global_best, progress: &mut Progress| {
+            let (estimator, settings) =
+                (linear::Estimator::find(name)?, SwarmSettings { seed, global_best, ..SwarmSettings::default() });
+            estimator.fit(std::slice::from_ref(&small_signal), Orders::of(2), &settings, progress)
+        };
+        let mut of_swarm =
+            |stage: Stage| progress(Stage { what: &format!("{}: linear block by swarm", plant.name), ..stage });
+        let swarm_fit = by("swarm", GlobalBest::Ever, &mut of_swarm)?;
+        let as_printed = by("swarm", GlobalBest::Current, &mut of_swarm)?;
+        let exact = by("least-absolute", GlobalBest::Ever, &mut unwatched)?;
+        let squares = by("least-squares", GlobalBest::Ever, &mut unwatched)?;
+        let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
+        if let Err(why) = own.0.inverse() {
+            notes.push(format!(
+                "The paper's inverse (8) cannot be used: {why}. The loops stand on the inverse of the whole record instead, which runs \
+                 forward and backward in time."
+            ));
         }
-        frequencies.push(bench.frequency(hz, &own, &joint.model, &mut limits)?);
+        if let Some(why) = squares.too_low(std::slice::from_ref(&small_signal)) {
+            notes.push(format!(
+                "Order 2 has room for one mode{why}. Modes above half the sampling rate, as every bender has, fold back below it, and the \
+                 paper's block has to bend to them."
+            ));
+        }
+
+        let rising = RISING.into_iter().map(|hz| bench.rising(hz, &mut limits)).collect::<Result<Vec<_>, _>>()?;
+        let mut of_joint = |stage: Stage| {
+            progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
+        };
+        let options =
+            IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..IdentifyOptions::default() }
+                .with_driver_of(&(plant.spec)());
+        let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
+        let joint = identify_watched(records, &options, &mut of_joint)?;
+
+        let mut frequencies = Vec::new();
+        for (done, hz) in Study::FREQUENCIES.into_iter().enumerate() {
+            let (what, total) = (format!("{}: loops and tests by frequency", plant.name), Study::FREQUENCIES.len());
+            if progress(Stage { what: &what, done, total }).is_break() {
+                return Err(Error::Cancelled { what, done, total });
+            }
+            frequencies.push(bench.frequency(hz, &own, &joint.model, &mut limits)?);
+        }
+        let mut of_signals =
+            |stage: Stage| progress(Stage { what: &format!("{}: {}", plant.name, stage.what), ..stage });
+        let test_signals = test_signal::all(&bench, &frequencies, &mut of_signals)?;
+        notes.extend(words::limits_in_words(&limits));
+        let block = |fit: &Fit| StudyBlock { name: fit.estimator, arx: fit.arx.clone(), fit: Some(fit.clone()) };
+        Ok(Study {
+            plant,
+            small_signal,
+            convergence: swarm_fit.history.clone(),
+            convergence_as_printed: as_printed.history,
+            optimum: exact.residuals.sum_abs,
+            noise_gain: own.0.noise_gain(),
+            blocks: vec![
+                StudyBlock { name: "printed", arx: table_2(5.0)?, fit: None },
+                block(&swarm_fit),
+                block(&exact),
+                block(&squares),
+                StudyBlock { name: "printed-80hz", arx: table_2(80.0)?, fit: None },
+            ],
+            joint,
+            frequencies,
+            test_signals,
+            notes,
+        })
     }
-    let mut of_signals = |stage: Stage| progress(Stage { what: &format!("{}: {}", plant.name, stage.what), ..stage });
-    let test_signals = test_signal::all(&bench, &frequencies, &mut of_signals)?;
-    notes.extend(words::limits_in_words(&limits));
-    let block = |fit: &Fit| Block { name: fit.estimator, arx: fit.arx.clone(), fit: Some(fit.clone()) };
-    Ok(Study {
-        plant,
-        small_signal,
-        convergence: swarm_fit.history.clone(),
-        convergence_as_printed: as_printed.history,
-        optimum: exact.residuals.sum_abs,
-        noise_gain: own.0.noise_gain(),
-        blocks: vec![
-            Block { name: "printed", arx: table_2(5.0)?, fit: None },
-            block(&swarm_fit),
-            block(&exact),
-            block(&squares),
-            Block { name: "printed-80hz", arx: table_2(80.0)?, fit: None },
-        ],
-        joint,
-        frequencies,
-        test_signals,
-        notes,
-    })
 }

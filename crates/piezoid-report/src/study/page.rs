@@ -1,21 +1,23 @@
 //! The page of the study: what was done, what is seen, and why.
 
-use super::words::{self, four_decimals, mse, percent};
-use super::{Block, Frequency, METHODS, PRINTED_MSE, RANGE_USED, RISING, Row, STEPS_USED, Study, figures};
+use super::words::{self, mse, percent};
+use super::{Frequency, METHODS, RANGE_USED, RISING, Study, StudyBlock, StudyRow, figures};
 use crate::page::{Cell, Fact, Page, Section, Table, Text, sentence};
-use piezoid::hammerstein::Trial;
+use piezoid::hammerstein::OperatorTrial;
 use piezoid::series::ends;
 
-/// The report on one or more studies: one file that opens from disk.
-pub fn page(studies: &[Study]) -> Page {
-    let page = Page::new("The paper, end to end")
-        .subtitle("Hammerstein model of the PL140 bender: two branches a frequency, ARX by particle swarm, on a simulated actuator; and one model of all frequencies beside it")
-        .section(introduction());
-    let page = studies.iter().fold(page, |page, study| {
-        let page = page.section(linear_block(study)).section(loops(study)).section(joint(study));
-        page.section(tests(study)).section(test_signal(study))
-    });
-    page.section(methods())
+impl Study {
+    /// The report on one or more studies: one file that opens from disk.
+    pub fn page(studies: &[Study]) -> Page {
+        let page = Page::new("The paper, end to end")
+            .subtitle("Hammerstein model of the PL140 bender: two branches a frequency, ARX by particle swarm, on a simulated actuator; and one model of all frequencies beside it")
+            .section(introduction());
+        let page = studies.iter().fold(page, |page, study| {
+            let page = page.section(linear_block(study)).section(loops(study)).section(joint(study));
+            page.section(tests(study)).section(test_signal(study))
+        });
+        page.section(methods())
+    }
 }
 
 fn introduction() -> Section {
@@ -26,12 +28,10 @@ fn introduction() -> Section {
              loop of z over the voltage u, split in two, is the hysteresis block. This page repeats the experiment on simulated \
              actuators that share no code with the models, at the paper's frequencies and beyond them.",
         )
-        .text(format!(
-            "The test signal of the paper is periodic and step-wise; no more is known of it. Here it is a sine in {STEPS_USED} steps a \
+        .text(format!("The test signal of the paper is periodic and step-wise; no more is known of it. Here it is a sine in {used} steps a \
              period, each held as equally long as whole samples allow, the highest at the amplitude of the sine that the branches come from. On \
              twin “paper” this comes nearest to the paper's Table 1, of all numbers of steps and levels that are tried. While a step is \
-             held, the rule as printed reads the descending branch; with the direction held, the model stays on the branch it was on.",
-        ))
+             held, the rule as printed reads the descending branch; with the direction held, the model stays on the branch it was on.", used = Study::STEPS_USED))
 }
 
 fn linear_block(study: &Study) -> Section {
@@ -79,9 +79,9 @@ fn table_2(study: &Study) -> Table {
         .into_iter()
         .fold(table, Table::number);
     let table = table.text("zeros").number("sum |e| [mm]");
-    let row = |block: &Block| -> Vec<Cell> {
+    let row = |block: &StudyBlock| -> Vec<Cell> {
         let mut cells: Vec<Cell> = vec![block.name.into()];
-        cells.extend(block.coefficients().iter().map(|c| Cell::from(four_decimals(*c))));
+        cells.extend(block.printed().into_iter().map(Cell::from));
         let poles = block.arx.poles();
         let each =
             |what: &dyn Fn(&piezoid::linear::Pole) -> String| poles.iter().map(what).collect::<Vec<_>>().join(" / ");
@@ -147,7 +147,7 @@ fn loops(study: &Study) -> Section {
 fn joint(study: &Study) -> Section {
     let model = &study.joint.model;
     let poles: Vec<String> = model.linear().poles().iter().map(|p| format!("{:.1}", p.hz)).collect();
-    let held_out = |t: &&Trial| t.operator == model.hysteresis().operator().name;
+    let held_out = |t: &&OperatorTrial| t.operator == model.hysteresis().operator().name;
     let held_out = study.joint.trials.iter().find(held_out).map_or(f64::NAN, |t| t.held_out_percent);
     let facts = [
         Fact::new(model.hysteresis().operator().name, "", "the operator chosen"),
@@ -156,7 +156,7 @@ fn joint(study: &Study) -> Section {
     ];
     let table = Table::new("Operators tried, and what they leave of records held out in turn [% rms of peak-to-peak]");
     let table = table.text("operator").number("parameters").number("held out");
-    let row = |t: &Trial| -> Vec<Cell> {
+    let row = |t: &OperatorTrial| -> Vec<Cell> {
         let held_out = Cell::from(if t.refused.is_some() { "-".into() } else { percent(t.held_out_percent) });
         let held_out = if t.as_good { held_out.best() } else { held_out };
         vec![Text::new().code(t.operator).into(), t.parameters.to_string().into(), held_out]
@@ -198,19 +198,19 @@ fn tests(study: &Study) -> Section {
 }
 
 /// What every method leaves at every frequency, beside Table 1 or alone.
-fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&Row) -> String) -> Table {
+fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&StudyRow) -> String) -> Table {
     let table = Table::new(title).number("f [Hz]").number("u [V]");
     let table = METHODS.iter().fold(table, |t, m| t.number(m.name));
     let table = if beside_table_1 { table.number("paper") } else { table };
     let row = |f: &Frequency| -> Vec<Cell> {
-        let cell = |r: &Row| {
+        let cell = |r: &StudyRow| {
             let best = f.rows.iter().all(|other| r.metrics.mse <= 1.001 * other.metrics.mse);
             if best { Cell::from(told(r)).best() } else { told(r).into() }
         };
         let mut cells: Vec<Cell> = vec![f.hz.to_string().into(), f.amplitude.to_string().into()];
         cells.extend(f.rows.iter().map(cell));
         if beside_table_1 {
-            let printed = PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz);
+            let printed = Study::PRINTED_MSE.iter().find(|(hz, _)| *hz == f.hz);
             cells.push(printed.map_or(Cell::from("-"), |(_, mse)| Cell::from(format!("{mse:.4}"))).muted());
         }
         cells
@@ -225,15 +225,16 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&Row) 
 /// Table 1 over what the paper leaves open of its test signal.
 fn test_signal(study: &Study) -> Section {
     let title = "The nearest test signals: mean squared error by the rule as printed [mm²], and the largest deviation from the paper's Table 1";
-    let table =
-        PRINTED_MSE.iter().fold(Table::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
+    let table = Study::PRINTED_MSE
+        .iter()
+        .fold(Table::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
     let row = |words: String, errors: [f64; 4], off: String| -> Vec<Cell> {
         let errors = errors.map(|e| Cell::from(format!("{e:.4}")));
         std::iter::once(words.into()).chain(errors).chain([off.into()]).collect()
     };
     let mut signals: Vec<_> = study.test_signals.iter().collect();
     signals.sort_by(|p, q| p.deviation("printed-rule").total_cmp(&q.deviation("printed-rule")));
-    let paper = row("the paper's Table 1".into(), PRINTED_MSE.map(|(_, mse)| mse), String::new());
+    let paper = row("the paper's Table 1".into(), Study::PRINTED_MSE.map(|(_, mse)| mse), String::new());
     let table = signals.iter().take(NEAREST).fold(table.number("deviation [%]").row(paper), |table, signal| {
         let off = format!("{:.0}", 100.0 * signal.deviation("printed-rule"));
         table.row(row(signal.words(), signal.of("printed-rule"), off))

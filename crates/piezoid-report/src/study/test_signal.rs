@@ -1,11 +1,11 @@
 //! Table 1 over what the paper leaves open of its test: the form of the signal, its number of steps a period, and which branch is
 //! its "upper" one.
 //!
-//! The models are those of the study, and one more ([`UPPER_RULE`]); only the signal they are tested on changes. Of all signals
+//! The models are those of the study, and one more ([`TestSignal::UPPER_RULE`]); only the signal they are tested on changes. Of all signals
 //! the nearest to Table 1 is the one whose worst of four relative deviations is least.
 
 use super::bench::Bench;
-use super::{DURATION, Frequency, METHODS, PRINTED_MSE, SETTLING, TS, Way};
+use super::{DURATION, Frequency, METHODS, SETTLING, Study, TS, Way};
 use piezoid::error::Error;
 use piezoid::excitation::{Staircase, SteppedSine};
 use piezoid::hammerstein::Model;
@@ -17,34 +17,6 @@ use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// A form of the step-wise test signal: a row of [`FORMS`].
-#[derive(Debug)]
-pub struct Form {
-    /// As the list of excitations has it.
-    pub name: &'static str,
-    /// Samples [V] by amplitude [V], frequency [Hz], steps or levels, and number.
-    drive: fn(f64, f64, u32, usize) -> Result<Vec<f64>, Error>,
-}
-
-/// Steps of equal length, and steps of equal height.
-pub static FORMS: &[Form] = &[
-    Form {
-        name: "stepped-sine",
-        drive: |amplitude, frequency, steps, n| SteppedSine { amplitude, frequency, steps, offset: 0.0 }.samples(TS, n),
-    },
-    Form {
-        name: "staircase",
-        drive: |amplitude, frequency, levels, n| Staircase { amplitude, frequency, levels, offset: 0.0 }.samples(TS, n),
-    },
-];
-
-/// Steps a period, or levels, that are tried.
-pub const STEPS: RangeInclusive<u32> = 4..=40;
-
-/// The rule as printed with its words taken as its Fig. 2 draws them: while the input rises it reads the "upper" branch, the one that
-/// lies above in the loop. The methods of the study take that to be the ascending branch, which on a piezo loop lies below.
-pub const UPPER_RULE: &str = "upper-rule";
-
 /// Table 1 by one test signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestSignal {
@@ -52,11 +24,21 @@ pub struct TestSignal {
     pub form: &'static str,
     /// Steps a period of a stepped sine, levels of a staircase.
     pub steps: u32,
-    /// By method that has branches, and by [`UPPER_RULE`]: mean squared errors [mm^2] at the frequencies of Table 1.
+    /// By method that has branches, and by [`TestSignal::UPPER_RULE`]: mean squared errors [mm^2] at the frequencies of Table 1.
     pub mse: Vec<(&'static str, [f64; 4])>,
 }
 
 impl TestSignal {
+    /// Forms that are tried, as the list of excitations has them: steps of equal length, and steps of equal height.
+    pub const FORMS: [&str; 2] = ["stepped-sine", "staircase"];
+
+    /// Steps a period, or levels, that are tried.
+    pub const STEPS: RangeInclusive<u32> = 4..=40;
+
+    /// The rule as printed with its words taken as its Fig. 2 draws them: while the input rises it reads the "upper" branch, the one that
+    /// lies above in the loop. The methods of the study take that to be the ascending branch, which on a piezo loop lies below.
+    pub const UPPER_RULE: &str = "upper-rule";
+
     /// Mean squared errors [mm^2] by a method at the frequencies of Table 1.
     pub fn of(&self, method: &str) -> [f64; 4] {
         self.mse.iter().find(|(name, _)| *name == method).map_or([f64::NAN; 4], |(_, mse)| *mse)
@@ -64,7 +46,7 @@ impl TestSignal {
 
     /// The largest of the four deviations from Table 1, as a share of the paper's value.
     pub fn deviation(&self, method: &str) -> f64 {
-        let each = self.of(method).into_iter().zip(PRINTED_MSE);
+        let each = self.of(method).into_iter().zip(Study::PRINTED_MSE);
         each.map(|(mse, (_, printed))| (mse / printed - 1.0).abs()).fold(0.0, f64::max)
     }
 
@@ -73,23 +55,23 @@ impl TestSignal {
         let each = if self.form == "staircase" { "levels" } else { "steps" };
         format!("{} of {} {each}", self.form.replace('-', " "), self.steps)
     }
-}
 
-/// The test signal by which `method` comes nearest to Table 1; none where there are no signals.
-pub fn nearest<'s>(signals: impl IntoIterator<Item = &'s TestSignal>, method: &str) -> Option<&'s TestSignal> {
-    signals.into_iter().min_by(|p, q| p.deviation(method).total_cmp(&q.deviation(method)))
+    /// The test signal by which `method` comes nearest to Table 1; none where there are no signals.
+    pub fn nearest<'s>(signals: impl IntoIterator<Item = &'s TestSignal>, method: &str) -> Option<&'s TestSignal> {
+        signals.into_iter().min_by(|p, q| p.deviation(method).total_cmp(&q.deviation(method)))
+    }
 }
 
 /// Every form with every number of steps.
 pub(super) fn all(bench: &Bench, found: &[Frequency], progress: &mut Progress) -> Result<Vec<TestSignal>, Error> {
-    let (models, total) = (models(found)?, FORMS.len());
+    let (models, total) = (models(found)?, TestSignal::FORMS.len());
     let mut signals = Vec::new();
-    for (done, form) in FORMS.iter().enumerate() {
+    for (done, form) in TestSignal::FORMS.into_iter().enumerate() {
         let what = "Table 1 over the test signal";
         if progress(Stage { what, done, total }).is_break() {
             return Err(Error::Cancelled { what: what.into(), done, total });
         }
-        let some = STEPS.into_par_iter().map(|steps| one(bench, &models, form, steps));
+        let some = TestSignal::STEPS.into_par_iter().map(|steps| one(bench, &models, form, steps));
         signals.extend(some.collect::<Result<Vec<_>, _>>()?);
     }
     Ok(signals)
@@ -101,12 +83,15 @@ type Tested = (f64, f64, Vec<(&'static str, Model)>);
 /// What is tested at each frequency of Table 1.
 fn models(found: &[Frequency]) -> Result<Vec<Tested>, Error> {
     let branched = || METHODS.iter().filter(|method| matches!(method.way, Way::Branches(..)));
-    let at = |(hz, _): &(f64, f64)| {
-        let f = found.iter().find(|f| f.hz == *hz)?;
-        let own = branched().filter_map(|method| Some((method.name, f.row(method.name)?.model.clone())));
-        Some(upper_rule(f).map(|upper| (*hz, f.amplitude, own.chain(upper.map(|model| (UPPER_RULE, model))).collect())))
-    };
-    PRINTED_MSE.iter().filter_map(at).collect()
+    let at =
+        |(hz, _): &(f64, f64)| {
+            let f = found.iter().find(|f| f.hz == *hz)?;
+            let own = branched().filter_map(|method| Some((method.name, f.row(method.name)?.model.clone())));
+            Some(upper_rule(f).map(|upper| {
+                (*hz, f.amplitude, own.chain(upper.map(|model| (TestSignal::UPPER_RULE, model))).collect())
+            }))
+        };
+    Study::PRINTED_MSE.iter().filter_map(at).collect()
 }
 
 /// The model that reads the branch that lies above while the input rises, and the other one otherwise.
@@ -117,16 +102,24 @@ fn upper_rule(f: &Frequency) -> Result<Option<Model>, Error> {
     Model::new(Arc::new(block), row.model.linear().clone(), row.model.offset()).map(Some)
 }
 
-fn one(bench: &Bench, tested: &[Tested], form: &Form, steps: u32) -> Result<TestSignal, Error> {
+fn one(bench: &Bench, tested: &[Tested], form: &'static str, steps: u32) -> Result<TestSignal, Error> {
     let (n, settled) = ((DURATION / TS) as usize, (SETTLING / TS) as usize);
     let names = tested.first().map(|(_, _, models)| models.iter().map(|(name, _)| *name));
     let mut mse: Vec<(&str, [f64; 4])> = names.into_iter().flatten().map(|name| (name, [f64::NAN; 4])).collect();
     for (k, (hz, amplitude, models)) in tested.iter().enumerate() {
-        let u = (form.drive)(*amplitude, *hz, steps, n)?;
+        let u = drive(form, *amplitude, *hz, steps, n)?;
         let (y, _) = bench.answer(&u);
         for ((_, model), (_, mse)) in models.iter().zip(&mut mse) {
             mse[k] = Metrics::of(&y[settled..], &model.simulate(&u)[settled..]).mse;
         }
     }
-    Ok(TestSignal { form: form.name, steps, mse })
+    Ok(TestSignal { form, steps, mse })
+}
+
+/// Samples of a form [V], every [`TS`].
+fn drive(form: &str, amplitude: f64, frequency: f64, steps: u32, n: usize) -> Result<Vec<f64>, Error> {
+    match form {
+        "staircase" => Staircase { amplitude, frequency, levels: steps, offset: 0.0 }.samples(TS, n),
+        _ => SteppedSine { amplitude, frequency, steps, offset: 0.0 }.samples(TS, n),
+    }
 }

@@ -1,9 +1,7 @@
 //! What the study found, in words.
 
 use super::figures::FLOOR;
-use super::{
-    AMPLITUDE, Frequency, METHODS, PRINTED_MSE, RISING, STEPS, STEPS_USED, Study, TS, TestSignal, UPPER_RULE, nearest,
-};
+use super::{AMPLITUDE, Frequency, METHODS, RISING, Study, TS, TestSignal};
 use piezoid::number::join;
 use piezoid::plant::Saturation;
 use piezoid::series::ends;
@@ -18,9 +16,11 @@ pub(super) fn percent(x: f64) -> String {
     if x != 0.0 && x < 5e-3 { format!("{x:.0e}") } else { format!("{x:.2}") }
 }
 
-/// What the errors of a study say, in paragraphs that an empty line parts.
-pub fn verdict(study: &Study) -> String {
-    paragraphs(study).join("\n\n")
+impl Study {
+    /// What the errors of a study say, in paragraphs that an empty line parts.
+    pub fn verdict(&self) -> String {
+        paragraphs(self).join("\n\n")
+    }
 }
 
 /// Beside the paper's Table 1; by another reading; over all frequencies; of the joint model.
@@ -87,17 +87,17 @@ fn over_frequencies(study: &Study) -> String {
 fn against_table_1(study: &Study) -> String {
     let at =
         |method: &str, hz: f64| study.frequencies.iter().find(|f| f.hz == hz).map_or(f64::NAN, |f| error(f, method));
-    let of = |method: &str| PRINTED_MSE.map(|(hz, _)| at(method, hz));
-    let over = |method: &str| PRINTED_MSE.map(|(hz, printed)| at(method, hz) / printed);
-    let (printed, hz) = (PRINTED_MSE.map(|(_, mse)| mse), PRINTED_MSE.map(|(hz, _)| hz));
+    let of = |method: &str| Study::PRINTED_MSE.map(|(hz, _)| at(method, hz));
+    let over = |method: &str| Study::PRINTED_MSE.map(|(hz, printed)| at(method, hz) / printed);
+    let (printed, hz) = (Study::PRINTED_MSE.map(|(_, mse)| mse), Study::PRINTED_MSE.map(|(hz, _)| hz));
     let growth = |[first, .., last]: [f64; 4]| last / first;
     let (least, most) = ends(over("table2-arx"));
-    let by_its_own = nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
+    let by_its_own = TestSignal::nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
         let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
         format!("; with the test signal that suits that block best, a {signal}, it deviates by up to {off:.0} %")
     });
     format!(
-        "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of {STEPS_USED} steps, and a \
+        "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of {used} steps, and a \
          linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; the paper's Table 1 has {}. The error \
          at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. With the direction held it is at most {} mm² at these four \
          frequencies. With the linear block of the paper's Table 2 the error of the rule as printed is {least:.0} to {most:.0} times the \
@@ -109,17 +109,18 @@ fn against_table_1(study: &Study) -> String {
         growth(of("printed-rule")),
         growth(printed),
         mse(of("held-direction").into_iter().fold(0.0, f64::max)),
+        used = Study::STEPS_USED
     )
 }
 
 /// Which test signal is used, and which comes nearest to the paper's Table 1.
 fn chosen(study: &Study) -> String {
     let percent = |signal: &TestSignal| format!("{:.0} %", 100.0 * signal.deviation("printed-rule"));
-    let used = study.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == STEPS_USED);
-    let (Some(nearest), Some(used)) = (nearest(&study.test_signals, "printed-rule"), used) else {
+    let used = study.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == Study::STEPS_USED);
+    let (Some(nearest), Some(used)) = (TestSignal::nearest(&study.test_signals, "printed-rule"), used) else {
         return String::new();
     };
-    let (low, high) = (STEPS.start(), STEPS.end());
+    let (low, high) = (TestSignal::STEPS.start(), TestSignal::STEPS.end());
     let tried = format!("stepped sines of {low} to {high} steps per period and staircases of as many levels");
     if nearest == used {
         format!(
@@ -141,17 +142,17 @@ fn chosen(study: &Study) -> String {
 
 /// What the other reading of the rule's words leaves: its "upper" branch as the one that lies above.
 fn by_upper_rule(study: &Study) -> String {
-    let Some(signal) = nearest(&study.test_signals, UPPER_RULE) else { return String::new() };
+    let Some(signal) = TestSignal::nearest(&study.test_signals, TestSignal::UPPER_RULE) else { return String::new() };
     let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
     format!(
         "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which on a piezo loop \
          lies below. If the branch that lies above is read instead, a {} comes nearest to the paper's Table 1: its errors are {} mm² and \
          deviate by up to {:.0} %. Of {} test signals {} come within {:.0} % with that reading, {} with the one used here.",
         signal.words(),
-        join(&signal.of(UPPER_RULE).map(mse)),
-        100.0 * signal.deviation(UPPER_RULE),
+        join(&signal.of(TestSignal::UPPER_RULE).map(mse)),
+        100.0 * signal.deviation(TestSignal::UPPER_RULE),
         study.test_signals.len(),
-        within(UPPER_RULE),
+        within(TestSignal::UPPER_RULE),
         100.0 * NEAR,
         within("printed-rule"),
     )
@@ -163,7 +164,7 @@ const NEAR: f64 = 0.3;
 /// What the figure of Table 1 over the test signal shows, and how much the steps matter at the highest frequency.
 pub(super) fn over_test_signals(study: &Study) -> String {
     let stepped = study.test_signals.iter().filter(|s| s.form == "stepped-sine");
-    let last = PRINTED_MSE.len() - 1;
+    let last = Study::PRINTED_MSE.len() - 1;
     let by = |p: &(f64, u32), q: &(f64, u32)| p.0.total_cmp(&q.0);
     let errors: Vec<(f64, u32)> = stepped.map(|s| (s.of("printed-rule")[last], s.steps)).collect();
     let (Some(least), Some(most)) = (errors.iter().copied().min_by(by), errors.iter().copied().max_by(by)) else {
@@ -173,13 +174,14 @@ pub(super) fn over_test_signals(study: &Study) -> String {
         "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per period; dashed: \
          staircases, steps of equal height, against levels; the horizontal line is the paper's value. Errors below {FLOOR:e} mm² are drawn \
          there. With the rule as printed, the error at {} Hz falls from {} mm² with {} steps to {} with {}; a period there has {:.0} samples, \
-         so that with as many steps or more no sample is held. The rest of the study uses {STEPS_USED} steps.",
-        PRINTED_MSE[last].0,
+         so that with as many steps or more no sample is held. The rest of the study uses {used} steps.",
+        Study::PRINTED_MSE[last].0,
         mse(most.0),
         most.1,
         mse(least.0),
         least.1,
-        1.0 / (PRINTED_MSE[last].0 * TS),
+        1.0 / (Study::PRINTED_MSE[last].0 * TS),
+        used = Study::STEPS_USED
     )
 }
 
@@ -254,7 +256,7 @@ pub(super) fn limits_in_words(limits: &[(String, Saturation)]) -> Vec<String> {
 }
 
 /// Four decimals as in the paper's Table 2, without a sign on what rounds to zero.
-pub fn four_decimals(x: f64) -> String {
+pub(super) fn four_decimals(x: f64) -> String {
     let text = format!("{x:.4}");
     if text == "-0.0000" { "0.0000".into() } else { text }
 }

@@ -8,6 +8,7 @@
 use crate::error::{Error, finite, positive};
 use crate::linear::Response;
 use crate::program::Block;
+use crate::record::Record;
 use crate::system::System;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -76,7 +77,7 @@ impl Fir {
     /// # Errors
     /// Refuses another sampling period.
     pub fn then(&self, next: &Fir) -> Result<Fir, Error> {
-        crate::record::same_sampling("the first filter", self.ts, "the next", next.ts)?;
+        Record::same_sampling("the first filter", self.ts, "the next", next.ts)?;
         let mut taps = vec![0.0; self.taps.len() + next.taps.len() - 1];
         for (i, f) in self.taps.iter().enumerate() {
             next.taps.iter().zip(&mut taps[i..]).for_each(|(g, tap)| *tap += f * g);

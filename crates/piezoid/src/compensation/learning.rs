@@ -67,61 +67,63 @@ pub struct Learned {
     pub rms: Vec<f64>,
 }
 
-/// Learns the voltage for one period of a reference `r` [output unit], beginning with the feed-forward `inverse`. `plant` is
-/// given one period of the voltage and answers with one period of the displacement, both repeated until they repeat. Trials
-/// after the first are clipped to the limits.
-///
-/// ```
-/// use piezoid::compensation::{FeedForward, How, Learning, learn};
-/// use piezoid::{Model, System, hysteresis::operator, linear::Arx};
-/// use std::sync::Arc;
-/// let with_gain = |k: f64| Model::new((operator("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
-/// let (model, actuator) = (with_gain(10.0)?, with_gain(13.0)?);
-/// let r: Vec<f64> = (0..50).map(|t| 300.0 * (std::f64::consts::TAU * 0.02 * f64::from(t)).sin()).collect();
-/// let mut plant = |u: &[f64]| actuator.simulate(&[u, u, u].concat())[100..].to_vec();
-/// let learned = learn(&mut plant, &FeedForward::new(&model, How::default())?, &r, Learning::default())?;
-/// assert!(learned.rms[0] > 50.0 && learned.rms[10] < 0.01);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`FeedForward::whole`]; settings that make no sense; answers of another length or that are not finite.
-pub fn learn(
-    plant: &mut dyn FnMut(&[f64]) -> Vec<f64>,
-    inverse: &FeedForward,
-    r: &[f64],
-    how: Learning,
-) -> Result<Learned, Error> {
-    finite("reference", r)?;
-    if r.is_empty() || how.trials == 0 {
-        return Err(Error::parameter("trials", how.trials, "must be at least 1, of a reference with samples"));
-    }
-    if !(how.gain > 0.0 && how.gain <= 1.0) {
-        return Err(Error::parameter("gain", how.gain, "must be above 0, and 1 at most"));
-    }
-    // Creep repeats with the rest: what it adds is learnt.
-    let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
-    let mut inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
-    let wanted: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
-    let mut harmonics = Harmonics::new(&inverse, &wanted, how)?;
-    let mut best: Option<Trial> = None;
-    let mut rms: Vec<f64> = Vec::new();
-    for _ in 0..how.trials {
-        let u = inverse.period(&harmonics.whole(), r)?;
-        inverse.how.clip = true;
-        let y = plant(&u);
-        if y.len() != r.len() {
-            let (left, right) = ("the answer of the plant".into(), "the reference".into());
-            return Err(Error::Lengths { left, left_len: y.len(), right, right_len: r.len() });
+impl Learning {
+    /// Learns the voltage for one period of a reference `r` [output unit], beginning with the feed-forward `inverse`. `plant` is
+    /// given one period of the voltage and answers with one period of the displacement, both repeated until they repeat. Trials
+    /// after the first are clipped to the limits.
+    ///
+    /// ```
+    /// use piezoid::compensation::{FeedForward, How, Learning};
+    /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
+    /// use std::sync::Arc;
+    /// let with_gain = |k: f64| Model::new((Operator::find("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
+    /// let (model, actuator) = (with_gain(10.0)?, with_gain(13.0)?);
+    /// let r: Vec<f64> = (0..50).map(|t| 300.0 * (std::f64::consts::TAU * 0.02 * f64::from(t)).sin()).collect();
+    /// let mut plant = |u: &[f64]| actuator.simulate(&[u, u, u].concat())[100..].to_vec();
+    /// let learned = Learning::default().run(&mut plant, &FeedForward::new(&model, How::default())?, &r)?;
+    /// assert!(learned.rms[0] > 50.0 && learned.rms[10] < 0.01);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`FeedForward::whole`]; settings that make no sense; answers of another length or that are not finite.
+    pub fn run(
+        &self,
+        plant: &mut dyn FnMut(&[f64]) -> Vec<f64>,
+        inverse: &FeedForward,
+        r: &[f64],
+    ) -> Result<Learned, Error> {
+        finite("reference", r)?;
+        if r.is_empty() || self.trials == 0 {
+            return Err(Error::parameter("trials", self.trials, "must be at least 1, of a reference with samples"));
         }
-        finite("the answer of the plant", &y)?;
-        let left = super::off(r, &y);
-        rms.push(left);
-        harmonics.correct(&r.iter().zip(&y).map(|(r, y)| r - y).collect::<Vec<_>>());
-        best = best.filter(|best| best.left <= left).or(Some(Trial { u, y, left }));
+        if !(self.gain > 0.0 && self.gain <= 1.0) {
+            return Err(Error::parameter("gain", self.gain, "must be above 0, and 1 at most"));
+        }
+        // Creep repeats with the rest: what it adds is learnt.
+        let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
+        let mut inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
+        let wanted: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
+        let mut harmonics = Harmonics::new(&inverse, &wanted, *self)?;
+        let mut best: Option<Trial> = None;
+        let mut rms: Vec<f64> = Vec::new();
+        for _ in 0..self.trials {
+            let u = inverse.period(&harmonics.whole(), r)?;
+            inverse.how.clip = true;
+            let y = plant(&u);
+            if y.len() != r.len() {
+                let (left, right) = ("the answer of the plant".into(), "the reference".into());
+                return Err(Error::Lengths { left, left_len: y.len(), right, right_len: r.len() });
+            }
+            finite("the answer of the plant", &y)?;
+            let left = super::off(r, &y);
+            rms.push(left);
+            harmonics.correct(&r.iter().zip(&y).map(|(r, y)| r - y).collect::<Vec<_>>());
+            best = best.filter(|best| best.left <= left).or(Some(Trial { u, y, left }));
+        }
+        let (u, y) = best.map(|best| (best.u, best.y)).unwrap_or_default();
+        Ok(Learned { u, y, rms })
     }
-    let (u, y) = best.map(|best| (best.u, best.y)).unwrap_or_default();
-    Ok(Learned { u, y, rms })
 }
 
 /// One period of a trial, and the rms of what it left.

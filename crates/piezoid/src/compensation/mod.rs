@@ -20,15 +20,14 @@ mod sample;
 pub mod shaping;
 
 pub use fir::Fir;
-pub use learning::{Learned, Learning, learn};
-pub use preview::{Design, Preview};
+pub use learning::{Learned, Learning};
+pub use preview::FirDesign;
+pub(crate) use preview::Preview;
 pub use sample::Causal;
-pub use sample::LATEST;
 
 use crate::error::{Error, finite};
 use crate::excitation::{Limits, Usage};
 use crate::hammerstein::{Domain, Model};
-use crate::hysteresis::falls;
 use crate::number::{round, short};
 use crate::series::ends;
 use crate::system::System;
@@ -50,7 +49,7 @@ pub struct How {
     /// actuator only where the model is right at high frequencies too, since that is where corrections go.
     pub sweeps: usize,
     /// How the linear block is inverted; if not given, for whole records, looking further ahead by as much as the block is late.
-    pub preview: Option<Design>,
+    pub preview: Option<FirDesign>,
 }
 
 impl How {
@@ -116,9 +115,9 @@ impl Model {
 ///
 /// ```
 /// use piezoid::compensation::{FeedForward, How};
-/// use piezoid::{Model, System, hysteresis::operator, linear::Arx};
+/// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-/// let model = Model::new((operator("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
+/// let model = Model::new((Operator::find("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
 /// let made = FeedForward::new(&model, How::default())?.whole(&r)?;
 /// let y = model.resume(&mut model.settled(made.u[0]), &made.u);
@@ -154,7 +153,8 @@ impl FeedForward {
             return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of limits,".into() });
         }
         let late = model.linear().delay();
-        let whole = Design { ahead: Design::WHOLE.ahead + late, taps: Design::WHOLE.taps + late, ..Design::WHOLE };
+        let whole =
+            FirDesign { ahead: FirDesign::WHOLE.ahead + late, taps: FirDesign::WHOLE.taps + late, ..FirDesign::WHOLE };
         let preview = Preview::new(model.linear(), how.preview.unwrap_or(whole))?;
         let ends = how.ends(model)?;
         let [low, high] = [ends.0, ends.1].map(|u| model.settled_crept(u));
@@ -168,7 +168,7 @@ impl FeedForward {
             return Err(Error::Unsuited { what: "inverse of its hysteresis".into(), because });
         }
         let step = how.limits.fastest() * model.ts();
-        let notes = falls(model.hysteresis(), ends.0, ends.1).map(|u| {
+        let notes = model.hysteresis().falls(ends.0, ends.1).map(|u| {
             let u = round(u);
             format!("the hysteresis block falls with its input near {u}: of several inputs one is taken")
         });

@@ -28,7 +28,7 @@ const MOST: usize = 1024;
 
 /// How the inverse is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Design {
+pub struct FirDesign {
     /// Samples that it looks ahead.
     pub ahead: usize,
     /// Taps in all.
@@ -39,22 +39,22 @@ pub struct Design {
     pub effort: f64,
 }
 
-impl Design {
+impl FirDesign {
     /// For whole records.
-    pub const WHOLE: Design = Design { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
+    pub const WHOLE: FirDesign = FirDesign { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
 
     /// Sample by sample, with a delay of `ahead` samples.
     pub fn late(ahead: usize) -> Self {
-        Design { ahead, taps: 48 + 2 * ahead, ..Design::WHOLE }
+        FirDesign { ahead, taps: 48 + 2 * ahead, ..FirDesign::WHOLE }
     }
 }
 
 /// The inverse of a linear block, and the block.
 ///
 /// ```
-/// use piezoid::{compensation::{Design, Preview}, linear::Arx};
+/// use piezoid::{compensation::{FirDesign, Preview}, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.1, 0.09])?; // the input acts a sample late
-/// let inverse = Preview::new(&block, Design::WHOLE)?;
+/// let inverse = Preview::new(&block, FirDesign::WHOLE)?;
 /// assert!(inverse.error(0.0) < 1e-12 && inverse.error(100.0) < 1e-4);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -69,8 +69,8 @@ impl Preview {
     ///
     /// # Errors
     /// [`Error::NoInverse`] of a block that is unstable or without a gain at 0 Hz; and settings that make no sense.
-    pub fn new(block: &Arx, design: Design) -> Result<Self, Error> {
-        let Design { ahead, taps, corner, effort } = design;
+    pub fn new(block: &Arx, design: FirDesign) -> Result<Self, Error> {
+        let FirDesign { ahead, taps, corner, effort } = design;
         if !(1..=MOST).contains(&taps) || taps <= ahead {
             return Err(Error::parameter("taps", taps, format!("must be from {} to {MOST}", ahead.saturating_add(1))));
         }
@@ -156,7 +156,7 @@ mod tests {
     fn a_gain_however_late_has_an_exact_inverse_of_one_tap() {
         for (late, ahead) in [(0, 0), (0, 3), (2, 3)] {
             let block = Arx::new(1e-3, Vec::new(), [vec![0.0; late], vec![4.0]].concat()).unwrap();
-            let fir = Preview::new(&block, Design::late(ahead)).unwrap().fir().clone();
+            let fir = Preview::new(&block, FirDesign::late(ahead)).unwrap().fir().clone();
             assert_eq!((fir.taps().len(), fir.ahead()), (ahead - late + 1, ahead));
             let x = fir.whole(&[1.0, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0]);
             assert_eq!(block.resume(&mut block.settled(x[0]), &x)[late..4], [1.0, 2.0, 5.0, 5.0][late..]);
@@ -167,7 +167,7 @@ mod tests {
     fn block_after_inverse_is_what_was_wanted_at_low_frequencies_and_exactly_at_rest() {
         let block = beam();
         assert!(block.zeros().iter().any(|z| z.modulus() > 1.5) && block.zeros().iter().any(|z| z.re < -0.9));
-        let inverse = Preview::new(&block, Design::WHOLE).unwrap();
+        let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
         let r: Vec<f64> = (0..800).map(|t| 5.0 + (0.06 * f64::from(t)).sin().powi(3)).collect();
         let x = inverse.fir().whole(&r);
         let y = block.resume(&mut block.settled(x[0]), &x);
@@ -181,7 +181,7 @@ mod tests {
         // A zero on the unit circle at half the sampling rate: no exact inverse.
         let block = Arx::new(5e-4, vec![0.8], vec![0.1, 0.1]).unwrap();
         assert!(block.invert_whole(&[1.0, 2.0]).is_err());
-        let inverse = Preview::new(&block, Design::WHOLE).unwrap();
+        let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
         assert!(inverse.error(100.0) < 1e-3 && inverse.fir().noise_gain() * block.dc_gain() < 20.0);
         let taps = inverse.fir().taps();
         let largest = taps.iter().fold(0.0f64, |m, f| m.max(f.abs()));
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn the_more_it_may_look_ahead_the_better_it_is() {
-        let error = |ahead| Preview::new(&beam(), Design::late(ahead)).unwrap().error(40.0);
+        let error = |ahead| Preview::new(&beam(), FirDesign::late(ahead)).unwrap().error(40.0);
         let errors = [1, 2, 4, 8, 16].map(error);
         assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
     }
@@ -198,12 +198,12 @@ mod tests {
     #[test]
     fn a_block_that_holds_no_displacement_has_no_inverse() {
         let refused = |a: Vec<f64>, b: Vec<f64>| {
-            Preview::new(&Arx::new(1.0, a, b).unwrap(), Design::WHOLE).unwrap_err().to_string()
+            Preview::new(&Arx::new(1.0, a, b).unwrap(), FirDesign::WHOLE).unwrap_err().to_string()
         };
         assert!(refused(vec![1.0], vec![1.0]).contains("no bounded inverse"));
         assert!(refused(vec![], vec![1.0, -1.0]).contains("gain at 0 Hz is 0"));
         assert!(refused(vec![1.1], vec![1.0]).contains("unstable"));
-        let none = Design { taps: 3, ahead: 3, ..Design::WHOLE };
+        let none = FirDesign { taps: 3, ahead: 3, ..FirDesign::WHOLE };
         assert!(Preview::new(&beam(), none).unwrap_err().to_string().starts_with("taps = 3: must be from 4"));
     }
 }

@@ -78,7 +78,7 @@ mod tests {
     use super::*;
     use crate::compensation::How;
     use crate::creep::Creep;
-    use crate::driver::{Driver, SUBSTEPS};
+    use crate::driver::DriverModel;
     use crate::excitation::Limits;
     use crate::hammerstein::Model;
     use crate::hysteresis::OPERATORS;
@@ -91,9 +91,9 @@ mod tests {
         let slewing = Limits { slew: Some(4000.0), ..limits };
         for o in OPERATORS {
             for (driver, limits) in
-                [(None, limits), (None, slewing), (Some(Driver::new(1e-4, Some(2e4)).unwrap()), limits)]
+                [(None, limits), (None, slewing), (Some(DriverModel::new(1e-4, Some(2e4)).unwrap()), limits)]
             {
-                let ts = if driver.is_some() { 5e-4 / SUBSTEPS as f64 } else { 5e-4 };
+                let ts = if driver.is_some() { 5e-4 / DriverModel::SUBSTEPS as f64 } else { 5e-4 };
                 let block = if limits == slewing {
                     Arx::gain(5e-4, 40.0)
                 } else {

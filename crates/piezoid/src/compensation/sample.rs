@@ -8,7 +8,7 @@
 //! before. A step allocates nothing for states of up to 256 numbers and takes as many operations every time, but for the
 //! trials of the hysteresis, of which there are 120 at most.
 
-use super::{Design, FeedForward, How, Preview};
+use super::{FeedForward, FirDesign, How, Preview};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::system::System;
@@ -19,9 +19,9 @@ use crate::system::System;
 ///
 /// ```
 /// use piezoid::compensation::{Causal, How};
-/// use piezoid::{Model, System, hysteresis::operator, linear::Arx};
+/// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-/// let model = Model::new((operator("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
+/// let model = Model::new((Operator::find("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
 /// let late = Causal::new(&model, How::default(), 4)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
 /// let u = late.resume(&mut late.settled(0.0), &r);
@@ -35,22 +35,22 @@ pub struct Causal {
     pub(super) inverse: FeedForward,
 }
 
-/// The latest: with it the filter has as many taps as can be solved for.
-pub const LATEST: usize = 488;
-
 /// Numbers of the state before the references.
 const BEFORE: usize = 1;
 
 impl Causal {
+    /// The latest: with it the filter has as many taps as can be solved for.
+    pub const LATEST: usize = 488;
+
     /// The inverse of `model` that is `late` samples late; settings of `how` for whole records do not count.
     ///
     /// # Errors
     /// As [`FeedForward::new`].
     pub fn new(model: &Model, how: How, late: usize) -> Result<Self, Error> {
-        if late > LATEST {
-            return Err(Error::parameter("late", late, format!("must be at most {LATEST} samples")));
+        if late > Causal::LATEST {
+            return Err(Error::parameter("late", late, format!("must be at most {} samples", Causal::LATEST)));
         }
-        let how = How { clip: true, preview: Some(Design::late(late)), ..how };
+        let how = How { clip: true, preview: Some(FirDesign::late(late)), ..how };
         Ok(Causal { inverse: FeedForward::new(model, how)? })
     }
 

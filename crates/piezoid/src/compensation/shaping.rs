@@ -23,7 +23,7 @@ use std::f64::consts::{PI, TAU};
 
 /// How a reference is shaped: smoothed first, then kept from making a model's resonance ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Shape {
+pub struct Shaping {
     /// Minimum-jerk moves of this length from steps and corners [s].
     pub smooth: Option<f64>,
     /// ZVD of the resonance.
@@ -35,15 +35,15 @@ pub struct Shape {
 /// Width of that notch as a share of its frequency.
 const NOTCH: f64 = 0.2;
 
-impl Shape {
+impl Shaping {
     /// The reference `r` for `model`, shaped.
     ///
     /// # Errors
-    /// What [`smooth`], [`zvd`] and [`notch`] refuse, and shaping for a resonance that the model does not have.
+    /// What [`Fir::smooth`], [`Fir::zvd`] and [`Arx::notch`] refuse, and shaping for a resonance that the model does not have.
     pub fn of(&self, model: &Model, mut r: Vec<f64>) -> Result<Vec<f64>, Error> {
         let ts = model.ts();
         if let Some(seconds) = self.smooth {
-            r = smooth(ts, seconds)?.whole(&r);
+            r = Fir::smooth(ts, seconds)?.whole(&r);
         }
         if !self.zvd && !self.notch {
             return Ok(r);
@@ -54,10 +54,10 @@ impl Shape {
         };
         let mode = model.linear().resonance().ok_or_else(none)?;
         if self.zvd {
-            r = zvd(ts, mode.hz, mode.damping)?.whole(&r);
+            r = Fir::zvd(ts, mode.hz, mode.damping)?.whole(&r);
         }
         if let (true, Some(first)) = (self.notch, r.first().copied()) {
-            let notch = notch(ts, mode.hz, NOTCH * mode.hz)?;
+            let notch = Arx::notch(ts, mode.hz, NOTCH * mode.hz)?;
             r = notch.resume(&mut notch.settled(first), &r);
         }
         Ok(r)
@@ -67,78 +67,83 @@ impl Shape {
 /// The longest shaper [samples].
 const LONGEST: f64 = 1e5;
 
-/// A mean over `seconds` under a minimum-jerk bell, centred: a step becomes a minimum-jerk move.
-///
-/// ```
-/// use piezoid::compensation::shaping;
-/// let smooth = shaping::smooth(1e-3, 0.01)?;
-/// let moved = smooth.whole(&[vec![0.0; 20], vec![1.0; 20]].concat());
-/// assert!((moved[19] + moved[20] - 1.0).abs() < 1e-12 && moved[0] == 0.0 && moved[39] > 1.0 - 1e-12);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// Refuses a `ts` [s] or length that is not positive, and more than 100000 samples.
-pub fn smooth(ts: f64, seconds: f64) -> Result<Fir, Error> {
-    positive("ts", ts, "seconds")?;
-    positive("smooth", seconds, "seconds")?;
-    // An odd number has a middle.
-    let half = (0.5 * seconds / ts).round();
-    if half > LONGEST {
-        return Err(Error::parameter("smooth", seconds, format!("must be at most {LONGEST} samples of {ts} s")));
+impl Fir {
+    /// A mean over `seconds` under a minimum-jerk bell, centred: a step becomes a minimum-jerk move.
+    ///
+    /// ```
+    /// use piezoid::compensation::Fir;
+    /// let smooth = Fir::smooth(1e-3, 0.01)?;
+    /// let moved = smooth.whole(&[vec![0.0; 20], vec![1.0; 20]].concat());
+    /// assert!((moved[19] + moved[20] - 1.0).abs() < 1e-12 && moved[0] == 0.0 && moved[39] > 1.0 - 1e-12);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses a `ts` [s] or length that is not positive, and more than 100000 samples.
+    pub fn smooth(ts: f64, seconds: f64) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        positive("smooth", seconds, "seconds")?;
+        // An odd number has a middle.
+        let half = (0.5 * seconds / ts).round();
+        if half > LONGEST {
+            return Err(Error::parameter("smooth", seconds, format!("must be at most {LONGEST} samples of {ts} s")));
+        }
+        let half = half as usize;
+        let bell = |k: usize| {
+            let s = (k + 1) as f64 / (2 * half + 2) as f64;
+            (s * (1.0 - s)).powi(2)
+        };
+        let weights: Vec<f64> = (0..=2 * half).map(bell).collect();
+        let sum: f64 = weights.iter().sum();
+        Fir::new(ts, weights.iter().map(|w| w / sum).collect(), half)
     }
-    let half = half as usize;
-    let bell = |k: usize| {
-        let s = (k + 1) as f64 / (2 * half + 2) as f64;
-        (s * (1.0 - s)).powi(2)
-    };
-    let weights: Vec<f64> = (0..=2 * half).map(bell).collect();
-    let sum: f64 = weights.iter().sum();
-    Fir::new(ts, weights.iter().map(|w| w / sum).collect(), half)
-}
 
-/// The zero-vibration shaper of a mode of natural frequency `hz` [Hz] and `damping` ratio.
-///
-/// # Errors
-/// Refuses a frequency that is not below half the sampling rate and a damping that is not from 0 to below 1.
-pub fn zv(ts: f64, hz: f64, damping: f64) -> Result<Fir, Error> {
-    let (decay, turn) = mode(ts, hz, damping)?;
-    let n = (PI / turn).floor();
-    if n > LONGEST {
-        return Err(Error::parameter("hz", hz, format!("must have a half period of at most {LONGEST} samples")));
+    /// The zero-vibration shaper of a mode of natural frequency `hz` [Hz] and `damping` ratio.
+    ///
+    /// # Errors
+    /// Refuses a frequency that is not below half the sampling rate and a damping that is not from 0 to below 1.
+    pub fn zv(ts: f64, hz: f64, damping: f64) -> Result<Self, Error> {
+        let (decay, turn) = mode(ts, hz, damping)?;
+        let n = (PI / turn).floor();
+        if n > LONGEST {
+            return Err(Error::parameter("hz", hz, format!("must have a half period of at most {LONGEST} samples")));
+        }
+        // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i turn): its imaginary part gives A_1 / A_2.
+        let (a, b) = ((n * turn).sin() * (n * decay).exp(), ((n + 1.0) * turn).sin() * ((n + 1.0) * decay).exp());
+        let (one, two) = (-b, a);
+        let real =
+            one * (n * turn).cos() * (n * decay).exp() + two * ((n + 1.0) * turn).cos() * ((n + 1.0) * decay).exp();
+        let sum = one + two - real;
+        let mut taps = vec![0.0; n as usize + 2];
+        taps[0] += -real / sum;
+        taps[n as usize] += one / sum;
+        taps[n as usize + 1] += two / sum;
+        Fir::new(ts, taps, (n as usize).div_ceil(2))
     }
-    // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i turn): its imaginary part gives A_1 / A_2.
-    let (a, b) = ((n * turn).sin() * (n * decay).exp(), ((n + 1.0) * turn).sin() * ((n + 1.0) * decay).exp());
-    let (one, two) = (-b, a);
-    let real = one * (n * turn).cos() * (n * decay).exp() + two * ((n + 1.0) * turn).cos() * ((n + 1.0) * decay).exp();
-    let sum = one + two - real;
-    let mut taps = vec![0.0; n as usize + 2];
-    taps[0] += -real / sum;
-    taps[n as usize] += one / sum;
-    taps[n as usize + 1] += two / sum;
-    Fir::new(ts, taps, (n as usize).div_ceil(2))
+
+    /// The zero-vibration-and-derivative shaper of a mode: longer, and forgiving where the mode is a little off.
+    ///
+    /// # Errors
+    /// As [`Fir::zv`].
+    pub fn zvd(ts: f64, hz: f64, damping: f64) -> Result<Self, Error> {
+        let zv = Fir::zv(ts, hz, damping)?;
+        zv.then(&zv)
+    }
 }
 
-/// The zero-vibration-and-derivative shaper of a mode: longer, and forgiving where the mode is a little off.
-///
-/// # Errors
-/// As [`zv`].
-pub fn zvd(ts: f64, hz: f64, damping: f64) -> Result<Fir, Error> {
-    let zv = zv(ts, hz, damping)?;
-    zv.then(&zv)
-}
-
-/// A notch at `hz` [Hz] that is `width` [Hz] wide between its points of -3 dB.
-///
-/// # Errors
-/// Refuses frequencies that are not positive or not below half the sampling rate.
-pub fn notch(ts: f64, hz: f64, width: f64) -> Result<Arx, Error> {
-    let (_, turn) = mode(ts, hz, 0.0)?;
-    positive("width", width, "hertz")?;
-    // The bilinear notch: tan of half the width gives the poles.
-    let t = (PI * width * ts).min(0.49 * PI).tan();
-    let (c, k) = (turn.cos(), 1.0 / (1.0 + t));
-    Arx::new(ts, vec![2.0 * c * k, -(1.0 - t) * k], vec![k, -2.0 * c * k, k])
+impl Arx {
+    /// A notch at `hz` [Hz] that is `width` [Hz] wide between its points of -3 dB.
+    ///
+    /// # Errors
+    /// Refuses frequencies that are not positive or not below half the sampling rate.
+    pub fn notch(ts: f64, hz: f64, width: f64) -> Result<Self, Error> {
+        let (_, turn) = mode(ts, hz, 0.0)?;
+        positive("width", width, "hertz")?;
+        // The bilinear notch: tan of half the width gives the poles.
+        let t = (PI * width * ts).min(0.49 * PI).tan();
+        let (c, k) = (turn.cos(), 1.0 / (1.0 + t));
+        Arx::new(ts, vec![2.0 * c * k, -(1.0 - t) * k], vec![k, -2.0 * c * k, k])
+    }
 }
 
 /// Decay and turn [rad] of a mode in a sample.
@@ -181,7 +186,7 @@ mod tests {
     #[test]
     fn a_shaped_step_does_not_ring_at_all_and_zvd_hardly_where_the_mode_is_off() {
         for (hz, damping) in [(156.7, 0.006), (146.7, 0.061), (40.0, 0.0), (20.0, 0.3), (700.0, 0.02)] {
-            let (zv, zvd) = (zv(TS, hz, damping).unwrap(), zvd(TS, hz, damping).unwrap());
+            let (zv, zvd) = (Fir::zv(TS, hz, damping).unwrap(), Fir::zvd(TS, hz, damping).unwrap());
             let exact = oscillator(hz, damping);
             assert!(rings(&zv, &exact) < 1e-9 && rings(&zvd, &exact) < 1e-9, "{hz}");
             assert!(zv.taps().iter().all(|f| *f >= 0.0));
@@ -193,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_notch_stops_its_frequency_and_passes_others() {
-        let notch = notch(TS, 160.0, 20.0).unwrap();
+        let notch = Arx::notch(TS, 160.0, 20.0).unwrap();
         assert!(notch.response(160.0).gain < 1e-9);
         let at = |hz| notch.response(hz).gain;
         assert_close(&[at(0.0), at(1.0), at(999.0)], &[1.0; 3], 0.0, 1e-3);
@@ -202,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_smoothed_step_has_no_corner_and_stays_where_it_was() {
-        let bell = smooth(TS, 0.02).unwrap();
+        let bell = Fir::smooth(TS, 0.02).unwrap();
         assert_eq!((bell.taps().len(), bell.ahead()), (41, 20));
         let step: Vec<f64> = (0..200).map(|t| f64::from(u8::from(t >= 100))).collect();
         let moved = bell.whole(&step);
@@ -214,8 +219,8 @@ mod tests {
 
     #[test]
     fn modes_that_cannot_be_are_refused() {
-        assert!(zv(TS, 1000.0, 0.1).unwrap_err().to_string().starts_with("hz = 1000"));
-        assert!(zvd(TS, 100.0, 1.0).unwrap_err().to_string().starts_with("damping = 1"));
-        assert!(smooth(TS, 0.0).is_err() && notch(TS, 100.0, 0.0).is_err() && smooth(TS, 1e9).is_err());
+        assert!(Fir::zv(TS, 1000.0, 0.1).unwrap_err().to_string().starts_with("hz = 1000"));
+        assert!(Fir::zvd(TS, 100.0, 1.0).unwrap_err().to_string().starts_with("damping = 1"));
+        assert!(Fir::smooth(TS, 0.0).is_err() && Arx::notch(TS, 100.0, 0.0).is_err() && Fir::smooth(TS, 1e9).is_err());
     }
 }

@@ -1,10 +1,10 @@
 use super::*;
 use crate::creep::Creep;
-use crate::driver::{Driver, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::excitation::{Prbs, RisingSine, Triangle};
 use crate::hysteresis::OPERATORS;
 use crate::linear::Arx;
-use crate::plant::{Plant, find};
+use crate::plant::{Plant, Preset};
 use crate::record::{Record, Units};
 use crate::testing::assert_close;
 use crate::{IdentifyOptions, Records, identify};
@@ -14,9 +14,9 @@ use std::sync::Arc;
 const TS: f64 = 5e-4;
 
 /// A beam behind an operator with creep, and behind a driver or none; +-30 V hold about +-1 mm.
-fn model(operator: &str, driver: Option<Driver>) -> Model {
-    let ts = TS / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
-    let hysteresis = (crate::hysteresis::operator(operator).unwrap().example)(ts).unwrap();
+fn model(operator: &str, driver: Option<DriverModel>) -> Model {
+    let ts = TS / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
+    let hysteresis = (crate::hysteresis::Operator::find(operator).unwrap().example)(ts).unwrap();
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.5, 3.2]).unwrap();
     let creep = Creep::logarithmic(TS, 0.01, 0.05, 5.0).unwrap();
     Model::driven(driver, hysteresis, block, 5.0).unwrap().with_creep(creep).unwrap()
@@ -36,7 +36,7 @@ fn rms(r: &[f64], y: &[f64]) -> f64 {
 #[test]
 fn the_free_run_of_a_model_meets_the_reference_for_every_operator_without_jumps_and_behind_a_driver() {
     for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
-        for driver in [None, Some(Driver::new(1e-4, Some(6e4)).unwrap())] {
+        for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {
             let model = model(o.name, driver);
             let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
             let inverse = FeedForward::new(&model, How { limits, ..How::default() }).unwrap();
@@ -66,7 +66,7 @@ fn where_the_hysteresis_jumps_past_what_is_wanted_the_nearest_is_taken_and_told(
 #[test]
 fn a_block_that_is_very_late_is_looked_ahead_of_by_as_much() {
     let late = |delay: usize| {
-        let plays = (crate::hysteresis::operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let plays = (crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
         let b = [vec![0.0; delay], vec![3.5, 3.2]].concat();
         let model = Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], b).unwrap(), 0.0).unwrap();
         let r = sine(0.0, 300.0, 10.0, 1200);
@@ -107,7 +107,7 @@ fn a_reference_that_starts_off_too_fast_is_told_to_stand_first() {
 fn sweeps_bring_the_free_run_closer_and_say_so() {
     let model = model("preisach", None);
     let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
-    let smooth = shaping::smooth(TS, 0.004).unwrap().whole(&r);
+    let smooth = Fir::smooth(TS, 0.004).unwrap().whole(&r);
     let left = |sweeps| {
         let how = How { sweeps, clip: true, ..How::default() };
         let made = FeedForward::new(&model, how).unwrap().whole(&smooth).unwrap();
@@ -168,7 +168,7 @@ fn references_and_models_that_make_no_sense_are_refused() {
 
 #[test]
 fn sample_by_sample_it_follows_late_by_what_it_says() {
-    let model = model("generalised-prandtl-ishlinskii", Some(Driver::new(1e-4, None).unwrap()));
+    let model = model("generalised-prandtl-ishlinskii", Some(DriverModel::new(1e-4, None).unwrap()));
     let (low, high) = FeedForward::new(&model, How::default()).unwrap().reach();
     let r = sine(0.5 * (low + high), 0.25 * (high - low), 10.0, 1200);
     for late in [1, 4, 16] {
@@ -205,7 +205,7 @@ fn causal_rest(model: &Model) -> f64 {
 
 /// The twin of a bender and a model identified on records of it.
 fn identified() -> (Plant, Model) {
-    let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap();
+    let plant = Plant::named("pl140", TS).unwrap();
     let record = |u: Vec<f64>| {
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
@@ -243,7 +243,7 @@ fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
             let last = (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
             last.iter().map(|y| 1e6 * y).collect()
         };
-        let learned = learn(&mut trial, &inverse, &period, Learning::default()).unwrap();
+        let learned = Learning::default().run(&mut trial, &inverse, &period).unwrap();
         let best = rms(&period, &learned.y);
         assert!(best < most && best < 0.5 * learned.rms[0], "{:?}", learned.rms);
     }
@@ -258,7 +258,7 @@ fn a_resonance_that_lies_elsewhere_is_learnt_from_what_it_did() {
         let b = 30.0 * (1.0 - a.iter().sum::<f64>());
         Arx::new(5e-4, a, vec![0.0, b]).unwrap()
     };
-    let plays = (crate::hysteresis::operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+    let plays = (crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
     let of = |hz| Model::new(plays.clone(), beam(hz), 0.0).unwrap();
     let inverse = FeedForward::new(&of(166.0), How::default()).unwrap();
     let r = Triangle { amplitude: 300.0, frequency: 20.0, ..Triangle::default() }.samples(5e-4, 100).unwrap();
@@ -267,7 +267,7 @@ fn a_resonance_that_lies_elsewhere_is_learnt_from_what_it_did() {
         (0..8).for_each(|_| drop(truth.resume(&mut x, u)));
         truth.resume(&mut x, u)
     };
-    let learned = learn(&mut trial, &inverse, &r, Learning { trials: 31, ..Learning::default() }).unwrap();
+    let learned = (Learning { trials: 31, ..Learning::default() }).run(&mut trial, &inverse, &r).unwrap();
     let least = learned.rms.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(least < 0.05 * learned.rms[0], "{:?}", learned.rms);
 }
@@ -277,7 +277,7 @@ fn learning_refuses_what_is_no_answer_and_takes_back_what_made_it_worse() {
     let model = model("prandtl-ishlinskii", None);
     let inverse = FeedForward::new(&model, How::default()).unwrap();
     let r: Vec<f64> = (0..100).map(|t| 500.0 * (TAU * f64::from(t) / 100.0).sin()).collect();
-    let learnt = |plant: &mut dyn FnMut(&[f64]) -> Vec<f64>| learn(plant, &inverse, &r, Learning::default());
+    let learnt = |plant: &mut dyn FnMut(&[f64]) -> Vec<f64>| Learning::default().run(plant, &inverse, &r);
     assert!(learnt(&mut |_| vec![0.0; 3]).unwrap_err().to_string().contains("has 3 samples"));
     assert!(learnt(&mut |_| vec![f64::NAN; 100]).unwrap_err().to_string().contains("NaN"));
     // An actuator that goes the other way: every correction makes it worse.
@@ -285,5 +285,5 @@ fn learning_refuses_what_is_no_answer_and_takes_back_what_made_it_worse() {
     let best = first.rms.iter().copied().fold(f64::INFINITY, f64::min);
     assert_close(&[rms(&r, &first.y)], &[best], 1e-12, 0.0);
     let none = Learning { gain: 0.0, ..Learning::default() };
-    assert!(learn(&mut |u| u.to_vec(), &inverse, &r, none).unwrap_err().to_string().starts_with("gain = 0"));
+    assert!(none.run(&mut |u| u.to_vec(), &inverse, &r).unwrap_err().to_string().starts_with("gain = 0"));
 }

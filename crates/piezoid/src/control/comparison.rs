@@ -3,10 +3,11 @@
 //! The error is r - y of the reading, noise of the sensor included, and counts from a sample of each reference on: of one that repeats
 //! after a quarter of a second in whole periods, since none begins as it goes on. Percent are of the height of the reference.
 
-use super::{Drive, Fed, Run, Scaled, Spread, Tolerance, Tracking, trials};
+use super::{ClosedLoopRun, Drive, FeedResult, Scaled, Spread, Tolerance, Tracking};
 use crate::error::Error;
 use crate::plant::{Plant, Spec};
 use crate::progress::{Progress, Stage};
+use crate::record::Record;
 use crate::series::ends;
 use crate::system::System;
 use crate::waveform::period;
@@ -18,7 +19,7 @@ const BEGINNING: f64 = 0.25;
 
 /// A reference by name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Wanted {
+pub struct NamedReference {
     /// What it is called.
     pub name: String,
     /// What is wanted [output unit].
@@ -27,12 +28,12 @@ pub struct Wanted {
     pub from: usize,
 }
 
-impl Wanted {
+impl NamedReference {
     /// `r` every `ts` [s], counted after its first periods if it repeats, else from its start.
     pub fn new(name: impl Into<String>, ts: f64, r: Vec<f64>) -> Self {
         let begun = |period: usize| (BEGINNING / ts / period as f64).ceil() as usize * period;
         let from = period(&r).map_or(0, |period| begun(period).min(r.len() / period / 2 * period).max(period));
-        Wanted { name: name.into(), r, from }
+        NamedReference { name: name.into(), r, from }
     }
 
     /// From end to end [output unit].
@@ -46,16 +47,16 @@ impl Wanted {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attempt {
     /// The feed-forward.
-    pub fed: Fed,
+    pub fed: FeedResult,
     /// The run.
-    pub run: Run,
+    pub run: ClosedLoopRun,
     /// How well it tracks.
     pub tracking: Tracking,
 }
 
 /// What one scheme did.
 #[derive(Debug, Clone)]
-pub struct Driven {
+pub struct SchemeResult {
     /// The scheme, ready for more.
     pub drive: Drive,
     /// One a reference; what was refused says why.
@@ -64,7 +65,7 @@ pub struct Driven {
     pub spread: Option<Spread>,
 }
 
-impl Driven {
+impl SchemeResult {
     /// The scheme's name.
     pub fn name(&self) -> String {
         self.drive.scheme.name()
@@ -77,72 +78,78 @@ pub struct Comparison {
     /// Name of the plant.
     pub plant: String,
     /// The references.
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<NamedReference>,
     /// The schemes, in the order given.
-    pub driven: Vec<Driven>,
+    pub driven: Vec<SchemeResult>,
 }
 
-/// Drives the plant of `spec` along every reference by every scheme; with a tolerance also plants drawn about it, along the first.
-///
-/// # Errors
-/// What every scheme refuses of a reference, or of all of them; what one alone refuses is told in its place. Models of different
-/// sampling or units, nothing to compare, and work that is cancelled.
-pub fn compare(
-    (name, spec): (&str, &Spec),
-    drives: Vec<Drive>,
-    wanted: Vec<Wanted>,
-    seed: u64,
-    tolerance: Option<&Tolerance>,
-    progress: &mut Progress,
-) -> Result<Comparison, Error> {
-    let (Some(first), false) = (drives.first(), wanted.is_empty()) else {
-        return Err(Error::parameter("schemes and references", "none", "must be one each at least"));
-    };
-    let (ts, units) = (first.model().ts(), first.model().units());
-    for drive in &drives {
-        crate::record::same_sampling("the first model", ts, "another", drive.model().ts())?;
-        let (found, wanted) = (drive.model().units().y.clone(), units.y.clone());
-        if found != wanted {
-            return Err(Error::Units {
-                what: format!("the output of the model of {}", drive.scheme.name()),
-                found,
-                wanted,
-            });
-        }
-    }
-    if let Some(still) = wanted.iter().find(|wanted| wanted.height() <= 0.0) {
-        return Err(Error::parameter("reference", &still.name, "must move: nothing can be told of one that stands"));
-    }
-    let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
-    let attempt = |drive: &Drive, wanted: &Wanted| -> Result<Attempt, Error> {
-        let fed = drive.feed(&plant, &wanted.r)?;
-        let run = drive.run(&plant, &wanted.r, &fed)?;
-        let tracking = run.tracking(wanted.from, wanted.height());
-        Ok(Attempt { fed, run, tracking })
-    };
-    let mut driven = Vec::with_capacity(drives.len());
-    let total = drives.len();
-    for (done, drive) in drives.into_iter().enumerate() {
-        let what = "schemes";
-        if progress(Stage { what, done, total }).is_break() {
-            return Err(Error::Cancelled { what: what.into(), done, total });
-        }
-        let attempts: Vec<_> = wanted.par_iter().map(|wanted| attempt(&drive, wanted)).collect();
-        let spread = match tolerance {
-            Some(tolerance) if attempts[0].is_ok() => {
-                Some(trials(spec, &drive, &wanted[0].r, wanted[0].from, tolerance, progress)?)
-            }
-            _ => None,
+impl Comparison {
+    /// Drives the plant of `spec` along every reference by every scheme; with a tolerance also plants drawn about it, along the first.
+    ///
+    /// # Errors
+    /// What every scheme refuses of a reference, or of all of them; what one alone refuses is told in its place. Models of different
+    /// sampling or units, nothing to compare, and work that is cancelled.
+    pub fn run(
+        (name, spec): (&str, &Spec),
+        drives: Vec<Drive>,
+        wanted: Vec<NamedReference>,
+        seed: u64,
+        tolerance: Option<&Tolerance>,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let (Some(first), false) = (drives.first(), wanted.is_empty()) else {
+            return Err(Error::parameter("schemes and references", "none", "must be one each at least"));
         };
-        driven.push(Driven { drive, attempts, spread });
+        let (ts, units) = (first.model().ts(), first.model().units());
+        for drive in &drives {
+            Record::same_sampling("the first model", ts, "another", drive.model().ts())?;
+            let (found, wanted) = (drive.model().units().y.clone(), units.y.clone());
+            if found != wanted {
+                return Err(Error::Units {
+                    what: format!("the output of the model of {}", drive.scheme.name()),
+                    found,
+                    wanted,
+                });
+            }
+        }
+        if let Some(still) = wanted.iter().find(|wanted| wanted.height() <= 0.0) {
+            return Err(Error::parameter(
+                "reference",
+                &still.name,
+                "must move: nothing can be told of one that stands",
+            ));
+        }
+        let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
+        let attempt = |drive: &Drive, wanted: &NamedReference| -> Result<Attempt, Error> {
+            let fed = drive.feed(&plant, &wanted.r)?;
+            let run = drive.run(&plant, &wanted.r, &fed)?;
+            let tracking = run.tracking(wanted.from, wanted.height());
+            Ok(Attempt { fed, run, tracking })
+        };
+        let mut driven = Vec::with_capacity(drives.len());
+        let total = drives.len();
+        for (done, drive) in drives.into_iter().enumerate() {
+            let what = "schemes";
+            if progress(Stage { what, done, total }).is_break() {
+                return Err(Error::Cancelled { what: what.into(), done, total });
+            }
+            let attempts: Vec<_> = wanted.par_iter().map(|wanted| attempt(&drive, wanted)).collect();
+            let spread = match tolerance {
+                Some(tolerance) if attempts[0].is_ok() => {
+                    Some(tolerance.trials(spec, &drive, &wanted[0].r, wanted[0].from, progress)?)
+                }
+                _ => None,
+            };
+            driven.push(SchemeResult { drive, attempts, spread });
+        }
+        // A reference that nothing follows is a mistake in it.
+        let refused = |k: &usize| driven.iter().all(|d| d.attempts[*k].is_err());
+        let none = (0..wanted.len()).find(refused);
+        if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
+            return Err(error);
+        }
+        Ok(Comparison { plant: name.into(), wanted, driven })
     }
-    // A reference that nothing follows is a mistake in it.
-    let refused = |k: &usize| driven.iter().all(|d| d.attempts[*k].is_err());
-    let none = (0..wanted.len()).find(refused);
-    if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
-        return Err(error);
-    }
-    Ok(Comparison { plant: name.into(), wanted, driven })
 }
 
 impl Comparison {
@@ -153,7 +160,7 @@ impl Comparison {
 
     /// All figures as one document: `references`, then `schemes`, each with its `margins`, `tracking` a reference, and `tolerance`.
     pub fn to_json(&self) -> Value {
-        let attempt = |wanted: &Wanted, attempt: &Result<Attempt, Error>| match attempt {
+        let attempt = |wanted: &NamedReference, attempt: &Result<Attempt, Error>| match attempt {
             Err(error) => json!({"reference": wanted.name, "refused": error.to_string()}),
             Ok(Attempt { fed, run, tracking }) => json!({
                 "reference": wanted.name,
@@ -167,14 +174,14 @@ impl Comparison {
                 "notes": fed.notes,
             }),
         };
-        let spread = |d: &Driven, spread: &Spread| {
+        let spread = |d: &SchemeResult, spread: &Spread| {
             json!({
                 "draws": spread.trials.len(),
                 "unstable": d.drive.scheme.law.map(|_| spread.unstable()),
                 "percent_of_stroke": spread.trials.iter().map(|t| t.tracking.percent_of_stroke).collect::<Vec<_>>(),
             })
         };
-        let scheme = |d: &Driven| {
+        let scheme = |d: &SchemeResult| {
             json!({
                 "scheme": d.name(),
                 "margins": d.drive.margins(),
@@ -184,7 +191,7 @@ impl Comparison {
             })
         };
         let reference =
-            |w: &Wanted| json!({"name": w.name, "samples": w.r.len(), "from": w.from, "height": w.height()});
+            |w: &NamedReference| json!({"name": w.name, "samples": w.r.len(), "from": w.from, "height": w.height()});
         json!({
             "plant": self.plant,
             "unit": self.unit(),

@@ -14,7 +14,7 @@
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Loop, Now, check, program};
+use super::{ControlLoop, Controller, ControllerInput, Law, check, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -24,15 +24,15 @@ use std::sync::Arc;
 /// The controller. State: that of g F, then of Q, then the last w, newest first [V].
 ///
 /// ```
-/// use piezoid::{Model, control::{Controller, DisturbanceObserver, Loop}, hysteresis::operator, linear::Arx};
-/// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
-/// let path = Loop::of(&Model::new(plays, Arx::new(5e-4, vec![0.5], vec![0.0, 1.0])?, 0.0)?, (-30.0, 30.0))?;
+/// use piezoid::{Model, control::{Controller, DisturbanceObserver, ControlLoop}, hysteresis::Operator, linear::Arx};
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
+/// let path = ControlLoop::of(&Model::new(plays, Arx::new(5e-4, vec![0.5], vec![0.0, 1.0])?, 0.0)?, (-30.0, 30.0))?;
 /// let c = DisturbanceObserver::new(&path, 20.0, 1.0)?;
 /// assert!(c.order() > 0);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct DisturbanceObserver {
+pub(crate) struct DisturbanceObserver {
     inverse: Arx,
     q: Arx,
     delay: usize,
@@ -44,7 +44,7 @@ impl DisturbanceObserver {
     ///
     /// # Errors
     /// Refuses a corner that is not positive, a share that is not finite, and a loop without gain at rest.
-    pub fn new(path: &Loop, corner_hz: f64, share: f64) -> Result<Self, Error> {
+    pub(crate) fn new(path: &ControlLoop, corner_hz: f64, share: f64) -> Result<Self, Error> {
         positive("corner_hz", corner_hz, "Hz")?;
         check(&[("share", share)], path.limits)?;
         let (ts, b) = (path.linear().ts(), path.linear().b());
@@ -67,7 +67,7 @@ impl Controller for DisturbanceObserver {
         self.inverse.order() + self.q.order() + self.delay
     }
 
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         let (low, high) = self.limits;
         let (inverse, rest) = x.split_at_mut(self.inverse.order());
         let (q, past) = rest.split_at_mut(self.q.order());
@@ -125,11 +125,11 @@ pub(super) const ROW: Law = Law {
 mod tests {
     use super::super::margins::tests::path_of;
     use super::*;
-    use crate::control::{Course, run};
+    use crate::control::ClosedLoop;
     use crate::testing::assert_close;
 
-    fn path() -> Loop {
-        Loop { limits: (-1e6, 1e6), ..path_of(lag(5e-4, 160.0, 0.03).unwrap(), (1.0, 1.0)) }
+    fn path() -> ControlLoop {
+        ControlLoop { limits: (-1e6, 1e6), ..path_of(lag(5e-4, 160.0, 0.03).unwrap(), (1.0, 1.0)) }
     }
 
     #[test]
@@ -137,7 +137,8 @@ mod tests {
         let c = DisturbanceObserver::new(&path(), 20.0, 0.8).unwrap();
         let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
         let mut x = c.initial();
-        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, &Now { r: e, ..Now::default() })).collect();
+        let u: Vec<f64> =
+            e.iter().map(|&e| c.step(&mut x, &ControllerInput { r: e, ..ControllerInput::default() })).collect();
         assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-9);
     }
 
@@ -146,7 +147,7 @@ mod tests {
         let path = path();
         let c = DisturbanceObserver::new(&path, 10.0, 1.0).unwrap();
         // A feed-forward that is off by 0.3 V.
-        let y = run(path.linear(), &c, &Course::new(&[1.0; 4000], &[0.7; 4000], path.limits)).unwrap().y;
+        let y = ClosedLoop::new(&[1.0; 4000], &[0.7; 4000], path.limits).run(path.linear(), &c).unwrap().y;
         assert_close(&y[3999..], &[1.0], 0.0, 1e-6);
     }
 }

@@ -10,8 +10,8 @@
 //!
 //! Reference: as the rows. It does not do: references that are made up on the way.
 
-use crate::compensation::{Causal, Design, FeedForward, How, Learning, learn};
-use crate::error::Error;
+use crate::compensation::{Causal, FeedForward, FirDesign, How, Learning};
+use crate::error::{Error, row};
 use crate::hammerstein::Model;
 use crate::series::{mean, scatter};
 use crate::system::System;
@@ -27,11 +27,11 @@ const STRAIGHTENED: usize = 4;
 const SHIFT: usize = 8;
 
 /// How far ahead is as good as all [samples]: what the inverse for whole references looks ahead.
-pub(super) const ALL: usize = Design::WHOLE.ahead;
+pub(super) const ALL: usize = FirDesign::WHOLE.ahead;
 
 /// What a feed-forward is made for.
 #[derive(Debug, Clone, Copy)]
-pub struct Asked<'a> {
+pub struct FeedRequest<'a> {
     /// The model.
     pub model: &'a Model,
     /// Limits and whether to clip.
@@ -46,7 +46,7 @@ pub struct Asked<'a> {
 
 /// A feed-forward, and how it came about.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Fed {
+pub struct FeedResult {
     /// The voltages, one a sample of the reference [V].
     pub u: Vec<f64>,
     /// Rms error of each trial, if there were any [output unit].
@@ -67,7 +67,7 @@ pub struct Feed {
     /// Where it comes from.
     pub reference: &'static str,
     /// Makes it. Refused where the reference cannot be reached, or where it does not repeat and has to.
-    pub make: fn(&Asked) -> Result<Fed, Error>,
+    pub make: fn(&FeedRequest) -> Result<FeedResult, Error>,
 }
 
 impl std::fmt::Debug for Feed {
@@ -99,8 +99,8 @@ pub static FEEDS: &[Feed] = &[
 ];
 
 /// First through the ends of the loop, then by what the model answers.
-fn line(asked: &Asked) -> Result<Fed, Error> {
-    let Asked { model, r, ahead, .. } = *asked;
+fn line(asked: &FeedRequest) -> Result<FeedResult, Error> {
+    let FeedRequest { model, r, ahead, .. } = *asked;
     let (low, high) = asked.how.ends(model)?;
     let gain = model.linear().dc_gain() * (model.settled_crept(high) - model.settled_crept(low)) / (high - low);
     if !(gain.is_finite() && gain != 0.0) {
@@ -131,26 +131,26 @@ fn line(asked: &Asked) -> Result<Fed, Error> {
     };
     let shifts = (0..=ahead.min(SHIFT)).map(fitted);
     let best = shifts.min_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(Fed { u: best.map(|(_, u)| u).unwrap_or_default(), ..Fed::default() })
+    Ok(FeedResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..FeedResult::default() })
 }
 
-fn inverse(asked: &Asked) -> Result<Fed, Error> {
-    let Asked { model, how, r, ahead, .. } = *asked;
+fn inverse(asked: &FeedRequest) -> Result<FeedResult, Error> {
+    let FeedRequest { model, how, r, ahead, .. } = *asked;
     if ahead >= ALL {
         let made = FeedForward::new(model, how)?.whole(r)?;
-        return Ok(Fed { u: made.u, notes: made.notes, ..Fed::default() });
+        return Ok(FeedResult { u: made.u, notes: made.notes, ..FeedResult::default() });
     }
     crate::error::finite("reference", r)?;
-    let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(Fed::default()) };
+    let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedResult::default()) };
     let causal = Causal::new(model, how, ahead)?;
     let (known, rest) = r.split_at(ahead.min(r.len()));
     let mut x = causal.foreknowing(first, known);
     let told = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
-    Ok(Fed { u: told.map(|r| causal.step(&mut x, r)).collect(), ..Fed::default() })
+    Ok(FeedResult { u: told.map(|r| causal.step(&mut x, r)).collect(), ..FeedResult::default() })
 }
 
-fn learnt(asked: &Asked) -> Result<Fed, Error> {
-    let Asked { model, how, r, plant, .. } = *asked;
+fn learnt(asked: &FeedRequest) -> Result<FeedResult, Error> {
+    let FeedRequest { model, how, r, plant, .. } = *asked;
     let Some(n) = period(r) else {
         return Err(Error::parameter("reference", "a path that never repeats", "must repeat to be learnt"));
     };
@@ -164,22 +164,20 @@ fn learnt(asked: &Asked) -> Result<Fed, Error> {
         }
         sum
     };
-    let learnt = learn(&mut tried, &FeedForward::new(model, how)?, &r[..n], Learning::default())?;
-    Ok(Fed {
+    let learnt = Learning::default().run(&mut tried, &FeedForward::new(model, how)?, &r[..n])?;
+    Ok(FeedResult {
         u: learnt.u.iter().copied().cycle().take(r.len()).collect(),
         trials: learnt.rms,
         after: Some(x),
-        ..Fed::default()
+        ..FeedResult::default()
     })
 }
 
-/// The feed-forward called `name`.
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn feed(name: &str) -> Result<&'static Feed, Error> {
-    FEEDS
-        .iter()
-        .find(|f| f.name == name)
-        .ok_or_else(|| Error::unknown("feed-forward", name, FEEDS.iter().map(|f| f.name)))
+impl Feed {
+    /// The feed-forward called `name`.    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("feed-forward", FEEDS.iter(), |row| row.name, name)
+    }
 }

@@ -13,7 +13,7 @@
 
 use super::filters::{notch, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, Now, check, integrating, program};
+use super::{Controller, ControllerInput, Law, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct IntegralNotch {
+pub(crate) struct IntegralNotch {
     ts: f64,
     ki: f64,
     notches: Vec<Arx>,
@@ -43,7 +43,7 @@ impl IntegralNotch {
     ///
     /// # Errors
     /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
-    pub fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         check(&[("ki", ki)], limits)?;
         let made = |&(hz, depth, width): &(f64, f64, f64)| {
@@ -68,7 +68,7 @@ impl Controller for IntegralNotch {
         1 + self.notches.iter().map(|n| n.order()).sum::<usize>()
     }
 
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         let gain = self.ki * self.ts * now.error();
         let (integral, mut rest) = x.split_at_mut(1);
         let mut w = integral[0] + gain;
@@ -142,7 +142,8 @@ mod tests {
         let c = IntegralNotch::new(5e-4, 10.0, &notches, (-1e6, 1e6)).unwrap();
         let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.7).sin()).collect();
         let mut x = c.initial();
-        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, &Now { r: e, ..Now::default() })).collect();
+        let u: Vec<f64> =
+            e.iter().map(|&e| c.step(&mut x, &ControllerInput { r: e, ..ControllerInput::default() })).collect();
         assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
     }
 
@@ -150,7 +151,8 @@ mod tests {
     fn the_integral_does_not_grow_at_a_limit() {
         let c = IntegralNotch::new(5e-4, 10.0, &[(160.0, 0.03, 0.5)], (-1.0, 1.0)).unwrap();
         let mut x = c.initial();
-        (0..10_000).for_each(|_| assert!(c.step(&mut x, &Now { r: 1.0, ..Now::default() }) <= 1.0));
+        (0..10_000)
+            .for_each(|_| assert!(c.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }) <= 1.0));
         assert!(x[0] < 1.1, "{}", x[0]);
     }
 }

@@ -9,15 +9,16 @@
 //!
 //! Reference: none; it is the definition. It does not do: delays of part of a sample, or jitter.
 
-use super::{Controller, Now};
+use super::{Controller, ControllerInput};
 use crate::error::{Error, finite};
 use crate::hammerstein::Model;
-use crate::record::same_sampling;
+use crate::record::Record;
+use crate::record::Units;
 use crate::system::System;
 
 /// A plant in other units: its output times a factor, as micrometres from a plant in metres.
 #[derive(Debug, Clone)]
-pub struct Scaled<S> {
+pub(crate) struct Scaled<S> {
     /// The plant.
     pub system: S,
     /// Output unit wanted over output unit [-].
@@ -29,13 +30,13 @@ impl<S: System> Scaled<S> {
     ///
     /// # Errors
     /// An output that is no length.
-    pub fn of(system: S, model: &Model) -> Result<Self, Error> {
+    pub(crate) fn of(system: S, model: &Model) -> Result<Self, Error> {
         let unit = &model.units().y;
         let not_a_length = || {
             let (found, wanted) = (unit.clone(), "a length: m, mm, um or nm".into());
             Error::Units { what: "the model's output".into(), found, wanted }
         };
-        Ok(Scaled { system, factor: crate::record::factor("m", unit).ok_or_else(not_a_length)? })
+        Ok(Scaled { system, factor: Units::factor("m", unit).ok_or_else(not_a_length)? })
     }
 }
 
@@ -63,7 +64,7 @@ impl<S: System> System for Scaled<S> {
 
 /// What a loop is to follow, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Course<'a> {
+pub struct ClosedLoop<'a> {
     /// What is wanted [output unit].
     pub r: &'a [f64],
     /// Feed-forward, as long; zeros for none [V].
@@ -82,16 +83,71 @@ pub struct Course<'a> {
     pub before: Option<&'a [f64]>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> ClosedLoop<'a> {
     /// From rest at 0 V, with readings in time and a reference known to its end.
     pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
-        Course { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, start: 0.0, before: None }
+        ClosedLoop { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, start: 0.0, before: None }
+    }
+}
+
+impl ClosedLoop<'_> {
+    /// Runs a controller on a plant.
+    ///
+    /// ```
+    /// use piezoid::control::{ClosedLoop, Law, ControlLoop, MarginTarget};
+    /// use piezoid::{Model, hysteresis::Proportional, linear::Arx};
+    /// let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1])?;
+    /// let model = Model::new(std::sync::Arc::new(Proportional::new(1e-3, 1.0)?), plant.clone(), 0.0)?;
+    /// let pi = (Law::find("pi")?.tune)(&ControlLoop::of(&model, (-30.0, 30.0))?, &MarginTarget::default())?;
+    /// let done = ClosedLoop::new(&[1.0; 2000], &[0.0; 2000], (-30.0, 30.0)).run(&plant, &*pi)?;
+    /// assert!((done.y[1999] - 1.0).abs() < 1e-6);
+    /// assert!(done.tracking(1000, 2.0).percent_of_stroke < 0.1);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
+    pub fn run(&self, plant: &dyn System, controller: &dyn Controller) -> Result<ClosedLoopRun, Error> {
+        let ClosedLoop { r, feed, limits, slew, late, ahead, start, before } = *self;
+        super::check(&[], limits)?;
+        finite("reference", r)?;
+        finite("feed", feed)?;
+        Record::same_sampling("the plant", plant.ts(), "the controller", controller.ts())?;
+        if r.len() != feed.len() {
+            let (left, right) = ("the reference".into(), "the feed-forward".into());
+            return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed.len() });
+        }
+        let mut last = start.clamp(limits.0, limits.1);
+        let (mut x, mut state) =
+            (before.map_or_else(|| plant.settled(last), <[f64]>::to_vec), controller.settled(last));
+        let (mut y, mut u) = (Vec::with_capacity(r.len()), Vec::with_capacity(r.len()));
+        let rest = match before {
+            None => plant.step(&mut x.clone(), last),
+            Some(_) => r.first().copied().unwrap_or(0.0),
+        };
+        let step = slew * plant.ts();
+        // An inverse comes as near to a limit as it is exact.
+        let near = 1e-6 * (limits.1 - limits.0);
+        let mut limited = 0;
+        for (t, &feed) in feed.iter().enumerate() {
+            let (read, wanted) =
+                t.checked_sub(late).and_then(|t| t.checked_sub(1)).map_or((rest, rest), |t| (y[t], r[t]));
+            let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
+            let now = ControllerInput { y: read, r: wanted, feed, ahead: &r[t..known] };
+            let asked = controller.step(&mut state, &now);
+            let (low, high) = ((last - step).max(limits.0), (last + step).min(limits.1));
+            last = if asked.is_finite() { asked.clamp(low, high) } else { last };
+            limited += usize::from(last != asked || last <= limits.0 + near || last >= limits.1 - near);
+            u.push(last);
+            y.push(plant.step(&mut x, last));
+        }
+        Ok(ClosedLoopRun { r: r.to_vec(), y, u, limited })
     }
 }
 
 /// A run of the loop.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct ClosedLoopRun {
     /// What was wanted [output unit].
     pub r: Vec<f64>,
     /// What was measured [output unit].
@@ -115,56 +171,7 @@ pub struct Tracking {
     pub effort: f64,
 }
 
-/// Runs a controller on a plant.
-///
-/// ```
-/// use piezoid::{control::{Course, Pi, run}, linear::Arx};
-/// let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1])?;
-/// let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0))?;
-/// let done = run(&plant, &pi, &Course::new(&[1.0; 2000], &[0.0; 2000], (-30.0, 30.0)))?;
-/// assert!((done.y[1999] - 1.0).abs() < 1e-6);
-/// assert!(done.tracking(1000, 2.0).percent_of_stroke < 0.1);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
-pub fn run(plant: &dyn System, controller: &dyn Controller, course: &Course) -> Result<Run, Error> {
-    let Course { r, feed, limits, slew, late, ahead, start, before } = *course;
-    super::check(&[], limits)?;
-    finite("reference", r)?;
-    finite("feed", feed)?;
-    same_sampling("the plant", plant.ts(), "the controller", controller.ts())?;
-    if r.len() != feed.len() {
-        let (left, right) = ("the reference".into(), "the feed-forward".into());
-        return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed.len() });
-    }
-    let mut last = start.clamp(limits.0, limits.1);
-    let (mut x, mut state) = (before.map_or_else(|| plant.settled(last), <[f64]>::to_vec), controller.settled(last));
-    let (mut y, mut u) = (Vec::with_capacity(r.len()), Vec::with_capacity(r.len()));
-    let rest = match before {
-        None => plant.step(&mut x.clone(), last),
-        Some(_) => r.first().copied().unwrap_or(0.0),
-    };
-    let step = slew * plant.ts();
-    // An inverse comes as near to a limit as it is exact.
-    let near = 1e-6 * (limits.1 - limits.0);
-    let mut limited = 0;
-    for (t, &feed) in feed.iter().enumerate() {
-        let (read, wanted) = t.checked_sub(late).and_then(|t| t.checked_sub(1)).map_or((rest, rest), |t| (y[t], r[t]));
-        let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
-        let now = Now { y: read, r: wanted, feed, ahead: &r[t..known] };
-        let asked = controller.step(&mut state, &now);
-        let (low, high) = ((last - step).max(limits.0), (last + step).min(limits.1));
-        last = if asked.is_finite() { asked.clamp(low, high) } else { last };
-        limited += usize::from(last != asked || last <= limits.0 + near || last >= limits.1 - near);
-        u.push(last);
-        y.push(plant.step(&mut x, last));
-    }
-    Ok(Run { r: r.to_vec(), y, u, limited })
-}
-
-impl Run {
+impl ClosedLoopRun {
     /// The highest voltage to either side [V].
     pub fn highest(&self) -> f64 {
         self.u.iter().fold(0.0, |m, u| m.max(u.abs()))
@@ -189,7 +196,7 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::Pi;
+    use crate::control::pi::Pi;
     use crate::linear::Arx;
 
     #[test]
@@ -198,7 +205,7 @@ mod tests {
         let feed: Vec<f64> = (0..500).map(|t| (f64::from(t) * 0.1).sin()).collect();
         let r = plant.simulate(&feed);
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        let done = run(&plant, &pi, &Course::new(&r, &feed, (-30.0, 30.0))).unwrap();
+        let done = ClosedLoop::new(&r, &feed, (-30.0, 30.0)).run(&plant, &pi).unwrap();
         assert_eq!((done.u, done.y), (feed, r));
     }
 
@@ -214,7 +221,7 @@ mod tests {
             fn order(&self) -> usize {
                 0
             }
-            fn step(&self, _: &mut [f64], now: &Now) -> f64 {
+            fn step(&self, _: &mut [f64], now: &ControllerInput) -> f64 {
                 now.y + 1e3 * now.r + 1e6 * now.ahead.len() as f64 + 1e9 * now.ahead[0]
             }
             fn law(&self) -> Option<Arx> {
@@ -224,8 +231,8 @@ mod tests {
         let plant = Arx::gain(1e-3, 1e-20).unwrap();
         let r = [1.0, 2.0, 3.0, 4.0, 5.0];
         let told = |late, ahead| {
-            let course = Course { late, ahead, ..Course::new(&r, &[0.0; 5], (-1e12, 1e12)) };
-            run(&plant, &Told, &course).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
+            let course = ClosedLoop { late, ahead, ..ClosedLoop::new(&r, &[0.0; 5], (-1e12, 1e12)) };
+            course.run(&plant, &Told).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
         };
         assert_eq!(told(0, 1), [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]);
         assert_eq!(told(2, 9), [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]);
@@ -236,16 +243,16 @@ mod tests {
         let plant = Arx::gain(1e-3, 1.0).unwrap();
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
         let message =
-            |r: &[f64], feed: &[f64]| run(&plant, &pi, &Course::new(r, feed, (-1.0, 1.0))).unwrap_err().to_string();
+            |r: &[f64], feed: &[f64]| ClosedLoop::new(r, feed, (-1.0, 1.0)).run(&plant, &pi).unwrap_err().to_string();
         assert!(message(&[0.0, f64::NAN], &[0.0; 2]).starts_with("reference[1] is NaN"));
         assert!(message(&[0.0; 2], &[0.0; 3]).contains("2 samples"));
         let slow = Pi::new(2e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        assert!(run(&plant, &slow, &Course::new(&[0.0], &[0.0], (-1.0, 1.0))).is_err());
+        assert!(ClosedLoop::new(&[0.0], &[0.0], (-1.0, 1.0)).run(&plant, &slow).is_err());
     }
 
     #[test]
     fn tracking_is_of_what_follows_the_first_samples() {
-        let done = Run { r: vec![9.0, 1.0, 2.0], y: vec![0.0, 0.0, 4.0], u: vec![7.0, 1.0, 3.0], limited: 0 };
+        let done = ClosedLoopRun { r: vec![9.0, 1.0, 2.0], y: vec![0.0, 0.0, 4.0], u: vec![7.0, 1.0, 3.0], limited: 0 };
         let t = done.tracking(1, 50.0);
         assert_eq!((t.max, t.effort, t.percent_of_stroke), (2.0, 2.0, 2.0 * t.rms));
         assert!((t.rms * t.rms - 2.5).abs() < 1e-12);

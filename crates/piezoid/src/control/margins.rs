@@ -29,9 +29,6 @@ const AROUND: i32 = 60;
 /// Points for each sample by which readings come late: 6 degrees of its phase.
 const TURN: usize = 32;
 
-/// Samples by which readings may come late, at most, for a controller to be tuned.
-pub const LATEST: usize = 20;
-
 /// Share of the sampling rate up to which all must be known for nothing to lie beyond.
 const KNOWN: f64 = 0.4;
 
@@ -40,7 +37,7 @@ const LEG: usize = 200;
 
 /// What a controller sees of a model: slope, linear block, and the voltages there are.
 #[derive(Debug, Clone)]
-pub struct Loop {
+pub struct ControlLoop {
     /// The model it is of.
     pub model: Model,
     /// Smallest and largest slope dz/du, the latter with all its creep [z unit / V].
@@ -49,7 +46,7 @@ pub struct Loop {
     pub limits: (f64, f64),
     /// The fastest change of voltage, infinite where there is no limit [V/s]. Margins know nothing of it.
     pub slew: f64,
-    /// Samples d by which readings come late, [`LATEST`] at most.
+    /// Samples d by which readings come late, [`ControlLoop::LATEST`] at most.
     pub late: usize,
 }
 
@@ -68,7 +65,10 @@ pub struct Margins {
     pub stable: bool,
 }
 
-impl Loop {
+impl ControlLoop {
+    /// Samples by which readings may come late, at most, for a controller to be tuned.
+    pub const LATEST: usize = 20;
+
     /// The loop of a model between the lowest and the highest voltage [V], with readings in time. The slew limit of a driver in the
     /// model is left out.
     ///
@@ -79,7 +79,7 @@ impl Loop {
         let crept: f64 = model.creep().lags().iter().map(|lag| lag.gain.max(0.0)).sum();
         let (least, largest) = slopes(model, limits);
         let slope = (least.max(0.0), largest * (1.0 + crept));
-        Ok(Loop { model: model.clone(), slope, limits, slew: f64::INFINITY, late: 0 })
+        Ok(ControlLoop { model: model.clone(), slope, limits, slew: f64::INFINITY, late: 0 })
     }
 
     /// Refuses a loop that no law with a positive gain closes.
@@ -153,9 +153,9 @@ impl Loop {
 
 /// Refuses readings that come later than controllers are tuned for.
 pub(super) fn check_late(late: usize) -> Result<(), Error> {
-    match late <= LATEST {
+    match late <= ControlLoop::LATEST {
         true => Ok(()),
-        false => Err(Error::parameter("late", late, format!("must be at most {LATEST} samples"))),
+        false => Err(Error::parameter("late", late, format!("must be at most {} samples", ControlLoop::LATEST))),
     }
 }
 
@@ -250,7 +250,7 @@ fn bandwidth(grid: &[f64], l: &[Complex<f64>]) -> f64 {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::super::{Pi, filters};
+    use super::super::{filters, pi::Pi};
     use super::*;
     use crate::creep::Lag;
     use crate::testing::assert_close;
@@ -259,13 +259,13 @@ pub(super) mod tests {
     const TS: f64 = 5e-4;
 
     /// A loop of +-30 V of a model that rises by the mean of these slopes.
-    pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> Loop {
+    pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> ControlLoop {
         let rises = crate::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
         let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
-        Loop { model, slope, limits: (-30.0, 30.0), slew: f64::INFINITY, late: 0 }
+        ControlLoop { model, slope, limits: (-30.0, 30.0), slew: f64::INFINITY, late: 0 }
     }
 
-    fn path(linear: Arx) -> Loop {
+    fn path(linear: Arx) -> ControlLoop {
         path_of(linear, (1.0, 1.0))
     }
 
@@ -300,8 +300,8 @@ pub(super) mod tests {
         let in_time = path(block.clone()).margins(&pi, 1.0).unwrap();
         for late in [1, 4, 20] {
             let delayed = Arx::new(TS, block.a().to_vec(), [vec![0.0; late], block.b().to_vec()].concat()).unwrap();
-            let (late, delayed) = (Loop { late, ..path(block.clone()) }, path(delayed));
-            let figures = |path: &Loop| {
+            let (late, delayed) = (ControlLoop { late, ..path(block.clone()) }, path(delayed));
+            let figures = |path: &ControlLoop| {
                 let m = path.margins(&pi, 1.0).unwrap();
                 ([m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz], m.stable)
             };
@@ -309,7 +309,7 @@ pub(super) mod tests {
             assert_close(&told.0, &known.0, 2e-3, 0.0);
             assert!(told.1 == known.1 && told.0[1] < in_time.phase_deg - 0.3 * late.late as f64, "{told:?}");
             let hz = [1.0, 30.0, 160.0, 700.0];
-            let s = |path: &Loop| path.sensitivity(&pi, 1.0, &hz).unwrap();
+            let s = |path: &ControlLoop| path.sensitivity(&pi, 1.0, &hz).unwrap();
             assert_close(&s(&late), &s(&delayed), 1e-9, 0.0);
             let law = pi.law().unwrap();
             assert_eq!(late.closed(&law, 1.0).unwrap(), delayed.closed(&law, 1.0).unwrap());
@@ -327,7 +327,7 @@ pub(super) mod tests {
 
     #[test]
     fn slopes_are_those_of_the_operator_with_creep_on_the_largest() {
-        let plays = crate::hysteresis::operator("prandtl-ishlinskii").unwrap();
+        let plays = crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap();
         let operator = (plays.example)(TS).unwrap();
         let (low, high) =
             slopes(&Model::new(operator.clone(), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap(), (-30.0, 30.0));
@@ -335,10 +335,12 @@ pub(super) mod tests {
         assert!(low > 0.0 && high > low, "{low} {high}");
         let creep = crate::creep::Creep::new(TS, vec![Lag { tau_s: 1.0, gain: 0.1 }]).unwrap();
         let model = Model::new(operator, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap().with_creep(creep).unwrap();
-        let path = Loop::of(&model, (-30.0, 30.0)).unwrap();
+        let path = ControlLoop::of(&model, (-30.0, 30.0)).unwrap();
         assert_close(&[path.slope.0, path.slope.1], &[low, 1.1 * high], 1e-12, 0.0);
         let turned = Model::new((plays.example)(TS).unwrap(), Arx::gain(TS, -1.0).unwrap(), 0.0).unwrap();
-        assert!(Loop::of(&turned, (-30.0, 30.0)).unwrap().rises().unwrap_err().to_string().contains("turn the sign"));
-        assert!(Loop::of(&turned, (30.0, -30.0)).is_err());
+        assert!(
+            ControlLoop::of(&turned, (-30.0, 30.0)).unwrap().rises().unwrap_err().to_string().contains("turn the sign")
+        );
+        assert!(ControlLoop::of(&turned, (30.0, -30.0)).is_err());
     }
 }

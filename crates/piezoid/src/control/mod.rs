@@ -4,8 +4,8 @@
 //! e = r - y,    u = feed + w,    w = C(q) e    within the voltages allowed
 //! ```
 //! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Where
-//! readings come later still ([`Loop::late`]) it is made for that. Those with a law add to a feed-forward voltage, which may be
-//! zero, and do nothing while that alone keeps y at r. They are tuned to stated margins from a model ([`Target`]), at the largest
+//! readings come later still ([`ControlLoop::late`]) it is made for that. Those with a law add to a feed-forward voltage, which may be
+//! zero, and do nothing while that alone keeps y at r. They are tuned to stated margins from a model ([`MarginTarget`]), at the largest
 //! slope of the hysteresis and with its modes detuned; [`Margins`] are computed apart from that. [`predictive`] plans on the
 //! model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the loop on any plant, and [`trials`] on plants
 //! of other tolerance.
@@ -31,21 +31,20 @@ mod schemes;
 mod tolerance;
 mod tune;
 
-pub use comparison::{Attempt, Comparison, Driven, Wanted, compare};
-pub use disturbance_observer::DisturbanceObserver;
-pub use feeds::{Asked, FEEDS, Fed, Feed, feed};
-pub use integral_notch::IntegralNotch;
-pub use loops::{Course, Run, Scaled, Tracking, run};
-pub use margins::{LATEST, Loop, Margins};
+pub use comparison::{Attempt, Comparison, NamedReference, SchemeResult};
+pub(crate) use feeds::FeedResult;
+pub use feeds::{FEEDS, Feed};
+pub(crate) use loops::Scaled;
+pub use loops::{ClosedLoop, ClosedLoopRun, Tracking};
+pub use margins::{ControlLoop, Margins};
 pub use pi::Pi;
-pub use pid::{Gains, Pid};
-pub use positive_position::PositivePosition;
-pub use references::{REFERENCES, Reference, reference};
+pub use references::{REFERENCES, Reference};
 pub use schemes::{Drive, Scheme};
-pub use tolerance::{Spread, Tolerance, Trial, drawn, trials};
-pub use tune::Target;
+pub(crate) use tolerance::Spread;
+pub use tolerance::{Draw, Tolerance};
+pub use tune::MarginTarget;
 
-use crate::error::Error;
+use crate::error::{Error, row};
 use crate::linear::Arx;
 use crate::program::Block;
 use std::fmt::Debug;
@@ -53,7 +52,7 @@ use std::sync::Arc;
 
 /// What a controller is told before a sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Now<'a> {
+pub struct ControllerInput<'a> {
     /// The last reading [output unit].
     pub y: f64,
     /// What was wanted at its instant [output unit].
@@ -64,7 +63,7 @@ pub struct Now<'a> {
     pub ahead: &'a [f64],
 }
 
-impl Now<'_> {
+impl ControllerInput<'_> {
     /// The feed-forward within the limits; of what is no number, as of 0.
     fn fed(&self, (low, high): (f64, f64)) -> f64 {
         Some(self.feed).filter(|feed| feed.is_finite()).unwrap_or(0.0).clamp(low, high)
@@ -95,7 +94,7 @@ pub trait Controller: Debug + Send + Sync {
     }
 
     /// One sample: advances the state `x` and returns the voltage u [V]. It allocates nothing.
-    fn step(&self, x: &mut [f64], now: &Now) -> f64;
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64;
 
     /// The same for programs: blocks, the last of which is the state, `control_state`, with a function `control_step(s: control_state, r, y, feed)`.
     /// None if it cannot be exported.
@@ -108,7 +107,7 @@ pub trait Controller: Debug + Send + Sync {
 }
 
 /// How a controller is tuned to a loop so that the target is met.
-pub type Tune = fn(&Loop, &Target) -> Result<Arc<dyn Controller>, Error>;
+pub(crate) type Tune = fn(&ControlLoop, &MarginTarget) -> Result<Arc<dyn Controller>, Error>;
 
 /// One kind of controller: a row of [`CONTROLLERS`].
 #[derive(Clone, Copy)]
@@ -135,31 +134,32 @@ impl Debug for Law {
 pub static CONTROLLERS: &[Law] =
     &[pi::ROW, pid::ROW, integral_notch::ROW, positive_position::ROW, disturbance_observer::ROW, predictive::ROW];
 
-/// The controller called `name`.
-///
-/// ```
-/// use piezoid::control::{Loop, Target, controller};
-/// use piezoid::{hammerstein::Model, hysteresis::Proportional, linear::Arx};
-/// use std::sync::Arc;
-/// let block = Arx::new(5e-4, vec![0.9], vec![0.0, 3.3])?; // 33 um / V, one lag
-/// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), block, 0.0)?;
-/// let path = Loop::of(&model, (-30.0, 30.0))?;
-/// let pi = (controller("pi")?.tune)(&path, &Target::default())?;
-/// let margins = path.margins(&*pi, path.slope.1).ok_or("not linear")?;
-/// assert!(margins.stable && margins.gain_db > 5.9 && margins.phase_deg > 44.9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn controller(name: &str) -> Result<&'static Law, Error> {
-    let known = || CONTROLLERS.iter().map(|c| c.name);
-    CONTROLLERS.iter().find(|c| c.name == name).ok_or_else(|| Error::unknown("controller", name, known()))
+impl Law {
+    /// The controller called `name`.
+    ///
+    /// ```
+    /// use piezoid::control::{ControlLoop, MarginTarget, Law};
+    /// use piezoid::{hammerstein::Model, hysteresis::Proportional, linear::Arx};
+    /// use std::sync::Arc;
+    /// let block = Arx::new(5e-4, vec![0.9], vec![0.0, 3.3])?; // 33 um / V, one lag
+    /// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), block, 0.0)?;
+    /// let path = ControlLoop::of(&model, (-30.0, 30.0))?;
+    /// let pi = (Law::find("pi")?.tune)(&path, &MarginTarget::default())?;
+    /// let margins = path.margins(&*pi, path.slope.1).ok_or("not linear")?;
+    /// assert!(margins.stable && margins.gain_db > 5.9 && margins.phase_deg > 44.9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("controller", CONTROLLERS.iter(), |row| row.name, name)
+    }
 }
 
 /// `w` on top of the feed-forward within the limits. The integral takes its `gain` of this sample, but where that would drive
 /// the voltage further beyond a limit.
-fn integrating(limits: (f64, f64), now: &Now, w: f64, integral: &mut f64, gain: f64) -> f64 {
+fn integrating(limits: (f64, f64), now: &ControllerInput, w: f64, integral: &mut f64, gain: f64) -> f64 {
     let v = now.fed(limits) + w;
     let u = v.clamp(limits.0, limits.1);
     if u == v || (v - u) * gain < 0.0 {
@@ -191,21 +191,21 @@ mod tests {
     use crate::program::{Machine, Program};
     use crate::testing::assert_close;
 
-    fn path(late: usize) -> Loop {
-        Loop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
+    fn path(late: usize) -> ControlLoop {
+        ControlLoop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
     }
 
     fn tuned(late: usize) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
-        CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &Target::default()).unwrap()))
+        CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &MarginTarget::default()).unwrap()))
     }
 
     #[test]
     fn every_controller_says_what_it_is_and_where_it_comes_from() {
         for c in CONTROLLERS {
             assert!(!c.summary.is_empty() && !c.reference.is_empty(), "{}", c.name);
-            assert_eq!(controller(c.name).unwrap().name, c.name);
+            assert_eq!(Law::find(c.name).unwrap().name, c.name);
         }
-        assert!(controller("pj").unwrap_err().to_string().contains("did you mean `pi`?"));
+        assert!(Law::find("pj").unwrap_err().to_string().contains("did you mean `pi`?"));
     }
 
     #[test]
@@ -213,8 +213,10 @@ mod tests {
         for (kind, c, law) in tuned(0).filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
             let e: Vec<f64> = (0..300).map(|t| 5.0 * (f64::from(t) * 0.2).sin()).collect();
             let mut x = c.initial();
-            let u: Vec<f64> =
-                e.iter().map(|&e| c.step(&mut x, &Now { r: e + 1.0, y: 1.0, ..Now::default() })).collect();
+            let u: Vec<f64> = e
+                .iter()
+                .map(|&e| c.step(&mut x, &ControllerInput { r: e + 1.0, y: 1.0, ..ControllerInput::default() }))
+                .collect();
             assert!(u.iter().all(|u| u.abs() < 30.0), "{}", kind.name);
             assert_close(&u, &law.simulate(&e), 1e-7, 1e-9);
         }
@@ -226,8 +228,8 @@ mod tests {
             for (kind, c) in tuned(late) {
                 let plant = Scaled { system: path(late).linear().clone(), factor: 40.0 };
                 let r = [[2500.0; 4000], [100.0; 4000]].concat();
-                let course = Course { late, ..Course::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
-                let done = run(&plant, &*c, &course).unwrap();
+                let course = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
+                let done = course.run(&plant, &*c).unwrap();
                 assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
                 // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
                 assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
@@ -241,7 +243,7 @@ mod tests {
             for (kind, c) in tuned(late) {
                 assert_eq!(c.blocks().is_some(), c.law().is_some(), "{}", kind.name);
                 let Some(blocks) = c.blocks() else { continue };
-                let program = Program::new([vec![elementary::block()], blocks].concat()).unwrap();
+                let program = Program::new([vec![Block::elementary()], blocks].concat()).unwrap();
                 let mut machine = Machine::new(&program, "control_state", false);
                 let mut x = c.initial();
                 for t in 0..600 {
@@ -249,7 +251,7 @@ mod tests {
                     let r = 900.0 * (0.03 * f64::from(t)).sin();
                     let y = if t % 50 == 7 { f64::NAN } else { 0.2 * r + f64::from(t % 11) };
                     let feed = if t % 70 == 9 { f64::NAN } else { 35.0 * (0.05 * f64::from(t)).cos() };
-                    let u = c.step(&mut x, &Now { y, r, feed, ahead: &[] });
+                    let u = c.step(&mut x, &ControllerInput { y, r, feed, ahead: &[] });
                     let found = machine.call("control_step", &[r, y, feed]).unwrap()[0];
                     assert_eq!(found.to_bits(), u.to_bits(), "{} at {t}", kind.name);
                     assert_eq!(machine.state(), x, "{} at {t}", kind.name);
@@ -262,7 +264,8 @@ mod tests {
     fn a_reading_that_is_no_number_is_left_out() {
         for (kind, c) in tuned(0) {
             let mut x = c.initial();
-            let lost = |t| Now { y: if t % 5 == 3 { f64::NAN } else { 1.0 }, r: 1.5, feed: 0.0, ahead: &[1.5] };
+            let lost =
+                |t| ControllerInput { y: if t % 5 == 3 { f64::NAN } else { 1.0 }, r: 1.5, feed: 0.0, ahead: &[1.5] };
             assert!((0..60).all(|t| c.step(&mut x, &lost(t)).is_finite()), "{}", kind.name);
         }
     }
@@ -271,7 +274,7 @@ mod tests {
     fn every_controller_leaves_a_feed_forward_alone_that_is_exact() {
         for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
             let mut x = c.initial();
-            let exact = |t| Now { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };
+            let exact = |t| ControllerInput { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };
             assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed));
         }
     }

@@ -10,7 +10,7 @@
 //! DOI 10.23919/ACC.1989.4790464. It does not do: anything about a resonance, which alone bounds its gain.
 
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Now, check, program};
+use super::{Controller, ControllerInput, Law, check, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -20,10 +20,10 @@ use std::sync::Arc;
 /// The controller. State: the integral [V].
 ///
 /// ```
-/// use piezoid::control::{Controller, Now, Pi};
+/// use piezoid::control::{Controller, ControllerInput, Pi};
 /// let pi = Pi::new(1e-3, 0.5, 100.0, (-30.0, 30.0))?;
 /// let mut x = pi.initial();
-/// assert_eq!(pi.step(&mut x, &Now { r: 1.0, feed: 2.0, ..Now::default() }), 2.0 + 0.5 + 0.1);
+/// assert_eq!(pi.step(&mut x, &ControllerInput { r: 1.0, feed: 2.0, ..ControllerInput::default() }), 2.0 + 0.5 + 0.1);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +55,7 @@ impl Controller for Pi {
         1
     }
 
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         let (low, high) = self.limits;
         let (e, ki) = (now.error(), self.ki * self.ts);
         x[0] += ki * e;
@@ -108,7 +108,7 @@ pub(super) const ROW: Law = Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::{Course, run};
+    use crate::control::ClosedLoop;
     use crate::testing::assert_close;
 
     #[test]
@@ -117,7 +117,7 @@ mod tests {
         let (ts, a, b, kp, ki) = (1e-3, 0.9, 0.2, 0.3, 40.0);
         let plant = Arx::new(ts, vec![a], vec![0.0, b]).unwrap();
         let pi = Pi::new(ts, kp, ki, (-1e6, 1e6)).unwrap();
-        let got = run(&plant, &pi, &Course::new(&[1.0; 300], &[0.0; 300], (-1e6, 1e6))).unwrap();
+        let got = ClosedLoop::new(&[1.0; 300], &[0.0; 300], (-1e6, 1e6)).run(&plant, &pi).unwrap();
         let (mut y, mut u, mut i) = (vec![0.0; 300], vec![0.0; 300], 0.0);
         for t in 0..300 {
             if t > 0 {
@@ -137,7 +137,7 @@ mod tests {
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let late = |limits| {
             let pi = Pi::new(1e-3, 0.3, 20.0, limits).unwrap();
-            let y = run(&plant, &pi, &Course::new(&r, &[0.0; 4000], (-1.0, 1.0))).unwrap().y;
+            let y = ClosedLoop::new(&r, &[0.0; 4000], (-1.0, 1.0)).run(&plant, &pi).unwrap().y;
             y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap_or(2000)
         };
         assert!(late((-1.0, 1.0)) < 250, "{}", late((-1.0, 1.0)));

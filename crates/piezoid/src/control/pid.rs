@@ -11,7 +11,7 @@
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, Law, Now, check, integrating, program};
+use super::{Controller, ControllerInput, Law, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// The gains of a [`Pid`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gains {
+pub(crate) struct Gains {
     /// Proportional [V / output unit].
     pub kp: f64,
     /// Integral [V / (output unit s)].
@@ -34,14 +34,14 @@ pub struct Gains {
 /// The controller. State: the integral [V], the derivative [V], the last error [output unit].
 ///
 /// ```
-/// use piezoid::control::{Controller, Gains, Now, Pid};
+/// use piezoid::control::{Controller, Gains, ControllerInput, Pid};
 /// let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0))?;
 /// let mut x = pid.initial();
-/// assert_eq!(pid.step(&mut x, &Now { r: 1.0, ..Now::default() }), 0.5 + 0.1 + 0.5);
+/// assert_eq!(pid.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }), 0.5 + 0.1 + 0.5);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pid {
+pub(crate) struct Pid {
     ts: f64,
     gains: Gains,
     limits: (f64, f64),
@@ -52,7 +52,7 @@ impl Pid {
     ///
     /// # Errors
     /// Refuses a `ts` that is not positive, gains that are not finite, a negative filter, and limits the wrong way round.
-    pub fn new(ts: f64, gains: Gains, limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, gains: Gains, limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let Gains { kp, ki, kd, filter_s } = gains;
         check(&[("kp", kp), ("ki", ki), ("kd", kd), ("filter_s", filter_s)], limits)?;
@@ -78,7 +78,7 @@ impl Controller for Pid {
         3
     }
 
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         let (keeps, takes) = self.derivative();
         let e = now.error();
         x[1] = keeps * x[1] + takes * (e - x[2]);
@@ -136,14 +136,14 @@ pub(super) const ROW: Law = Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::{Course, run};
+    use crate::control::ClosedLoop;
 
     #[test]
     fn after_a_limit_it_comes_back_at_once() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let pid = Pid::new(1e-3, Gains { kp: 0.3, ki: 20.0, kd: 1e-4, filter_s: 1e-3 }, (-1.0, 1.0)).unwrap();
-        let y = run(&plant, &pid, &Course::new(&r, &[0.0; 4000], (-1.0, 1.0))).unwrap().y;
+        let y = ClosedLoop::new(&r, &[0.0; 4000], (-1.0, 1.0)).run(&plant, &pid).unwrap().y;
         let late = y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap();
         assert!(late < 250 && (y[3999] - 0.5).abs() < 1e-6, "{late}");
     }
@@ -152,7 +152,7 @@ mod tests {
     fn without_a_derivative_it_is_a_pi() {
         let gains = Gains { kp: 0.3, ki: 20.0, kd: 0.0, filter_s: 1e-3 };
         let law = Pid::new(1e-3, gains, (-1.0, 1.0)).unwrap().law().unwrap();
-        let pi = super::super::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
+        let pi = super::super::pi::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
         let e: Vec<f64> = (0..50).map(|t| f64::from(t * t % 7)).collect();
         crate::testing::assert_close(&law.simulate(&e), &pi.simulate(&e), 1e-9, 1e-12);
     }

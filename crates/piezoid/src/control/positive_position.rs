@@ -13,7 +13,7 @@
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, Law, Now, check, integrating, program};
+use super::{Controller, ControllerInput, Law, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -29,7 +29,7 @@ use std::sync::Arc;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct PositivePosition {
+pub(crate) struct PositivePosition {
     ts: f64,
     ki: f64,
     gain: f64,
@@ -43,7 +43,13 @@ impl PositivePosition {
     ///
     /// # Errors
     /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
-    pub fn new(ts: f64, ki: f64, gain: f64, (hz, damping): (f64, f64), limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn new(
+        ts: f64,
+        ki: f64,
+        gain: f64,
+        (hz, damping): (f64, f64),
+        limits: (f64, f64),
+    ) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         positive("resonator frequency", hz, "Hz")?;
         check(&[("ki", ki), ("gain", gain)], limits)?;
@@ -63,7 +69,7 @@ impl Controller for PositivePosition {
         1 + self.resonator.order()
     }
 
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         let e = now.error();
         let gain = self.ki * self.ts * e;
         let p = self.resonator.step(&mut x[1..], e);
@@ -126,7 +132,8 @@ mod tests {
         let c = PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-1e6, 1e6)).unwrap();
         let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
         let mut x = c.initial();
-        let u: Vec<f64> = e.iter().map(|&e| c.step(&mut x, &Now { r: e, ..Now::default() })).collect();
+        let u: Vec<f64> =
+            e.iter().map(|&e| c.step(&mut x, &ControllerInput { r: e, ..ControllerInput::default() })).collect();
         assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
     }
 

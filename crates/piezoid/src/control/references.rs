@@ -2,8 +2,8 @@
 //!
 //! They are the excitations of [`excitation`](crate::excitation) in output units, and a random path.
 
-use crate::compensation::shaping::smooth;
-use crate::error::{Error, positive};
+use crate::compensation::Fir;
+use crate::error::{Error, positive, row};
 use crate::excitation::{Multisine, Sine, Staircase, Triangle};
 
 /// One kind of reference: a row of [`REFERENCES`].
@@ -44,7 +44,7 @@ pub static REFERENCES: &[Reference] = &[
 /// The steps of a staircase as moves of half the time that its shortest level lasts: a jump, which nothing follows, says nothing.
 fn staircase(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
     let steps = Staircase { amplitude: peak, frequency: hz, levels: 9, ..Staircase::default() }.samples(ts, n)?;
-    Ok(smooth(ts, 1.0 / (48.0 * hz))?.whole(&steps))
+    Ok(Fir::smooth(ts, 1.0 / (48.0 * hz))?.whole(&steps))
 }
 
 /// Sines up to `hz` in equal strength and with random phases, from rest within two periods of it. It repeats after
@@ -66,20 +66,21 @@ fn random(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
     Ok(path.iter().enumerate().map(|(t, r)| r * smooth((t as f64 / rise).min(1.0))).collect())
 }
 
-/// The reference called `name`.
-///
-/// ```
-/// let sine = piezoid::control::reference("sine")?;
-/// let r = (sine.samples)(5e-4, 400, 800.0, 5.0)?;
-/// assert_eq!((r[0], r[100]), (0.0, 800.0));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn reference(name: &str) -> Result<&'static Reference, Error> {
-    let known = || REFERENCES.iter().map(|r| r.name);
-    REFERENCES.iter().find(|r| r.name == name).ok_or_else(|| Error::unknown("reference", name, known()))
+impl Reference {
+    /// The reference called `name`.
+    ///
+    /// ```
+    /// let sine = piezoid::control::Reference::find("sine")?;
+    /// let r = (sine.samples)(5e-4, 400, 800.0, 5.0)?;
+    /// assert_eq!((r[0], r[100]), (0.0, 800.0));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("reference", REFERENCES.iter(), |row| row.name, name)
+    }
 }
 
 #[cfg(test)]
@@ -93,7 +94,7 @@ mod tests {
             let most = r.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
             assert!(r.len() == 40_000 && r[0].abs() < 1.0 && most <= 800.0 && most > 600.0, "{}: {most}", kind.name);
             assert!((kind.samples)(5e-4, 100, 800.0, 5000.0).is_err(), "{}", kind.name);
-            assert_eq!(reference(kind.name).unwrap().summary, kind.summary);
+            assert_eq!(Reference::find(kind.name).unwrap().summary, kind.summary);
         }
     }
 }

@@ -5,8 +5,10 @@
 //!
 //! Reference: as the parts. It does not do: two feed-forwards or two controllers at once.
 
-use super::feeds::{Asked, FEEDS, Fed, Feed};
-use super::{CONTROLLERS, Controller, Course, Law, Loop, Margins, Now, Run, Target, run};
+use super::feeds::{FEEDS, Feed, FeedRequest, FeedResult};
+use super::{
+    CONTROLLERS, ClosedLoop, ClosedLoopRun, ControlLoop, Controller, ControllerInput, Law, MarginTarget, Margins,
+};
 use crate::compensation::{FeedForward, How};
 use crate::error::Error;
 use crate::hammerstein::Model;
@@ -85,7 +87,7 @@ impl Controller for Open {
         0
     }
 
-    fn step(&self, _: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, _: &mut [f64], now: &ControllerInput) -> f64 {
         now.feed
     }
 
@@ -97,13 +99,13 @@ impl Controller for Open {
 /// A scheme tuned to a model, ready for plants.
 ///
 /// ```
-/// use piezoid::control::{Drive, Scheme, Target};
-/// use piezoid::{Model, System, compensation::How, hysteresis::operator, linear::Arx};
-/// let with_gain = |k: f64| Model::new((operator("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
+/// use piezoid::control::{Drive, Scheme, MarginTarget};
+/// use piezoid::{Model, System, compensation::How, hysteresis::Operator, linear::Arx};
+/// let with_gain = |k: f64| Model::new((Operator::find("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
 /// let (model, actuator) = (with_gain(10.0)?, with_gain(11.0)?);
 /// let r: Vec<f64> = (0..1500).map(|t| 300.0 * (std::f64::consts::TAU * f64::from(t) / 500.0).sin()).collect();
 /// let error = |name: &str| {
-///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), 0, &Target::default())?;
+///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), 0, &MarginTarget::default())?;
 ///     let fed = drive.feed(&actuator, &r)?;
 ///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &fed)?.tracking(500, 600.0).percent_of_stroke)
 /// };
@@ -117,7 +119,7 @@ pub struct Drive {
     /// Samples of the reference known beyond the present one.
     pub ahead: usize,
     how: How,
-    path: Loop,
+    path: ControlLoop,
     controller: Arc<dyn Controller>,
 }
 
@@ -127,8 +129,8 @@ impl Drive {
     ///
     /// # Errors
     /// What the tuning refuses, and a model without inputs that are allowed.
-    pub fn new(scheme: Scheme, model: &Model, how: How, late: usize, target: &Target) -> Result<Self, Error> {
-        let path = Loop { late, slew: how.limits.fastest(), ..Loop::of(model, how.ends(model)?)? };
+    pub fn new(scheme: Scheme, model: &Model, how: How, late: usize, target: &MarginTarget) -> Result<Self, Error> {
+        let path = ControlLoop { late, slew: how.limits.fastest(), ..ControlLoop::of(model, how.ends(model)?)? };
         let controller = match scheme.law {
             Some(law) => (law.tune)(&path, target)?,
             None => Arc::new(Open { ts: model.ts() }),
@@ -187,34 +189,34 @@ impl Drive {
     ///
     /// # Errors
     /// As the row of [`FEEDS`].
-    pub fn feed(&self, plant: &dyn System, r: &[f64]) -> Result<Fed, Error> {
-        (self.scheme.feed.make)(&Asked { model: self.model(), how: self.how, r, ahead: self.ahead, plant })
+    pub fn feed(&self, plant: &dyn System, r: &[f64]) -> Result<FeedResult, Error> {
+        (self.scheme.feed.make)(&FeedRequest { model: self.model(), how: self.how, r, ahead: self.ahead, plant })
     }
 
     /// Drives `plant` along `r` [output unit] with this feed-forward: from what holds the first of `r` by the model, or from where its trials left it.
     ///
     /// # Errors
     /// As [`run`].
-    pub fn run(&self, plant: &dyn System, r: &[f64], fed: &Fed) -> Result<Run, Error> {
+    pub fn run(&self, plant: &dyn System, r: &[f64], fed: &FeedResult) -> Result<ClosedLoopRun, Error> {
         let (limits, late, ahead, before) = (self.path.limits, self.path.late, self.ahead, fed.after.as_deref());
         let start = r.first().map_or(0.0, |r| self.model().holding(*r, limits));
-        let course = Course { r, feed: &fed.u, limits, slew: self.path.slew, late, ahead, start, before };
-        run(plant, &*self.controller, &course)
+        let course = ClosedLoop { r, feed: &fed.u, limits, slew: self.path.slew, late, ahead, start, before };
+        course.run(plant, &*self.controller)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::feeds::{ALL, feed};
+    use super::super::feeds::{ALL, Feed};
     use super::*;
     use crate::excitation::Sine;
-    use crate::hysteresis::operator;
+    use crate::hysteresis::Operator;
 
     const TS: f64 = 5e-4;
 
     /// Plays before a resonance, of this share of its gain.
     fn model(share: f64) -> Model {
-        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
         Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1 * share, 3.1 * share]).unwrap(), 4.0)
             .unwrap()
     }
@@ -224,7 +226,7 @@ mod tests {
     }
 
     fn drive(name: &str) -> Drive {
-        Drive::new(Scheme::named(name).unwrap(), &model(1.0), How::default(), 0, &Target::default()).unwrap()
+        Drive::new(Scheme::named(name).unwrap(), &model(1.0), How::default(), 0, &MarginTarget::default()).unwrap()
     }
 
     fn percent(drive: &Drive, plant: &Model, r: &[f64]) -> f64 {
@@ -246,7 +248,8 @@ mod tests {
                 }
                 assert_eq!(Scheme::named(&scheme.name()).unwrap().name(), scheme.name());
                 for late in [0, 3] {
-                    let drive = Drive::new(scheme, &model(1.0), How::default(), late, &Target::default()).unwrap();
+                    let drive =
+                        Drive::new(scheme, &model(1.0), How::default(), late, &MarginTarget::default()).unwrap();
                     let left = percent(&drive, &model(1.1), &r);
                     assert!(drive.late() == late && left < 1.5 * line, "{}: {left} after {line}", scheme.name());
                 }
@@ -255,7 +258,7 @@ mod tests {
         for wrong in ["gain+feed-forward", "pi+pid", "pi+", "", "feed_forward"] {
             assert!(Scheme::named(wrong).is_err(), "{wrong}");
         }
-        assert!(feed("learn").is_err() && feed("learning").is_ok());
+        assert!(Feed::find("learn").is_err() && Feed::find("learning").is_ok());
     }
 
     #[test]
@@ -274,7 +277,11 @@ mod tests {
         let u = drive.feed(&model, &r).unwrap().u;
         let error = |share: f64| {
             let u: Vec<f64> = u.iter().map(|u| share * u).collect();
-            drive.run(&model, &r, &Fed { u, ..Fed::default() }).unwrap().tracking(400, 800.0).percent_of_stroke
+            drive
+                .run(&model, &r, &FeedResult { u, ..FeedResult::default() })
+                .unwrap()
+                .tracking(400, 800.0)
+                .percent_of_stroke
         };
         let [less, best, more] = [0.97, 1.0, 1.03].map(error);
         assert!(less > best && more > best && best > 0.3, "{less} {best} {more}");
@@ -294,7 +301,7 @@ mod tests {
         let refused = drive("pi").check(&far).unwrap_err().to_string();
         assert!(refused.contains("cannot be reached") && refused.contains("for long hold"), "{refused}");
         let how = How { clip: true, ..How::default() };
-        let clipped = Drive::new(Scheme::named("pi").unwrap(), &model(1.0), how, 0, &Target::default()).unwrap();
+        let clipped = Drive::new(Scheme::named("pi").unwrap(), &model(1.0), how, 0, &MarginTarget::default()).unwrap();
         assert!(
             clipped.check(&far).is_ok() && clipped.check(&[f64::NAN]).is_err() && drive("pi").check(&sine(400)).is_ok()
         );

@@ -49,7 +49,7 @@ impl Default for Tolerance {
 
 /// One draw.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
+pub struct Draw {
     /// The plant.
     pub spec: Spec,
     /// How well it tracked.
@@ -62,7 +62,7 @@ pub struct Trial {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spread {
     /// The draws.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<Draw>,
 }
 
 impl Spread {
@@ -80,36 +80,88 @@ impl Spread {
     }
 }
 
-/// Drives plants drawn about `spec` along `r` [output unit of the drive's model], in parallel; errors count from sample `from` on,
-/// of the height of `r`. The order of the draws does not depend on the threads.
-///
-/// # Errors
-/// Refuses a share outside 0 to below 1, a model whose output is no length, and what [`Drive`] and [`Plant::new`] refuse.
-pub fn trials(
-    spec: &Spec,
-    drive: &Drive,
-    r: &[f64],
-    from: usize,
-    tolerance: &Tolerance,
-    progress: &mut Progress,
-) -> Result<Spread, Error> {
-    let draw = |i: usize| {
-        let drawn = drawn(spec, tolerance.share, tolerance.seed, i as u64)?;
-        trial(drawn, tolerance.seed ^ i as u64, drive, r, from)
-    };
-    let mut trials = Vec::with_capacity(tolerance.draws);
-    for first in (0..tolerance.draws).step_by(AT_ONCE) {
-        let stage = Stage { what: "draws of tolerance", done: first, total: tolerance.draws };
-        if progress(stage).is_break() {
-            return Err(Error::Cancelled { what: stage.what.into(), done: first, total: stage.total });
+impl Tolerance {
+    /// Drives plants drawn about `spec` along `r` [output unit of the drive's model], in parallel; errors count from sample `from` on,
+    /// of the height of `r`. The order of the draws does not depend on the threads.
+    ///
+    /// # Errors
+    /// Refuses a share outside 0 to below 1, a model whose output is no length, and what [`Drive`] and [`Plant::new`] refuse.
+    pub(crate) fn trials(
+        &self,
+        spec: &Spec,
+        drive: &Drive,
+        r: &[f64],
+        from: usize,
+        progress: &mut Progress,
+    ) -> Result<Spread, Error> {
+        let draw = |i: usize| {
+            let drawn = spec.drawn(self.share, self.seed, i as u64)?;
+            trial(drawn, self.seed ^ i as u64, drive, r, from)
+        };
+        let mut trials = Vec::with_capacity(self.draws);
+        for first in (0..self.draws).step_by(AT_ONCE) {
+            let stage = Stage { what: "draws of tolerance", done: first, total: self.draws };
+            if progress(stage).is_break() {
+                return Err(Error::Cancelled { what: stage.what.into(), done: first, total: stage.total });
+            }
+            let some = (first..self.draws.min(first + AT_ONCE)).into_par_iter().map(draw);
+            trials.extend(some.collect::<Result<Vec<Draw>, Error>>()?);
         }
-        let some = (first..tolerance.draws.min(first + AT_ONCE)).into_par_iter().map(draw);
-        trials.extend(some.collect::<Result<Vec<Trial>, Error>>()?);
+        Ok(Spread { trials })
     }
-    Ok(Spread { trials })
 }
 
-fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result<Trial, Error> {
+impl Spec {
+    /// Plant `i` of those drawn from `seed` about this one, whose values differ by up to `share` of each.
+    ///
+    /// ```
+    /// let bender = (piezoid::plant::Preset::find("pl140")?.spec)();
+    /// let [one, other] = [0, 1].map(|i| bender.drawn(0.2, 7, i));
+    /// assert_ne!(one?, other?);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Refuses a share outside 0 to below 1.
+    pub fn drawn(&self, share: f64, seed: u64, i: u64) -> Result<Spec, Error> {
+        if !(0.0..1.0).contains(&share) {
+            return Err(Error::parameter("share", share, "must be from 0 to below 1"));
+        }
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(i);
+        let mut about = |value: &mut f64| *value *= 1.0 + share * (2.0 * random.random::<f64>() - 1.0);
+        let mut spec = self.clone();
+        match &mut spec.beam {
+            BeamSpec::Cantilever(beam) => {
+                about(&mut beam.youngs_modulus_pa);
+                about(&mut beam.density_kg_per_m3);
+                beam.damping.iter_mut().for_each(&mut about);
+            }
+            BeamSpec::Modes(modes) => {
+                let (mut stiffness, mut mass) = (1.0, 1.0);
+                about(&mut stiffness);
+                about(&mut mass);
+                for mode in modes {
+                    mode.frequency_hz *= f64::sqrt(stiffness / mass);
+                    about(&mut mode.damping);
+                }
+            }
+        }
+        match &mut spec.hysteresis {
+            HysteresisSpec::BoucWen { displacement_m, width, .. }
+            | HysteresisSpec::Preisach { displacement_m, width, .. } => {
+                about(displacement_m);
+                about(width);
+            }
+        }
+        about(&mut spec.creep_per_decade);
+        about(&mut spec.driver.capacitance_f);
+        about(&mut spec.driver.lag_s);
+        Ok(spec)
+    }
+}
+
+fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result<Draw, Error> {
     let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
     let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
     let mut fed = drive.feed(&plant, r)?;
@@ -124,67 +176,20 @@ fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result
     for series in [&mut done.r, &mut done.y, &mut done.u] {
         series.truncate(r.len());
     }
-    Ok(Trial { spec, tracking: done.tracking(from, top - bottom), stable })
-}
-
-/// Plant `i` of those drawn from `seed` about `spec`, whose values differ by up to `share` of each.
-///
-/// ```
-/// let bender = (piezoid::plant::find("pl140")?.spec)();
-/// let [one, other] = [0, 1].map(|i| piezoid::control::drawn(&bender, 0.2, 7, i));
-/// assert_ne!(one?, other?);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// Refuses a share outside 0 to below 1.
-pub fn drawn(spec: &Spec, share: f64, seed: u64, i: u64) -> Result<Spec, Error> {
-    if !(0.0..1.0).contains(&share) {
-        return Err(Error::parameter("share", share, "must be from 0 to below 1"));
-    }
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(i);
-    let mut about = |value: &mut f64| *value *= 1.0 + share * (2.0 * random.random::<f64>() - 1.0);
-    let mut spec = spec.clone();
-    match &mut spec.beam {
-        BeamSpec::Cantilever(beam) => {
-            about(&mut beam.youngs_modulus_pa);
-            about(&mut beam.density_kg_per_m3);
-            beam.damping.iter_mut().for_each(&mut about);
-        }
-        BeamSpec::Modes(modes) => {
-            let (mut stiffness, mut mass) = (1.0, 1.0);
-            about(&mut stiffness);
-            about(&mut mass);
-            for mode in modes {
-                mode.frequency_hz *= f64::sqrt(stiffness / mass);
-                about(&mut mode.damping);
-            }
-        }
-    }
-    match &mut spec.hysteresis {
-        HysteresisSpec::BoucWen { displacement_m, width, .. }
-        | HysteresisSpec::Preisach { displacement_m, width, .. } => {
-            about(displacement_m);
-            about(width);
-        }
-    }
-    about(&mut spec.creep_per_decade);
-    about(&mut spec.driver.capacitance_f);
-    about(&mut spec.driver.lag_s);
-    Ok(spec)
+    Ok(Draw { spec, tracking: done.tracking(from, top - bottom), stable })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CONTROLLERS, Law, Pi, Scheme, Target, feed};
+    use super::super::pi::Pi;
+    use super::super::{CONTROLLERS, Feed, Law, MarginTarget, Scheme};
     use super::*;
     use crate::compensation::How;
     use crate::excitation::{Limits, Sine};
     use crate::hammerstein::Model;
     use crate::hysteresis::Proportional;
     use crate::linear::Arx;
-    use crate::plant::find;
+    use crate::plant::Preset;
     use crate::progress::unwatched;
     use std::sync::Arc;
 
@@ -197,17 +202,17 @@ mod tests {
         let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0).unwrap()), Arx::gain(5e-4, 35.0).unwrap(), 0.0);
         let units = crate::record::Units { u: "V".into(), y: "um".into() };
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-        let scheme = Scheme { feed: feed("gain").unwrap(), law: Some(law) };
+        let scheme = Scheme { feed: Feed::find("gain").unwrap(), law: Some(law) };
         let how = How { limits, ..How::default() };
-        Drive::new(scheme, &model.unwrap().with_units(units), how, 0, &Target::default()).unwrap()
+        Drive::new(scheme, &model.unwrap().with_units(units), how, 0, &MarginTarget::default()).unwrap()
     }
 
     fn spread(drive: &Drive, threads: usize) -> Spread {
         let r = Sine { amplitude: 500.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400).unwrap();
         let tolerance = Tolerance { draws: 4, ..Tolerance::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let spec = (find("pl140").unwrap().spec)();
-        pool.install(|| trials(&spec, drive, &r, 100, &tolerance, &mut unwatched)).unwrap()
+        let spec = (Preset::find("pl140").unwrap().spec)();
+        pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut unwatched)).unwrap()
     }
 
     #[test]
@@ -226,8 +231,8 @@ mod tests {
 
     #[test]
     fn a_draw_stays_within_the_tolerance() {
-        let spec = (find("pl140").unwrap().spec)();
-        let lag = |i| drawn(&spec, 0.2, 0, i).unwrap().driver.lag_s / spec.driver.lag_s;
+        let spec = (Preset::find("pl140").unwrap().spec)();
+        let lag = |i| spec.drawn(0.2, 0, i).unwrap().driver.lag_s / spec.driver.lag_s;
         let lags: Vec<f64> = (0..200).map(lag).collect();
         let (low, high) = ends(lags);
         assert!(low >= 0.8 && high <= 1.2 && low < 0.82 && high > 1.18, "{low} {high}");

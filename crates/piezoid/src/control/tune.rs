@@ -13,7 +13,7 @@
 //! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9. It
 //! does not do: the best shape to the last digit; shapes come from lists.
 
-use super::margins::{Loop, at, check_late, grid, growths, open, phase};
+use super::margins::{ControlLoop, at, check_late, grid, growths, open, phase};
 use super::{Controller, filters};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
@@ -33,7 +33,7 @@ const RINGS: f64 = 0.3;
 
 /// What a tuned loop must keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
+pub struct MarginTarget {
     /// Gain margin [dB].
     pub gain_db: f64,
     /// Phase margin [degrees].
@@ -42,20 +42,20 @@ pub struct Target {
     pub detuning: f64,
 }
 
-impl Default for Target {
+impl Default for MarginTarget {
     /// 6 dB, 45 degrees, 22 %. A bender's values are +-20 % by its sheet: displacement a volt is 1.6 dB and damping 1.9 dB of
     /// gain, which together leave 2.5 of the 6; stiffness over mass is 22 % of frequency. At the crossover 45 degrees
     /// are |S| = 1.3.
     fn default() -> Self {
-        Target { gain_db: 6.0, phase_deg: 45.0, detuning: 0.22 }
+        MarginTarget { gain_db: 6.0, phase_deg: 45.0, detuning: 0.22 }
     }
 }
 
 /// The strongest controller that keeps the target: `build` makes one of a shape and a factor to which its law is
 /// proportional.
 pub(super) fn strongest<S: Copy, C: Controller>(
-    path: &Loop,
-    target: &Target,
+    path: &ControlLoop,
+    target: &MarginTarget,
     shapes: impl IntoIterator<Item = S>,
     build: impl Fn(S, f64) -> Result<C, Error>,
 ) -> Result<C, Error> {
@@ -101,7 +101,7 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(path: &Loop, target: &Target) -> Result<Self, Error> {
+    fn new(path: &ControlLoop, target: &MarginTarget) -> Result<Self, Error> {
         let d = target.detuning;
         let shifts: &[f64] = if d > 0.0 { &[0.0, -1.0, -0.67, -0.33, 0.33, 0.67, 1.0] } else { &[0.0] };
         let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
@@ -112,7 +112,7 @@ impl Bench {
     }
 
     /// The largest factor on `law` that keeps the target.
-    fn factor(&self, law: &Arx, target: &Target) -> Option<f64> {
+    fn factor(&self, law: &Arx, target: &MarginTarget) -> Option<f64> {
         let c: Vec<Complex<f64>> = at(&self.grid, law).collect();
         let l = |plant: &[Complex<f64>], k: f64| c.iter().zip(plant).map(|(c, g)| c * g * k).collect::<Vec<_>>();
         let first =
@@ -165,7 +165,7 @@ pub(super) fn modes(block: &Arx) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::super::margins::tests::path_of;
-    use super::super::{CONTROLLERS, Course, Law, run};
+    use super::super::{CONTROLLERS, ClosedLoop, Law};
     use super::*;
     use crate::hammerstein::Domain;
     use crate::testing::assert_close;
@@ -175,7 +175,7 @@ mod tests {
     const TS: f64 = 5e-4;
 
     /// A bender of two modes, its slope 30 to 40 um / V.
-    fn bender() -> Loop {
+    fn bender() -> ControlLoop {
         let p = filters::times(&filters::pair(TS, 160.0, 0.03), &filters::pair(TS, 900.0, 0.03));
         let gain = p.iter().sum::<f64>();
         let linear = filters::ratio(TS, &[0.0, 0.6 * gain, 0.4 * gain], &p).unwrap();
@@ -183,21 +183,21 @@ mod tests {
     }
 
     /// The controllers with a law, tuned.
-    fn lawful(path: &Loop) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>, Arx)> {
-        let tuned = CONTROLLERS.iter().map(|kind| (kind, (kind.tune)(path, &Target::default()).unwrap()));
+    fn lawful(path: &ControlLoop) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>, Arx)> {
+        let tuned = CONTROLLERS.iter().map(|kind| (kind, (kind.tune)(path, &MarginTarget::default()).unwrap()));
         tuned.filter_map(|(kind, controller)| controller.law().map(|law| (kind, controller, law)))
     }
 
     #[test]
     fn every_controller_keeps_the_margins_it_was_tuned_to_and_its_gain_with_every_mode_detuned() {
         for late in [0, 3] {
-            let path = Loop { late, ..bender() };
+            let path = ControlLoop { late, ..bender() };
             for (kind, controller, law) in lawful(&path) {
                 let (m, name) = (path.margins(&*controller, path.slope.1).unwrap(), kind.name);
                 let keeps = m.stable && m.gain_db > 5.9 && m.phase_deg > 44.5 && m.bandwidth_hz > 1.0;
                 assert!(keeps, "{name}, {late} late: {m:?}");
                 for share in [0.78, 0.9, 1.1, 1.22] {
-                    let other = Loop { late, ..path_of(detuned(path.linear(), share).unwrap(), path.slope) };
+                    let other = ControlLoop { late, ..path_of(detuned(path.linear(), share).unwrap(), path.slope) };
                     let loud = other.closed(&law, 1.95 * path.slope.1).unwrap();
                     assert!(loud.is_stable(), "{name} with modes at {share}, {late} late");
                 }
@@ -217,7 +217,7 @@ mod tests {
             let samples = (45.0 / 360.0 / last / TS).floor() as usize;
             let b: Vec<f64> = path.linear().b().iter().map(|b| b * path.slope.1).collect();
             let plant = Arx::new(TS, path.linear().a().to_vec(), [vec![0.0; samples], b].concat()).unwrap();
-            let y = run(&plant, &*controller, &Course::new(&[100.0; 20_000], &[0.0; 20_000], path.limits)).unwrap().y;
+            let y = ClosedLoop::new(&[100.0; 20_000], &[0.0; 20_000], path.limits).run(&plant, &*controller).unwrap().y;
             assert_close(&[y[19_000], y[19_999]], &[100.0; 2], 1e-3, 0.0);
         }
     }
@@ -226,8 +226,8 @@ mod tests {
     fn notches_and_damping_allow_more_than_a_pi() {
         let path = bender();
         let gain = |name| {
-            let tune = super::super::controller(name).unwrap().tune;
-            integral_gain(&tune(&path, &Target::default()).unwrap().law().unwrap())
+            let tune = super::super::Law::find(name).unwrap().tune;
+            integral_gain(&tune(&path, &MarginTarget::default()).unwrap().law().unwrap())
         };
         let pi = gain("pi");
         assert!(gain("integral-notch") > 1.5 * pi && gain("positive-position") > 1.5 * pi, "{pi}");
@@ -238,16 +238,16 @@ mod tests {
         // A gain by the model, identified up to 5 Hz; in truth a mode at 160 Hz.
         let slow = path_of(Arx::gain(TS, 0.9).unwrap(), (30.0, 40.0));
         let known = Domain { u: [-30.0, 30.0], hz: Some([5.0, 5.0]), slew: 1e3, mean: [0.0, 0.0] };
-        let seen = Loop { model: slow.model.clone().with_identified(known), ..slow.clone() };
+        let seen = ControlLoop { model: slow.model.clone().with_identified(known), ..slow.clone() };
         let truth = path_of(filters::lag(TS, 160.0, 0.03).unwrap(), (30.0, 40.0));
-        let stable = |path: &Loop| {
-            let tuned = CONTROLLERS.iter().filter_map(|kind| (kind.tune)(path, &Target::default()).ok()?.law());
+        let stable = |path: &ControlLoop| {
+            let tuned = CONTROLLERS.iter().filter_map(|kind| (kind.tune)(path, &MarginTarget::default()).ok()?.law());
             tuned.map(|law| truth.closed(&law, 36.0).unwrap().is_stable()).collect::<Vec<bool>>()
         };
         assert!(seen.known_hz() == Some(5.0) && slow.known_hz().is_none());
         assert!(stable(&seen).len() >= 3 && stable(&seen).iter().all(|s| *s) && stable(&slow).iter().any(|s| !*s));
-        let predictive = super::super::controller("predictive").unwrap().tune;
-        let refused = predictive(&seen, &Target::default()).unwrap_err().to_string();
+        let predictive = super::super::Law::find("predictive").unwrap().tune;
+        let refused = predictive(&seen, &MarginTarget::default()).unwrap_err().to_string();
         assert!(refused.contains("identified up to 5") && refused.contains("PRBS"), "{refused}");
     }
 
@@ -263,14 +263,16 @@ mod tests {
 
     #[test]
     fn targets_and_blocks_that_leave_no_controller_are_refused() {
-        let pi = super::super::controller("pi").unwrap().tune;
-        let wrong = Target { phase_deg: 0.0, ..Target::default() };
+        let pi = super::super::Law::find("pi").unwrap().tune;
+        let wrong = MarginTarget { phase_deg: 0.0, ..MarginTarget::default() };
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
         let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));
-        assert!(pi(&unstable, &Target::default()).unwrap_err().to_string().contains("not stable"));
-        let late = Loop { late: 21, ..bender() };
-        assert!(pi(&late, &Target::default()).unwrap_err().to_string().starts_with("late = 21: must be at most 20"));
-        let steep = Target { phase_deg: 179.0, ..Target::default() };
+        assert!(pi(&unstable, &MarginTarget::default()).unwrap_err().to_string().contains("not stable"));
+        let late = ControlLoop { late: 21, ..bender() };
+        assert!(
+            pi(&late, &MarginTarget::default()).unwrap_err().to_string().starts_with("late = 21: must be at most 20")
+        );
+        let steep = MarginTarget { phase_deg: 179.0, ..MarginTarget::default() };
         assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain keeps the margins"));
     }
 }

@@ -5,7 +5,7 @@
 //! continuous operation may allow less.
 
 use super::Limits;
-use crate::error::Error;
+use crate::error::{Error, row};
 
 /// A driver by name.
 #[derive(Debug, Clone, Copy)]
@@ -51,10 +51,7 @@ impl Driver {
     /// # Errors
     /// Refused when there is none, with the names there are.
     pub fn find(name: &str) -> Result<&'static Driver, Error> {
-        DRIVERS
-            .iter()
-            .find(|d| d.name == name)
-            .ok_or_else(|| Error::unknown("driver", name, DRIVERS.iter().map(|d| d.name)))
+        row("driver", DRIVERS.iter(), |row| row.name, name)
     }
 
     /// Its limits into a load of this capacitance [F], where the row has none.

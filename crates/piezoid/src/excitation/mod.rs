@@ -37,7 +37,7 @@ pub use staircase::Staircase;
 pub use stepped_sine::SteppedSine;
 pub use triangle::Triangle;
 
-use crate::error::{Error, positive};
+use crate::error::{Error, positive, row};
 use parameter::Values;
 
 /// One kind of excitation.
@@ -71,22 +71,20 @@ const PINTELON_SCHOUKENS: &str = "Pintelon and Schoukens, System Identification,
 /// The most samples that are made: 0.8 GB of them.
 const MOST: usize = 100_000_000;
 
-/// The excitation called `name`.
-///
-/// # Errors
-/// Refused when there is none, with the names there are.
-pub fn find(name: &str) -> Result<&'static Excitation, Error> {
-    EXCITATIONS
-        .iter()
-        .find(|e| e.name == name)
-        .ok_or_else(|| Error::unknown("excitation", name, EXCITATIONS.iter().map(|e| e.name)))
+impl Excitation {
+    /// The excitation called `name`.    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("excitation", EXCITATIONS.iter(), |row| row.name, name)
+    }
 }
 
 impl Excitation {
     /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples.
     ///
     /// ```
-    /// let sine = piezoid::excitation::find("sine")?;
+    /// let sine = piezoid::excitation::Excitation::find("sine")?;
     /// let u = sine.samples(5e-4, 1.0, &[("amplitude", 30.0), ("frequency", 5.0)])?;
     /// assert_eq!((u.len(), u[0], u[100]), (2000, 0.0, 30.0));
     /// # Ok::<(), piezoid::Error>(())
@@ -158,7 +156,7 @@ mod tests {
                 assert!(p.name.chars().all(|c| c.is_ascii_lowercase() || c == '-') && !p.help.is_empty(), "{}", p.name);
                 assert!(e.parameters[..j].iter().all(|other| other.name != p.name), "{} twice", p.name);
             }
-            assert_eq!(find(e.name).unwrap().name, e.name);
+            assert_eq!(Excitation::find(e.name).unwrap().name, e.name);
         }
     }
 
@@ -176,7 +174,7 @@ mod tests {
     #[test]
     fn the_defaults_of_the_rows_are_those_of_the_structs() {
         let row = |name: &str, extra: &[(&str, f64)]| {
-            find(name).unwrap().samples(1e-3, 2.0, &[&[("amplitude", 1.0)], extra].concat())
+            Excitation::find(name).unwrap().samples(1e-3, 2.0, &[&[("amplitude", 1.0)], extra].concat())
         };
         let frequency = [("frequency", 1.0)];
         assert_eq!(row("prbs", &[]), Prbs::default().samples(1e-3, 2000));
@@ -192,12 +190,12 @@ mod tests {
 
     #[test]
     fn a_duration_that_makes_no_sense_is_refused() {
-        let prbs = find("prbs").unwrap();
+        let prbs = Excitation::find("prbs").unwrap();
         let message = |ts, duration| prbs.samples(ts, duration, &[("amplitude", 1.0)]).unwrap_err().to_string();
         assert!(message(1e-3, 0.0).starts_with("duration = 0"));
         assert!(message(-1.0, 1.0).starts_with("ts = -1"));
         assert!(message(1.0, 0.4).contains("from 1 to 100000000 samples, not 0"));
         assert!(message(1e-6, 1e6).contains("not 1000000000000"));
-        assert!(find("sinus").unwrap_err().to_string().contains("known are prbs, multisine"));
+        assert!(Excitation::find("sinus").unwrap_err().to_string().contains("known are prbs, multisine"));
     }
 }

@@ -15,8 +15,6 @@ mod number;
 mod text;
 mod write;
 
-pub use write::write;
-
 use super::Format;
 use super::quote::shortened;
 use super::table::{Column, Table};

@@ -9,7 +9,7 @@
 
 mod bytes;
 mod channel;
-pub mod csv;
+mod csv;
 mod hdf5;
 mod matlab;
 mod numpy;
@@ -45,28 +45,30 @@ pub struct Format {
 /// The formats that are read. A row is more particular than those above it: the last one that matches reads a file.
 pub static FORMATS: &[Format] = &[csv::ROW, numpy::ROW, matlab::ROW, hdf5::ROW];
 
-/// The table in a file of any of [`FORMATS`]. Its name tells only what a file was meant to be that cannot be read.
-///
-/// ```
-/// use piezoid::formats::{self, Selection};
-/// let table = formats::read("sine.txt", b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n")?;
-/// assert_eq!(table.record(&Selection::default())?.len(), 2);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// The file is damaged, holds no named channels, or is in no format that is read.
-pub fn read(name: &str, bytes: &[u8]) -> Result<Table, Error> {
-    let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
-    let meant = FORMATS.iter().find(|format| format.extensions.contains(&extension.to_ascii_lowercase().as_str()));
-    if let Some(format) = FORMATS.iter().skip(1).rfind(|format| (format.matches)(bytes)) {
-        return (format.read)(bytes);
+impl Table {
+    /// The table in a file of any of [`FORMATS`]. Its name tells only what a file was meant to be that cannot be read.
+    ///
+    /// ```
+    /// use piezoid::formats::{Selection, Table};
+    /// let table = Table::read("sine.txt", b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n")?;
+    /// assert_eq!(table.record(&Selection::default())?.len(), 2);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The file is damaged, holds no named channels, or is in no format that is read.
+    pub fn read(name: &str, bytes: &[u8]) -> Result<Table, Error> {
+        let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
+        let meant = FORMATS.iter().find(|format| format.extensions.contains(&extension.to_ascii_lowercase().as_str()));
+        if let Some(format) = FORMATS.iter().skip(1).rfind(|format| (format.matches)(bytes)) {
+            return (format.read)(bytes);
+        }
+        Table::parse(bytes).map_err(|error| match meant {
+            Some(Format { name, summary, .. }) if *name != csv::ROW.name => Error::Content(format!(
+                "cannot be read: a file called .{extension} should hold {summary}, but this one does not begin so: it is \
+                 damaged, or of another format"
+            )),
+            _ => error,
+        })
     }
-    Table::parse(bytes).map_err(|error| match meant {
-        Some(Format { name, summary, .. }) if *name != csv::ROW.name => Error::Content(format!(
-            "cannot be read: a file called .{extension} should hold {summary}, but this one does not begin so: it is \
-             damaged, or of another format"
-        )),
-        _ => error,
-    })
 }

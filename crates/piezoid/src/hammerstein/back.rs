@@ -68,7 +68,7 @@ impl Model {
 mod tests {
     use super::*;
     use crate::creep::Creep;
-    use crate::driver::{Driver, SUBSTEPS};
+    use crate::driver::DriverModel;
     use crate::hysteresis::OPERATORS;
     use crate::linear::Arx;
     use crate::testing::assert_close;
@@ -77,8 +77,8 @@ mod tests {
     fn what_creep_put_out_leads_back_to_the_input_behind_a_driver_and_without() {
         let wander = |t: i32| 18.0 * (f64::from(t) * 0.05).sin() + 9.0 * (f64::from(t) * 0.173).sin();
         for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
-            for driver in [None, Some(Driver::new(1e-4, Some(6e4)).unwrap())] {
-                let ts = 5e-4 / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
+            for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {
+                let ts = 5e-4 / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
                 let linear = Arx::gain(5e-4, 1.0).unwrap();
                 let model = Model::driven(driver, (o.example)(ts).unwrap(), linear, 0.0).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();

@@ -1,7 +1,7 @@
 //! The loops of the hidden variable: the points of (u, z) of each frequency, gathered from the records and split.
 
 use crate::error::Error;
-use crate::hysteresis::{Branches, Loop, Split};
+use crate::hysteresis::{Branches, MeasuredLoop, Split};
 use crate::number::round;
 use crate::record::Record;
 use crate::series::{ends, mean};
@@ -29,7 +29,7 @@ pub struct HiddenLoop {
     /// Hidden variable [input unit].
     pub z: Vec<f64>,
     /// Branches and separating line.
-    pub found: Loop,
+    pub found: MeasuredLoop,
 }
 
 /// The points of the records, by frequency, before they are split.
@@ -136,7 +136,7 @@ pub(super) fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
 }
 
 /// "At 5, 20 Hz", of the loops that `are` so, if any.
-pub(super) fn named(loops: &[HiddenLoop], are: impl Fn(&Loop) -> bool) -> Option<String> {
+pub(super) fn named(loops: &[HiddenLoop], are: impl Fn(&MeasuredLoop) -> bool) -> Option<String> {
     let some: Vec<Option<f64>> = loops.iter().filter(|l| are(&l.found)).map(|l| l.frequency_hz).collect();
     let hz: Vec<String> = some.iter().flatten().map(|hz| round(*hz)).collect();
     match (some.is_empty(), hz.is_empty()) {

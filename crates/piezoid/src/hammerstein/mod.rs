@@ -14,21 +14,21 @@ mod program;
 mod rich;
 mod start;
 
-pub use paper::proportional;
-
 pub use domain::Domain;
-pub use joint::{Joint, Parameter, Trial, identify_joint};
+pub use joint::{FittedParameter, OperatorTrial};
+pub(crate) use joint::{Joint, identify_joint};
 pub use loops::HiddenLoop;
-pub use paper::{Identified, Paper, hidden, identify_paper};
+pub use paper::Identified;
+pub(crate) use paper::{Paper, identify_paper};
 pub use rich::LinearPart;
-pub use start::Beginning;
+pub use start::InitialCondition;
 
 use crate::creep::{Creep, Lag};
-use crate::driver::{Driver, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hysteresis::{self, Hysteresis};
 use crate::linear::Arx;
-use crate::record::{Units, same_sampling};
+use crate::record::{Record, Units};
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -60,7 +60,7 @@ const SCHEMA: u64 = 1;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Model {
-    driver: Option<Driver>,
+    driver: Option<DriverModel>,
     hysteresis: Arc<dyn Hysteresis>,
     creep: Creep,
     linear: Arx,
@@ -79,19 +79,19 @@ impl Model {
         Model::driven(None, hysteresis, linear, offset)
     }
 
-    /// The same behind a driver, of which the hysteresis block sees [`SUBSTEPS`] voltages a sample and must be sampled
+    /// The same behind a driver, of which the hysteresis block sees [`DriverModel::SUBSTEPS`] voltages a sample and must be sampled
     /// as much faster.
     ///
     /// # Errors
     /// As [`Model::new`].
     pub fn driven(
-        driver: Option<Driver>,
+        driver: Option<DriverModel>,
         hysteresis: Arc<dyn Hysteresis>,
         linear: Arx,
         offset: f64,
     ) -> Result<Self, Error> {
-        let faster = if driver.is_some() { SUBSTEPS as f64 } else { 1.0 };
-        same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
+        let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
+        Record::same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
         crate::error::finite("offset", &[offset])?;
         let (creep, units) = (Creep::new(linear.ts(), Vec::new())?, Units::default());
         Ok(Model { driver, hysteresis, creep, linear, offset, units, identified: None, made: Value::Null })
@@ -102,7 +102,7 @@ impl Model {
     /// # Errors
     /// Refuses another sampling period.
     pub fn with_creep(self, creep: Creep) -> Result<Self, Error> {
-        same_sampling("creep", creep.ts(), "the linear block", self.linear.ts())?;
+        Record::same_sampling("creep", creep.ts(), "the linear block", self.linear.ts())?;
         Ok(Model { creep, ..self })
     }
 
@@ -122,7 +122,7 @@ impl Model {
     }
 
     /// The driver, where it is known.
-    pub fn driver(&self) -> Option<&Driver> {
+    pub fn driver(&self) -> Option<&DriverModel> {
         self.driver.as_ref()
     }
 
@@ -205,9 +205,9 @@ impl Model {
             }
         }
         let d: Document = serde_json::from_value(value).map_err(|e| Error::Content(format!("model file: {e}")))?;
-        let driver = d.driver.map(|d| Driver::new(d.lag_s, d.slew)).transpose()?;
+        let driver = d.driver.map(|d| DriverModel::new(d.lag_s, d.slew)).transpose()?;
         let linear = Arx::new(d.ts, d.linear.a, d.linear.b)?;
-        let ts = if driver.is_some() { d.ts / SUBSTEPS as f64 } else { d.ts };
+        let ts = if driver.is_some() { d.ts / DriverModel::SUBSTEPS as f64 } else { d.ts };
         let model = Model::driven(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
         let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
         let identified = d.identified.map(Domain::checked).transpose()?;
@@ -224,7 +224,7 @@ struct Document {
     #[serde(default)]
     units: Units,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    driver: Option<Driver>,
+    driver: Option<DriverModel>,
     hysteresis: Value,
     #[serde(default)]
     creep: Option<Vec<Lag>>,
@@ -278,9 +278,9 @@ impl Model {
     /// Replaces the inputs in `signal` by z, from the states of the hysteresis block and the driver.
     fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], signal: &mut [f64]) {
         let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
-        let h = self.ts() / SUBSTEPS as f64;
+        let h = self.ts() / DriverModel::SUBSTEPS as f64;
         for stretch in signal.chunks_mut(SEEN) {
-            let mut seen = [[0.0; SUBSTEPS]; SEEN];
+            let mut seen = [[0.0; DriverModel::SUBSTEPS]; SEEN];
             let seen = &mut seen[..stretch.len()];
             for (voltages, u) in seen.iter_mut().zip(&*stretch) {
                 for voltage in voltages {
@@ -295,7 +295,7 @@ impl Model {
                     twice += *z + next;
                     *z = next;
                 }
-                *mean = twice / (2 * SUBSTEPS) as f64;
+                *mean = twice / (2 * DriverModel::SUBSTEPS) as f64;
             }
         }
     }
@@ -369,8 +369,9 @@ mod tests {
     fn a_run_is_its_steps_to_the_bit_whatever_the_model_holds() {
         let u: Vec<f64> = (0..2 * STRETCH).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
         for o in OPERATORS {
-            for driver in [None, Some(Driver::new(1e-4, Some(2e4)).unwrap())] {
-                let hysteresis = (o.example)(5e-4 / if driver.is_some() { SUBSTEPS as f64 } else { 1.0 }).unwrap();
+            for driver in [None, Some(DriverModel::new(1e-4, Some(2e4)).unwrap())] {
+                let hysteresis =
+                    (o.example)(5e-4 / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 }).unwrap();
                 let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
                 let model = Model::driven(driver, hysteresis, linear, -0.1).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
@@ -400,7 +401,7 @@ mod tests {
 
     #[test]
     fn predicting_its_own_simulation_changes_nothing_and_errors_do_not_add_up() {
-        let plays = (hysteresis::operator("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let plays = (hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
         let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
         let model = Model::new(plays, block, 2.0).unwrap();
         let model = model.with_creep(Creep::logarithmic(5e-4, 0.01, 0.1, 1.0).unwrap()).unwrap();

@@ -6,7 +6,7 @@
 
 use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
 use super::rich::{LinearPart, linear_from_rich, rich_enough};
-use super::{Domain, Model, Parameter, Trial};
+use super::{Domain, FittedParameter, Model, OperatorTrial};
 use crate::error::Error;
 use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
@@ -14,19 +14,19 @@ use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::Progress;
 use crate::quality::{Need, around, excites, inspect};
-use crate::record::{Record, Units, same_sampling};
+use crate::record::{Record, Units};
 use crate::system::System;
 use std::sync::Arc;
 
 /// How to identify the paper's way. The defaults are the paper's, but for the reading of held inputs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Paper {
+pub(crate) struct Paper {
     /// Order of the linear block.
     pub order: usize,
     /// Name of its estimator.
     pub estimator: String,
     /// Settings of the swarm.
-    pub swarm: swarm::Settings,
+    pub swarm: swarm::SwarmSettings,
     /// Name of the hysteresis operator, or `auto`: `two-branch` for one frequency, `rate-scheduled` for several.
     pub operator: String,
     /// How the points of a loop are told apart.
@@ -42,7 +42,7 @@ impl Default for Paper {
         Paper {
             order: 2,
             estimator: "swarm".into(),
-            swarm: swarm::Settings::default(),
+            swarm: swarm::SwarmSettings::default(),
             operator: "auto".into(),
             split: Split::Line,
             bins: 16,
@@ -61,9 +61,9 @@ pub struct Identified {
     /// The loops the hysteresis block was made of, by rising frequency.
     pub loops: Vec<HiddenLoop>,
     /// The operators that were tried; only the joint way tries several.
-    pub trials: Vec<Trial>,
+    pub trials: Vec<OperatorTrial>,
     /// What an engineer asks for, with its standard error; only the joint way knows it.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<FittedParameter>,
     /// What its user should know.
     pub notes: Vec<String>,
 }
@@ -74,7 +74,7 @@ pub struct Identified {
 /// # Errors
 /// Records of different sampling periods, or of units that cannot be converted; what [`linear::fit`] refuses; loops that
 /// are none.
-pub fn identify_paper(
+pub(crate) fn identify_paper(
     linear: &[Record],
     rich: &[Record],
     how: &Paper,
@@ -101,7 +101,7 @@ pub fn identify_paper(
     let mut loops = Gathered::default();
     if how.operator != "proportional" {
         for record in &rich {
-            let (z, note) = hidden(&part.arx, part.offset, record.y())?;
+            let (z, note) = part.arx.hidden(part.offset, record.y())?;
             notes.extend(note.filter(|n| !notes.contains(n)));
             notes.extend(loops.add(record, z)?);
         }
@@ -149,7 +149,7 @@ fn block(
         ("two-branch", [one, ..]) => (Arc::new(TwoBranch::new(ts, one.found.branches.clone(), reading)?), part.offset),
         ("rate-scheduled", [_, ..]) => (Arc::new(RateScheduled::new(ts, pairs(loops)?, reading)?), part.offset),
         ("proportional", _) => {
-            let (gain, offset) = proportional(&part.arx, part.offset, rich)?;
+            let (gain, offset) = part.arx.proportional(part.offset, rich)?;
             (Arc::new(Proportional::new(ts, gain)?), offset)
         }
         ("two-branch" | "rate-scheduled", []) => {
@@ -157,35 +157,37 @@ fn block(
             return Err(Error::TooShort { what: "the list of rich records".into(), have: 0, need: 1, remedy });
         }
         (other, _) => {
-            crate::hysteresis::operator(other)?;
+            crate::hysteresis::Operator::find(other)?;
             let rule = "the paper's method knows proportional, two-branch, rate-scheduled and auto";
             return Err(Error::parameter("operator", other, rule));
         }
     })
 }
 
-/// Step 4: z by the inverse of the linear block, causal where that is stable; the note says when it is not. Then z is
-/// shorter than y, by the samples at the end that cannot be told.
-///
-/// # Errors
-/// [`Error::NoInverse`] when the block has no stable inverse of either kind, or `y` is too short for it.
-pub fn hidden(arx: &Arx, offset: f64, y: &[f64]) -> Result<(Vec<f64>, Option<String>), Error> {
-    let centred: Vec<f64> = y.iter().map(|y| y - offset).collect();
-    let first = centred.first().copied().unwrap_or(0.0);
-    match arx.inverse() {
-        Ok(inverse) => Ok((inverse.resume(&mut inverse.settled(first), &centred), None)),
-        Err(why) => {
-            let (blind, n) = (arx.blind(), y.len());
-            if blind >= n {
-                let because = format!(
-                    "{why}; and from the whole record it cannot tell the last {blind} samples, of {n} there are: record longer, or \
-                     choose another order"
-                );
-                return Err(Error::NoInverse { kind: "usable", because });
+impl Arx {
+    /// Step 4 of the paper: z by the inverse of this linear block, causal where that is stable; the note says when it is not. Then z is
+    /// shorter than y, by the samples at the end that cannot be told.
+    ///
+    /// # Errors
+    /// [`Error::NoInverse`] when the block has no stable inverse of either kind, or `y` is too short for it.
+    pub fn hidden(&self, offset: f64, y: &[f64]) -> Result<(Vec<f64>, Option<String>), Error> {
+        let centred: Vec<f64> = y.iter().map(|y| y - offset).collect();
+        let first = centred.first().copied().unwrap_or(0.0);
+        match self.inverse() {
+            Ok(inverse) => Ok((inverse.resume(&mut inverse.settled(first), &centred), None)),
+            Err(why) => {
+                let (blind, n) = (self.blind(), y.len());
+                if blind >= n {
+                    let because = format!(
+                        "{why}; and from the whole record it cannot tell the last {blind} samples, of {n} there are: record longer, or \
+                         choose another order"
+                    );
+                    return Err(Error::NoInverse { kind: "usable", because });
+                }
+                let mut z = self.invert_whole(&centred)?;
+                z.truncate(n - blind);
+                Ok((z, Some(format!("{why}; z comes from the whole record, forward and backward in time"))))
             }
-            let mut z = arx.invert_whole(&centred)?;
-            z.truncate(n - blind);
-            Ok((z, Some(format!("{why}; z comes from the whole record, forward and backward in time"))))
         }
     }
 }
@@ -200,7 +202,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
         return linear_from_rich(rich, how.order);
     }
     rich_enough(linear, how.order)?;
-    let fit = linear::fit(linear, Orders::of(how.order), linear::estimator(&how.estimator)?, &how.swarm, progress)?;
+    let fit = linear::Estimator::find(&how.estimator)?.fit(linear, Orders::of(how.order), &how.swarm, progress)?;
     let (left, best) = (fit.residuals.sum_abs, fit.least_squares_sum_abs);
     let failed = if fit.estimator == "swarm" && left > 1.001 * best {
         let (left, best) = (short(left), short(best));
@@ -212,7 +214,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     };
     let (order, by, n) = (how.order, fit.estimator, fit.residuals.n);
     let reason = format!("order {order} by {by} on {n} samples of small signal{failed}");
-    let reason = reason + &linear::too_low(linear, &fit).unwrap_or_default();
+    let reason = reason + &fit.too_low(linear).unwrap_or_default();
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
@@ -255,25 +257,27 @@ fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
     loops.iter().map(pair).collect()
 }
 
-/// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any, or when
-/// G is unstable.
-pub fn proportional(arx: &Arx, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
-    if records.is_empty() || !arx.is_stable() {
-        return Ok((1.0, offset));
+impl Arx {
+    /// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any, or when
+    /// G is unstable.
+    pub fn proportional(&self, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
+        if records.is_empty() || !self.is_stable() {
+            return Ok((1.0, offset));
+        }
+        let filtered: Vec<Record> = records
+            .iter()
+            .map(|r| Record::new(r.ts(), self.resume(&mut self.settled(r.u()[0]), r.u()), r.y().to_vec()))
+            .collect::<Result<_, _>>()?;
+        let (gain, offset, _) = super::rich::affine(&filtered)?;
+        Ok((gain, offset))
     }
-    let filtered: Vec<Record> = records
-        .iter()
-        .map(|r| Record::new(r.ts(), arx.resume(&mut arx.settled(r.u()[0]), r.u()), r.y().to_vec()))
-        .collect::<Result<_, _>>()?;
-    let (gain, offset, _) = super::rich::affine(&filtered)?;
-    Ok((gain, offset))
 }
 
 /// The units of the first record; the others must agree in sampling and input unit.
 pub(super) fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) -> Result<Units, Error> {
     let Some(first) = records.next() else { return Ok(Units::default()) };
     for record in records {
-        same_sampling("the first record", first.ts(), "another record", record.ts())?;
+        Record::same_sampling("the first record", first.ts(), "another record", record.ts())?;
         if record.units().u != first.units().u {
             return Err(Error::Units {
                 what: "the input of a record".into(),
@@ -291,7 +295,7 @@ mod tests {
     use crate::excitation::{Prbs, Sine};
     use crate::hysteresis::OPERATORS;
     use crate::progress::unwatched;
-    use crate::validation::{ValidateOptions, validate};
+    use crate::validation::ValidateOptions;
 
     const TS: f64 = 5e-4;
 
@@ -323,8 +327,10 @@ mod tests {
             let linear = [Record::new(TS, prbs().u().to_vec(), offset_record).unwrap()];
             let found = identify_paper(&linear, rich, &how, &mut unwatched).unwrap();
             let fresh = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
-            let left =
-                validate(&found.model, &fresh, &ValidateOptions { skip: 0.5, ..ValidateOptions::default() }).unwrap();
+            let left = found
+                .model
+                .validate_with(&fresh, &ValidateOptions { skip: 0.5, ..ValidateOptions::default() })
+                .unwrap();
             assert!(left.metrics.rms_pp_percent < 0.6, "{}: {} %", o.name, left.metrics.rms_pp_percent);
         }
     }
@@ -360,7 +366,7 @@ mod tests {
     fn a_block_that_8_cannot_invert_is_inverted_whole_and_the_note_says_so() {
         let late = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.4, 3.3]).unwrap();
         let u = sine(5.0);
-        let (z, note) = hidden(&late, 0.0, &late.simulate(&u)).unwrap();
+        let (z, note) = late.hidden(0.0, &late.simulate(&u)).unwrap();
         crate::testing::assert_close(&z, &u[..z.len()], 0.0, 1e-6);
         assert!(z.len() > 3990);
         assert!(note.unwrap().contains("forward and backward"));

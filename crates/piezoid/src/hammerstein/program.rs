@@ -1,7 +1,6 @@
 //! The model as a program.
 
 use super::Model;
-use crate::elementary;
 use crate::error::Error;
 use crate::hysteresis::{inverse, inverse_behind_a_driver};
 use crate::program::{Block, Program};
@@ -11,8 +10,8 @@ impl Model {
     /// The model as a program: a block `state` of all its parts, in the order of its state here, and a function `step(s: state, u)`.
     ///
     /// ```
-    /// use piezoid::{Model, System, hysteresis::operator, linear::Arx, program::Machine};
-    /// let plays = (operator("prandtl-ishlinskii")?.example)(5e-4)?;
+    /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx, program::Machine};
+    /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
     /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
     /// let program = model.program()?;
     /// let mut machine = Machine::new(&program, "state", false);
@@ -56,7 +55,7 @@ fn step(s: state, u) {{
             let because = format!("its operator, `{}`, has none", self.hysteresis().operator().name);
             Error::Unsuited { what: "program".into(), because }
         };
-        let mut program = Program::new(vec![elementary::block(), self.hysteresis().block().ok_or_else(unsuited)?])?;
+        let mut program = Program::new(vec![Block::elementary(), self.hysteresis().block().ok_or_else(unsuited)?])?;
         inverse(&mut program)?;
         if let Some(driver) = self.driver() {
             let remembers = self.hysteresis().order() > 0;
@@ -81,7 +80,7 @@ fn step(s: state, u) {{
             (false, false) => format!("hysteresis({u})"),
             (true, false) => format!("hysteresis({x}.hysteresis, {u})"),
             (false, true) => format!("hidden({x}.driver, {u})"),
-            (true, true) => format!("hidden({x}.hysteresis, {x}.driver, {u})"),
+            (true, true) => format!("{x}.hysteresis.hidden({x}.driver, {u})"),
         }
     }
 
@@ -105,14 +104,14 @@ fn step(s: state, u) {{
 mod tests {
     use super::*;
     use crate::creep::Creep;
-    use crate::driver::{Driver, SUBSTEPS};
+    use crate::driver::DriverModel;
     use crate::hysteresis::OPERATORS;
     use crate::linear::Arx;
     use crate::program::Machine;
 
     /// A model of an operator behind each kind of driver, or none, with blocks of these many coefficients.
-    fn model(operator: usize, driver: Option<Driver>, (na, nb): (usize, usize)) -> Model {
-        let ts = if driver.is_some() { 5e-4 / SUBSTEPS as f64 } else { 5e-4 };
+    fn model(operator: usize, driver: Option<DriverModel>, (na, nb): (usize, usize)) -> Model {
+        let ts = if driver.is_some() { 5e-4 / DriverModel::SUBSTEPS as f64 } else { 5e-4 };
         let coefficient = |k: usize| 0.5 * (-0.5f64).powi(k as i32);
         let (a, b) = ((0..na).map(coefficient).collect(), (0..nb).map(|k| coefficient(k) + 1.0).collect());
         let hysteresis = (OPERATORS[operator].example)(ts).unwrap();
@@ -123,7 +122,7 @@ mod tests {
     #[test]
     fn a_program_is_the_model_to_the_bit_whatever_it_is_made_of() {
         let drivers = [(1e-4, Some(2e4)), (0.0, Some(2e4)), (1e-4, None), (0.0, None)];
-        let drivers = drivers.map(|(lag, slew)| Some(Driver::new(lag, slew).unwrap()));
+        let drivers = drivers.map(|(lag, slew)| Some(DriverModel::new(lag, slew).unwrap()));
         for operator in 0..OPERATORS.len() {
             for (k, driver) in drivers.into_iter().chain([None]).enumerate() {
                 let model = model(operator, driver, [(0, 1), (2, 3), (1, 7), (5, 2), (6, 6)][(k + operator) % 5]);

@@ -65,11 +65,11 @@ fn of_order(
         return plain(format!("{why}; add a small-signal PRBS record to learn the dynamics"));
     }
     let highest = lines.iter().fold(0.0f64, |h, &l| h.max(l));
-    let least_squares = linear::estimator("least-squares")?;
+    let least_squares = linear::Estimator::find("least-squares")?;
     let candidates: Vec<(f64, usize, Fit)> = (0..=DELAY_MAX)
         .filter_map(|delay| {
             let orders = Orders { delay, ..Orders::of(n) };
-            let fit = linear::fit(records, orders, least_squares, &swarm::Settings::default(), &mut unwatched).ok()?;
+            let fit = least_squares.fit(records, orders, &swarm::SwarmSettings::default(), &mut unwatched).ok()?;
             Some((left_by(&fit, records)?, delay, fit))
         })
         .collect();

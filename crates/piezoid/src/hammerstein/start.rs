@@ -8,7 +8,7 @@ use crate::waveform::{in_motion, lead};
 /// What the actuator did before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Beginning {
+pub enum InitialCondition {
     /// It was at rest, and jumped to the first input.
     Rest,
     /// It went to the first input and settled there.
@@ -17,10 +17,10 @@ pub enum Beginning {
     Motion,
 }
 
-impl Beginning {
+impl InitialCondition {
     /// All, those first that the inputs `u` of a record make likely.
     pub fn of(u: &[f64]) -> [Self; 3] {
-        use Beginning::{Motion, Rest, Settled};
+        use InitialCondition::{Motion, Rest, Settled};
         if in_motion(u) { [Motion, Settled, Rest] } else { [Settled, Rest, Motion] }
     }
 }
@@ -28,12 +28,12 @@ impl Beginning {
 impl Model {
     /// The state before the first of the inputs `u`, if the record began like this. Of a record that began in motion it is
     /// the state behind the inputs that may have come before, moved over by what the first input differs from them.
-    pub fn before(&self, u: &[f64], beginning: Beginning) -> Vec<f64> {
+    pub fn before(&self, u: &[f64], beginning: InitialCondition) -> Vec<f64> {
         let Some(&first) = u.first() else { return self.initial() };
         match beginning {
-            Beginning::Rest => self.initial(),
-            Beginning::Settled => self.settled(first),
-            Beginning::Motion => {
+            InitialCondition::Rest => self.initial(),
+            InitialCondition::Settled => self.settled(first),
+            InitialCondition::Motion => {
                 let mut x = self.settled(first);
                 let [hysteresis, creep, linear, driver] = self.parts(&mut x);
                 let mut z = lead(u);
@@ -76,7 +76,7 @@ mod tests {
         // At its top when it begins; creep has long settled at the middle, 50.
         let u = sine(50.0, TAU / 4.0);
         let first = |beginning| mean(&model.resume(&mut model.before(&u, beginning), &u)[..200]);
-        let [motion, settled, rest] = Beginning::of(&u).map(first);
+        let [motion, settled, rest] = InitialCondition::of(&u).map(first);
         crate::testing::assert_close(&[motion], &[50.0 * 1.1 * 2.0 * 1.15], 1e-3, 0.0);
         assert!(settled > 1.02 * motion && rest < 0.9 * motion, "{settled} {rest}");
     }

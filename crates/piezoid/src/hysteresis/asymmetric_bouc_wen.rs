@@ -16,7 +16,7 @@
 //! Inverse and what lies beyond the range as of `bouc-wen`.
 
 use super::Operator;
-use super::basis::Shape;
+use super::basis::ShapeParameter;
 use super::bouc_wen::{CLIMB, bends, climb};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
@@ -102,13 +102,13 @@ impl Law for AsymmetricBoucWen {
         block.constant("relax_falling", relax * (1.0 - self.unloading_skew)).text(CLIMB).text(STEP)
     }
 
-    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         let (low, high) = bends(half);
         vec![
-            Shape { name: "beta", value: self.beta, low, high },
-            Shape { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 1.0 },
-            Shape { name: "loading_skew", value: self.loading_skew, low: -0.9, high: 0.9 },
-            Shape { name: "unloading_skew", value: self.unloading_skew, low: -0.9, high: 0.9 },
+            ShapeParameter { name: "beta", value: self.beta, low, high },
+            ShapeParameter { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 1.0 },
+            ShapeParameter { name: "loading_skew", value: self.loading_skew, low: -0.9, high: 0.9 },
+            ShapeParameter { name: "unloading_skew", value: self.unloading_skew, low: -0.9, high: 0.9 },
         ]
     }
 

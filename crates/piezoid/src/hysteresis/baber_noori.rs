@@ -18,7 +18,7 @@
 //! `bouc-wen`, but for what wears.
 
 use super::Operator;
-use super::basis::Shape;
+use super::basis::ShapeParameter;
 use super::bouc_wen::{CLIMB, bends, climb};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
@@ -188,16 +188,16 @@ impl Law for BaberNoori {
         block.count("most_steps", MOST as usize).text(CLIMB).text(STEP)
     }
 
-    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         let (low, high) = bends(half);
         let wear = (1e-6 / (half * half), 0.1 / (half * half));
         vec![
-            Shape { name: "beta", value: self.beta, low, high },
-            Shape { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 1.0 },
-            Shape { name: "strength_loss", value: self.strength_loss, low: wear.0, high: wear.1 },
-            Shape { name: "stiffness_loss", value: self.stiffness_loss, low: wear.0, high: wear.1 },
-            Shape { name: "pinch", value: self.pinch, low: 0.0, high: 0.95 },
-            Shape { name: "pinch_width", value: self.pinch_width, low: 0.05, high: 1.0 },
+            ShapeParameter { name: "beta", value: self.beta, low, high },
+            ShapeParameter { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 1.0 },
+            ShapeParameter { name: "strength_loss", value: self.strength_loss, low: wear.0, high: wear.1 },
+            ShapeParameter { name: "stiffness_loss", value: self.stiffness_loss, low: wear.0, high: wear.1 },
+            ShapeParameter { name: "pinch", value: self.pinch, low: 0.0, high: 0.95 },
+            ShapeParameter { name: "pinch_width", value: self.pinch_width, low: 0.05, high: 1.0 },
         ]
     }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// What is known before an operator is fitted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Design {
+pub struct BasisDesign {
     /// Sampling period [s].
     pub ts: f64,
     /// The lowest and the highest input [input unit].
@@ -25,7 +25,7 @@ pub struct Design {
     pub frequencies: Vec<f64>,
 }
 
-impl Design {
+impl BasisDesign {
     /// Half the range of the inputs [input unit].
     pub(super) fn half(&self) -> f64 {
         0.5 * (self.range.1 - self.range.0)
@@ -35,9 +35,9 @@ impl Design {
 /// The responses phi_k of an operator, and the way back from weights to the operator.
 ///
 /// ```
-/// use piezoid::hysteresis::{Design, operator};
-/// let design = Design { ts: 5e-4, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![] };
-/// let basis = (operator("prandtl-ishlinskii")?.basis)(&design)?;
+/// use piezoid::hysteresis::{BasisDesign, Operator};
+/// let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![] };
+/// let basis = (Operator::find("prandtl-ishlinskii")?.basis)(&design)?;
 /// let block = basis.operator(&vec![0.2; basis.len()])?;
 /// let (mut x, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
 /// basis.step(&mut x, 10.0, &mut phi);
@@ -66,7 +66,7 @@ pub trait Basis: Debug + Send + Sync {
 
     /// The shape parameters p: name, value, and the lowest and highest that make sense. Searched by ratio where the
     /// lowest is positive.
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<ShapeParameter> {
         Vec::new()
     }
 
@@ -90,7 +90,7 @@ pub trait Basis: Debug + Send + Sync {
 
 /// A shape parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shape {
+pub struct ShapeParameter {
     /// As files write it, where they hold it.
     pub name: &'static str,
     /// Where it stands.
@@ -124,8 +124,8 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
-    fn design(range: (f64, f64)) -> Design {
-        Design { ts: TS, range, elements: None, frequencies: vec![5.0, 20.0, 80.0] }
+    fn design(range: (f64, f64)) -> BasisDesign {
+        BasisDesign { ts: TS, range, elements: None, frequencies: vec![5.0, 20.0, 80.0] }
     }
 
     /// Every operator's basis, on every range.
@@ -196,7 +196,7 @@ mod tests {
     fn shape_parameters_stand_within_their_bounds_and_the_bounds_are_allowed() {
         for (name, basis, u) in bases() {
             let shape = basis.shape();
-            for bound in [|s: &Shape| s.low, |s: &Shape| s.high] {
+            for bound in [|s: &ShapeParameter| s.low, |s: &ShapeParameter| s.high] {
                 let at_bound = basis.reshaped(&shape.iter().map(bound).collect::<Vec<_>>()).unwrap();
                 let phi = responses(&*at_bound, &u);
                 assert!(phi.iter().all(|phi| phi.is_finite()), "{name}");
@@ -229,7 +229,7 @@ mod tests {
     fn the_slope_is_that_of_reshaped_operators() {
         for (name, basis, u) in bases() {
             // Off the values it starts with: some stand on a kink.
-            let off = |s: &Shape| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
+            let off = |s: &ShapeParameter| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
             let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
             let (w, shape) = (weights(&*basis), basis.shape());
             for (j, s) in shape.iter().enumerate() {

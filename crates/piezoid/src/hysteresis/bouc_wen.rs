@@ -20,7 +20,7 @@
 //! after a reversal.
 
 use super::Operator;
-use super::basis::Shape;
+use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use crate::error::{Error, positive};
@@ -152,11 +152,11 @@ fn hysteresis(x: hysteresis, u) {
         )
     }
 
-    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         let (low, high) = bends(half);
         vec![
-            Shape { name: "beta", value: self.beta, low, high },
-            Shape { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 2.0 },
+            ShapeParameter { name: "beta", value: self.beta, low, high },
+            ShapeParameter { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 2.0 },
         ]
     }
 
@@ -168,7 +168,7 @@ fn hysteresis(x: hysteresis, u) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::{BeamSpec, DriverSpec, Logged, Plant, SensorSpec, Spec, find};
+    use crate::plant::{BeamSpec, DriverSpec, Logged, Plant, Preset, SensorSpec, Spec};
     use crate::system::System;
     use crate::testing::assert_close;
 
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn it_is_the_hysteresis_of_the_twin() {
         // Of the twin's stages only its ceramic: driver, beam and sensor are ideal, and nothing creeps.
-        let twin = (find("pl140-bouc-wen").unwrap().spec)();
+        let twin = (Preset::find("pl140-bouc-wen").unwrap().spec)();
         let ceramic =
             Spec { driver: DriverSpec::default(), creep_per_decade: 0.0, beam: BeamSpec::Modes(vec![]), ..twin };
         let plant =

@@ -143,7 +143,7 @@ impl From<Branches> for Sides {
 
 /// What was found on the way to the branches.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Loop {
+pub struct MeasuredLoop {
     /// The branches.
     pub branches: Branches,
     /// The separating line, from the lower to the upper turning point: [(u, z); 2].
@@ -229,7 +229,7 @@ impl Branches {
     ///
     /// # Errors
     /// [`Error::Unidentifiable`] when u does not move, or only one way; refuses no bins and more than a thousand.
-    pub fn of_loop(u: &[f64], z: &[f64], bins: usize, split: Split) -> Result<Loop, Error> {
+    pub fn of_loop(u: &[f64], z: &[f64], bins: usize, split: Split) -> Result<MeasuredLoop, Error> {
         if !(1..=BINS_MAX).contains(&bins) {
             return Err(Error::parameter("bins", bins, format!("must be from 1 to {BINS_MAX}")));
         }
@@ -286,7 +286,7 @@ impl Branches {
             let means = sums.into_iter().filter(|s| s.2 > 0.0).map(|(u, z, n)| (u / n, z / n));
             std::iter::once(bottom).chain(means).chain(std::iter::once(top)).unzip()
         };
-        Ok(Loop {
+        Ok(MeasuredLoop {
             branches: Branches::new(average(up), average(down))?,
             line: [bottom, top],
             agreement: 0.5 + 0.5 * vote.abs() / moving,

@@ -18,7 +18,7 @@
 //! reversal.
 
 use super::Operator;
-use super::basis::Shape;
+use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use crate::error::{Error, positive};
@@ -120,10 +120,10 @@ impl Law for Dahl {
         block.number("h", 0.0).constant("q", 1.0 - self.exponent).text(STEP)
     }
 
-    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         vec![
-            Shape { name: "breakaway", value: self.breakaway, low: 0.03 * half, high: 30.0 * half },
-            Shape { name: "exponent", value: self.exponent, low: 0.1, high: 4.0 },
+            ShapeParameter { name: "breakaway", value: self.breakaway, low: 0.03 * half, high: 30.0 * half },
+            ShapeParameter { name: "exponent", value: self.exponent, low: 0.1, high: 4.0 },
         ]
     }
 

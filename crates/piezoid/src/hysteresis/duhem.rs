@@ -21,7 +21,7 @@
 //! several inputs is found.
 
 use super::Operator;
-use super::basis::Shape;
+use super::basis::ShapeParameter;
 use super::bouc_wen::bends;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
@@ -120,9 +120,9 @@ impl Law for Duhem {
         k == 0 || k == self.degree
     }
 
-    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         let (low, high) = bends(half);
-        vec![Shape { name: "alpha", value: self.alpha, low, high }]
+        vec![ShapeParameter { name: "alpha", value: self.alpha, low, high }]
     }
 
     fn reshaped(&self, shape: &[f64]) -> Self {

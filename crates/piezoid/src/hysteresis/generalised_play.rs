@@ -17,7 +17,7 @@
 //! Inverse: Newton's method on the cubic piece that has the wanted z. Beyond the range z goes on along a line.
 
 use super::Operator;
-use super::basis::{Design, Shape, curvature};
+use super::basis::{BasisDesign, ShapeParameter, curvature};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
@@ -69,7 +69,7 @@ pub(super) static OPERATOR: Operator = Operator {
 };
 
 /// Even steps through the range, without 0, where the input itself already bends nothing.
-fn dead_zones(design: &Design) -> Vec<f64> {
+fn dead_zones(design: &BasisDesign) -> Vec<f64> {
     let step = 2.0 * design.half() / f64::from(PIECES);
     let all = (1..PIECES).map(|k| design.range.0 + step * f64::from(k));
     all.filter(|d| d.abs() > 1e-6 * step).collect()
@@ -160,8 +160,8 @@ impl Law for GeneralisedPlay {
         curvature(1, 1 + self.thresholds.len())
     }
 
-    fn shape(&self, _: f64, _: f64) -> Vec<Shape> {
-        self.bends().map(|(name, value, (low, high))| Shape { name, value, low, high }).into()
+    fn shape(&self, _: f64, _: f64) -> Vec<ShapeParameter> {
+        self.bends().map(|(name, value, (low, high))| ShapeParameter { name, value, low, high }).into()
     }
 
     fn reshaped(&self, shape: &[f64]) -> Self {

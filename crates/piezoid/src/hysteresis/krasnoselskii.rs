@@ -16,7 +16,7 @@
 //! Inverse: Newton's method on the lines that ridges make of z(u). Beyond the outermost ridges there is nothing to find.
 
 use super::Operator;
-use super::basis::{Design, Shape};
+use super::basis::{BasisDesign, ShapeParameter};
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use crate::error::{Error, finite, positive};
@@ -49,7 +49,7 @@ pub(super) static OPERATOR: Operator = Operator {
     load: Weighted::<Krasnoselskii>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Krasnoselskii::even(design)),
     example: |ts| {
-        let design = Design { ts, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
+        let design = BasisDesign { ts, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
         let law = Krasnoselskii::even(&design);
         let near = |k: usize| (0..law.levels.len()).any(|j| index(j, j) == k);
         let weights = (0..law.responses()).map(|k| if near(k) { 2.5 } else { 0.2 }).collect();
@@ -64,7 +64,7 @@ fn index(i: usize, j: usize) -> usize {
 
 impl Krasnoselskii {
     /// Levels in the middles of even cells of the range, and ridges that meet.
-    fn even(design: &Design) -> Self {
+    fn even(design: &BasisDesign) -> Self {
         let n = design.elements.unwrap_or(LEVELS).clamp(1, MOST);
         let cell = 2.0 * design.half() / n as f64;
         Krasnoselskii { levels: (0..n).map(|i| design.range.0 + cell * (i as f64 + 0.5)).collect(), ridge: cell }
@@ -145,9 +145,9 @@ impl Law for Krasnoselskii {
         first.chain(along_j.map(|(i, j)| bend(index(i, j), index(i, j + 1), index(i, j + 2)))).collect()
     }
 
-    fn shape(&self, half: f64, _: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         let cell = 2.0 * half / self.levels.len() as f64;
-        vec![Shape { name: "ridge", value: self.ridge, low: 0.25 * cell, high: 6.0 * cell }]
+        vec![ShapeParameter { name: "ridge", value: self.ridge, low: 0.25 * cell, high: 6.0 * cell }]
     }
 
     fn reshaped(&self, shape: &[f64]) -> Self {
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn ramps_side_by_side_are_a_line() {
-        let design = Design { ts: 1.0, range: (-10.0, 30.0), elements: Some(5), frequencies: Vec::new() };
+        let design = BasisDesign { ts: 1.0, range: (-10.0, 30.0), elements: Some(5), frequencies: Vec::new() };
         let law = Krasnoselskii::even(&design);
         let weights = (0..law.responses()).map(|k| f64::from(u8::from((0..5).any(|j| index(j, j) == k)))).collect();
         let operator = Weighted::new(1.0, design.range, law, weights).unwrap();
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn smooth_weights_have_no_roughness() {
-        let design = Design { ts: 1.0, range: (0.0, 1.0), elements: Some(6), frequencies: Vec::new() };
+        let design = BasisDesign { ts: 1.0, range: (0.0, 1.0), elements: Some(6), frequencies: Vec::new() };
         let law = Krasnoselskii::even(&design);
         let mut plane = vec![0.0; law.responses()];
         (0..6).for_each(|j| (0..=j).for_each(|i| plane[index(i, j)] = 1.0 + 2.0 * i as f64 - 3.0 * j as f64));

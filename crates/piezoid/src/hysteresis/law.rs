@@ -1,7 +1,7 @@
 //! An operator written once: its law says how the responses phi_k follow the input, [`Weighted`] makes of it the block
 //! that runs, the basis that is fitted, and the document that is saved.
 
-use super::basis::{Basis, Shape, counted};
+use super::basis::{Basis, ShapeParameter, counted};
 use super::inverse::{Inverted, by_slopes, by_trials, in_room};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
@@ -132,7 +132,7 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     }
 
     /// As [`Basis::shape`], for inputs of a range of twice `half` [input unit], every `ts` [s].
-    fn shape(&self, _half: f64, _ts: f64) -> Vec<Shape> {
+    fn shape(&self, _half: f64, _ts: f64) -> Vec<ShapeParameter> {
         Vec::new()
     }
 
@@ -310,7 +310,7 @@ impl<L: Law> Basis for Weighted<L> {
         self.params.law.roughness()
     }
 
-    fn shape(&self) -> Vec<Shape> {
+    fn shape(&self) -> Vec<ShapeParameter> {
         let (low, high) = self.params.range;
         self.params.law.shape(0.5 * (high - low), self.ts)
     }
@@ -341,7 +341,7 @@ impl<L: Law> Basis for Weighted<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{load, operator};
+    use super::super::{Operator, load};
     use serde_json::json;
 
     fn refused(document: serde_json::Value) -> String {
@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn an_operator_of_rate_settles_as_if_the_input_had_come_slowly() {
         for name in ["rate-dependent-prandtl-ishlinskii", "maxwell-slip"] {
-            let block = (operator(name).unwrap().example)(5e-4).unwrap();
+            let block = (Operator::find(name).unwrap().example)(5e-4).unwrap();
             let slowly: Vec<f64> = (0..=200_000).map(|t| 20.0 * f64::from(t) / 200_000.0).collect();
             let z = block.simulate(&slowly)[200_000];
             let settled = block.step(&mut block.settled(20.0), 20.0);

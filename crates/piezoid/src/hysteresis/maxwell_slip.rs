@@ -18,7 +18,7 @@
 //! falls after a reversal.
 
 use super::Operator;
-use super::basis::{Shape, curvature};
+use super::basis::{ShapeParameter, curvature};
 use super::law::{Input, Law, Weighted, require};
 use super::rate_play::speeds;
 use super::real::Real;
@@ -123,12 +123,12 @@ impl Law for MaxwellSlip {
         curvature(1, self.responses())
     }
 
-    fn shape(&self, half: f64, ts: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, ts: f64) -> Vec<ShapeParameter> {
         let (low, high) = speeds(half, ts);
         vec![
-            Shape { name: "rise", value: self.rise, low: -0.9, high: 2.0 },
-            Shape { name: "rate", value: self.rate, low, high },
-            Shape { name: "attraction", value: self.attraction, low: 0.3 * ts, high: 1e4 * ts },
+            ShapeParameter { name: "rise", value: self.rise, low: -0.9, high: 2.0 },
+            ShapeParameter { name: "rate", value: self.rate, low, high },
+            ShapeParameter { name: "attraction", value: self.attraction, low: 0.3 * ts, high: 1e4 * ts },
         ]
     }
 

@@ -24,16 +24,15 @@ mod tellinen;
 mod thresholds;
 mod two_branch;
 
-pub use basis::{Basis, Design, Shape};
-pub use branches::{Branches, Loop, Split};
-pub use inverse::{Inverted, falls};
+pub use basis::{Basis, BasisDesign, ShapeParameter};
+pub use branches::{Branches, MeasuredLoop, Split};
+pub use inverse::Inverted;
 pub(crate) use inverse::{between, in_room, inverse, inverse_behind_a_driver};
 pub use proportional::Proportional;
-pub use rate_scheduled::{Pair, RateScheduled};
-pub use tellinen::Tellinen;
+pub(crate) use rate_scheduled::{Pair, RateScheduled};
 pub use two_branch::{Reading, TwoBranch};
 
-use crate::error::Error;
+use crate::error::{Error, row};
 use crate::program::Block;
 use crate::system::System;
 use serde_json::{Map, Value};
@@ -93,7 +92,7 @@ pub struct Operator {
     /// Whether an input that passes an older reversal forgets the loops inside it.
     pub wipes_out: bool,
     /// What the joint way fits of it, for inputs like these.
-    pub basis: fn(&Design) -> Result<Box<dyn Basis>, Error>,
+    pub basis: fn(&BasisDesign) -> Result<Box<dyn Basis>, Error>,
     /// Reads the parameters of a model file; the second argument is the sampling period [s].
     pub load: fn(Value, f64) -> Result<Arc<dyn Hysteresis>, Error>,
     /// A typical member for inputs of +-30, used by the documentation and the contract tests.
@@ -126,21 +125,22 @@ pub static OPERATORS: &[&Operator] = &[
     &tellinen::OPERATOR,
 ];
 
-/// The operator called `name`.
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn operator(name: &str) -> Result<&'static Operator, Error> {
-    let known = || OPERATORS.iter().map(|o| o.name);
-    OPERATORS.iter().copied().find(|o| o.name == name).ok_or_else(|| Error::unknown("operator", name, known()))
-}
+impl Operator {
+    /// The operator called `name`.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("operator", OPERATORS.iter().copied(), |row| row.name, name)
+    }
 
-/// The operators of these names, which commas separate.
-///
-/// # Errors
-/// As [`operator`].
-pub fn operators(names: &str) -> Result<Vec<&'static Operator>, Error> {
-    names.split(',').map(|name| operator(name.trim())).collect()
+    /// The operators of these names, which commas separate.
+    ///
+    /// # Errors
+    /// As [`Operator::find`].
+    pub fn list(names: &str) -> Result<Vec<&'static Self>, Error> {
+        names.split(',').map(|name| Operator::find(name.trim())).collect()
+    }
 }
 
 /// Writes an operator as `{"operator": name, ...params}`.
@@ -156,7 +156,7 @@ pub(crate) fn load(document: &Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Err
     let missing = || Error::Content("the hysteresis block has no \"operator\" name: is this a model file?".into());
     let mut params = document.as_object().cloned().ok_or_else(missing)?;
     let name = params.remove("operator").and_then(|v| v.as_str().map(String::from)).ok_or_else(missing)?;
-    (operator(&name)?.load)(Value::Object(params), ts)
+    (Operator::find(&name)?.load)(Value::Object(params), ts)
 }
 
 /// Parameters as a type that serde can fill, with an error that names the operator.
@@ -209,7 +209,7 @@ mod tests {
         for (o, example) in OPERATORS.iter().zip(examples()) {
             assert!(!o.summary.is_empty() && !o.reference.is_empty(), "{}", o.name);
             assert_eq!(example.operator().name, o.name);
-            assert_eq!(operator(o.name).unwrap().name, o.name);
+            assert_eq!(Operator::find(o.name).unwrap().name, o.name);
         }
     }
 
@@ -295,10 +295,10 @@ mod tests {
         (bare["dead_zones"], bare["weights"]) = (serde_json::json!([]), serde_json::json!(vec![0.6; 9]));
         members.push(load(&bare, 5e-4).unwrap());
         for (elements, range) in [(1, (-30.0, 30.0)), (3, (0.0, 100.0)), (10, (-30.0, 12.0))] {
-            let design = Design { ts: 5e-4, range, elements: Some(elements), frequencies: vec![5.0, 20.0, 80.0] };
+            let design = BasisDesign { ts: 5e-4, range, elements: Some(elements), frequencies: vec![5.0, 20.0, 80.0] };
             for basis in OPERATORS.iter().map(|o| (o.basis)(&design).unwrap()) {
                 let weights: Vec<f64> = (0..basis.len()).map(|k| 0.4 * (1.3 * k as f64 - 1.0).cos()).collect();
-                for end in [|s: &Shape| s.low, |s: &Shape| s.high] {
+                for end in [|s: &ShapeParameter| s.low, |s: &ShapeParameter| s.high] {
                     let shape: Vec<f64> = basis.shape().iter().map(end).collect();
                     members.extend(basis.reshaped(&shape).and_then(|b| b.operator(&weights)));
                 }
@@ -309,7 +309,7 @@ mod tests {
 
     /// Steps `operator` and its program along `u`.
     pub(in crate::hysteresis) fn same_as_a_program(operator: &dyn Hysteresis, u: &[f64]) {
-        let program = Program::new(vec![elementary::block(), operator.block().unwrap()]).unwrap();
+        let program = Program::new(vec![Block::elementary(), operator.block().unwrap()]).unwrap();
         let mut machine = Machine::new(&program, "hysteresis", false);
         let mut x = operator.initial();
         assert_eq!(machine.state(), x, "{operator:?}");
@@ -332,7 +332,7 @@ mod tests {
         for example in members() {
             let (name, mut x) = (example.operator().name, example.initial());
             let (Some(block), Some(_)) = (example.block(), example.ahead(&x, 0.0)) else { continue };
-            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for (t, u) in trying().into_iter().enumerate() {
@@ -365,9 +365,9 @@ mod tests {
     fn every_inverse_as_a_program_gives_the_same_bits() {
         for (example, block) in programs() {
             let name = example.operator().name;
-            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
-            let rises = falls(&*example, -30.0, 30.0).is_none();
+            let rises = example.falls(-30.0, 30.0).is_none();
             let mut machine = Machine::new(&program, "hysteresis", false);
             let mut single = Machine::new(&program, "hysteresis", true);
             let (mut x, mut z) = (example.initial(), 0.0);
@@ -396,7 +396,7 @@ mod tests {
     #[test]
     fn programs_bear_what_is_no_number() {
         for (_, block) in programs() {
-            let mut program = Program::new(vec![elementary::block(), block]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for u in [1.0, f64::NAN, 2.0, f64::INFINITY, -3.0, f64::NEG_INFINITY, 5.0, -8.0, 1e300, -1e300, 4.0] {

@@ -9,7 +9,7 @@
 //! and z = 0 at rest. Since the cardinals add up to 1 one of the m_k is redundant: the one nearest to u = 0 is left out.
 
 use super::Branches;
-use super::basis::Design;
+use super::basis::BasisDesign;
 use super::branches::Branch;
 use crate::error::Error;
 
@@ -29,7 +29,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    pub(super) fn new(design: &Design) -> Result<Self, Error> {
+    pub(super) fn new(design: &BasisDesign) -> Result<Self, Error> {
         Nodes::of(design.range, design.elements.unwrap_or(KNOTS).clamp(3, MOST))
     }
 

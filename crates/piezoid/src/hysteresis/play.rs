@@ -455,7 +455,7 @@ mod tests {
         let falling = Play { thresholds: vec![2.0, 5.0, 9.0] };
         let falling = Weighted::new(1.0, (-30.0, 30.0), falling, vec![0.5, 0.3, -1.1, 0.9]).unwrap();
         for block in [company(9, 0.4).2, company(9, 0.0).2, falling] {
-            let mut program = Program::new(vec![elementary::block(), block.block().unwrap()]).unwrap();
+            let mut program = Program::new(vec![Block::elementary(), block.block().unwrap()]).unwrap();
             inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for t in 0..300 {

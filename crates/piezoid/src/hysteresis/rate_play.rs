@@ -16,7 +16,7 @@
 //! input moves faster, and z may; then trials find one of several inputs.
 
 use super::Operator;
-use super::basis::{Shape, curvature};
+use super::basis::{ShapeParameter, curvature};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds::{self, ELEMENTS};
@@ -107,11 +107,11 @@ impl Law for RatePlay {
         curvature(1, self.responses())
     }
 
-    fn shape(&self, half: f64, ts: f64) -> Vec<Shape> {
+    fn shape(&self, half: f64, ts: f64) -> Vec<ShapeParameter> {
         let (low, high) = speeds(half, ts);
         vec![
-            Shape { name: "growth", value: self.growth, low: 1e-3 * half, high: half },
-            Shape { name: "rate", value: self.rate, low, high },
+            ShapeParameter { name: "growth", value: self.growth, low: 1e-3 * half, high: half },
+            ShapeParameter { name: "rate", value: self.rate, low, high },
         ]
     }
 

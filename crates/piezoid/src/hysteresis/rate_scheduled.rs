@@ -16,7 +16,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::Dual;
 use super::two_branch::{READ, example, read, read_slope};
-use super::{Basis, Branches, Design, Hysteresis, Operator, Reading, document, parse};
+use super::{Basis, BasisDesign, Branches, Hysteresis, Operator, Reading, document, parse};
 use crate::elementary::ln;
 use crate::error::{Error, positive};
 use crate::intervals::Intervals;
@@ -38,7 +38,7 @@ const SAME: f64 = 0.01;
 /// since the last turn; samples since that extreme; samples since the turn before it; the last and the last but one
 /// half period [samples], 0 while unknown.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RateScheduled {
+pub(crate) struct RateScheduled {
     ts: f64,
     params: Params,
 }
@@ -54,7 +54,7 @@ struct Params {
 /// The branches at one frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Pair {
+pub(crate) struct Pair {
     /// Frequency of the loop [Hz].
     pub frequency_hz: f64,
     /// Its branches.
@@ -84,7 +84,7 @@ impl RateScheduled {
     ///
     /// # Errors
     /// Refuses no pairs, two at one frequency, and frequencies or a `ts` that are not positive.
-    pub fn new(ts: f64, mut pairs: Vec<Pair>, reading: Reading) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, mut pairs: Vec<Pair>, reading: Reading) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         if pairs.is_empty() {
             return Err(Error::Content(
@@ -103,7 +103,7 @@ impl RateScheduled {
     }
 
     /// The pairs, by rising frequency.
-    pub fn pairs(&self) -> &[Pair] {
+    pub(crate) fn pairs(&self) -> &[Pair] {
         &self.params.pairs
     }
 
@@ -324,7 +324,7 @@ struct Values {
 }
 
 impl Values {
-    fn new(design: &Design) -> Result<Self, Error> {
+    fn new(design: &BasisDesign) -> Result<Self, Error> {
         if design.frequencies.is_empty() {
             let because = "the records have no frequencies; use two-branch, or give a record of each frequency".into();
             return Err(Error::Unidentifiable { what: "the rate-scheduled block".into(), because });

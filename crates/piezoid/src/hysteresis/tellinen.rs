@@ -23,7 +23,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::{Dual, Real};
 use super::two_branch::example;
-use super::{Basis, Branches, Design, Hysteresis, Operator, Shape, document, parse};
+use super::{Basis, BasisDesign, Branches, Hysteresis, Operator, ShapeParameter, document, parse};
 use crate::error::{Error, positive};
 use crate::program::Block;
 use crate::system::System;
@@ -44,7 +44,7 @@ use std::sync::Arc;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tellinen {
+pub(crate) struct Tellinen {
     ts: f64,
     branches: Branches,
     decay: Decay<f64>,
@@ -137,7 +137,7 @@ impl Tellinen {
     ///
     /// # Errors
     /// Refuses a `ts` that is not positive.
-    pub fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let decay = Decay::of(branches.range(), |u| curves(&branches, u));
         Ok(Tellinen { ts, branches, decay })
@@ -287,7 +287,7 @@ static WIDTHS: [&str; 9] =
 
 impl Unit {
     /// Straight branches, a tenth apart.
-    fn even(design: &Design) -> Result<Self, Error> {
+    fn even(design: &BasisDesign) -> Result<Self, Error> {
         let n = design.elements.unwrap_or(KNOTS).clamp(1, BENDS.len());
         let nodes = Nodes::of(design.range, n + 2)?;
         Unit::new(design.ts, nodes, vec![0.0; n], vec![0.1; n])
@@ -337,9 +337,9 @@ impl Basis for Unit {
         Vec::new()
     }
 
-    fn shape(&self) -> Vec<Shape> {
-        let bend = |(&value, name): (&f64, &&'static str)| Shape { name, value, low: -0.25, high: 0.25 };
-        let width = |(&value, name): (&f64, &&'static str)| Shape { name, value, low: 1e-3, high: 0.5 };
+    fn shape(&self) -> Vec<ShapeParameter> {
+        let bend = |(&value, name): (&f64, &&'static str)| ShapeParameter { name, value, low: -0.25, high: 0.25 };
+        let width = |(&value, name): (&f64, &&'static str)| ShapeParameter { name, value, low: 1e-3, high: 0.5 };
         let bends = self.bends.iter().zip(&BENDS).map(bend);
         bends.chain(self.widths.iter().zip(&WIDTHS).map(width)).collect()
     }

@@ -1,6 +1,6 @@
 //! Thresholds of plays and stops.
 
-use super::basis::Design;
+use super::basis::BasisDesign;
 use crate::error::{Error, finite};
 
 /// How many, unless told otherwise: every thirtieth of half the range.
@@ -11,7 +11,7 @@ const MOST: usize = 4096;
 
 /// Evenly spaced thresholds up to half the range of the inputs, where a play stops moving. The largest stays short of
 /// it, since a play that never moves has no weight to find.
-pub(super) fn even(design: &Design, elements: usize) -> Vec<f64> {
+pub(super) fn even(design: &BasisDesign, elements: usize) -> Vec<f64> {
     let n = design.elements.unwrap_or(elements).clamp(1, MOST);
     (1..=n).map(|k| design.half() * k as f64 / (n + 1) as f64).collect()
 }

@@ -8,8 +8,8 @@
 //! Beside it stands the delay by the phase of a difference equation at low frequency (`modes.rs`), which knows nothing of
 //! modes beyond its poles: where the two differ, the mechanics is not what it was taken for.
 
-use super::fit_modes::{Modes, fit_modes};
-use super::output_error::{Refinement, output_error};
+use super::fit_modes::Modes;
+use super::output_error::{OutputError, Refinement};
 use super::regression::Orders;
 use super::uncertainty::Uncertain;
 use crate::error::Error;
@@ -33,38 +33,35 @@ const MOST: usize = 4;
 /// A mode more is taken when it lowers the rms of the free run by this share.
 const WORTH: f64 = 0.2;
 
-/// The input delay of `records`, looked for between -1 and `longest` samples.
-///
-/// ```
-/// use piezoid::{Record, linear::{Refinement, input_delay}, plant::{Plant, find}, excitation::Prbs};
-/// let plant = Plant::new(&(find("pl140")?.spec)(), 5e-4)?;
-/// let u = Prbs::default().samples(5e-4, 2047)?;
-/// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-/// let delay = input_delay(&[record], 2, &Refinement::default(), &mut piezoid::progress::unwatched)?;
-/// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
-/// assert!((delay.seconds.value - 1e-4).abs() < 2e-6 && delay.modes.modes.len() == 2);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`fit_modes`].
-pub fn input_delay(
-    records: &[Record],
-    longest: usize,
-    how: &Refinement,
-    progress: &mut Progress,
-) -> Result<Delay, Error> {
-    let mut modes = fit_modes(records, 1, longest, how, progress)?;
-    for n in 2..=MOST {
-        match fit_modes(records, n, longest, how, progress) {
-            Ok(more) if more.minimum.cost.sqrt() < (1.0 - WORTH) * modes.minimum.cost.sqrt() => modes = more,
-            Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
-            _ => break,
+impl Delay {
+    /// The input delay of `records`, looked for between -1 and `longest` samples.
+    ///
+    /// ```
+    /// use piezoid::{Record, linear::{Delay, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
+    /// let plant = Plant::named("pl140", 5e-4)?;
+    /// let u = Prbs::default().samples(5e-4, 2047)?;
+    /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
+    /// let delay = Delay::find(&[record], 2, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+    /// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
+    /// assert!((delay.seconds.value - 1e-4).abs() < 2e-6 && delay.modes.modes.len() == 2);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Modes::fit`].
+    pub fn find(records: &[Record], longest: usize, how: &Refinement, progress: &mut Progress) -> Result<Self, Error> {
+        let mut modes = Modes::fit(records, 1, longest, how, progress)?;
+        for n in 2..=MOST {
+            match Modes::fit(records, n, longest, how, progress) {
+                Ok(more) if more.minimum.cost.sqrt() < (1.0 - WORTH) * modes.minimum.cost.sqrt() => modes = more,
+                Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
+                _ => break,
+            }
         }
+        let orders = Orders { delay: modes.arx.delay(), ..Orders::of(2 * modes.modes.len()) };
+        let by_phase = OutputError::fit(records, orders, how, progress)?.arx.reading().delay;
+        Ok(Delay { seconds: modes.delay, by_phase, modes })
     }
-    let orders = Orders { delay: modes.arx.delay(), ..Orders::of(2 * modes.modes.len()) };
-    let by_phase = output_error(records, orders, how, progress)?.arx.reading().delay;
-    Ok(Delay { seconds: modes.delay, by_phase, modes })
 }
 
 #[cfg(test)]
@@ -90,7 +87,7 @@ mod tests {
             let noise = Normal::new(0.0, 0.3).unwrap();
             let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
             let record = [Record::new(TS, u, y).unwrap()];
-            let found = input_delay(&record, 3, &Refinement::default(), &mut unwatched).unwrap();
+            let found = Delay::find(&record, 3, &Refinement::default(), &mut unwatched).unwrap();
             let Uncertain { value, error } = found.seconds;
             assert_close(&[value], &[delay], 0.0, 4.0 * error);
             assert!(error < 2e-6 && found.modes.modes.len() == 1, "{error}");

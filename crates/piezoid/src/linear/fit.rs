@@ -7,9 +7,9 @@
 use super::Arx;
 use super::absolute_error::AbsoluteError;
 use super::instrumental::{self, Rounds};
-use super::output_error::{Refinement, output_error};
+use super::output_error::{OutputError, Refinement};
 use super::regression::{Orders, Regression};
-use crate::error::Error;
+use crate::error::{Error, row};
 use crate::optimize::{Minimum, Reason, least_absolute, swarm};
 use crate::progress::{Progress, Stage, unwatched};
 use crate::record::Record;
@@ -26,7 +26,7 @@ pub struct Estimator {
     pub summary: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
-    estimate: fn(&Given, &swarm::Settings, &mut Progress) -> Result<Solution, Error>,
+    estimate: fn(&Given, &swarm::SwarmSettings, &mut Progress) -> Result<Solution, Error>,
 }
 
 /// What an estimator starts from.
@@ -62,7 +62,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         estimate: |given, settings, progress| {
             let cost = AbsoluteError::from(&given.regression);
             let search_box = given.regression.search_box(&given.start)?;
-            let minimum = swarm::minimise(&cost, search_box, settings.clone(), progress)?;
+            let minimum = settings.clone().minimise(&cost, search_box, progress)?;
             if minimum.reason == Reason::Cancelled {
                 let (done, total) = (minimum.history.len() - 1, settings.iterations);
                 return Err(Error::Cancelled { what: "the swarm".into(), done, total });
@@ -90,7 +90,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         summary: "sum of squared free-run errors, by Levenberg-Marquardt: no bias by noise in y",
         reference: "Ljung 1998, System Identification; Marquardt 1963, doi:10.1137/0111030",
         estimate: |given, _, progress| {
-            let found = output_error(given.records, given.regression.orders, &Refinement::default(), progress)?;
+            let found = OutputError::fit(given.records, given.regression.orders, &Refinement::default(), progress)?;
             let Minimum { x, history, courses, .. } = found.minimum;
             Ok(Solution { theta: x, offsets: Some(found.offsets), history, courses })
         },
@@ -108,13 +108,59 @@ pub static ESTIMATORS: &[Estimator] = &[
     },
 ];
 
-/// The estimator called `name`.
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn estimator(name: &str) -> Result<&'static Estimator, Error> {
-    let known = || ESTIMATORS.iter().map(|e| e.name);
-    ESTIMATORS.iter().find(|e| e.name == name).ok_or_else(|| Error::unknown("estimator", name, known()))
+impl Estimator {
+    /// The estimator called `name`.    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("estimator", ESTIMATORS.iter(), |row| row.name, name)
+    }
+
+    /// Fits a block of `orders` to one or more records .
+    ///
+    /// ```
+    /// use piezoid::{Record, System, linear::{self, Arx, Orders}, optimize::swarm::SwarmSettings};
+    /// let truth = Arx::new(5e-4, vec![1.6, -0.8], vec![1.0, 0.5, 0.2])?;
+    /// let u: Vec<f64> = (0..400).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
+    /// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
+    /// let least_squares = linear::Estimator::find("least-squares")?;
+    /// let record = Record::new(5e-4, u, y)?;
+    /// let fit = least_squares.fit(&[record], Orders::of(2), &SwarmSettings::default(), &mut piezoid::progress::unwatched)?;
+    /// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Regression::new`]; [`Error::Unidentifiable`] when the columns of the regression depend on each other;
+    /// [`Error::Cancelled`].
+    pub fn fit(
+        &self,
+        records: &[Record],
+        orders: Orders,
+        settings: &swarm::SwarmSettings,
+        progress: &mut Progress,
+    ) -> Result<Fit, Error> {
+        let regression = Regression::new(records, orders)?;
+        let (start, offsets) = least_squares(&regression)?;
+        let centred = regression.centred(&offsets);
+        let least_squares_sum_abs = residuals(&centred, &start).sum_abs;
+        let given = Given { records, regression: centred, start };
+        let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
+        let Solution { theta, offsets: own, history, courses } = (self.estimate)(&given, settings, named)?;
+        let offsets = own.unwrap_or(offsets);
+        let (a, b) = theta.split_at(orders.na);
+        let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();
+        let arx = Arx::new(regression.ts, a.to_vec(), b)?;
+        Ok(Fit {
+            estimator: self.name,
+            arx,
+            residuals: residuals(&regression.centred(&offsets), &theta),
+            offsets,
+            least_squares_sum_abs,
+            history,
+            courses,
+        })
+    }
 }
 
 /// A fitted block.
@@ -136,6 +182,39 @@ pub struct Fit {
     pub courses: Vec<Vec<f64>>,
 }
 
+impl Fit {
+    /// What a block of twice the order would say, where this leaves more than 2 % of the records' rms in prediction and
+    /// twice the order less than half of that: a sentence that begins with "; ".
+    pub fn too_low(&self, records: &[Record]) -> Option<String> {
+        let n = self.arx.a().len();
+        let samples: usize = records.iter().map(Record::len).sum();
+        let left = self.residuals.rms / (records.iter().map(|r| scatter(r.y())).sum::<f64>() / samples as f64).sqrt();
+        if n == 0 || left.is_nan() || left <= 0.02 {
+            return None;
+        }
+        let least_squares = Estimator::find("least-squares").ok()?;
+        let doubled =
+            least_squares.fit(records, Orders::of(2 * n), &swarm::SwarmSettings::default(), &mut unwatched).ok()?;
+        let times = self.residuals.rms / doubled.residuals.rms;
+        let times = match times {
+            t if t > 1000.0 => "more than 1000".into(),
+            t if t > 2.0 => format!("{t:.0}"),
+            _ => return None,
+        };
+        let poles = doubled.arx.poles();
+        let rings = poles.iter().filter(|p| p.z.im > 0.0 && p.damping > 0.0);
+        let resonance = rings.min_by(|p, q| p.damping.total_cmp(&q.damping)).map_or(String::new(), |p| {
+            format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping)
+        });
+        Some(format!(
+            "; it leaves {:.0} % of the records' rms in prediction, and order {} predicts {times} times as well{resonance}: order {n} is \
+             too low",
+            100.0 * left,
+            2 * n
+        ))
+    }
+}
+
 /// One-step prediction errors e_t = y_t - psi_t' theta, in the output unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Residuals {
@@ -149,83 +228,6 @@ pub struct Residuals {
     pub max_abs: f64,
     /// Correlation between neighbours; beyond 2 / sqrt(n) the errors are not white.
     pub lag_one: f64,
-}
-
-/// Fits a block of `orders` to one or more records by `estimator`.
-///
-/// ```
-/// use piezoid::{Record, System, linear::{self, Arx, Orders}, optimize::swarm::Settings};
-/// let truth = Arx::new(5e-4, vec![1.6, -0.8], vec![1.0, 0.5, 0.2])?;
-/// let u: Vec<f64> = (0..400).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
-/// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
-/// let least_squares = linear::estimator("least-squares")?;
-/// let record = Record::new(5e-4, u, y)?;
-/// let fit = linear::fit(&[record], Orders::of(2), least_squares, &Settings::default(), &mut piezoid::progress::unwatched)?;
-/// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`Regression::new`]; [`Error::Unidentifiable`] when the columns of the regression depend on each other;
-/// [`Error::Cancelled`].
-pub fn fit(
-    records: &[Record],
-    orders: Orders,
-    estimator: &'static Estimator,
-    settings: &swarm::Settings,
-    progress: &mut Progress,
-) -> Result<Fit, Error> {
-    let regression = Regression::new(records, orders)?;
-    let (start, offsets) = least_squares(&regression)?;
-    let centred = regression.centred(&offsets);
-    let least_squares_sum_abs = residuals(&centred, &start).sum_abs;
-    let given = Given { records, regression: centred, start };
-    let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
-    let Solution { theta, offsets: own, history, courses } = (estimator.estimate)(&given, settings, named)?;
-    let offsets = own.unwrap_or(offsets);
-    let (a, b) = theta.split_at(orders.na);
-    let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();
-    let arx = Arx::new(regression.ts, a.to_vec(), b)?;
-    Ok(Fit {
-        estimator: estimator.name,
-        arx,
-        residuals: residuals(&regression.centred(&offsets), &theta),
-        offsets,
-        least_squares_sum_abs,
-        history,
-        courses,
-    })
-}
-
-/// What a block of twice the order would say, where `fit` leaves more than 2 % of the records' rms in prediction and
-/// twice the order less than half of that: a sentence that begins with "; ".
-pub fn too_low(records: &[Record], fit: &Fit) -> Option<String> {
-    let n = fit.arx.a().len();
-    let samples: usize = records.iter().map(Record::len).sum();
-    let left = fit.residuals.rms / (records.iter().map(|r| scatter(r.y())).sum::<f64>() / samples as f64).sqrt();
-    if n == 0 || left.is_nan() || left <= 0.02 {
-        return None;
-    }
-    let least_squares = estimator("least-squares").ok()?;
-    let doubled =
-        self::fit(records, Orders::of(2 * n), least_squares, &swarm::Settings::default(), &mut unwatched).ok()?;
-    let times = fit.residuals.rms / doubled.residuals.rms;
-    let times = match times {
-        t if t > 1000.0 => "more than 1000".into(),
-        t if t > 2.0 => format!("{t:.0}"),
-        _ => return None,
-    };
-    let poles = doubled.arx.poles();
-    let rings = poles.iter().filter(|p| p.z.im > 0.0 && p.damping > 0.0);
-    let resonance = rings
-        .min_by(|p, q| p.damping.total_cmp(&q.damping))
-        .map_or(String::new(), |p| format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping));
-    Some(format!(
-        "; it leaves {:.0} % of the records' rms in prediction, and order {} predicts {times} times as well{resonance}: order {n} is \
-         too low",
-        100.0 * left,
-        2 * n
-    ))
 }
 
 /// Theta and the output offset of each record, by QR of the rows with one constant a record.
@@ -312,7 +314,7 @@ mod tests {
         let records = [record(40.0, 900), record(-7.0, 500)];
         for estimator in ESTIMATORS {
             let orders = Orders { na: 2, nb: 2, delay: 1 };
-            let found = fit(&records, orders, estimator, &swarm::Settings::default(), &mut unwatched).unwrap();
+            let found = estimator.fit(&records, orders, &swarm::SwarmSettings::default(), &mut unwatched).unwrap();
             let name = estimator.name;
             assert_close(found.arx.a(), truth.a(), 1e-5, 0.0);
             assert_close(found.arx.b(), truth.b(), 1e-4, 0.0);

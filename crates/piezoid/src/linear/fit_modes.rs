@@ -10,7 +10,7 @@
 
 use super::free_run::dot;
 use super::modal_error::{ModalError, ModalRun};
-use super::output_error::{Refinement, checked, output_error};
+use super::output_error::{OutputError, Refinement, checked};
 use super::uncertainty::{Evidence, Uncertain, sandwich, spread};
 use super::{Arx, Orders};
 use crate::error::Error;
@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 
 /// One mode as far as it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mode {
+pub struct FittedMode {
     /// Natural frequency [Hz].
     pub hz: Uncertain,
     /// Damping ratio.
@@ -37,7 +37,7 @@ pub struct Modes {
     /// Output for a constant input of 1 [output unit over input unit].
     pub gain: Uncertain,
     /// The modes, by rising frequency.
-    pub modes: Vec<Mode>,
+    pub modes: Vec<FittedMode>,
     /// The share that follows the input at once.
     pub residual: Uncertain,
     /// Input delay [s]; negative where an output was logged after its input acted.
@@ -52,64 +52,66 @@ pub struct Modes {
     pub minimum: Minimum,
 }
 
-/// Fits `n` modes to `records`, with a delay between -1 and `longest` samples.
-///
-/// ```
-/// use piezoid::{Record, linear::{Refinement, fit_modes}, plant::{Plant, find}, excitation::Prbs};
-/// let plant = Plant::new(&(find("paper")?.spec)(), 5e-4)?;
-/// let u = Prbs::default().samples(5e-4, 2047)?;
-/// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-/// let found = fit_modes(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::unwatched)?;
-/// assert!((found.modes[0].hz.value - 146.7).abs() < 0.1);
-/// assert!((found.delay.value + 5e-4).abs() < 1e-5); // it logs after the input acted
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// What [`output_error`] refuses of order 2 n; [`Error::Unidentifiable`] when it finds fewer than `n` modes;
-/// [`Error::Cancelled`].
-pub fn fit_modes(
-    records: &[Record],
-    n: usize,
-    longest: usize,
-    how: &Refinement,
-    progress: &mut Progress,
-) -> Result<Modes, Error> {
-    if !(1..=64).contains(&n) {
-        return Err(Error::parameter("modes", n, "must be from 1 to 64"));
-    }
-    let weights = checked(records, Orders { delay: longest, ..Orders::of(2 * n) }, how)?;
-    let starts = starts(records, n, longest, how)?;
-    let mut best: Option<(ModalError, Minimum)> = None;
-    for (i, start) in starts.iter().enumerate() {
-        let stage = Stage { what: "modes", done: i, total: starts.len() };
-        if progress(stage).is_break() {
-            return Err(Error::Cancelled { what: "the fit of modes".into(), done: i, total: starts.len() });
+impl Modes {
+    /// Fits `n` modes to `records`, with a delay between -1 and `longest` samples.
+    ///
+    /// ```
+    /// use piezoid::{Record, linear::{Modes, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
+    /// let plant = Plant::named("paper", 5e-4)?;
+    /// let u = Prbs::default().samples(5e-4, 2047)?;
+    /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
+    /// let found = Modes::fit(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+    /// assert!((found.modes[0].hz.value - 146.7).abs() < 0.1);
+    /// assert!((found.delay.value + 5e-4).abs() < 1e-5); // it logs after the input acted
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// What [`OutputError::fit`] refuses of order 2 n; [`Error::Unidentifiable`] when it finds fewer than `n` modes;
+    /// [`Error::Cancelled`].
+    pub fn fit(
+        records: &[Record],
+        n: usize,
+        longest: usize,
+        how: &Refinement,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        if !(1..=64).contains(&n) {
+            return Err(Error::parameter("modes", n, "must be from 1 to 64"));
         }
-        // Images explain a mode nearly as well as it does itself.
-        let clearly = if i == 0 { 1.0 } else { 0.9 };
-        let bar = best.as_ref().map_or(f64::INFINITY, |(_, b)| clearly * b.cost);
-        let problem = |whole| ModalError { records, weights: &weights, modes: n, whole };
-        let mut laid: Vec<_> = (0..=longest).map(|whole| (whole, problem(whole).laid_out(start))).collect();
-        laid.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
-        for (whole, (x, _)) in laid.into_iter().take(TRIED) {
-            let problem = problem(whole);
-            let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut unwatched)?;
-            if minimum.cost < bar && best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
-                best = Some((problem, minimum));
+        let weights = checked(records, Orders { delay: longest, ..Orders::of(2 * n) }, how)?;
+        let starts = starts(records, n, longest, how)?;
+        let mut best: Option<(ModalError, Minimum)> = None;
+        for (i, start) in starts.iter().enumerate() {
+            let stage = Stage { what: "modes", done: i, total: starts.len() };
+            if progress(stage).is_break() {
+                return Err(Error::Cancelled { what: "the fit of modes".into(), done: i, total: starts.len() });
+            }
+            // Images explain a mode nearly as well as it does itself.
+            let clearly = if i == 0 { 1.0 } else { 0.9 };
+            let bar = best.as_ref().map_or(f64::INFINITY, |(_, b)| clearly * b.cost);
+            let problem = |whole| ModalError { records, weights: &weights, modes: n, whole };
+            let mut laid: Vec<_> = (0..=longest).map(|whole| (whole, problem(whole).laid_out(start))).collect();
+            laid.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
+            for (whole, (x, _)) in laid.into_iter().take(TRIED) {
+                let problem = problem(whole);
+                let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut unwatched)?;
+                if minimum.cost < bar && best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
+                    best = Some((problem, minimum));
+                }
             }
         }
+        let Some((problem, rough)) = best else {
+            let because = "no frequency and damping near those of a difference equation gives a finite error".into();
+            return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
+        };
+        told(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &how.search, &mut unwatched)?)
     }
-    let Some((problem, rough)) = best else {
-        let because = "no frequency and damping near those of a difference equation gives a finite error".into();
-        return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
-    };
-    told(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &how.search, &mut unwatched)?)
 }
 
 /// Steps and tolerance that tell starts apart.
-const ROUGH: levenberg_marquardt::Settings =
-    levenberg_marquardt::Settings { iterations: 100, tolerance: 1e-6, damping: 1e-3 };
+const ROUGH: levenberg_marquardt::SearchSettings =
+    levenberg_marquardt::SearchSettings { iterations: 100, tolerance: 1e-6, damping: 1e-3 };
 
 /// Whole delays that are searched, of those that begin best.
 const TRIED: usize = 2;
@@ -117,7 +119,7 @@ const TRIED: usize = 2;
 /// ln w, ln zeta and k = 0 of each mode, and r = 0: of the modes that carry most in a block by output error, and with each
 /// but the first of them at the other frequencies that look the same to the samples.
 fn starts(records: &[Record], n: usize, longest: usize, how: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
-    let block = |delay| output_error(records, Orders { delay, ..Orders::of(2 * n) }, how, &mut unwatched);
+    let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, how, &mut unwatched);
     let mut blocks: Vec<_> = (0..=longest).map(block).collect::<Result<_, _>>()?;
     blocks.sort_by(|p, q| p.minimum.cost.total_cmp(&q.minimum.cost));
     let mut found: Vec<(f64, f64)> = Vec::new();
@@ -186,13 +188,13 @@ fn told(problem: &ModalError, mut minimum: Minimum) -> Result<Modes, Error> {
     };
     let mode = |i: usize| {
         let (hz, damping) = (x[3 * i].exp() / TAU, x[3 * i + 1].exp());
-        Mode {
+        FittedMode {
             hz: number(hz, &[(3 * i, hz)]),
             damping: number(damping, &[(3 * i + 1, damping)]),
             share: share(3 * i + 2),
         }
     };
-    let mut modes: Vec<Mode> = (0..m).map(mode).collect();
+    let mut modes: Vec<FittedMode> = (0..m).map(mode).collect();
     modes.sort_by(|p, q| p.hz.value.total_cmp(&q.hz.value));
     Ok(Modes {
         gain: number(gain, &carriers.iter().map(|&k| (k, 1.0)).collect::<Vec<_>>()),
@@ -211,7 +213,7 @@ mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::linear::modal_error::tests::held;
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::system::System;
     use crate::testing::assert_close;
     use rand::SeedableRng;
@@ -228,7 +230,7 @@ mod tests {
         // An input about 9 V, which has always stood there.
         let (u, gain) = (u[200..].iter().map(|u| u + 9.0).collect(), 30.0);
         let record = Record::new(TS, u, y[200..].iter().map(|y| y + 9.0 * gain).collect()).unwrap();
-        let found = fit_modes(&[record], 2, 3, &Refinement::default(), &mut unwatched).unwrap();
+        let found = Modes::fit(&[record], 2, 3, &Refinement::default(), &mut unwatched).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value, first.share.value], &[166.3, 0.03, 0.9], 1e-6, 0.0);
         assert_close(&[second.hz.value, second.damping.value], &[700.0, 0.1], 1e-6, 0.0);
@@ -247,7 +249,7 @@ mod tests {
             let noise = Normal::new(0.0, 1.0).unwrap();
             let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
             let record = Record::new(TS, u.clone(), y).unwrap();
-            let found = fit_modes(&[record], 2, 1, &Refinement::default(), &mut unwatched).unwrap();
+            let found = Modes::fit(&[record], 2, 1, &Refinement::default(), &mut unwatched).unwrap();
             let [first, second] = [found.modes[0], found.modes[1]];
             let pairs = [
                 (first.hz, 166.3),
@@ -270,10 +272,10 @@ mod tests {
     #[test]
     fn the_pl140_is_read_from_its_noisy_record() {
         let u = Prbs::default().samples(TS, 3 * 2047).unwrap();
-        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(1);
+        let plant = Plant::named("pl140", TS).unwrap().with_seed(1);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         let record = [Record::new(TS, u, y).unwrap()];
-        let found = fit_modes(&record, 2, 2, &Refinement::default(), &mut unwatched).unwrap();
+        let found = Modes::fit(&record, 2, 2, &Refinement::default(), &mut unwatched).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value], &[166.3, 0.03], 5e-4, 0.0);
         // Creep adds to the gain and the amplifier's lag takes from the first mode: 1 % together.
@@ -293,7 +295,7 @@ mod tests {
         let noise = Normal::new(0.0, 1e-3).unwrap();
         let y = lag.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
         let record = [Record::new(TS, u, y).unwrap()];
-        let message = |n| fit_modes(&record, n, 1, &Refinement::default(), &mut unwatched).unwrap_err().to_string();
+        let message = |n| Modes::fit(&record, n, 1, &Refinement::default(), &mut unwatched).unwrap_err().to_string();
         assert!(message(1).contains("do not oscillate"), "{}", message(1));
         assert!(message(0).starts_with("modes = 0"));
     }

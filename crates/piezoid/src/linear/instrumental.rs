@@ -140,7 +140,7 @@ pub(super) fn stabilised(a: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::{Arx, Fit, estimator, fit};
+    use crate::linear::{Arx, Estimator, Fit};
     use crate::optimize::swarm;
     use crate::progress::unwatched;
     use crate::series::mean;
@@ -168,8 +168,8 @@ mod tests {
 
     fn fitted(seed: u64, name: &str) -> Fit {
         let orders = Orders { na: 2, nb: 2, delay: 1 };
-        let settings = swarm::Settings::default();
-        fit(&noisy(seed), orders, estimator(name).unwrap(), &settings, &mut unwatched).unwrap()
+        let settings = swarm::SwarmSettings::default();
+        Estimator::find(name).unwrap().fit(&noisy(seed), orders, &settings, &mut unwatched).unwrap()
     }
 
     #[test]

@@ -26,9 +26,6 @@ use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// Of half the sampling rate, the share up to which a pole is what it seems.
-pub const SEEN: f64 = 0.9;
-
 /// What a pole, or a conjugate pair, is in mechanics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -58,7 +55,7 @@ impl PoleShare {
         // |s| Ts, which is pi at half the sampling rate.
         let turn = Complex::new(z.re, z.im).ln().norm();
         match () {
-            () if turn >= SEEN * PI => PoleKind::Image,
+            () if turn >= ModalForm::SEEN * PI => PoleKind::Image,
             () if z.im > 0.0 => PoleKind::Mode,
             () => PoleKind::Lag,
         }
@@ -74,7 +71,7 @@ impl PoleShare {
 
 /// A block read as mechanics.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct ModalForm {
     /// Output for a constant input of 1.
     pub gain: f64,
     /// The poles with their shares, by rising frequency.
@@ -85,7 +82,10 @@ pub struct Reading {
     pub delay: f64,
 }
 
-impl Reading {
+impl ModalForm {
+    /// Of half the sampling rate, the share up to which a pole is what it seems.
+    pub const SEEN: f64 = 0.9;
+
     /// The poles that are modes, by rising frequency.
     pub fn modes(&self) -> Vec<PoleShare> {
         self.poles.iter().filter(|p| p.kind() == PoleKind::Mode).copied().collect()
@@ -187,7 +187,7 @@ impl Arx {
     /// assert!((mode.pole.hz - 146.7).abs() < 0.1);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
-    pub fn reading(&self) -> Reading {
+    pub fn reading(&self) -> ModalForm {
         let (gain, poles) = (self.dc_gain(), self.poles());
         let all: Vec<Complex<f64>> = poles
             .iter()
@@ -202,7 +202,7 @@ impl Arx {
             Pole { z, hz, .. } if z.im == 0.0 => p.share / (TAU * hz),
             Pole { hz, damping, .. } => p.share * 2.0 * damping / (TAU * hz),
         };
-        Reading {
+        ModalForm {
             gain,
             residual: 1.0 - poles.iter().map(|p| p.share).sum::<f64>(),
             delay: self.lag_at_rest() - 0.5 * self.time_step() - poles.iter().map(lag).sum::<f64>(),

@@ -8,7 +8,7 @@
 //! record is free: one that begins at rest with a step is not taken to have stood at its first input. How past and offset
 //! are taken out, and the exact slopes: `free_run.rs`. Searched by Levenberg-Marquardt, which refuses unstable blocks.
 //!
-//! Ljung 1998, System Identification: Theory for the User. The error has more than one minimum: [`output_error`] starts
+//! Ljung 1998, System Identification: Theory for the User. The error has more than one minimum: [`OutputError::fit`] starts
 //! from instrumental variables, begun at least squares and at filters that know nothing, and keeps the best. A Record whose u is a hidden variable z fits as well as one of a voltage.
 
 use super::fit::least_squares;
@@ -30,7 +30,7 @@ pub struct Refinement {
     /// What each record's squared errors count, in the ratio of 1 / (variance of its noise); empty counts all alike.
     pub weights: Vec<f64>,
     /// The search.
-    pub search: levenberg_marquardt::Settings,
+    pub(crate) search: levenberg_marquardt::SearchSettings,
 }
 
 /// A block by output error.
@@ -53,41 +53,38 @@ pub struct OutputError {
     pub minimum: Minimum,
 }
 
-/// The block of `orders` by output error, from starts of its own.
-///
-/// ```
-/// use piezoid::{Record, System, linear::{Arx, Orders, Refinement, output_error}};
-/// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5])?;
-/// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
-/// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
-/// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + 7.0 + noise(t)).collect();
-/// let record = Record::new(5e-4, u, y)?;
-/// let orders = Orders { na: 2, nb: 2, delay: 1 };
-/// let found = output_error(&[record], orders, &Refinement::default(), &mut piezoid::progress::unwatched)?;
-/// assert!((found.arx.a()[0] - 1.7).abs() < 1e-3 && (found.offsets[0] - 7.0).abs() < 0.05);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// As [`Regression::new`]; weights that are not one positive number a record; too few samples for the pasts and offsets;
-/// [`Error::Cancelled`].
-pub fn output_error(
-    records: &[Record],
-    orders: Orders,
-    how: &Refinement,
-    progress: &mut Progress,
-) -> Result<OutputError, Error> {
-    let weights = checked(records, orders, how)?;
-    let problem = FreeRunError { records, weights: &weights, orders };
-    let start = Beginnings::new(records, orders)?.start(orders, &weights)?;
-    search(&problem, &start, how, progress)
+impl OutputError {
+    /// The block of `orders` by output error, from starts of its own.
+    ///
+    /// ```
+    /// use piezoid::{Record, System, linear::{Arx, Orders, OutputError, Refinement}};
+    /// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5])?;
+    /// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
+    /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
+    /// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + 7.0 + noise(t)).collect();
+    /// let record = Record::new(5e-4, u, y)?;
+    /// let orders = Orders { na: 2, nb: 2, delay: 1 };
+    /// let found = OutputError::fit(&[record], orders, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+    /// assert!((found.arx.a()[0] - 1.7).abs() < 1e-3 && (found.offsets[0] - 7.0).abs() < 0.05);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Regression::new`]; weights that are not one positive number a record; too few samples for the pasts and offsets;
+    /// [`Error::Cancelled`].
+    pub fn fit(records: &[Record], orders: Orders, how: &Refinement, progress: &mut Progress) -> Result<Self, Error> {
+        let weights = checked(records, orders, how)?;
+        let problem = FreeRunError { records, weights: &weights, orders };
+        let start = Beginnings::new(records, orders)?.start(orders, &weights)?;
+        search(&problem, &start, how, progress)
+    }
 }
 
 /// The block of least output error that `start` leads to. The zeros that `start.b()` begins with stay.
 ///
 /// # Errors
-/// As [`output_error`]; and a start that is unstable.
-pub fn refine(
+/// As [`OutputError::fit`]; and a start that is unstable.
+pub(crate) fn refine(
     records: &[Record],
     start: &Arx,
     how: &Refinement,
@@ -203,7 +200,7 @@ pub(super) fn search(
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::progress::unwatched;
     use crate::system::System;
     use crate::testing::assert_close;
@@ -212,13 +209,13 @@ mod tests {
     const TS: f64 = 5e-4;
 
     fn found(records: &[Record], orders: Orders) -> OutputError {
-        output_error(records, orders, &Refinement::default(), &mut unwatched).unwrap()
+        OutputError::fit(records, orders, &Refinement::default(), &mut unwatched).unwrap()
     }
 
     /// The twin from rest, under a PRBS that begins with a step.
     fn pl140(seed: u64) -> Record {
         let u = Prbs::default().samples(TS, 2 * 2047).unwrap();
-        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(seed);
+        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     }
@@ -254,13 +251,13 @@ mod tests {
         let orders = Orders { na: 2, nb: 2, delay: 0 };
         let weighted = Refinement { weights: vec![2.0, 2.0], ..Refinement::default() };
         let (plain, doubled) =
-            (found(&parts, orders), output_error(&parts, orders, &weighted, &mut unwatched).unwrap());
+            (found(&parts, orders), OutputError::fit(&parts, orders, &weighted, &mut unwatched).unwrap());
         assert_close(doubled.arx.a(), plain.arx.a(), 1e-8, 0.0);
         assert_close(&doubled.covariance, &plain.covariance, 1e-4, 0.0);
         // A record repeated is a record of twice the weight.
         let repeated = found(&[parts[0].clone(), parts[1].clone(), parts[1].clone()], orders);
         let weighted = Refinement { weights: vec![1.0, 2.0], ..Refinement::default() };
-        let weighted = output_error(&parts, orders, &weighted, &mut unwatched).unwrap();
+        let weighted = OutputError::fit(&parts, orders, &weighted, &mut unwatched).unwrap();
         assert_close(weighted.arx.b(), repeated.arx.b(), 1e-8, 0.0);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::optimize::Bounds;
-use crate::record::{Record, same_sampling};
+use crate::record::Record;
 use serde::{Deserialize, Serialize};
 
 /// How many coefficients the block has.
@@ -40,7 +40,7 @@ impl Orders {
             return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
         };
         for (k, record) in records.iter().enumerate() {
-            same_sampling("record 1", first.ts(), &format!("record {}", k + 1), record.ts())?;
+            Record::same_sampling("record 1", first.ts(), &format!("record {}", k + 1), record.ts())?;
         }
         Ok(first)
     }

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 /// What to choose from, and how to judge.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
+pub(crate) struct Choice {
     /// The highest order.
     pub order: usize,
     /// The longest delay [samples].
@@ -52,7 +52,7 @@ impl Default for Choice {
 
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
+pub(crate) struct Candidate {
     /// Poles, and delay; n poles go with n + 1 coefficients of b after the delay.
     pub orders: Orders,
     /// The block of the first parts.
@@ -79,7 +79,7 @@ pub struct Candidate {
 
 /// The choice.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
+pub(crate) struct Selection {
     /// All that could be fitted, by order, then delay.
     pub candidates: Vec<Candidate>,
     /// The orders that could not, and why.
@@ -99,8 +99,8 @@ const NEGLIGIBLE: f64 = 1e-4;
 const BLOCKS: usize = 20;
 
 /// Steps and tolerance that tell candidates apart.
-const ROUGH: levenberg_marquardt::Settings =
-    levenberg_marquardt::Settings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
+const ROUGH: levenberg_marquardt::SearchSettings =
+    levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// Chooses order and delay of the linear block of `records`.
 ///
@@ -118,8 +118,8 @@ const ROUGH: levenberg_marquardt::Settings =
 ///
 /// # Errors
 /// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
-/// [`output_error`](super::output_error) refuses where it refuses every candidate; [`Error::Cancelled`].
-pub fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
+/// [`OutputError::fit`] refuses where it refuses every candidate; [`Error::Cancelled`].
+pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
     let highest = Orders { delay: how.delay, ..Orders::of(how.order) };
     if how.order == 0 {
         return Err(Error::parameter("order", 0, "must be at least 1"));
@@ -291,7 +291,7 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::system::System;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -302,7 +302,7 @@ mod tests {
     /// The PL140 twin under a PRBS of 1 V, in micrometres.
     fn pl140(seed: u64, n: usize) -> Record {
         let u = Prbs::default().samples(TS, n).unwrap();
-        let plant = Plant::new(&(find("pl140").unwrap().spec)(), TS).unwrap().with_seed(seed);
+        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     }
@@ -363,7 +363,7 @@ mod tests {
     fn an_idle_pole_changes_nothing() {
         let records = [late(1)];
         let orders = Orders { na: 2, nb: 3, delay: 1 };
-        let fit = crate::linear::output_error(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
+        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
         crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }

@@ -180,86 +180,90 @@ impl Replicates {
     }
 }
 
-/// Fits `fit` again and again to its own free run with residuals drawn anew. `records` and `how` are those it came from.
-///
-/// ```
-/// use piezoid::{Record, System, linear::{Arx, Bootstrap, Orders, Refinement, bootstrap, output_error}};
-/// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![3.0, 2.5])?;
-/// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
-/// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
-/// let records = [Record::new(5e-4, u.clone(), truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect())?];
-/// let (how, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
-/// let fit = output_error(&records, orders, &how, &mut piezoid::progress::unwatched)?;
-/// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
-/// let replicates = bootstrap(&records, &fit, &how, &draws, &mut piezoid::progress::unwatched)?;
-/// let resonance = replicates.of(|arx| arx.poles()[0].hz);
-/// assert!((resonance.value - truth.poles()[0].hz).abs() < 0.1);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// Fewer than two replicates, blocks of no samples, and what [`output_error`](super::output_error) refuses;
-/// [`Error::Cancelled`].
-pub fn bootstrap(
-    records: &[Record],
-    fit: &OutputError,
-    how: &Refinement,
-    draws: &Bootstrap,
-    progress: &mut Progress,
-) -> Result<Replicates, Error> {
-    if draws.replicates < 2 {
-        return Err(Error::parameter("replicates", draws.replicates, "must be at least 2"));
-    }
-    if draws.block == Some(0) {
-        return Err(Error::parameter("block", 0, "must be at least 1 sample"));
-    }
-    let weights = checked(records, fit.orders, how)?;
-    let problem = FreeRunError { records, weights: &weights, orders: fit.orders };
-    let samples: usize = records.iter().map(Record::len).sum();
-    // Residuals are smaller than the noise by what was fitted to them.
-    let grow = (samples as f64 / fit.freedom as f64).sqrt();
-    let parts: Vec<(Vec<f64>, Vec<f64>)> = problem
-        .runs(&fit.minimum.x)
-        .map(|(run, _)| (run.model.iter().map(|y| y + run.level).collect(), run.e.iter().map(|e| grow * e).collect()))
-        .collect();
-    let replicate = |m: usize| {
-        let mut random = ChaCha8Rng::seed_from_u64(draws.seed);
-        random.set_stream(m as u64);
-        let drawn = records.iter().zip(&parts).map(|(record, (free, e))| {
-            let block = draws.block.unwrap_or_else(|| block_length(e.len())).min(e.len());
-            let mut y = free.clone();
-            for y in y.chunks_mut(block) {
-                let from = random.random_range(0..=e.len() - block);
-                y.iter_mut().zip(&e[from..]).for_each(|(y, e)| *y += e);
-            }
-            Record::new(record.ts(), record.u().to_vec(), y)
-        });
-        let drawn: Vec<Record> = drawn.collect::<Result<_, _>>()?;
-        let problem = FreeRunError { records: &drawn, ..problem };
-        Ok(search(&problem, &fit.minimum.x, how, &mut unwatched)?.arx)
-    };
-    let mut fitted = Vec::new();
-    let company = if draws.parallel { rayon::current_num_threads() } else { 1 };
-    while fitted.len() < draws.replicates {
-        let (done, total) = (fitted.len(), draws.replicates);
-        if progress(Stage { what: "bootstrap", done, total }).is_break() {
-            return Err(Error::Cancelled { what: "the bootstrap".into(), done, total });
+impl OutputError {
+    /// Fits the block again and again to its own free run with residuals drawn anew. `records` and `how` are those it came from.
+    ///
+    /// ```
+    /// use piezoid::{Record, System, linear::{Arx, Bootstrap, Orders, OutputError, Refinement}};
+    /// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![3.0, 2.5])?;
+    /// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
+    /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
+    /// let records = [Record::new(5e-4, u.clone(), truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect())?];
+    /// let (how, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
+    /// let fit = OutputError::fit(&records, orders, &how, &mut piezoid::progress::unwatched)?;
+    /// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
+    /// let replicates = fit.bootstrap(&records, &how, &draws, &mut piezoid::progress::unwatched)?;
+    /// let resonance = replicates.of(|arx| arx.poles()[0].hz);
+    /// assert!((resonance.value - truth.poles()[0].hz).abs() < 0.1);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Fewer than two replicates, blocks of no samples, and what [`OutputError::fit`] refuses;
+    /// [`Error::Cancelled`].
+    pub fn bootstrap(
+        &self,
+        records: &[Record],
+        how: &Refinement,
+        draws: &Bootstrap,
+        progress: &mut Progress,
+    ) -> Result<Replicates, Error> {
+        if draws.replicates < 2 {
+            return Err(Error::parameter("replicates", draws.replicates, "must be at least 2"));
         }
-        let next = done..(done + company).min(total);
-        let arx: Vec<Arx> = if draws.parallel {
-            next.into_par_iter().map(replicate).collect::<Result<_, Error>>()?
-        } else {
-            next.map(replicate).collect::<Result<_, Error>>()?
+        if draws.block == Some(0) {
+            return Err(Error::parameter("block", 0, "must be at least 1 sample"));
+        }
+        let weights = checked(records, self.orders, how)?;
+        let problem = FreeRunError { records, weights: &weights, orders: self.orders };
+        let samples: usize = records.iter().map(Record::len).sum();
+        // Residuals are smaller than the noise by what was fitted to them.
+        let grow = (samples as f64 / self.freedom as f64).sqrt();
+        let parts: Vec<(Vec<f64>, Vec<f64>)> = problem
+            .runs(&self.minimum.x)
+            .map(|(run, _)| {
+                (run.model.iter().map(|y| y + run.level).collect(), run.e.iter().map(|e| grow * e).collect())
+            })
+            .collect();
+        let replicate = |m: usize| {
+            let mut random = ChaCha8Rng::seed_from_u64(draws.seed);
+            random.set_stream(m as u64);
+            let drawn = records.iter().zip(&parts).map(|(record, (free, e))| {
+                let block = draws.block.unwrap_or_else(|| block_length(e.len())).min(e.len());
+                let mut y = free.clone();
+                for y in y.chunks_mut(block) {
+                    let from = random.random_range(0..=e.len() - block);
+                    y.iter_mut().zip(&e[from..]).for_each(|(y, e)| *y += e);
+                }
+                Record::new(record.ts(), record.u().to_vec(), y)
+            });
+            let drawn: Vec<Record> = drawn.collect::<Result<_, _>>()?;
+            let problem = FreeRunError { records: &drawn, ..problem };
+            Ok(search(&problem, &self.minimum.x, how, &mut unwatched)?.arx)
         };
-        fitted.extend(arx);
+        let mut fitted = Vec::new();
+        let company = if draws.parallel { rayon::current_num_threads() } else { 1 };
+        while fitted.len() < draws.replicates {
+            let (done, total) = (fitted.len(), draws.replicates);
+            if progress(Stage { what: "bootstrap", done, total }).is_break() {
+                return Err(Error::Cancelled { what: "the bootstrap".into(), done, total });
+            }
+            let next = done..(done + company).min(total);
+            let arx: Vec<Arx> = if draws.parallel {
+                next.into_par_iter().map(replicate).collect::<Result<_, Error>>()?
+            } else {
+                next.map(replicate).collect::<Result<_, Error>>()?
+            };
+            fitted.extend(arx);
+        }
+        Ok(Replicates(fitted))
     }
-    Ok(Replicates(fitted))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::{Orders, output_error};
+    use crate::linear::{Orders, OutputError};
     use crate::testing::assert_close;
     use rand_distr::{Distribution, Normal};
 
@@ -284,7 +288,7 @@ mod tests {
     }
 
     fn fitted(seed: u64, colour: f64) -> OutputError {
-        output_error(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut unwatched).unwrap()
+        OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut unwatched).unwrap()
     }
 
     /// The numbers that are followed: frequency, damping, gain.
@@ -343,7 +347,7 @@ mod tests {
         for colour in [0.0, 0.8] {
             let (records, fit) = ([record(5, colour)], fitted(5, colour));
             let draws = Bootstrap { replicates: 200, parallel: true, ..Bootstrap::default() };
-            let again = bootstrap(&records, &fit, &Refinement::default(), &draws, &mut unwatched).unwrap();
+            let again = fit.bootstrap(&records, &Refinement::default(), &draws, &mut unwatched).unwrap();
             let [hz, damping, gain] = numbers(&fit);
             let drawn: [fn(&Arx) -> f64; 3] = [|a| a.poles()[0].hz, |a| a.poles()[0].damping, Arx::dc_gain];
             for (known, number) in [hz, damping, gain].iter().zip(drawn) {
@@ -357,7 +361,7 @@ mod tests {
         let (records, fit) = ([record(2, 0.3)], fitted(2, 0.3));
         let of = |parallel, seed| {
             let draws = Bootstrap { replicates: 5, parallel, seed, ..Bootstrap::default() };
-            bootstrap(&records, &fit, &Refinement::default(), &draws, &mut unwatched).unwrap()
+            fit.bootstrap(&records, &Refinement::default(), &draws, &mut unwatched).unwrap()
         };
         assert_eq!(of(false, 1), of(true, 1));
         assert_ne!(of(false, 1), of(false, 2));

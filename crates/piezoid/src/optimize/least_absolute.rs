@@ -10,7 +10,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 /// The optimum and its certificate.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LeastAbsolute {
+pub(crate) struct LeastAbsolute {
     /// The optimal x.
     pub x: Vec<f64>,
     /// Sum of absolute deviations at x.
@@ -31,7 +31,7 @@ pub struct LeastAbsolute {
 ///
 /// # Errors
 /// Refuses numbers that are not finite; [`Error::Unidentifiable`] when the solver ends without an optimum.
-pub fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
+pub(crate) fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
     crate::error::finite("rows", rows)?;
     let stride = dimension + 1;
     let n = rows.len() / stride;

@@ -1,11 +1,11 @@
 //! Searches for the best parameters. How a search ended is data ([`Minimum::reason`]), not an error.
 
 mod least_absolute;
-pub mod levenberg_marquardt;
+pub(crate) mod levenberg_marquardt;
 mod non_negative;
 pub mod swarm;
 
-pub use least_absolute::{LeastAbsolute, least_absolute};
+pub(crate) use least_absolute::least_absolute;
 pub(crate) use non_negative::non_negative;
 
 use serde::{Deserialize, Serialize};

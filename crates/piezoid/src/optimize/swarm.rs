@@ -72,7 +72,7 @@ impl GlobalBest {
 /// How the swarm searches. The defaults are the paper's where it states them, else what is customary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Settings {
+pub struct SwarmSettings {
     /// Swarm size S.
     pub particles: usize,
     /// Total number of iterations, alpha in (5) to (7).
@@ -95,9 +95,9 @@ pub struct Settings {
     pub parallel: bool,
 }
 
-impl Default for Settings {
+impl Default for SwarmSettings {
     fn default() -> Self {
-        Settings {
+        SwarmSettings {
             particles: 50,
             iterations: 500,
             inertia_max: 0.9,
@@ -116,10 +116,10 @@ impl Default for Settings {
 /// copy gives the same bytes as one that was never interrupted.
 ///
 /// ```
-/// use piezoid::optimize::{Bounds, swarm::{Settings, Swarm}};
+/// use piezoid::optimize::{Bounds, swarm::{SwarmSettings, Swarm}};
 /// let sphere = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
 /// let bounds = Bounds::new(vec![-5.0; 3], vec![5.0; 3])?;
-/// let mut swarm = Swarm::new(&sphere, bounds, Settings { iterations: 200, ..Settings::default() })?;
+/// let mut swarm = Swarm::new(&sphere, bounds, SwarmSettings { iterations: 200, ..SwarmSettings::default() })?;
 /// let minimum = swarm.run(&sphere, &mut piezoid::progress::unwatched);
 /// assert!(minimum.cost < 1e-9);
 /// # Ok::<(), piezoid::Error>(())
@@ -127,7 +127,7 @@ impl Default for Settings {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct Swarm {
-    settings: Settings,
+    settings: SwarmSettings,
     bounds: Bounds,
     x: Vec<f64>,
     v: Vec<f64>,
@@ -165,17 +165,14 @@ impl<'de> Deserialize<'de> for Swarm {
     }
 }
 
-/// Steps 1 to 7 of the paper's algorithm in one call.
-///
-/// # Errors
-/// As [`Swarm::new`].
-pub fn minimise(
-    cost: &impl Cost,
-    bounds: Bounds,
-    settings: Settings,
-    progress: &mut Progress,
-) -> Result<Minimum, Error> {
-    Ok(Swarm::new(cost, bounds, settings)?.run(cost, progress))
+impl SwarmSettings {
+    /// Steps 1 to 7 of the paper's algorithm in one call.
+    ///
+    /// # Errors
+    /// As [`Swarm::new`].
+    pub fn minimise(self, cost: &impl Cost, bounds: Bounds, progress: &mut Progress) -> Result<Minimum, Error> {
+        Ok(Swarm::new(cost, bounds, self)?.run(cost, progress))
+    }
 }
 
 impl Swarm {
@@ -183,7 +180,7 @@ impl Swarm {
     ///
     /// # Errors
     /// Refuses a swarm without particles or iterations, inertia outside 0 to 1, and a largest velocity that is not positive.
-    pub fn new(cost: &impl Cost, bounds: Bounds, settings: Settings) -> Result<Self, Error> {
+    pub fn new(cost: &impl Cost, bounds: Bounds, settings: SwarmSettings) -> Result<Self, Error> {
         check(&settings)?;
         let (s, d) = (settings.particles, bounds.dimension());
         let mut swarm = Swarm {
@@ -326,7 +323,7 @@ fn words(dimension: usize, iterations: usize) -> u128 {
     4 * (dimension as u128 + iterations as u128)
 }
 
-fn check(s: &Settings) -> Result<(), Error> {
+fn check(s: &SwarmSettings) -> Result<(), Error> {
     let count = |name, n| match n {
         1..=MOST => Ok(()),
         _ => Err(Error::parameter(name, n, format!("must be from 1 to {MOST}"))),
@@ -359,7 +356,7 @@ mod tests {
 
     #[test]
     fn the_velocity_is_that_of_equation_2() {
-        let settings = Settings { particles: 3, iterations: 10, ..Settings::default() };
+        let settings = SwarmSettings { particles: 3, iterations: 10, ..SwarmSettings::default() };
         let before = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
         let mut after = before.clone();
         let mut streams: Vec<_> = (0..3).map(|m| before.stream(m, words(2, 0))).collect();
@@ -382,7 +379,7 @@ mod tests {
     #[test]
     fn g_best_is_the_best_ever_or_the_best_of_the_current_positions() {
         for global_best in [GlobalBest::Ever, GlobalBest::Current] {
-            let settings = Settings { particles: 8, iterations: 40, global_best, ..Settings::default() };
+            let settings = SwarmSettings { particles: 8, iterations: 40, global_best, ..SwarmSettings::default() };
             let mut swarm = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
             let mut streams: Vec<_> = (0..8).map(|m| swarm.stream(m, words(2, 0))).collect();
             let mut fell_back = 0;
@@ -401,8 +398,8 @@ mod tests {
 
     #[test]
     fn an_interrupted_search_gives_the_same_bytes_as_one_that_was_not() {
-        let settings = Settings { iterations: 120, ..Settings::default() };
-        let whole = minimise(&rosenbrock, bounds(3), settings.clone(), &mut unwatched).unwrap();
+        let settings = SwarmSettings { iterations: 120, ..SwarmSettings::default() };
+        let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut unwatched).unwrap();
         let mut swarm = Swarm::new(&rosenbrock, bounds(3), settings).unwrap();
         let until_70 = |s: Stage| if s.done == 70 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let part = swarm.run(&rosenbrock, &mut { until_70 });
@@ -421,39 +418,41 @@ mod tests {
     #[test]
     fn threads_change_nothing() {
         for global_best in [GlobalBest::Ever, GlobalBest::Current] {
-            let settings = Settings { iterations: 60, global_best, ..Settings::default() };
-            let parallel = Settings { parallel: true, ..settings.clone() };
-            let one = minimise(&rosenbrock, bounds(4), settings, &mut unwatched).unwrap();
-            assert_eq!(minimise(&rosenbrock, bounds(4), parallel, &mut unwatched).unwrap(), one);
+            let settings = SwarmSettings { iterations: 60, global_best, ..SwarmSettings::default() };
+            let parallel = SwarmSettings { parallel: true, ..settings.clone() };
+            let one = settings.minimise(&rosenbrock, bounds(4), &mut unwatched).unwrap();
+            assert_eq!(parallel.minimise(&rosenbrock, bounds(4), &mut unwatched).unwrap(), one);
         }
     }
 
     #[test]
     fn how_it_ended_is_told() {
-        let reason = |settings| minimise(&rosenbrock, bounds(2), settings, &mut unwatched).unwrap().reason;
-        let settings = Settings { iterations: 300, ..Settings::default() };
+        let reason = |settings| settings.minimise(&rosenbrock, bounds(2), &mut unwatched).unwrap().reason;
+        let settings = SwarmSettings { iterations: 300, ..SwarmSettings::default() };
         assert_eq!(reason(settings.clone()), Reason::Iterations);
-        assert_eq!(reason(Settings { threshold: Some(1.0), ..settings.clone() }), Reason::Threshold);
+        assert_eq!(reason(SwarmSettings { threshold: Some(1.0), ..settings.clone() }), Reason::Threshold);
         let flat = |_: &[f64]| 1.0;
-        let stalled = Settings { stall: Some(7), ..settings };
-        let minimum = minimise(&flat, bounds(2), stalled, &mut unwatched).unwrap();
+        let stalled = SwarmSettings { stall: Some(7), ..settings };
+        let minimum = stalled.minimise(&flat, bounds(2), &mut unwatched).unwrap();
         assert_eq!((minimum.reason, minimum.history.len()), (Reason::Stall, 8));
     }
 
     #[test]
     fn a_cost_that_is_no_number_is_the_worst() {
         let half = |x: &[f64]| if x[0] < 0.0 { f64::NAN } else { x[0] };
-        let minimum = minimise(&half, bounds(1), Settings::default(), &mut unwatched).unwrap();
+        let minimum = SwarmSettings::default().minimise(&half, bounds(1), &mut unwatched).unwrap();
         assert!((0.0..1e-6).contains(&minimum.cost));
-        let never = minimise(&|_: &[f64]| f64::NAN, bounds(1), Settings::default(), &mut unwatched).unwrap();
+        let never = SwarmSettings::default().minimise(&|_: &[f64]| f64::NAN, bounds(1), &mut unwatched).unwrap();
         assert_eq!(never.cost, f64::MAX);
     }
 
     #[test]
     fn settings_that_make_no_swarm_are_refused() {
         let message = |settings| Swarm::new(&rosenbrock, bounds(2), settings).unwrap_err().to_string();
-        assert!(message(Settings { particles: 0, ..Settings::default() }).contains("particles = 0"));
-        assert!(message(Settings { inertia_min: f64::NAN, ..Settings::default() }).contains("inertia_min = NaN"));
+        assert!(message(SwarmSettings { particles: 0, ..SwarmSettings::default() }).contains("particles = 0"));
+        assert!(
+            message(SwarmSettings { inertia_min: f64::NAN, ..SwarmSettings::default() }).contains("inertia_min = NaN")
+        );
         assert!(Bounds::new(vec![1.0], vec![1.0]).unwrap_err().to_string().contains("bounds[0] = 1 to 1"));
     }
 
@@ -461,8 +460,8 @@ mod tests {
         #[test]
         fn the_best_never_worsens_and_is_a_point_that_was_visited(seed: u64, particles in 1..20usize, current: bool) {
             let global_best = if current { GlobalBest::Current } else { GlobalBest::Ever };
-            let settings = Settings { seed, particles, iterations: 30, global_best, ..Settings::default() };
-            let minimum = minimise(&rosenbrock, bounds(3), settings, &mut unwatched).unwrap();
+            let settings = SwarmSettings { seed, particles, iterations: 30, global_best, ..SwarmSettings::default() };
+            let minimum = settings.minimise(&rosenbrock, bounds(3), &mut unwatched).unwrap();
             prop_assert!(minimum.history.windows(2).all(|w| w[1] <= w[0]));
             prop_assert_eq!(rosenbrock(&minimum.x), minimum.cost);
             prop_assert!(minimum.courses.iter().zip(&minimum.history).all(|(x, f)| rosenbrock(x) == *f));

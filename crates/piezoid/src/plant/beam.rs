@@ -13,7 +13,7 @@
 //!
 //! State: for each mode, p [m] and p' / w [m].
 
-use super::spec::{BeamSpec, Cantilever, Mode, require};
+use super::spec::{BeamMode, BeamSpec, Cantilever, require};
 use crate::error::{Error, positive};
 use std::f64::consts::{PI, TAU};
 
@@ -72,8 +72,8 @@ impl Beam {
 }
 
 impl ModeStep {
-    fn new(mode: &Mode, i: usize, h: f64) -> Result<Self, Error> {
-        let &Mode { frequency_hz, damping, share } = mode;
+    fn new(mode: &BeamMode, i: usize, h: f64) -> Result<Self, Error> {
+        let &BeamMode { frequency_hz, damping, share } = mode;
         positive(&format!("beam.modes[{i}].frequency_hz"), frequency_hz, "hertz")?;
         let rule = "must lie between 0 and 1";
         require(damping > 0.0 && damping < 1.0, &format!("beam.modes[{i}].damping"), damping, rule)?;
@@ -92,7 +92,7 @@ impl Cantilever {
     ///
     /// # Errors
     /// Dimensions and material must be positive numbers.
-    pub fn modes(&self) -> Result<Vec<Mode>, Error> {
+    pub(crate) fn modes(&self) -> Result<Vec<BeamMode>, Error> {
         let length = positive("beam.cantilever.length_m", self.length_m, "metres")?;
         let thickness = positive("beam.cantilever.thickness_m", self.thickness_m, "metres")?;
         let modulus = positive("beam.cantilever.youngs_modulus_pa", self.youngs_modulus_pa, "pascals")?;
@@ -100,7 +100,7 @@ impl Cantilever {
         let hertz = (modulus / (12.0 * density)).sqrt() * thickness / (TAU * length * length);
         let mode = |(i, &damping): (usize, &f64)| {
             let x = eigenvalue(i);
-            Mode { frequency_hz: x * x * hertz, damping, share: 8.0 * sigma(x) / x.powi(3) }
+            BeamMode { frequency_hz: x * x * hertz, damping, share: 8.0 * sigma(x) / x.powi(3) }
         };
         Ok(self.damping.iter().enumerate().map(mode).collect())
     }
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn the_modes_of_the_pl140_are_where_they_were_computed() {
         let modes = cantilever(&PL140, 5).modes().unwrap();
-        let numbers = |f: fn(&Mode) -> f64| modes.iter().map(f).collect::<Vec<_>>();
+        let numbers = |f: fn(&BeamMode) -> f64| modes.iter().map(f).collect::<Vec<_>>();
         // Computed with numpy from the same sheet; the soft one has 1 / s11E of PIC255.
         assert_close(&numbers(|m| m.share), &[0.891, 0.0788, 0.0165, 0.0060, 0.0028], 0.015, 0.0);
         assert_close(&numbers(|m| m.frequency_hz)[..3], &[166.3, 1042.0, 2918.0], 1e-3, 0.0);
@@ -177,7 +177,7 @@ mod tests {
                 let (sin, cos) = (w * h).sin_cos();
                 // (1 - exp(-j w h)) / (j w_k h) = (sin - j (1 - cos)) / (w_k h)
                 let (hold_re, hold_im) = (sin / (wk * h), -(1.0 - cos) / (wk * h));
-                for Mode { frequency_hz, damping, share } in &modes {
+                for BeamMode { frequency_hz, damping, share } in &modes {
                     let r = wk / (TAU * frequency_hz);
                     let (a, b) = (1.0 - r * r, 2.0 * damping * r);
                     let (g_re, g_im) = (share * a / (a * a + b * b), -share * b / (a * a + b * b));
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_mode_that_does_not_decay_is_refused() {
-        let spec = BeamSpec::Modes(vec![Mode { frequency_hz: 160.0, damping: 0.0, share: 1.0 }]);
+        let spec = BeamSpec::Modes(vec![BeamMode { frequency_hz: 160.0, damping: 0.0, share: 1.0 }]);
         let message = Beam::new(&spec, 1e-4).unwrap_err().to_string();
         assert!(message.starts_with("beam.modes[0].damping = 0"), "{message}");
     }

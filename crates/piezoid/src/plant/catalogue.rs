@@ -8,15 +8,12 @@
 //!
 //! Source: PI datasheet PL112-PL140, PICMA Bender, 31.07.2020. The density is that of PZT, not in the sheet.
 
-/// The centre electrode's rest, half the supply [V]: the plant's voltages count from here.
-pub const MID_VOLTAGE: f64 = 30.0;
-
 /// Density of the ceramic [kg/m^3].
-pub const DENSITY: f64 = 7800.0;
+pub(crate) const DENSITY: f64 = 7800.0;
 
 /// One bender of the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bender {
+pub(super) struct Bender {
     /// Order number.
     pub name: &'static str,
     /// Free displacement at +-30 V, to one side [m].
@@ -39,50 +36,51 @@ pub struct Bender {
 
 /// PL112.10.
 #[rustfmt::skip]
-pub const PL112: Bender = Bender {
+pub(crate) const PL112: Bender = Bender {
     name: "PL112.10", displacement: 100e-6, blocking_force: 2.1, length: 18e-3, width: 9.6e-3, thickness: 0.67e-3,
     free_length: 12e-3, capacitance: 2.2e-6, resonance: 1800.0,
 };
 
 /// PL122.10.
 #[rustfmt::skip]
-pub const PL122: Bender = Bender {
+pub(crate) const PL122: Bender = Bender {
     name: "PL122.10", displacement: 310e-6, blocking_force: 1.25, length: 25e-3, width: 9.6e-3, thickness: 0.67e-3,
     free_length: 22e-3, capacitance: 5.0e-6, resonance: 600.0,
 };
 
 /// PL127.10.
 #[rustfmt::skip]
-pub const PL127: Bender = Bender {
+pub(crate) const PL127: Bender = Bender {
     name: "PL127.10", displacement: 450e-6, blocking_force: 1.1, length: 31e-3, width: 9.6e-3, thickness: 0.67e-3,
     free_length: 27e-3, capacitance: 6.8e-6, resonance: 420.0,
 };
 
 /// PL128.10.
 #[rustfmt::skip]
-pub const PL128: Bender = Bender {
+pub(crate) const PL128: Bender = Bender {
     name: "PL128.10", displacement: 450e-6, blocking_force: 0.55, length: 36e-3, width: 6.15e-3, thickness: 0.67e-3,
     free_length: 28e-3, capacitance: 2.4e-6, resonance: 360.0,
 };
 
 /// PL140.10.
 #[rustfmt::skip]
-pub const PL140: Bender = Bender {
+pub(crate) const PL140: Bender = Bender {
     name: "PL140.10", displacement: 1000e-6, blocking_force: 0.5, length: 45e-3, width: 11e-3, thickness: 0.55e-3,
     free_length: 40e-3, capacitance: 8.2e-6, resonance: 160.0,
 };
 
 /// The five benders of the sheet.
-pub static BENDERS: [Bender; 5] = [PL112, PL122, PL127, PL128, PL140];
+#[cfg(test)]
+pub(super) static BENDERS: [Bender; 5] = [PL112, PL122, PL127, PL128, PL140];
 
 impl Bender {
     /// Stiffness at the tip [N/m].
-    pub fn stiffness(&self) -> f64 {
+    pub(super) fn stiffness(&self) -> f64 {
         self.blocking_force / self.displacement
     }
 
     /// Young's modulus that gives the stiffness [Pa].
-    pub fn youngs_modulus(&self) -> f64 {
+    pub(super) fn youngs_modulus(&self) -> f64 {
         let i = self.width * self.thickness.powi(3) / 12.0;
         self.stiffness() * self.free_length.powi(3) / (3.0 * i)
     }

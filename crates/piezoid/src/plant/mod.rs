@@ -16,7 +16,7 @@
 
 mod beam;
 mod bouc_wen;
-pub mod catalogue;
+mod catalogue;
 mod creep;
 mod driver;
 mod everett;
@@ -27,9 +27,10 @@ mod saturation;
 mod sensor;
 mod spec;
 
-pub use presets::{PLANTS, Preset, find};
+pub use presets::{PLANTS, Preset};
 pub use saturation::Saturation;
-pub use spec::{BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, Mode, SensorSpec, Spec};
+pub use spec::Spec;
+pub(crate) use spec::{BeamSpec, HysteresisSpec, Logged};
 
 use crate::error::{Error, positive};
 use crate::system::System;
@@ -45,9 +46,9 @@ use sensor::Sensor;
 /// displacement [m]; sensor's lag [m]; then creep, beam and hysteresis as their files say.
 ///
 /// ```
-/// use piezoid::plant::{Plant, find};
+/// use piezoid::plant::{Plant, Preset};
 ///
-/// let plant = Plant::new(&(find("pl140")?.spec)(), 5e-4)?.with_seed(7);
+/// let plant = Plant::named("pl140", 5e-4)?.with_seed(7);
 /// let run = plant.run(&[30.0; 200]);
 /// assert!(run.y[199] > 0.9e-3);
 /// assert_eq!(run.saturation.to_string(), "1 sample slowed by the driver's current limit");
@@ -76,7 +77,7 @@ const HEAD: usize = 7;
 
 /// A simulated measurement.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run {
+pub struct PlantRun {
     /// What the sensor read [m].
     pub y: Vec<f64>,
     /// What limits were reached.
@@ -84,6 +85,14 @@ pub struct Run {
 }
 
 impl Plant {
+    /// The plant of [`PLANTS`] of this name, sampled every `ts` [s].
+    ///
+    /// # Errors
+    /// No such plant, or a `ts` that is not positive.
+    pub fn named(name: &str, ts: f64) -> Result<Self, Error> {
+        Plant::new(&(Preset::find(name)?.spec)(), ts)
+    }
+
     /// The plant sampled every `ts` [s], its noise drawn from seed 0.
     ///
     /// # Errors
@@ -112,10 +121,10 @@ impl Plant {
     }
 
     /// Measures from rest: the readings, and the limits that were reached.
-    pub fn run(&self, u: &[f64]) -> Run {
+    pub fn run(&self, u: &[f64]) -> PlantRun {
         let mut x = self.initial();
         let y = self.resume(&mut x, u);
-        Run { y, saturation: self.saturation(&x) }
+        PlantRun { y, saturation: self.saturation(&x) }
     }
 
     /// The limits that were reached on the way to state `x`.
@@ -225,7 +234,7 @@ mod tests {
     }
 
     fn spec(name: &str) -> Spec {
-        (find(name).unwrap().spec)()
+        (Preset::find(name).unwrap().spec)()
     }
 
     fn plant(spec: &Spec) -> Plant {

@@ -1,8 +1,8 @@
 //! The plants there are by name. One row a plant: front ends, documentation and contract tests read this list.
 
 use super::catalogue::{Bender, DENSITY, PL112, PL122, PL127, PL128, PL140};
-use super::spec::{BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, Mode, SensorSpec, Spec};
-use crate::error::Error;
+use super::spec::{BeamMode, BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, SensorSpec, Spec};
+use crate::error::{Error, row};
 
 /// A plant by name.
 #[derive(Debug, Clone, Copy)]
@@ -67,13 +67,13 @@ pub static PLANTS: &[Preset] = &[
     },
 ];
 
-/// The plant called `name`.
-///
-/// # Errors
-/// An unknown name is answered with the names there are.
-pub fn find(name: &str) -> Result<&'static Preset, Error> {
-    let known = || PLANTS.iter().map(|plant| plant.name);
-    PLANTS.iter().find(|plant| plant.name == name).ok_or_else(|| Error::unknown("plant", name, known()))
+impl Preset {
+    /// The plant called `name`.    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("plant", PLANTS.iter(), |row| row.name, name)
+    }
 }
 
 fn paper() -> Spec {
@@ -81,7 +81,7 @@ fn paper() -> Spec {
         driver: DriverSpec::default(),
         hysteresis: bouc_wen(&PL140),
         creep_per_decade: 0.0,
-        beam: BeamSpec::Modes(vec![Mode { frequency_hz: 146.7, damping: 0.061, share: 1.0 }]),
+        beam: BeamSpec::Modes(vec![BeamMode { frequency_hz: 146.7, damping: 0.061, share: 1.0 }]),
         sensor: SensorSpec::default(),
         logged: Logged::After,
         inner_steps: 20,
@@ -148,9 +148,9 @@ mod tests {
         for (i, plant) in PLANTS.iter().enumerate() {
             assert!(!plant.summary.is_empty() && plant.reference.len() > 10, "{}", plant.name);
             assert!(PLANTS[..i].iter().all(|other| other.name != plant.name), "{} twice", plant.name);
-            assert_eq!(find(plant.name).unwrap().summary, plant.summary);
+            assert_eq!(Preset::find(plant.name).unwrap().summary, plant.summary);
         }
-        assert!(find("pl14O").unwrap_err().to_string().contains("did you mean `pl140`?"));
+        assert!(Preset::find("pl14O").unwrap_err().to_string().contains("did you mean `pl140`?"));
     }
 
     #[test]

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// A plant: driver -> hysteresis -> creep -> beam -> sensor.
 ///
 /// ```
-/// use piezoid::plant::{Plant, Spec, find};
+/// use piezoid::plant::{Plant, Spec, Preset};
 ///
-/// let text = (find("pl140")?.spec)().to_json()?; // a starting point for a bender of your own
+/// let text = (Preset::find("pl140")?.spec)().to_json()?; // a starting point for a bender of your own
 /// let plant = Plant::new(&Spec::from_json(&text)?, 5e-4)?;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -20,39 +20,39 @@ use serde::{Deserialize, Serialize};
 pub struct Spec {
     /// The amplifier; left out, it is ideal from -30 to 30 V.
     #[serde(default)]
-    pub driver: DriverSpec,
+    pub(crate) driver: DriverSpec,
     /// The ceramic.
-    pub hysteresis: HysteresisSpec,
+    pub(crate) hysteresis: HysteresisSpec,
     /// Creep g a decade of time, as a share of the displacement 0.1 s after a step; 0 is none [-].
     #[serde(default)]
-    pub creep_per_decade: f64,
+    pub(crate) creep_per_decade: f64,
     /// The mechanics.
-    pub beam: BeamSpec,
+    pub(crate) beam: BeamSpec,
     /// The sensor; left out, it is ideal.
     #[serde(default)]
-    pub sensor: SensorSpec,
+    pub(crate) sensor: SensorSpec,
     /// The instant at which y is logged.
     #[serde(default)]
-    pub logged: Logged,
+    pub(crate) logged: Logged,
     /// Inner integration steps a sample.
     #[serde(default = "inner_steps")]
-    pub inner_steps: usize,
+    pub(crate) inner_steps: usize,
 }
 
 /// The amplifier. The capacitance matters only where the current is limited.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct DriverSpec {
+pub(crate) struct DriverSpec {
     /// Lowest voltage, from the middle of the supply [V].
-    pub min_v: f64,
+    pub(crate) min_v: f64,
     /// Highest voltage, from the middle of the supply [V].
-    pub max_v: f64,
+    pub(crate) max_v: f64,
     /// Time constant of the amplifier; 0 is ideal [s].
-    pub lag_s: f64,
+    pub(crate) lag_s: f64,
     /// Peak current; `None` (`null`) is unlimited [A].
-    pub current_a: Option<f64>,
+    pub(crate) current_a: Option<f64>,
     /// Capacitance of the load [F].
-    pub capacitance_f: f64,
+    pub(crate) capacitance_f: f64,
 }
 
 impl Default for DriverSpec {
@@ -65,7 +65,7 @@ impl Default for DriverSpec {
 /// `displacement_m` is half its height, and `width` is its width at 0 V (in the direction of y) over its full height.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum HysteresisSpec {
+pub(crate) enum HysteresisSpec {
     /// Low & Guo's law, the standard model of piezo benders.
     BoucWen {
         /// Voltage amplitude of the major loop [V].
@@ -97,9 +97,9 @@ pub enum HysteresisSpec {
 /// The mechanics: vibration modes, measured or from geometry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum BeamSpec {
+pub(crate) enum BeamSpec {
     /// Modes as they are; none at all is a bender without dynamics.
-    Modes(Vec<Mode>),
+    Modes(Vec<BeamMode>),
     /// The modes of a uniform cantilever.
     Cantilever(Cantilever),
 }
@@ -107,49 +107,49 @@ pub enum BeamSpec {
 /// A vibration mode as the tip shows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Mode {
+pub(crate) struct BeamMode {
     /// Undamped natural frequency [Hz].
-    pub frequency_hz: f64,
+    pub(crate) frequency_hz: f64,
     /// Damping ratio, between 0 and 1 [-].
-    pub damping: f64,
+    pub(crate) damping: f64,
     /// Share in the static displacement; what the shares leave of 1 follows at once [-].
-    pub share: f64,
+    pub(crate) share: f64,
 }
 
 /// A uniform cantilever, bent along its whole free length by the piezo moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Cantilever {
+pub(crate) struct Cantilever {
     /// Free length [m].
-    pub length_m: f64,
+    pub(crate) length_m: f64,
     /// Thickness [m].
-    pub thickness_m: f64,
+    pub(crate) thickness_m: f64,
     /// Young's modulus [Pa].
-    pub youngs_modulus_pa: f64,
+    pub(crate) youngs_modulus_pa: f64,
     /// Density [kg/m^3].
-    pub density_kg_per_m3: f64,
+    pub(crate) density_kg_per_m3: f64,
     /// Damping ratio of each mode; as many modes are kept as there are ratios [-].
-    pub damping: Vec<f64>,
+    pub(crate) damping: Vec<f64>,
 }
 
 /// The displacement sensor and its converter.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct SensorSpec {
+pub(crate) struct SensorSpec {
     /// Time constant; 0 is ideal [s].
-    pub lag_s: f64,
+    pub(crate) lag_s: f64,
     /// White noise a sample, rms [m].
-    pub noise_rms_m: f64,
+    pub(crate) noise_rms_m: f64,
     /// Readings end at +- this; `None` (`null`) is no end [m].
-    pub range_m: Option<f64>,
+    pub(crate) range_m: Option<f64>,
     /// Bits of the converter over the range; `None` (`null`) is no quantisation.
-    pub bits: Option<u32>,
+    pub(crate) bits: Option<u32>,
 }
 
 /// When a sample of y is logged, of the interval in which its u acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Logged {
+pub(crate) enum Logged {
     /// At the start, the instant before u acts.
     #[default]
     Before,
@@ -158,6 +158,17 @@ pub enum Logged {
 }
 
 impl Spec {
+    /// Readings of the sensor end at +- this; `None` where they do not [m].
+    pub fn sensor_range(&self) -> Option<f64> {
+        self.sensor.range_m
+    }
+
+    /// The same with this white noise of the sensor [m, rms].
+    pub fn with_sensor_noise(mut self, rms: f64) -> Self {
+        self.sensor.noise_rms_m = rms;
+        self
+    }
+
     /// Reads a specification.
     ///
     /// # Errors

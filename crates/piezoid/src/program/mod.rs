@@ -31,9 +31,8 @@ mod slope;
 mod tree;
 mod words;
 
-pub use crate::elementary::block as elementary;
 pub use run::{Counts, Machine};
-pub use tree::{Expr, Function, Kind, Limit, Op, Parameter, Place, Step};
+pub use tree::{Argument, Expr, Function, Kind, Limit, Op, Place, Step};
 
 use crate::error::Error;
 

@@ -9,7 +9,7 @@
 //!
 //! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. It does not do: states that are copied on the way.
 
-use super::{Expr, Function, Kind, Op, Parameter, Place, Program, Step};
+use super::{Argument, Expr, Function, Kind, Op, Place, Program, Step};
 use crate::error::Error;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -159,7 +159,7 @@ impl Slopes<'_> {
         for (parameter, moves) in self.function.takes.iter().zip(&self.moving.takes[&self.function.name]) {
             takes.push(parameter.clone());
             if *moves {
-                takes.push(Parameter { name: slope_of(&parameter.name), ..parameter.clone() });
+                takes.push(Argument { name: slope_of(&parameter.name), ..parameter.clone() });
             }
         }
         let mut steps = self.steps(&self.function.steps)?;
@@ -280,7 +280,7 @@ impl Slopes<'_> {
                 let value = self.once(Expr::Call(name.clone(), vec![argument.clone()]), out);
                 let derivative = derivative_of(name);
                 let takes = self.program.function(&derivative).map_or(&[][..], |f| &f.takes);
-                let given = |p: &Parameter| if p.name == "value" { value.clone() } else { argument.clone() };
+                let given = |p: &Argument| if p.name == "value" { value.clone() } else { argument.clone() };
                 let derivative = Expr::Call(derivative, takes.iter().map(given).collect());
                 (value, Some(binary(Op::Multiply, derivative, slope)))
             }

@@ -23,7 +23,7 @@ pub struct Function {
     /// Its name, one of its kind in a program.
     pub name: String,
     /// What it is given.
-    pub takes: Vec<Parameter>,
+    pub takes: Vec<Argument>,
     /// What it does.
     pub steps: Vec<Step>,
     /// What it returns.
@@ -32,7 +32,7 @@ pub struct Function {
 
 /// A parameter of a function.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct Argument {
     /// Its name.
     pub name: String,
     /// What it is.

@@ -41,7 +41,7 @@ const DARK: f64 = 1e-4;
 /// What can be wrong with a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Defect {
+pub(crate) enum Defect {
     /// Fewer samples than are needed.
     TooShort,
     /// The input never moves.
@@ -66,14 +66,14 @@ pub enum Defect {
 
 impl Defect {
     /// Whether nothing can be identified from such a record.
-    pub fn is_fatal(self) -> bool {
+    pub(crate) fn is_fatal(self) -> bool {
         matches!(self, Defect::TooShort | Defect::ConstantInput | Defect::ConstantOutput)
     }
 }
 
 /// One thing that is wrong with a record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub(crate) struct Finding {
     /// Which.
     pub defect: Defect,
     /// Where, each range from its first sample up to, not including, its last; all of it if nowhere in particular.
@@ -84,7 +84,7 @@ pub struct Finding {
 
 /// What a record is needed for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Need {
+pub(crate) struct Need {
     /// The fewest samples that are enough.
     pub samples: usize,
     /// The frequencies that the input must excite [Hz], where that is known.
@@ -100,7 +100,7 @@ impl Default for Need {
 
 /// What is wrong with a record, and which of its samples may be fitted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Inspection {
+pub(crate) struct Inspection {
     /// What was found; nothing in a sound record.
     pub findings: Vec<Finding>,
     /// For each sample, whether it may be fitted.
@@ -112,7 +112,7 @@ impl Inspection {
     ///
     /// # Errors
     /// [`Error::Unidentifiable`] with the first fatal finding, or when no sample is usable.
-    pub fn sound(&self) -> Result<(), Error> {
+    pub(crate) fn sound(&self) -> Result<(), Error> {
         let what = || "a model".to_string();
         match self.findings.iter().find(|f| f.defect.is_fatal()) {
             Some(finding) => Err(Error::Unidentifiable { what: what(), because: finding.text.clone() }),
@@ -133,7 +133,8 @@ impl Inspection {
     }
 
     /// Samples that must not be fitted.
-    pub fn masked(&self) -> usize {
+    #[cfg(test)]
+    pub(crate) fn masked(&self) -> usize {
         self.usable.iter().filter(|usable| !**usable).count()
     }
 }
@@ -149,7 +150,7 @@ impl Inspection {
 /// assert_eq!((seen.findings[0].defect, seen.masked(), seen.usable[300]), (Defect::Outliers, 1, false));
 /// # Ok::<(), piezoid::Error>(())
 /// ```
-pub fn inspect(record: &Record, need: &Need) -> Inspection {
+pub(crate) fn inspect(record: &Record, need: &Need) -> Inspection {
     let mut seen = Inspection { findings: Vec::new(), usable: vec![true; record.len()] };
     seen.findings.extend(unfit(record, need));
     if seen.findings.is_empty() {

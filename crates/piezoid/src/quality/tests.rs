@@ -1,6 +1,6 @@
 use super::*;
 use crate::excitation::{EXCITATIONS, Prbs, Sine};
-use crate::plant::{PLANTS, Plant, find};
+use crate::plant::{PLANTS, Plant, Preset};
 
 const TS: f64 = 5e-4;
 
@@ -19,8 +19,8 @@ fn drive(excitation: &crate::excitation::Excitation, amplitude: f64) -> Vec<f64>
     excitation.samples(TS, 2.0, &values).unwrap()
 }
 
-fn run(plant: &str, u: &[f64]) -> crate::plant::Run {
-    Plant::new(&(find(plant).unwrap().spec)(), TS).unwrap().run(u)
+fn run(plant: &str, u: &[f64]) -> crate::plant::PlantRun {
+    Plant::named(plant, TS).unwrap().run(u)
 }
 
 fn measured(plant: &str, u: Vec<f64>) -> Record {
@@ -44,7 +44,10 @@ fn found(record: &Record) -> Vec<Defect> {
 /// Records of every kind that are rich enough to hide a defect in.
 fn sound() -> Vec<(String, Record)> {
     let named = |plant: &'static str, name: &str, amplitude| {
-        (format!("{plant} {name}"), measured(plant, drive(crate::excitation::find(name).unwrap(), amplitude)))
+        (
+            format!("{plant} {name}"),
+            measured(plant, drive(crate::excitation::Excitation::find(name).unwrap(), amplitude)),
+        )
     };
     ["paper", "pl140", "pl112"]
         .iter()

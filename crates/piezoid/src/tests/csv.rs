@@ -1,6 +1,5 @@
 //! CSV files from outside: measured ones, written ones, and bytes that are no CSV at all.
 
-use crate::formats::csv::write;
 use crate::formats::{Selection, Table};
 use crate::{Error, Record};
 use proptest::prelude::*;
@@ -99,7 +98,7 @@ proptest! {
         ts in prop_oneof![1e-9..1e6f64, (1u32..100_000, 0i32..9).prop_map(|(m, e)| f64::from(m) / 10f64.powi(e))],
     ) {
         let (u, y): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
-        let text = write(ts, &[("u_V", &u), ("y_um", &y)]).unwrap();
+        let text = Table::write(ts, &[("u_V", &u), ("y_um", &y)]).unwrap();
         let back = record(text.as_bytes()).unwrap();
         let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         prop_assert_eq!(back.ts().to_bits(), ts.to_bits());
@@ -108,7 +107,7 @@ proptest! {
 
     #[test]
     fn the_csv_crate_reads_what_is_written(samples in prop::collection::vec(finite(), 1..30)) {
-        let text = write(5e-4, &[("u \"V\", 1", &samples)]).unwrap();
+        let text = Table::write(5e-4, &[("u \"V\", 1", &samples)]).unwrap();
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         prop_assert_eq!(reader.headers().unwrap(), vec!["t_s", "u \"V\", 1"]);
         let read: Vec<f64> = reader.records().map(|row| row.unwrap()[1].parse().unwrap()).collect();

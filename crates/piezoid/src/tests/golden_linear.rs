@@ -141,8 +141,9 @@ fn least_squares_is_scipys_lstsq_with_a_constant_a_record() {
         let records: Vec<Record> = row["records"].as_array().expect("records").iter().map(record).collect();
         let whole = |key: &str| row[key].as_u64().expect("a whole number") as usize;
         let orders = Orders { na: whole("na"), nb: whole("nb"), delay: whole("delay") };
-        let estimator = linear::estimator("least-squares").expect("it is in the list");
-        let fit = linear::fit(&records, orders, estimator, &swarm::Settings::default(), &mut unwatched)
+        let estimator = linear::Estimator::find("least-squares").expect("it is in the list");
+        let fit = estimator
+            .fit(&records, orders, &swarm::SwarmSettings::default(), &mut unwatched)
             .expect("a fit that scipy makes");
         // Each group in the norm of its own: units change b and the offsets, not a. Scaled columns keep the condition
         // below 100, so both solvers are good to a few 1e-14.

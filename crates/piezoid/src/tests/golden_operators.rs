@@ -2,7 +2,7 @@
 
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
-use crate::hysteresis::operator;
+use crate::hysteresis::Operator;
 
 #[test]
 fn operators_are_their_definitions() {
@@ -10,7 +10,7 @@ fn operators_are_their_definitions() {
     assert_eq!(rows.len(), 12);
     for row in &rows {
         let name = text(row, "operator");
-        let load = operator(name).expect("an operator there is").load;
+        let load = Operator::find(name).expect("an operator there is").load;
         let block = load(row["params"].clone(), 5e-4).expect("parameters that make sense");
         let (u, z) = (numbers(row, "u"), numbers(row, "z"));
         let largest = z.iter().fold(0.0f64, |m, z| m.max(z.abs()));

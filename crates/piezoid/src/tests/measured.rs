@@ -2,7 +2,7 @@
 
 use crate::formats::{Selection, Table};
 use crate::hammerstein::Identified;
-use crate::validation::{Offset, ValidateOptions, validate};
+use crate::validation::{Offset, ValidateOptions};
 use crate::{IdentifyOptions, Method, Record, identify};
 
 /// The transient at the start of every file [s]: 300 samples.
@@ -65,7 +65,7 @@ fn a_growing_amplitude_is_beyond_two_branches_and_the_remarks_say_why() {
     let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
     let growing = growing.part(START, f64::INFINITY).expect("what follows the transient");
     let free = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
-    let validation = validate(&found.model, &growing, &free).expect("figures");
+    let validation = found.model.validate_with(&growing, &free).expect("figures");
     assert!(validation.metrics.nrmse_percent > 10.0, "{:?}", validation.metrics);
     assert!(validation.remarks.iter().any(|r| r.contains("minor loops")), "{:?}", validation.remarks);
     // On the loop it was made from there is nothing to remark.
@@ -85,7 +85,7 @@ fn a_joint_model_foretells_the_other_half_of_a_wandering_amplitude_within_1_7_pe
     let second = growing.part(half, f64::INFINITY).expect("a second half");
     // Cut in motion: what the ceramic went through before, the second half does not say.
     let free = ValidateOptions { skip: START, offset: Offset::Free };
-    let left = validate(&found.model, &second, &free).expect("figures").metrics.nrmse_percent;
+    let left = found.model.validate_with(&second, &free).expect("figures").metrics.nrmse_percent;
     assert!(left <= 1.7, "{left} % as {}", found.model.hysteresis().operator().name);
 }
 
@@ -98,7 +98,7 @@ fn an_operator_that_never_forgets_is_not_taken_for_one_that_foretells() {
         let options = IdentifyOptions { operator: "bouc-wen".into(), seed, ..IdentifyOptions::default() };
         let found = identify(std::slice::from_ref(&first), &options).expect("a model");
         let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
-        let nrmse = validate(&found.model, &first, &options).expect("figures").metrics.nrmse_percent;
+        let nrmse = found.model.validate_with(&first, &options).expect("figures").metrics.nrmse_percent;
         assert!(nrmse < 4.0, "seed {seed}: {nrmse} %");
     }
 }

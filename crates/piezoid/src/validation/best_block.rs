@@ -25,8 +25,8 @@ const DELAY: usize = 8;
 const ENOUGH: usize = 16_384;
 
 /// Steps that come close enough.
-const ROUGH: levenberg_marquardt::Settings =
-    levenberg_marquardt::Settings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
+const ROUGH: levenberg_marquardt::SearchSettings =
+    levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// A record, and what of it counts.
 pub(super) struct Judged {
@@ -67,9 +67,9 @@ impl Judged {
     }
 
     fn least_squares(&self, orders: Orders) -> Option<Arx> {
-        let (estimator, settings) = (linear::estimator("least-squares").ok()?, swarm::Settings::default());
+        let (estimator, settings) = (linear::Estimator::find("least-squares").ok()?, swarm::SwarmSettings::default());
         let records = std::slice::from_ref(&self.record);
-        Some(linear::fit(records, orders, estimator, &settings, &mut unwatched).ok()?.arx)
+        Some(estimator.fit(records, orders, &settings, &mut unwatched).ok()?.arx)
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
@@ -77,7 +77,7 @@ impl Judged {
         let part = Record::new(record.ts(), record.u()[..end].to_vec(), record.y()[..end].to_vec()).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
         let how = Refinement { search: ROUGH, ..Refinement::default() };
-        Some(linear::output_error(&[part], orders, &how, &mut unwatched).ok()?.arx)
+        Some(linear::OutputError::fit(&[part], orders, &how, &mut unwatched).ok()?.arx)
     }
 
     fn run(&self, arx: &Arx) -> Option<Closest> {

@@ -91,34 +91,36 @@ impl Bin {
     }
 }
 
-/// The bins of several records, or cycles, with those of the same edges and source made one; from low to high, those of
-/// cycles first.
-///
-/// ```
-/// use piezoid::{Record, System, hammerstein::Model, hysteresis::Proportional, linear::Arx, validation::merged};
-/// let gain = std::sync::Arc::new(Proportional::new(1e-3, 1.0)?);
-/// let model = Model::new(gain, Arx::gain(1e-3, 33.0)?, 0.0)?;
-/// let sine = |hz: f64| (0..3000).map(|t| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin()).collect::<Vec<_>>();
-/// let seen = [4.0, 4.1, 20.0].map(|hz| {
-///     let y = sine(hz).iter().map(|u| 33.0 * u + 1.0).collect();
-///     model.validate(&Record::new(1e-3, sine(hz), y)?)
-/// });
-/// let seen = seen.into_iter().collect::<Result<Vec<_>, _>>()?;
-/// let bins = merged(seen.iter().flat_map(|v| &v.by_frequency));
-/// assert_eq!(bins.len(), 2);
-/// assert!((bins[0].rmse - 1.0).abs() < 1e-9 && (bins[0].at - 4.05).abs() < 0.05 && bins[0].cycles > 20);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-pub fn merged<'a>(bins: impl IntoIterator<Item = &'a Bin>) -> Vec<Bin> {
-    let mut all: Vec<Bin> = Vec::new();
-    for bin in bins {
-        match all.iter_mut().find(|known| known.source == bin.source && known.low == bin.low) {
-            Some(known) => *known = known.pooled(bin),
-            None => all.push(*bin),
+impl Bin {
+    /// The bins of several records, or cycles, with those of the same edges and source made one; from low to high, those of
+    /// cycles first.
+    ///
+    /// ```
+    /// use piezoid::{Record, System, hammerstein::Model, hysteresis::Proportional, linear::Arx, validation::Bin};
+    /// let gain = std::sync::Arc::new(Proportional::new(1e-3, 1.0)?);
+    /// let model = Model::new(gain, Arx::gain(1e-3, 33.0)?, 0.0)?;
+    /// let sine = |hz: f64| (0..3000).map(|t| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin()).collect::<Vec<_>>();
+    /// let seen = [4.0, 4.1, 20.0].map(|hz| {
+    ///     let y = sine(hz).iter().map(|u| 33.0 * u + 1.0).collect();
+    ///     model.validate(&Record::new(1e-3, sine(hz), y)?)
+    /// });
+    /// let seen = seen.into_iter().collect::<Result<Vec<_>, _>>()?;
+    /// let bins = Bin::merged(seen.iter().flat_map(|v| &v.by_frequency));
+    /// assert_eq!(bins.len(), 2);
+    /// assert!((bins[0].rmse - 1.0).abs() < 1e-9 && (bins[0].at - 4.05).abs() < 0.05 && bins[0].cycles > 20);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub fn merged<'a>(bins: impl IntoIterator<Item = &'a Bin>) -> Vec<Bin> {
+        let mut all: Vec<Bin> = Vec::new();
+        for bin in bins {
+            match all.iter_mut().find(|known| known.source == bin.source && known.low == bin.low) {
+                Some(known) => *known = known.pooled(bin),
+                None => all.push(*bin),
+            }
         }
+        all.sort_by(|a, b| a.source.cmp(&b.source).then(a.low.total_cmp(&b.low)));
+        all
     }
-    all.sort_by(|a, b| a.source.cmp(&b.source).then(a.low.total_cmp(&b.low)));
-    all
 }
 
 /// The number n of the band of a frequency [Hz].
@@ -156,7 +158,7 @@ fn by_cycle(run: &Run, at: fn(&Cycle) -> f64, a_decade: f64) -> Vec<Bin> {
             [(squares / n).sqrt(), (scatter(y) / n).sqrt(), high - low],
         )
     };
-    merged(&run.cycles.iter().map(one).collect::<Vec<_>>())
+    Bin::merged(&run.cycles.iter().map(one).collect::<Vec<_>>())
 }
 
 fn by_spectrum(run: &Run) -> Vec<Bin> {
@@ -244,10 +246,10 @@ mod tests {
         let sine = |n| Sine { amplitude: 5.0, frequency: 10.0, ..Sine::default() }.samples(TS, n).unwrap();
         let (short, long) = (tried(sine(1000), |_, y| y + 2.0), tried(sine(3000), |_, y| y + 1.0));
         let (a, b) = (short.by_frequency[0], long.by_frequency[0]);
-        let both = merged([&a, &b]);
+        let both = Bin::merged([&a, &b]);
         let wanted = ((a.n as f64 * 4.0 + b.n as f64) / (a.n + b.n) as f64).sqrt();
         assert_eq!((both.len(), both[0].cycles), (1, a.cycles + b.cycles));
         assert_close(&[both[0].rmse, both[0].peak_to_peak], &[wanted, 100.0], 1e-9, 0.0);
-        assert_eq!(merged([&a, &Bin { source: Source::Spectrum, ..b }]).len(), 2);
+        assert_eq!(Bin::merged([&a, &Bin { source: Source::Spectrum, ..b }]).len(), 2);
     }
 }

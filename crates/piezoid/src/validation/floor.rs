@@ -84,12 +84,12 @@ impl Repeated {
 mod tests {
     use super::*;
     use crate::excitation::{Prbs, Sine};
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::testing::assert_close;
 
     #[test]
     fn the_floor_of_a_twin_is_its_sensors_noise_creep_and_drift_or_not() {
-        let spec = (find("pl140").unwrap().spec)();
+        let spec = (Preset::find("pl140").unwrap().spec)();
         let sine = Sine { amplitude: 28.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 8000).unwrap();
         let prbs = Prbs { order: 9, ..Prbs::default() }.samples(5e-4, 511 * 5).unwrap();
         for u in [sine, prbs] {

@@ -20,7 +20,7 @@ const TURN: f64 = 0.02;
 
 /// The shape of a loop of y over u.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Shape {
+pub struct LoopShape {
     /// 100 distance of the branches at mid input / height; negative where the ascending branch lies above.
     pub width_percent: f64,
     /// Area [input unit x output unit]; negative where the loop is run through the other way round.
@@ -45,9 +45,9 @@ pub struct Loops {
     /// Cycles averaged.
     pub cycles: usize,
     /// As measured, a cycle.
-    pub measured: Shape,
+    pub measured: LoopShape,
     /// As the model has it, a cycle.
-    pub model: Shape,
+    pub model: LoopShape,
 }
 
 /// The loops of a run, by rising frequency, then amplitude.
@@ -77,7 +77,7 @@ pub(super) fn loops(run: &Run) -> Vec<Loops> {
 }
 
 /// The shape of one cycle.
-fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> Shape {
+fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
     let (start, peak, end) = (cycle.samples.start, cycle.peak, cycle.samples.end - 1);
     let (x, part) = (&u[start..=end], &y[start..=end]);
     let (low, high) = ends(part.iter().copied());
@@ -98,7 +98,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> Shape {
     // The output turns late: a quarter more on either side holds three turns of a cycle, of which one is a neighbour's.
     let quarter = (end - start) / 4;
     let around = &y[start.saturating_sub(quarter)..(end + quarter + 1).min(y.len())];
-    Shape {
+    LoopShape {
         width_percent: 100.0 * gap / height,
         // The integral of y du is the area below the ascending branch less that below the descending one.
         area: -area,
@@ -128,10 +128,10 @@ fn slope(u: &[f64], y: &[f64]) -> f64 {
     uy / uu
 }
 
-fn average_of(shapes: &[Shape]) -> Shape {
-    let average = |of: fn(&Shape) -> f64| mean(&shapes.iter().map(of).collect::<Vec<_>>());
+fn average_of(shapes: &[LoopShape]) -> LoopShape {
+    let average = |of: fn(&LoopShape) -> f64| mean(&shapes.iter().map(of).collect::<Vec<_>>());
     let known: Vec<f64> = shapes.iter().filter_map(|s| s.slope_after_turn).collect();
-    Shape {
+    LoopShape {
         width_percent: average(|s| s.width_percent),
         area: average(|s| s.area),
         closure_percent: average(|s| s.closure_percent),

@@ -20,17 +20,17 @@ mod remarks;
 mod small_signal;
 mod whiteness;
 
-pub use bins::{Bin, Source, merged};
+pub use bins::{Bin, Source};
 pub use floor::Floor;
-pub use loops::{Loops, Shape};
+pub use loops::{LoopShape, Loops};
 pub use metrics::Metrics;
-pub use small_signal::{Linearity, small_signal};
+pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 
 use crate::error::Error;
-use crate::hammerstein::{Beginning, Model};
+use crate::hammerstein::{InitialCondition, Model};
 use crate::options::{OptionRow, Values, options};
-use crate::record::{Record, same_sampling};
+use crate::record::{Record, Units};
 use crate::system::System;
 use crate::waveform::cycles;
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ pub struct Validation {
     /// First sample that counts.
     pub start: usize,
     /// What the actuator is taken to have done before the record.
-    pub beginning: Beginning,
+    pub beginning: InitialCondition,
     /// The mean error that was taken off, where the offset is free [record's unit].
     pub taken_off: Option<f64>,
     /// The error by frequency: of cycles where the input goes to and fro, of spectra where it does not.
@@ -89,59 +89,59 @@ pub struct Validation {
     pub unproven: Vec<String>,
 }
 
-/// Runs `model` free over `record` and compares.
-///
-/// # Errors
-/// Refuses a record of another sampling period, of units that cannot be converted, or shorter than `skip`.
-pub fn validate(model: &Model, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
-    same_sampling("the model", model.ts(), "the record", record.ts())?;
-    if record.units().u != model.units().u {
-        let (found, wanted) = (record.units().u.clone(), model.units().u.clone());
-        return Err(Error::Units { what: "the input of the record".into(), found, wanted });
-    }
-    let known = crate::record::factor(&model.units().y, &record.units().y);
-    let k = known.ok_or_else(|| Error::Units {
-        what: "the output of the record".into(),
-        found: record.units().y.clone(),
-        wanted: model.units().y.clone(),
-    })?;
-    let free_offset = options.offset == Offset::Free;
-    let start = crate::record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
-    let (mut simulated, beginning) = beginning::begun(model, record, k, free_offset);
-    let mut taken_off = None;
-    if free_offset {
-        let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
-        let mean = errors.sum::<f64>() / (record.len() - start) as f64;
-        simulated.iter_mut().for_each(|y| *y += mean);
-        taken_off = Some(mean);
-    }
-    let counted = record.part(options.skip, f64::INFINITY)?;
-    let run = Run { record: &counted, simulated: &simulated[start..], cycles: &cycles(counted.u(), counted.ts()) };
-    let metrics = Metrics::of(counted.y(), run.simulated);
-    let loops = loops::loops(&run);
-    Ok(Validation {
-        metrics,
-        start,
-        beginning,
-        taken_off,
-        by_frequency: bins::by_frequency(&run),
-        by_amplitude: bins::by_amplitude(&run),
-        whiteness: Whiteness::of(counted.u(), &run.errors()),
-        floor: Floor::of(&counted, metrics.rmse),
-        remarks: remarks::remarks(model, &counted, &metrics),
-        unproven: remarks::unproven(model, &counted, &loops),
-        loops,
-        simulated,
-    })
-}
-
 impl Model {
     /// The free run of this model beside a record that it has not seen, with its own offset.
     ///
     /// # Errors
     /// As [`validate`].
     pub fn validate(&self, record: &Record) -> Result<Validation, Error> {
-        validate(self, record, &ValidateOptions::default())
+        self.validate_with(record, &ValidateOptions::default())
+    }
+
+    /// Runs the model free over `record` and compares.
+    ///
+    /// # Errors
+    /// Refuses a record of another sampling period, of units that cannot be converted, or shorter than `skip`.
+    pub fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
+        Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
+        if record.units().u != self.units().u {
+            let (found, wanted) = (record.units().u.clone(), self.units().u.clone());
+            return Err(Error::Units { what: "the input of the record".into(), found, wanted });
+        }
+        let known = Units::factor(&self.units().y, &record.units().y);
+        let k = known.ok_or_else(|| Error::Units {
+            what: "the output of the record".into(),
+            found: record.units().y.clone(),
+            wanted: self.units().y.clone(),
+        })?;
+        let free_offset = options.offset == Offset::Free;
+        let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
+        let (mut simulated, beginning) = beginning::begun(self, record, k, free_offset);
+        let mut taken_off = None;
+        if free_offset {
+            let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
+            let mean = errors.sum::<f64>() / (record.len() - start) as f64;
+            simulated.iter_mut().for_each(|y| *y += mean);
+            taken_off = Some(mean);
+        }
+        let counted = record.part(options.skip, f64::INFINITY)?;
+        let run = Run { record: &counted, simulated: &simulated[start..], cycles: &cycles(counted.u(), counted.ts()) };
+        let metrics = Metrics::of(counted.y(), run.simulated);
+        let loops = loops::loops(&run);
+        Ok(Validation {
+            metrics,
+            start,
+            beginning,
+            taken_off,
+            by_frequency: bins::by_frequency(&run),
+            by_amplitude: bins::by_amplitude(&run),
+            whiteness: Whiteness::of(counted.u(), &run.errors()),
+            floor: Floor::of(&counted, metrics.rmse),
+            remarks: remarks::remarks(self, &counted, &metrics),
+            unproven: remarks::unproven(self, &counted, &loops),
+            loops,
+            simulated,
+        })
     }
 }
 

@@ -69,80 +69,84 @@ pub struct Linearity {
     pub verdict: String,
 }
 
-/// Judges whether `record` is linear.
-///
-/// ```
-/// use piezoid::{Record, System, excitation::Prbs, linear::Arx, validation::small_signal};
-/// let u = Prbs { order: 8, ..Prbs::default() }.samples(5e-4, 765)?;
-/// let y = Arx::new(5e-4, vec![1.7, -0.9], vec![1.0, 0.5])?.simulate(&u);
-/// let bent = y.iter().map(|y| y + 0.02 * y * y).collect();
-/// assert_eq!(small_signal(&Record::new(5e-4, u.clone(), y)?)?.is_linear, Some(true));
-/// assert_eq!(small_signal(&Record::new(5e-4, u, bent)?)?.is_linear, Some(false));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Unidentifiable`] when nothing can be said: of a record that nothing can be identified from ([`inspect`]), and
-/// where no linear block fits and the input does not repeat.
-pub fn small_signal(record: &Record) -> Result<Linearity, Error> {
-    let seen = inspect(record, &Need::default());
-    seen.sound()?;
-    let sound = bridged(record.y(), &seen.usable);
-    let record = &Record::new(record.ts(), record.u().to_vec(), sound)?.with_units(record.units().clone());
-    let std = (scatter(record.y()) / record.len() as f64).sqrt();
-    let percent = |x: f64| 100.0 * x / std;
-    let repeated = Repeated::of(record);
-    let dark = repeated.as_ref().map(dark_lines);
-    let judged = match &repeated {
-        // The mean period stands for the record, twice over: once to get under way.
-        Some(r) => {
-            let record = Record::new(record.ts(), [&*r.u, &r.u].concat(), [&*r.y, &r.y].concat())?;
-            Judged { usable: vec![true; record.len()], start: r.period, drifts: false, record }
-        }
-        None => Judged { usable: seen.usable, start: record.len() / 10, drifts: true, record: record.clone() },
-    };
-    let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
-    let closest = judged.closest(averaged.unwrap_or(0.0).hypot(0.01 * LINEAR * std));
-    let left = closest.as_ref().map(|c| c.left);
-    // Noise of what is judged, and the number of its samples that are independent.
-    let noise = match (averaged, &closest) {
-        (Some(noise), _) => Some((noise, (judged.record.len() - judged.start) as f64)),
-        (None, Some(c)) => {
-            independent(&judged.record.u()[judged.start..], &c.simulated, &c.errors).map(|n| (c.left, n))
-        }
-        (None, None) => None,
-    };
-    let hidden_percent = noise.map(|(noise, n)| percent(noise) * (8.0 / n).powf(0.25));
-    let bent = left.map(|left| percent((left.powi(2) - noise.map_or(0.0, |n| n.0).powi(2)).max(0.0).sqrt()));
-    let (even_percent, odd_percent) = (dark.and_then(|d| d.even).map(percent), dark.and_then(|d| d.odd).map(percent));
-    let lines = even_percent.zip(odd_percent).map(|(even, odd)| even.hypot(odd)).or(even_percent).or(odd_percent);
-    let Some(distortion_percent) = bent.into_iter().chain(lines).reduce(f64::max) else {
-        return Err(Error::Unidentifiable {
-            what: "whether the record is linear".into(),
-            because:
-                "no linear block can be fitted to it and its input does not repeat; use whole periods of a PRBS or a \
-                      multisine, three or more"
-                    .into(),
-        });
-    };
-    let gains = closest.map(|c| gain_over_level(&c.simulated, &judged.record.y()[judged.start..]));
-    let run = Run { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
-    let hidden = hidden_percent.unwrap_or(0.0);
-    let mut linearity = Linearity {
-        left_percent: left.map(percent),
-        noise_percent: repeated.as_ref().map(|r| r.noise).or(noise.map(|n| n.0)).map(percent),
-        hidden_percent,
-        distortion_percent,
-        gain_across_percent: gains.map(|(across, _)| across),
-        gain_outward_percent: gains.map(|(_, outward)| outward),
-        gain_by_amplitude: gain_by_amplitude(&loops(&run)),
-        even_percent,
-        odd_percent,
-        is_linear: (distortion_percent > hidden || hidden <= BENT).then_some(distortion_percent <= hidden.max(LINEAR)),
-        verdict: String::new(),
-    };
-    linearity.verdict = linearity.words(&record.units().u, repeated.is_some());
-    Ok(linearity)
+impl Linearity {
+    /// Judges whether `record` is linear.
+    ///
+    /// ```
+    /// use piezoid::{Record, System, excitation::Prbs, linear::Arx, validation::Linearity};
+    /// let u = Prbs { order: 8, ..Prbs::default() }.samples(5e-4, 765)?;
+    /// let y = Arx::new(5e-4, vec![1.7, -0.9], vec![1.0, 0.5])?.simulate(&u);
+    /// let bent = y.iter().map(|y| y + 0.02 * y * y).collect();
+    /// assert_eq!(Linearity::of(&Record::new(5e-4, u.clone(), y)?)?.is_linear, Some(true));
+    /// assert_eq!(Linearity::of(&Record::new(5e-4, u, bent)?)?.is_linear, Some(false));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unidentifiable`] when nothing can be said: of a record that nothing can be identified from ([`inspect`]), and
+    /// where no linear block fits and the input does not repeat.
+    pub fn of(record: &Record) -> Result<Self, Error> {
+        let seen = inspect(record, &Need::default());
+        seen.sound()?;
+        let sound = bridged(record.y(), &seen.usable);
+        let record = &Record::new(record.ts(), record.u().to_vec(), sound)?.with_units(record.units().clone());
+        let std = (scatter(record.y()) / record.len() as f64).sqrt();
+        let percent = |x: f64| 100.0 * x / std;
+        let repeated = Repeated::of(record);
+        let dark = repeated.as_ref().map(dark_lines);
+        let judged = match &repeated {
+            // The mean period stands for the record, twice over: once to get under way.
+            Some(r) => {
+                let record = Record::new(record.ts(), [&*r.u, &r.u].concat(), [&*r.y, &r.y].concat())?;
+                Judged { usable: vec![true; record.len()], start: r.period, drifts: false, record }
+            }
+            None => Judged { usable: seen.usable, start: record.len() / 10, drifts: true, record: record.clone() },
+        };
+        let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
+        let closest = judged.closest(averaged.unwrap_or(0.0).hypot(0.01 * LINEAR * std));
+        let left = closest.as_ref().map(|c| c.left);
+        // Noise of what is judged, and the number of its samples that are independent.
+        let noise = match (averaged, &closest) {
+            (Some(noise), _) => Some((noise, (judged.record.len() - judged.start) as f64)),
+            (None, Some(c)) => {
+                independent(&judged.record.u()[judged.start..], &c.simulated, &c.errors).map(|n| (c.left, n))
+            }
+            (None, None) => None,
+        };
+        let hidden_percent = noise.map(|(noise, n)| percent(noise) * (8.0 / n).powf(0.25));
+        let bent = left.map(|left| percent((left.powi(2) - noise.map_or(0.0, |n| n.0).powi(2)).max(0.0).sqrt()));
+        let (even_percent, odd_percent) =
+            (dark.and_then(|d| d.even).map(percent), dark.and_then(|d| d.odd).map(percent));
+        let lines = even_percent.zip(odd_percent).map(|(even, odd)| even.hypot(odd)).or(even_percent).or(odd_percent);
+        let Some(distortion_percent) = bent.into_iter().chain(lines).reduce(f64::max) else {
+            return Err(Error::Unidentifiable {
+                what: "whether the record is linear".into(),
+                because:
+                    "no linear block can be fitted to it and its input does not repeat; use whole periods of a PRBS or a \
+                          multisine, three or more"
+                        .into(),
+            });
+        };
+        let gains = closest.map(|c| gain_over_level(&c.simulated, &judged.record.y()[judged.start..]));
+        let run = Run { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
+        let hidden = hidden_percent.unwrap_or(0.0);
+        let mut linearity = Linearity {
+            left_percent: left.map(percent),
+            noise_percent: repeated.as_ref().map(|r| r.noise).or(noise.map(|n| n.0)).map(percent),
+            hidden_percent,
+            distortion_percent,
+            gain_across_percent: gains.map(|(across, _)| across),
+            gain_outward_percent: gains.map(|(_, outward)| outward),
+            gain_by_amplitude: gain_by_amplitude(&loops(&run)),
+            even_percent,
+            odd_percent,
+            is_linear: (distortion_percent > hidden || hidden <= BENT)
+                .then_some(distortion_percent <= hidden.max(LINEAR)),
+            verdict: String::new(),
+        };
+        linearity.verdict = linearity.words(&record.units().u, repeated.is_some());
+        Ok(linearity)
+    }
 }
 
 impl Linearity {
@@ -261,7 +265,7 @@ mod tests {
     use super::*;
     use crate::excitation::{Multisine, Prbs, RisingSine, Sine};
     use crate::linear::Arx;
-    use crate::plant::{Plant, find};
+    use crate::plant::{Plant, Preset};
     use crate::system::System;
     use crate::testing::assert_close;
     use rand::SeedableRng;
@@ -271,7 +275,7 @@ mod tests {
     const TS: f64 = 5e-4;
 
     fn measured(plant: &str, u: Vec<f64>) -> Record {
-        let y = Plant::new(&(find(plant).unwrap().spec)(), TS).unwrap().run(&u).y;
+        let y = Plant::named(plant, TS).unwrap().run(&u).y;
         Record::new(TS, u, y.iter().map(|y| 1e6 * y).collect()).unwrap()
     }
 
@@ -279,10 +283,10 @@ mod tests {
     fn a_small_prbs_on_every_bender_is_linear_and_a_large_sine_on_none() {
         for plant in crate::plant::PLANTS {
             let prbs = Prbs { order: 10, ..Prbs::default() }.samples(TS, 4 * 1023).unwrap();
-            let small = small_signal(&measured(plant.name, prbs)).unwrap();
+            let small = Linearity::of(&measured(plant.name, prbs)).unwrap();
             assert!(small.is_linear == Some(true) && small.verdict.contains("is linear"), "{}: {small:?}", plant.name);
             let sine = Sine { amplitude: 28.0, frequency: 5.0, ..Sine::default() }.samples(TS, 4000).unwrap();
-            let large = small_signal(&measured(plant.name, sine)).unwrap();
+            let large = Linearity::of(&measured(plant.name, sine)).unwrap();
             assert!(large.is_linear == Some(false) && large.odd_percent.unwrap() > 1.0, "{}: {large:?}", plant.name);
         }
     }
@@ -299,7 +303,7 @@ mod tests {
         };
         let u = odd.samples(TS, 8000).unwrap();
         let of = |f: fn(f64) -> f64| {
-            small_signal(&Record::new(TS, u.clone(), u.iter().map(|u| f(*u)).collect()).unwrap()).unwrap()
+            Linearity::of(&Record::new(TS, u.clone(), u.iter().map(|u| f(*u)).collect()).unwrap()).unwrap()
         };
         let (plain, square, cube) =
             (of(|u| 33.0 * u), of(|u| 33.0 * u + 5.0 * u * u), of(|u| 33.0 * u + 9.0 * u * u * u));
@@ -319,7 +323,7 @@ mod tests {
     #[test]
     fn the_gain_of_growing_loops_grows_and_the_verdict_says_so() {
         let rising = RisingSine { amplitude: 30.0, frequency: 5.0, ..RisingSine::default() }.samples(TS, 8000).unwrap();
-        let seen = small_signal(&measured("pl140", rising)).unwrap();
+        let seen = Linearity::of(&measured("pl140", rising)).unwrap();
         let slopes: Vec<f64> = seen.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
         assert!(slopes.len() > 3 && slopes.is_sorted(), "{slopes:?}");
         assert!(seen.is_linear == Some(false) && seen.verdict.contains("the gain at"), "{}", seen.verdict);
@@ -330,7 +334,7 @@ mod tests {
         let prbs = Prbs { order: 9, ..Prbs::default() }.samples(TS, 6 * 511).unwrap();
         let sound = measured("pl140", prbs);
         let noisy = sound.y().iter().enumerate().map(|(t, y)| y + 3.0 * ((t * t * 7) as f64).sin()).collect();
-        let seen = small_signal(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
+        let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
         assert!(seen.noise_percent > Some(5.0 * LINEAR) && seen.is_linear == Some(true), "{seen:?}");
     }
 
@@ -354,13 +358,13 @@ mod tests {
         let y = block.resume(&mut block.settled(20.0), &u);
         let plain = Record::new(2e-5, u, y).unwrap();
         let std = (scatter(plain.y()) / 8000.0).sqrt();
-        let seen = small_signal(&with_noise(&plain, 0.04 * std)).unwrap();
+        let seen = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
         assert!(seen.is_linear == Some(true) && seen.verdict.contains("the record is linear"), "{seen:?}");
         assert_close(&[seen.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
         assert!(seen.hidden_percent < Some(LINEAR), "{seen:?}");
         let bent = plain.y().iter().map(|y| y + 0.2 * (y - 12.0).powi(2) / std).collect();
         let bent =
-            small_signal(&with_noise(&Record::new(2e-5, plain.u().to_vec(), bent).unwrap(), 0.04 * std)).unwrap();
+            Linearity::of(&with_noise(&Record::new(2e-5, plain.u().to_vec(), bent).unwrap(), 0.04 * std)).unwrap();
         assert!(bent.is_linear == Some(false) && bent.distortion_percent > BENT, "{bent:?}");
     }
 
@@ -370,7 +374,7 @@ mod tests {
         for spikes in [vec![1900], (100..4000).step_by(430).collect()] {
             let mut y = sound.y().to_vec();
             spikes.iter().for_each(|t| y[*t] += 2000.0);
-            let seen = small_signal(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
+            let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
             assert!(seen.is_linear == Some(true) && seen.left_percent < Some(LINEAR), "{seen:?}");
         }
     }
@@ -382,7 +386,7 @@ mod tests {
         for u in [once, again] {
             let sound = measured("pl140", u);
             let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
-            let seen = small_signal(&with_noise(&sound, 2.0 * std)).unwrap();
+            let seen = Linearity::of(&with_noise(&sound, 2.0 * std)).unwrap();
             assert_eq!(seen.is_linear, None, "{seen:?}");
             assert!(
                 seen.verdict.contains("noise hides") && seen.verdict.contains("more amplitude"),
@@ -406,7 +410,7 @@ mod tests {
         for u in [multisine.samples(TS, 4000).unwrap(), rising.samples(TS, 4000).unwrap()] {
             let sound = measured("pl140", u);
             let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
-            let seen = small_signal(&with_noise(&sound, 0.01 * std)).unwrap();
+            let seen = Linearity::of(&with_noise(&sound, 0.01 * std)).unwrap();
             assert!(seen.is_linear == Some(false) && seen.verdict.contains("not linear"), "{seen:?}");
         }
     }

@@ -7,7 +7,7 @@
 //! ```
 //! Errors are over |G| throughout, so that nothing depends on the unit of y.
 
-use super::Settings;
+use super::PredictiveSettings;
 use super::condensed::Condensed;
 use super::realisation::Realisation;
 use crate::error::Error;
@@ -35,7 +35,7 @@ impl Horizon {
     ///
     /// # Errors
     /// Refuses a cost of moves that rounding swallows.
-    pub(super) fn new(plant: &Realisation, gain: f64, settings: &Settings) -> Result<Self, Error> {
+    pub(super) fn new(plant: &Realisation, gain: f64, settings: &PredictiveSettings) -> Result<Self, Error> {
         let n = settings.horizon;
         let h = plant.impulse(plant.delay + n);
         let h = &h[plant.delay..];

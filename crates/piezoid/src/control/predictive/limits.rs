@@ -1,7 +1,7 @@
 //! What the next sample can reach, and the limits of the program's rows.
 
 use super::state::Parts;
-use super::{Predictive, Settings};
+use super::{Predictive, PredictiveSettings};
 use crate::hammerstein::Model;
 use crate::system::System;
 
@@ -56,7 +56,7 @@ impl Predictive {
 }
 
 /// The fastest change of the voltage that the hysteresis sees [V/s]; `None` where there is no limit.
-fn fastest(model: &Model, settings: &Settings) -> Option<f64> {
+fn fastest(model: &Model, settings: &PredictiveSettings) -> Option<f64> {
     let driver = model.driver().and_then(|driver| driver.slew);
     [settings.slew, driver].into_iter().flatten().reduce(f64::min)
 }

@@ -32,12 +32,11 @@ mod state;
 #[cfg(test)]
 mod tests;
 
-pub use settings::{Settings, Solver};
+pub use settings::{PredictiveSettings, Solver};
 
-use super::{Controller, Law, Now};
+use super::{Controller, ControllerInput, Law};
 use crate::error::{Error, finite};
 use crate::hammerstein::Model;
-use crate::hysteresis::falls;
 use crate::linear::Arx;
 use crate::number::short;
 use crate::system::System;
@@ -65,16 +64,16 @@ const CARRIED: f64 = 6.0;
 /// the model's; then the buffers of its steps, among them the multipliers that it begins with next time.
 ///
 /// ```
-/// use piezoid::control::{Controller, Now, predictive::{Predictive, Settings}};
+/// use piezoid::control::{Controller, ControllerInput, predictive::{Predictive, PredictiveSettings}};
 /// use piezoid::{Model, System, hysteresis::Proportional, linear::Arx};
 /// use std::sync::Arc;
 /// let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.0, 3.0, 3.0])?;
 /// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), linear, 2.0)?;
-/// let mpc = Predictive::new(&model, Settings::default())?;
+/// let mpc = Predictive::new(&model, PredictiveSettings::default())?;
 /// let (mut x, mut plant) = (mpc.settled(0.0), model.settled(0.0));
 /// let mut y = 2.0;
 /// for _ in 0..100 {
-///     let u = mpc.step(&mut x, &Now { y, ahead: &[500.0], ..Now::default() });
+///     let u = mpc.step(&mut x, &ControllerInput { y, ahead: &[500.0], ..ControllerInput::default() });
 ///     y = model.step(&mut plant, u);
 /// }
 /// assert!((y - 500.0).abs() < 1e-6);
@@ -83,7 +82,7 @@ const CARRIED: f64 = 6.0;
 #[derive(Debug, Clone)]
 pub struct Predictive {
     model: Model,
-    settings: Settings,
+    settings: PredictiveSettings,
     plant: Realisation,
     observer: Observer,
     horizon: Horizon,
@@ -113,11 +112,11 @@ impl Predictive {
     /// Refuses settings outside their domain; a horizon that cannot run at Ts on the machine described; displacements that no
     /// voltage leads to; as [`Error::Unsuited`], an operator that falls with its input, by the voltage where it does, or that does
     /// not move; and, as [`Error::Unidentifiable`], a model whose readings cannot tell a constant disturbance.
-    pub fn new(model: &Model, settings: Settings) -> Result<Self, Error> {
+    pub fn new(model: &Model, settings: PredictiveSettings) -> Result<Self, Error> {
         settings.check()?;
         let (bottom, top) = settings.voltage;
         let unsuited = |because: String| Error::Unsuited { what: "predictive control".into(), because };
-        if let Some(u) = falls(model.hysteresis(), bottom, top) {
+        if let Some(u) = model.hysteresis().falls(bottom, top) {
             return Err(unsuited(format!("its operator falls with its input at {u} V: choose an operator that rises")));
         }
         let major = (model.settled_hidden(bottom), model.settled_hidden(top));
@@ -154,7 +153,7 @@ impl Predictive {
     }
 
     /// What it was asked for.
-    pub fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &PredictiveSettings {
         &self.settings
     }
 
@@ -322,7 +321,7 @@ impl Controller for Predictive {
     /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands, and
     /// without any z. A reading that is not finite is left out, and so is such a sample of the reference; one that is wildly off
     /// counts as ten strokes off. The feed-forward is not asked for.
-    fn step(&self, x: &mut [f64], now: &Now) -> f64 {
+    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
         self.advance(x, now.ahead, now.y).0
     }
 
@@ -349,10 +348,10 @@ pub(super) const ROW: Law = Law {
             return Err(Error::Unsuited { what: "predictive control".into(), because });
         }
         let slew = Some(path.slew).filter(|slew| slew.is_finite());
-        let usual = Settings::default();
+        let usual = PredictiveSettings::default();
         // A late reading is carried on by a model that errs: it counts for less.
         let noise = usual.noise * (path.late as f64 / CARRIED).hypot(1.0);
-        let settings = Settings { voltage: path.limits, slew, late: path.late, noise, ..usual };
+        let settings = PredictiveSettings { voltage: path.limits, slew, late: path.late, noise, ..usual };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },
 };

@@ -18,7 +18,7 @@ pub enum Solver {
 
 /// What the controller is asked for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
+pub struct PredictiveSettings {
     /// Samples planned ahead, N. Where less of the reference is known, the last value told stands for what is not: a sine of
     /// 40 Hz over 80 % of the stroke of the twin `pl140` is followed to 0.03 % of stroke rms with 20 samples told ahead, to 0.2 %
     /// with 4, to 5 % with none (`examples/tracking.rs`).
@@ -39,7 +39,7 @@ pub struct Settings {
     /// Noise of a reading, rms over the range of y [-]. Far above what the sensor has where the plant may differ from the
     /// model: the observer then leaves alone what its resonance answers.
     pub noise: f64,
-    /// Samples by which readings come late, at most [`LATEST`](crate::control::LATEST).
+    /// Samples by which readings come late, at most [`LATEST`](crate::control::ControlLoop::LATEST).
     pub late: usize,
     /// What solves the quadratic program.
     pub solver: Solver,
@@ -48,10 +48,10 @@ pub struct Settings {
     pub multiplications_per_second: f64,
 }
 
-impl Default for Settings {
+impl Default for PredictiveSettings {
     /// 20 samples, +-30 V, no other limit, readings in time.
     fn default() -> Self {
-        Settings {
+        PredictiveSettings {
             horizon: 20,
             voltage: (-30.0, 30.0),
             slew: None,
@@ -67,10 +67,11 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl PredictiveSettings {
     /// Refuses what makes no sense, whatever the model.
     pub(super) fn check(&self) -> Result<(), Error> {
-        let Settings { horizon, voltage, slew, displacement, move_cost, drift, unexplained, noise, .. } = self;
+        let PredictiveSettings { horizon, voltage, slew, displacement, move_cost, drift, unexplained, noise, .. } =
+            self;
         if !(1..=LONGEST).contains(horizon) {
             return Err(Error::parameter("horizon", horizon, format!("must be from 1 to {LONGEST} samples")));
         }

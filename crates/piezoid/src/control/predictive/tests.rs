@@ -1,12 +1,12 @@
 //! The whole controller on models of its own and on others.
 
+use super::super::ClosedLoop;
 use super::super::tune::detuned;
-use super::super::{Course, run};
 use super::realisation::tests::blocks;
 use super::*;
 use crate::creep::Creep;
-use crate::driver::{Driver, SUBSTEPS};
-use crate::hysteresis::{Proportional, load, operator};
+use crate::driver::DriverModel;
+use crate::hysteresis::{Operator, Proportional, load};
 use crate::testing::assert_close;
 use nalgebra::DMatrix;
 
@@ -14,7 +14,7 @@ const TS: f64 = 5e-4;
 
 /// Plays before a creeping resonance; with twice the gain and other loops where it is `off`.
 fn model(off: f64) -> Model {
-    let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
     let (creep, linear) = blocks(1);
     let linear = Arx::new(TS, linear.a().to_vec(), linear.b().iter().map(|b| b * off).collect());
     Model::new(plays, linear.unwrap(), 1.5).unwrap().with_creep(creep).unwrap()
@@ -26,8 +26,8 @@ fn sine(amplitude: f64, n: usize) -> Vec<f64> {
 
 /// The same behind a driver with a lag and this slew limit [V/s].
 fn driven(off: f64, slew: f64) -> Model {
-    let driver = Driver::new(1e-4, Some(slew)).unwrap();
-    let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS / SUBSTEPS as f64).unwrap();
+    let driver = DriverModel::new(1e-4, Some(slew)).unwrap();
+    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS / DriverModel::SUBSTEPS as f64).unwrap();
     let plain = model(off);
     let driven = Model::driven(Some(driver), plays, plain.linear().clone(), plain.offset()).unwrap();
     driven.with_creep(plain.creep().clone()).unwrap()
@@ -59,7 +59,7 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn without_limits_the_moves_are_the_least_squares_of_their_cost() {
     let model = model(1.0);
-    let settings = Settings { voltage: (-60.0, 60.0), move_cost: 1e-2, ..Settings::default() };
+    let settings = PredictiveSettings { voltage: (-60.0, 60.0), move_cost: 1e-2, ..PredictiveSettings::default() };
     let mpc = Predictive::new(&model, settings).unwrap();
     let r: Vec<f64> = sine(3.0, 21).iter().map(|r| 1.5 + r).collect();
     let plan = mpc.plan(&mut mpc.settled(0.0), &r, model.offset());
@@ -86,7 +86,7 @@ fn without_limits_the_moves_are_the_least_squares_of_their_cost() {
 #[test]
 fn a_model_of_itself_is_followed_and_a_wrong_one_nearer_than_without_readings() {
     let r: Vec<f64> = sine(15.0, 800);
-    let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
+    let mpc = Predictive::new(&model(1.0), PredictiveSettings::default()).unwrap();
     let missed = |off: f64| rms(&follow(&mpc, &model(off), &r, 0.0).0[200..], &r[200..]);
     assert!(missed(1.0) < 0.05, "{}", missed(1.0));
     // Without readings a tenth more gain would miss by a tenth of the rms of r.
@@ -96,7 +96,7 @@ fn a_model_of_itself_is_followed_and_a_wrong_one_nearer_than_without_readings() 
 #[test]
 fn a_disturbance_that_lasts_leaves_no_offset() {
     for late in [0, 3, 20] {
-        let mpc = Predictive::new(&model(1.0), Settings { late, ..Settings::default() }).unwrap();
+        let mpc = Predictive::new(&model(1.0), PredictiveSettings { late, ..PredictiveSettings::default() }).unwrap();
         for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
             let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
             assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
@@ -109,7 +109,7 @@ fn a_model_of_itself_is_followed_by_late_readings_as_by_those_in_time() {
     let r = sine(15.0, 800);
     for truth in [model(1.0), driven(1.0, 6e4), before(Arx::gain(TS, 2.0).unwrap())] {
         let followed = |late| {
-            let mpc = Predictive::new(&truth, Settings { late, ..Settings::default() }).unwrap();
+            let mpc = Predictive::new(&truth, PredictiveSettings { late, ..PredictiveSettings::default() }).unwrap();
             follow(&mpc, &truth, &r, 0.0).0
         };
         for late in [1, 3, 20] {
@@ -122,12 +122,13 @@ fn a_model_of_itself_is_followed_by_late_readings_as_by_those_in_time() {
 fn late_readings_that_are_told_help_on_other_plants_too_and_untold_ones_less() {
     let r = sine(15.0, 800);
     let missed = |plant: &Model, told: usize, late: usize| {
-        let mpc = Predictive::new(&model(1.0), Settings { late: told, ..Settings::default() }).unwrap();
-        let course = Course { late, ..Course::new(&r, &[0.0; 800], (-30.0, 30.0)) };
-        rms(&run(plant, &mpc, &course).unwrap().y[200..], &r[200..])
+        let mpc =
+            Predictive::new(&model(1.0), PredictiveSettings { late: told, ..PredictiveSettings::default() }).unwrap();
+        let course = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 800], (-30.0, 30.0)) };
+        rms(&course.run(plant, &mpc).unwrap().y[200..], &r[200..])
     };
     let moved = |share: f64| {
-        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
         let linear = detuned(model(1.0).linear(), share).unwrap();
         Model::new(plays, linear, 1.5).unwrap().with_creep(blocks(1).0).unwrap()
     };
@@ -140,7 +141,7 @@ fn late_readings_that_are_told_help_on_other_plants_too_and_untold_ones_less() {
 #[test]
 fn voltage_slew_and_displacement_are_kept() {
     let (top, fastest) = (12.0, 1500.0);
-    let limits = Settings { voltage: (-top, top), slew: Some(fastest), ..Settings::default() };
+    let limits = PredictiveSettings { voltage: (-top, top), slew: Some(fastest), ..PredictiveSettings::default() };
     let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 30.0 } else { -30.0 }).collect();
     let mpc = Predictive::new(&model(1.0), limits).unwrap();
     let (_, plans) = follow(&mpc, &model(1.0), &square, 0.0);
@@ -148,7 +149,7 @@ fn voltage_slew_and_displacement_are_kept() {
     assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= fastest * TS * (1.0 + 1e-9)));
     assert!(plans.iter().any(|p| p.u.abs() == top) && plans.iter().any(|p| p.changes > 5));
 
-    let limits = Settings { displacement: Some((-5.0, 6.0)), ..Settings::default() };
+    let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..PredictiveSettings::default() };
     let (y, plans) = follow(&Predictive::new(&model(1.0), limits).unwrap(), &model(1.0), &square, 0.0);
     let (low, high) = crate::series::ends(y);
     assert!(
@@ -162,7 +163,7 @@ fn a_slew_limit_that_is_hardly_met_hardly_matters() {
     let r = sine(15.0, 800);
     for truth in [model(1.0), driven(1.0, 6e4)] {
         let run = |slew| {
-            let mpc = Predictive::new(&truth, Settings { slew, ..Settings::default() }).unwrap();
+            let mpc = Predictive::new(&truth, PredictiveSettings { slew, ..PredictiveSettings::default() }).unwrap();
             follow(&mpc, &truth, &r, 0.0)
         };
         let (free, plans) = run(None);
@@ -175,9 +176,13 @@ fn a_slew_limit_that_is_hardly_met_hardly_matters() {
 
 #[test]
 fn the_interior_point_method_gives_the_same_voltages() {
-    let limits =
-        Settings { voltage: (-12.0, 12.0), slew: Some(1500.0), displacement: Some((-9.0, 9.0)), ..Settings::default() };
-    let other = Settings { solver: Solver::InteriorPoint, ..limits.clone() };
+    let limits = PredictiveSettings {
+        voltage: (-12.0, 12.0),
+        slew: Some(1500.0),
+        displacement: Some((-9.0, 9.0)),
+        ..PredictiveSettings::default()
+    };
+    let other = PredictiveSettings { solver: Solver::InteriorPoint, ..limits.clone() };
     let square: Vec<f64> = (0..150).map(|t| if t % 60 < 30 { 10.0 } else { -10.0 }).collect();
     let voltages = |settings| {
         let mpc = Predictive::new(&model(1.0), settings).unwrap();
@@ -191,7 +196,7 @@ fn the_interior_point_method_gives_the_same_voltages() {
 
 #[test]
 fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
-    let mpc = Predictive::new(&model(1.0), Settings::default()).unwrap();
+    let mpc = Predictive::new(&model(1.0), PredictiveSettings::default()).unwrap();
     let r = sine(10.0, 300);
     let run = |lost: bool| {
         let (mut x, plant) = (mpc.settled(0.0), model(1.0));
@@ -199,7 +204,7 @@ fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
         let mut ys = Vec::new();
         for t in 0..r.len() {
             let y_read = if lost && t % 7 == 3 { f64::NAN } else { y };
-            let u = mpc.step(&mut x, &Now { y: y_read, ahead: &r[t..], ..Now::default() });
+            let u = mpc.step(&mut x, &ControllerInput { y: y_read, ahead: &r[t..], ..ControllerInput::default() });
             y = plant.step(&mut truth, u);
             ys.push(y);
         }
@@ -211,20 +216,28 @@ fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
 
 #[test]
 fn what_cannot_be_followed_or_run_is_refused_with_numbers() {
-    let limits = Settings { displacement: Some((-5.0, 6.0)), ..Settings::default() };
+    let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..PredictiveSettings::default() };
     let mpc = Predictive::new(&model(1.0), limits).unwrap();
     assert!(mpc.check(&[0.0, 5.9]).is_ok());
     assert!(mpc.check(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
     assert!(mpc.check(&[0.0, 6.5]).unwrap_err().to_string().contains("reference[1] = 6.5: must lie from -5 to 6"));
     let refused = |settings| Predictive::new(&model(1.0), settings).unwrap_err().to_string();
-    assert!(refused(Settings { horizon: 0, ..Settings::default() }).contains("from 1 to 200"));
-    assert!(refused(Settings { late: 21, ..Settings::default() }).starts_with("late = 21: must be at most 20"));
-    assert!(refused(Settings { voltage: (30.0, -30.0), ..Settings::default() }).contains("30 to -30"));
-    assert!(refused(Settings { move_cost: f64::NAN, ..Settings::default() }).starts_with("move_cost = NaN"));
-    let slow = refused(Settings { multiplications_per_second: 1e7, ..Settings::default() });
+    assert!(refused(PredictiveSettings { horizon: 0, ..PredictiveSettings::default() }).contains("from 1 to 200"));
+    assert!(
+        refused(PredictiveSettings { late: 21, ..PredictiveSettings::default() })
+            .starts_with("late = 21: must be at most 20")
+    );
+    assert!(
+        refused(PredictiveSettings { voltage: (30.0, -30.0), ..PredictiveSettings::default() }).contains("30 to -30")
+    );
+    assert!(
+        refused(PredictiveSettings { move_cost: f64::NAN, ..PredictiveSettings::default() })
+            .starts_with("move_cost = NaN")
+    );
+    let slow = refused(PredictiveSettings { multiplications_per_second: 1e7, ..PredictiveSettings::default() });
     assert!(slow.contains("horizon = 20") && slow.contains("the longest that does not is "), "{slow}");
     let longest = slow.rsplit(' ').next().unwrap().parse().unwrap();
-    let at = |horizon| Settings { horizon, multiplications_per_second: 1e7, ..Settings::default() };
+    let at = |horizon| PredictiveSettings { horizon, multiplications_per_second: 1e7, ..PredictiveSettings::default() };
     assert!(Predictive::new(&model(1.0), at(longest)).is_ok());
     assert!(Predictive::new(&model(1.0), at(longest + 1)).is_err());
 }
@@ -233,7 +246,7 @@ fn what_cannot_be_followed_or_run_is_refused_with_numbers() {
 fn a_model_behind_a_driver_is_followed_as_closely_as_one_without() {
     let r = sine(15.0, 800);
     let missed = |model: &Model, truth: &Model| {
-        let mpc = Predictive::new(model, Settings::default()).unwrap();
+        let mpc = Predictive::new(model, PredictiveSettings::default()).unwrap();
         rms(&follow(&mpc, truth, &r, 0.0).0[200..], &r[200..])
     };
     let plain = missed(&model(1.0), &model(1.0));
@@ -250,7 +263,7 @@ fn a_model_behind_a_driver_is_followed_as_closely_as_one_without() {
 fn behind_a_driver_limits_are_kept_and_what_it_cannot_do_is_planned_for() {
     let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 15.0 } else { -15.0 }).collect();
     let run = |slew: Option<f64>, model: &Model| {
-        let settings = Settings { voltage: (-14.0, 14.0), slew, ..Settings::default() };
+        let settings = PredictiveSettings { voltage: (-14.0, 14.0), slew, ..PredictiveSettings::default() };
         follow(&Predictive::new(model, settings).unwrap(), &driven(1.0, 1500.0), &square, 0.0)
     };
     let (y, plans) = run(None, &driven(1.0, 1500.0));
@@ -265,7 +278,8 @@ fn behind_a_driver_limits_are_kept_and_what_it_cannot_do_is_planned_for() {
 
 #[test]
 fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_same() {
-    let mpc = Predictive::new(&model(1.0), Settings { slew: Some(2e4), ..Settings::default() }).unwrap();
+    let mpc =
+        Predictive::new(&model(1.0), PredictiveSettings { slew: Some(2e4), ..PredictiveSettings::default() }).unwrap();
     let plant = model(1.0);
     for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200] {
         for (of_y, of_r) in [(true, false), (false, true), (true, true)] {
@@ -274,7 +288,7 @@ fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_sa
                 let now = t < 100 && t % 3 > 0;
                 let r = [if now && of_r { wild } else { 5.0 }; 3];
                 let read = if now && of_y { wild } else { y };
-                let u = mpc.step(&mut x, &Now { y: read, ahead: &r, ..Now::default() });
+                let u = mpc.step(&mut x, &ControllerInput { y: read, ahead: &r, ..ControllerInput::default() });
                 assert!(u.abs() <= 30.0, "{u} at {t} of {wild}");
                 y = plant.step(&mut truth, u);
             }
@@ -284,7 +298,7 @@ fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_sa
     // Without any reference z stays.
     let mut x = mpc.settled(3.0);
     let y = plant.step(&mut plant.settled(3.0), 3.0);
-    assert_close(&[mpc.step(&mut x, &Now { y, ..Now::default() })], &[3.0], 1e-9, 0.0);
+    assert_close(&[mpc.step(&mut x, &ControllerInput { y, ..ControllerInput::default() })], &[3.0], 1e-9, 0.0);
 }
 
 #[test]
@@ -301,8 +315,12 @@ fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed()
     let r = sine(10.0, 800);
     for model in models {
         for horizon in [1, 20] {
-            let settings =
-                Settings { horizon, move_cost: 1e-4, displacement: Some((-9.0, 9.0)), ..Settings::default() };
+            let settings = PredictiveSettings {
+                horizon,
+                move_cost: 1e-4,
+                displacement: Some((-9.0, 9.0)),
+                ..PredictiveSettings::default()
+            };
             let mpc = Predictive::new(&model, settings).unwrap();
             let late = model.linear().delay();
             let (y, plans) = follow(&mpc, &model, &r, 0.2);
@@ -320,14 +338,15 @@ fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed()
 #[test]
 fn the_unit_of_y_does_not_matter() {
     let r = sine(15.0, 300);
-    let limits = Settings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..Settings::default() };
+    let limits =
+        PredictiveSettings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..PredictiveSettings::default() };
     let voltages = |unit: f64| {
         let m = model(1.0);
         let linear = Arx::new(TS, m.linear().a().to_vec(), m.linear().b().iter().map(|b| b * unit).collect()).unwrap();
-        let plays = (operator("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
         let m = Model::new(plays, linear, 1.5 * unit).unwrap().with_creep(m.creep().clone()).unwrap();
         let displacement = limits.displacement.map(|(low, high)| (low * unit, high * unit));
-        let mpc = Predictive::new(&m, Settings { displacement, ..limits.clone() }).unwrap();
+        let mpc = Predictive::new(&m, PredictiveSettings { displacement, ..limits.clone() }).unwrap();
         let r: Vec<f64> = r.iter().map(|r| r * unit).collect();
         follow(&mpc, &m, &r, 0.3 * unit).1.iter().map(|p| p.u).collect::<Vec<f64>>()
     };
@@ -343,7 +362,8 @@ fn a_dead_zone_is_crossed_however_slow_the_voltage() {
     let model = Model::new(play, Arx::new(TS, vec![0.3], vec![0.0, 0.7]).unwrap(), 0.0).unwrap();
     // From end to end of it takes 12 samples.
     for solver in [Solver::ActiveSet, Solver::InteriorPoint] {
-        let limits = Settings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..Settings::default() };
+        let limits =
+            PredictiveSettings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..PredictiveSettings::default() };
         let mpc = Predictive::new(&model, limits).unwrap();
         let square: Vec<f64> = (0..1200).map(|t| if t / 400 % 2 == 0 { 4.0 } else { -4.0 }).collect();
         let (y, plans) = follow(&mpc, &model, &square, 0.0);
@@ -360,7 +380,7 @@ fn a_dead_zone_is_crossed_however_slow_the_voltage() {
 fn what_slow_creep_and_drift_leave_is_told_apart_by_the_readings() {
     let creep = Creep::logarithmic(TS, 0.02, 0.01, 1000.0).unwrap();
     let model = before(blocks(2).1).with_creep(creep).unwrap();
-    let mpc = Predictive::new(&model, Settings::default()).unwrap();
+    let mpc = Predictive::new(&model, PredictiveSettings::default()).unwrap();
     let (y, _) = follow(&mpc, &model, &[6.0; 4000], 0.5);
     assert_close(&y[3900..], &[6.0; 100], 0.0, 1e-3);
 }
@@ -369,23 +389,23 @@ fn what_slow_creep_and_drift_leave_is_told_apart_by_the_readings() {
 fn models_and_limits_that_leave_nothing_to_control_are_refused() {
     let refused = |model: &Model, settings| Predictive::new(model, settings).unwrap_err().to_string();
     let falling = Model::new(Arc::new(Proportional::new(TS, -1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    let told = refused(&falling, Settings::default());
+    let told = refused(&falling, PredictiveSettings::default());
     assert!(told.starts_with("this model gives no predictive control: its operator falls"), "{told}");
     let still = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 0]}"#;
     let still = load(&serde_json::from_str(still).unwrap(), TS).unwrap();
     let still = Model::new(still, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    assert!(refused(&still, Settings::default()).contains("does not move between -30 and 30 V"));
-    let beyond = Settings { displacement: Some((1e6, 2e6)), ..Settings::default() };
+    assert!(refused(&still, PredictiveSettings::default()).contains("does not move between -30 and 30 V"));
+    let beyond = PredictiveSettings { displacement: Some((1e6, 2e6)), ..PredictiveSettings::default() };
     let told = refused(&model(1.0), beyond);
     assert!(told.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{told}");
     let washed_out = before(Arx::new(TS, vec![0.5], vec![1.0, -1.0]).unwrap());
-    assert!(refused(&washed_out, Settings::default()).contains("cannot be identified"));
+    assert!(refused(&washed_out, PredictiveSettings::default()).contains("cannot be identified"));
 }
 
 #[test]
 fn voltages_that_leave_out_zero_are_reached_from_it_and_kept() {
     for slew in [None, Some(1e3)] {
-        let limits = Settings { voltage: (5.0, 25.0), slew, ..Settings::default() };
+        let limits = PredictiveSettings { voltage: (5.0, 25.0), slew, ..PredictiveSettings::default() };
         let mpc = Predictive::new(&model(1.0), limits).unwrap();
         let inside = model(1.0).simulate(&[15.0; 4000])[3999];
         for (r, near) in [(inside, inside), (-1e3, mpc.reachable().0)] {

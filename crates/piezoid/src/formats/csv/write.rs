@@ -4,54 +4,57 @@
 //! multiples of the decimal number that the sampling period is written as: 0.0015, never 0.0015000000000000002.
 
 use crate::error::{Error, finite, positive};
+use crate::formats::Table;
 use crate::record::Record;
 use std::fmt::Write;
 
-/// A CSV file: the time column `t_s`, multiples of `ts` [s] from 0, then these columns, named with their units.
-///
-/// ```
-/// let text = piezoid::formats::csv::write(5e-4, &[("u_V", &[0.0, 1.0, 2.5]), ("y_um", &[0.1, -0.2, 1e-9])])?;
-/// assert_eq!(text, "t_s,u_V,y_um\n0.0000,0,0.1\n0.0005,1,-0.2\n0.0010,2.5,1e-9\n");
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// `ts` must be positive, the columns equally long and finite, their names different and without line ends.
-pub fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<String, Error> {
-    positive("ts", ts, "seconds")?;
-    let rows = columns.first().map_or(0, |(_, samples)| samples.len());
-    positive("time of the last row", rows.max(1) as f64 * ts, "seconds")?;
-    for (i, (name, samples)) in columns.iter().enumerate() {
-        let twice = *name == "t_s" || columns[..i].iter().any(|(earlier, _)| earlier == name);
-        if twice || name.trim() != *name || name.is_empty() || name.contains(char::is_control) {
-            return Err(Error::parameter(
-                "column name",
-                format!("{name:?}"),
-                "must be on one line, and there only once",
-            ));
+impl Table {
+    /// A CSV file: the time column `t_s`, multiples of `ts` [s] from 0, then these columns, named with their units.
+    ///
+    /// ```
+    /// let text = piezoid::formats::Table::write(5e-4, &[("u_V", &[0.0, 1.0, 2.5]), ("y_um", &[0.1, -0.2, 1e-9])])?;
+    /// assert_eq!(text, "t_s,u_V,y_um\n0.0000,0,0.1\n0.0005,1,-0.2\n0.0010,2.5,1e-9\n");
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// `ts` must be positive, the columns equally long and finite, their names different and without line ends.
+    pub fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<String, Error> {
+        positive("ts", ts, "seconds")?;
+        let rows = columns.first().map_or(0, |(_, samples)| samples.len());
+        positive("time of the last row", rows.max(1) as f64 * ts, "seconds")?;
+        for (i, (name, samples)) in columns.iter().enumerate() {
+            let twice = *name == "t_s" || columns[..i].iter().any(|(earlier, _)| earlier == name);
+            if twice || name.trim() != *name || name.is_empty() || name.contains(char::is_control) {
+                return Err(Error::parameter(
+                    "column name",
+                    format!("{name:?}"),
+                    "must be on one line, and there only once",
+                ));
+            }
+            if samples.len() != rows {
+                let (left, left_len) = (columns[0].0.into(), rows);
+                return Err(Error::Lengths { left, left_len, right: (*name).into(), right_len: samples.len() });
+            }
+            finite(name, samples)?;
         }
-        if samples.len() != rows {
-            let (left, left_len) = (columns[0].0.into(), rows);
-            return Err(Error::Lengths { left, left_len, right: (*name).into(), right_len: samples.len() });
-        }
-        finite(name, samples)?;
-    }
-    let mut text = String::from("t_s");
-    for (name, _) in columns {
-        text.push(',');
-        push_name(&mut text, name);
-    }
-    let stamps = Stamps::new(ts);
-    for row in 0..rows {
-        text.push('\n');
-        stamps.push(&mut text, row);
-        for (_, samples) in columns {
+        let mut text = String::from("t_s");
+        for (name, _) in columns {
             text.push(',');
-            push_number(&mut text, samples[row]);
+            push_name(&mut text, name);
         }
+        let stamps = Stamps::new(ts);
+        for row in 0..rows {
+            text.push('\n');
+            stamps.push(&mut text, row);
+            for (_, samples) in columns {
+                text.push(',');
+                push_number(&mut text, samples[row]);
+            }
+        }
+        text.push('\n');
+        Ok(text)
     }
-    text.push('\n');
-    Ok(text)
 }
 
 impl Record {
@@ -62,7 +65,7 @@ impl Record {
     pub fn to_csv(&self) -> Result<String, Error> {
         let name = |prefix: &str, unit: &str| format!("{prefix}{unit}");
         let (u, y) = (name("u_", &self.units().u), name("y_", &self.units().y));
-        write(self.ts(), &[(&u, self.u()), (&y, self.y())])
+        Table::write(self.ts(), &[(&u, self.u()), (&y, self.y())])
     }
 }
 
@@ -122,7 +125,7 @@ mod tests {
     use crate::record::Units;
 
     fn stamps(ts: f64, rows: usize) -> Vec<String> {
-        let text = write(ts, &[("u_V", &vec![0.0; rows])]).unwrap();
+        let text = Table::write(ts, &[("u_V", &vec![0.0; rows])]).unwrap();
         text.lines().skip(1).map(|line| line.split(',').next().unwrap().to_owned()).collect()
     }
 
@@ -138,7 +141,7 @@ mod tests {
 
     #[test]
     fn what_could_not_be_read_back_is_refused() {
-        let refusal = |ts, columns: &[(&str, &[f64])]| write(ts, columns).unwrap_err().to_string();
+        let refusal = |ts, columns: &[(&str, &[f64])]| Table::write(ts, columns).unwrap_err().to_string();
         assert!(refusal(0.0, &[]).starts_with("ts = 0"));
         assert!(refusal(1e308, &[("u_V", &[0.0; 20])]).starts_with("time of the last row = inf"));
         assert!(refusal(1.0, &[("u_V", &[f64::NAN])]).starts_with("u_V[0] is NaN"));

@@ -8,7 +8,7 @@
 use super::Joint;
 use crate::creep::Lag;
 use crate::error::Error;
-use crate::linear::{Arx, Orders, Pole, Refinement, output_error};
+use crate::linear::{Arx, Orders, OutputError, Pole, Refinement};
 use crate::progress::unwatched;
 use crate::record::Record;
 use crate::system::System;
@@ -97,7 +97,8 @@ pub(super) fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) ->
     let mut delays = vec![latest, latest / 2, 0];
     delays.dedup();
     let of = |delay: usize| {
-        let found = output_error(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched)?;
+        let found =
+            OutputError::fit(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched)?;
         if found.arx.dc_gain() * gain > 0.0 {
             return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
         }

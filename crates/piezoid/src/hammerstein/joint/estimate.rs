@@ -3,17 +3,17 @@
 use super::layout::Layout;
 use super::runs::Run;
 use crate::creep::{Creep, Lag};
-use crate::driver::{Driver, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hammerstein::Model;
-use crate::hysteresis::{Basis, Shape};
+use crate::hysteresis::{Basis, ShapeParameter};
 use crate::linear::Arx;
 use crate::system::System;
 
 /// y = G C sum_k w_k phi_k: the parameters of each part.
 #[derive(Debug)]
 pub(super) struct Estimate {
-    pub(super) driver: Option<Driver>,
+    pub(super) driver: Option<DriverModel>,
     pub(super) basis: Box<dyn Basis>,
     pub(super) weights: Vec<f64>,
     pub(super) lags: Vec<Lag>,
@@ -22,7 +22,7 @@ pub(super) struct Estimate {
 
 impl Estimate {
     /// An estimate whose weights are not known yet.
-    pub(super) fn new(driver: Option<Driver>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
+    pub(super) fn new(driver: Option<DriverModel>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
         Estimate { driver, weights: vec![0.0; basis.len()], basis, lags, linear }
     }
 
@@ -34,7 +34,7 @@ impl Estimate {
     pub(super) fn moved(&self, x: &[f64]) -> Option<Self> {
         let layout = Layout::of(self);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
-        let within = |(shape, &p): (Shape, &f64)| p.clamp(shape.low, shape.high);
+        let within = |(shape, &p): (ShapeParameter, &f64)| p.clamp(shape.low, shape.high);
         let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape]).map(within).collect();
         let delay = std::iter::repeat_n(0.0, self.linear.delay());
         let linear =
@@ -58,7 +58,7 @@ impl Estimate {
 /// The responses phi of a basis behind a driver, sample by sample.
 pub(super) struct Responses<'a> {
     basis: &'a dyn Basis,
-    driver: Option<Driver>,
+    driver: Option<DriverModel>,
     ts: f64,
     x: Vec<f64>,
     v: f64,
@@ -107,9 +107,9 @@ impl<'a> Responses<'a> {
             return &self.phi;
         };
         self.mean.fill(0.0);
-        let share = 0.5 / SUBSTEPS as f64;
-        for _ in 0..SUBSTEPS {
-            self.v = driver.advance(self.v, u, self.ts / SUBSTEPS as f64);
+        let share = 0.5 / DriverModel::SUBSTEPS as f64;
+        for _ in 0..DriverModel::SUBSTEPS {
+            self.v = driver.advance(self.v, u, self.ts / DriverModel::SUBSTEPS as f64);
             self.before.clone_from(&self.phi);
             self.basis.step(&mut self.x, self.v, &mut self.phi);
             for ((mean, before), phi) in self.mean.iter_mut().zip(&self.before).zip(&self.phi) {

@@ -10,7 +10,7 @@ pub(super) struct Layout {
     pub(super) weights: Range<usize>,
     /// Gains of creep.
     pub(super) gains: Range<usize>,
-    /// Shape of the hysteresis.
+    /// ShapeParameter of the hysteresis.
     pub(super) shape: Range<usize>,
     /// a1, a2, ...
     pub(super) a: Range<usize>,

@@ -33,16 +33,16 @@ mod tests;
 mod trials;
 mod uncertainty;
 
-pub use trials::Trial;
-pub use uncertainty::Parameter;
+pub use trials::OperatorTrial;
+pub use uncertainty::FittedParameter;
 
 use super::paper::{Identified, common_units, unexcited};
 use super::rich::LinearPart;
-use super::{Beginning, Domain, Model};
+use super::{Domain, InitialCondition, Model};
 use crate::creep::Lag;
-use crate::driver::{Driver, SUBSTEPS};
+use crate::driver::DriverModel;
 use crate::error::Error;
-use crate::hysteresis::{Design, Operator};
+use crate::hysteresis::{BasisDesign, Operator};
 use crate::number::short;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
@@ -67,7 +67,7 @@ const CREEPS: f64 = 0.1;
 
 /// How to identify jointly.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
+pub(crate) struct Joint {
     /// Name of the hysteresis operator. Of several, which commas separate, and of all (`auto`) the simplest is taken that
     /// foretells held-out parts as well as the best.
     pub operator: String,
@@ -78,7 +78,7 @@ pub struct Joint {
     /// Whether creep is looked for.
     pub creep: bool,
     /// The driver, where it is known.
-    pub driver: Option<Driver>,
+    pub driver: Option<DriverModel>,
     /// Seed of the swarm that looks for the shape of operators.
     pub seed: u64,
 }
@@ -95,7 +95,7 @@ impl Default for Joint {
 /// # Errors
 /// Records of different sampling periods, or of units that cannot be converted; no rich record, or one nothing can be
 /// identified from; an operator that is not known; [`Error::Cancelled`].
-pub fn identify_joint(
+pub(crate) fn identify_joint(
     small: &[Record],
     rich: &[Record],
     how: &Joint,
@@ -118,10 +118,10 @@ pub fn identify_joint(
     let mut runs = runs::of(beside, &rich, &mut notes)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
-    let faster = if how.driver.is_some() { ts / SUBSTEPS as f64 } else { ts };
+    let faster = if how.driver.is_some() { ts / DriverModel::SUBSTEPS as f64 } else { ts };
     let frequencies = rich.iter().filter_map(|r| crate::waveform::dominant_frequency(r.u(), ts)).collect();
     let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
-    let design = Design { ts: faster, range, elements: how.elements, frequencies };
+    let design = BasisDesign { ts: faster, range, elements: how.elements, frequencies };
 
     let total = candidates.len() + 1;
     let mut watch_at = |done: usize, what: &str| -> Result<(), Error> {
@@ -140,15 +140,15 @@ pub fn identify_joint(
     };
     notes.push(format!("linear block: {reason}"));
 
-    let mut trials: Vec<(Trial, Option<Fitted>)> = Vec::new();
+    let mut trials: Vec<(OperatorTrial, Option<Fitted>)> = Vec::new();
     for (done, row) in candidates.iter().enumerate() {
         let mut watch = |_| watch_at(done + 1, row.name);
         let fitted = fit(row, &design, &linear, &lags, how, &mut runs, &mut watch);
         let trial = match fitted {
             Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
             Err(why) if candidates.len() == 1 => return Err(why),
-            Err(why) => (Trial::refused(row, why.to_string()), None),
-            Ok(fitted) => (Trial::of(row, &fitted), Some(fitted)),
+            Err(why) => (OperatorTrial::refused(row, why.to_string()), None),
+            Ok(fitted) => (OperatorTrial::of(row, &fitted), Some(fitted)),
         };
         trials.push(trial);
     }
@@ -181,7 +181,7 @@ pub fn identify_joint(
 /// Fits one operator, from where it stands and from where a swarm sends it.
 fn fit(
     row: &Operator,
-    design: &Design,
+    design: &BasisDesign,
     linear: &crate::linear::Arx,
     lags: &[Lag],
     how: &Joint,
@@ -217,7 +217,7 @@ fn free_run(fitted: &Fitted, runs: &[Run]) -> f64 {
 /// What a free run of the model leaves of a record: its mean, and the rms about it.
 fn left_of(run: &Run, model: &Model) -> (f64, f64) {
     let (u, y) = (run.record.u(), run.record.y());
-    let simulated = model.resume(&mut model.before(u, Beginning::of(u)[0]), u);
+    let simulated = model.resume(&mut model.before(u, InitialCondition::of(u)[0]), u);
     let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
     let errors: Vec<f64> = errors.collect();
     (mean(&errors), (scatter(&errors) / errors.len() as f64).sqrt())

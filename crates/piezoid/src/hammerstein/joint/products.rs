@@ -13,7 +13,7 @@ use super::estimate::{Estimate, Responses};
 use super::layout::Layout;
 use super::runs::Run;
 use super::signals::{AllPole, Filter, Ladder};
-use crate::driver::SUBSTEPS;
+use crate::driver::DriverModel;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -188,7 +188,7 @@ impl<'a> Columns<'a> {
 /// dz/dp_j along a run, counted from its first sample.
 fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
     let u = run.record.u();
-    let steps = if estimate.driver.is_some() { SUBSTEPS } else { 1 };
+    let steps = if estimate.driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
     // The inputs the hysteresis block sees; the first stands for the way there from rest.
     let (mut v, mut seen) = (u[0], vec![u[0]]);
     for &u in run.past.iter().chain(u) {
@@ -220,19 +220,19 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::creep::Lag;
-    use crate::driver::Driver;
-    use crate::hysteresis::{Design, OPERATORS, Operator};
+    use crate::driver::DriverModel;
+    use crate::hysteresis::{BasisDesign, OPERATORS, Operator};
     use crate::linear::Arx;
     use crate::record::Record;
 
     const TS: f64 = 5e-4;
 
     /// An estimate of everything: weights, shapes off their kinks, creep, dynamics with a delay.
-    fn estimate(row: &Operator, driver: Option<Driver>) -> Estimate {
-        let ts = if driver.is_some() { TS / SUBSTEPS as f64 } else { TS };
-        let design = Design { ts, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![5.0, 20.0] };
+    fn estimate(row: &Operator, driver: Option<DriverModel>) -> Estimate {
+        let ts = if driver.is_some() { TS / DriverModel::SUBSTEPS as f64 } else { TS };
+        let design = BasisDesign { ts, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![5.0, 20.0] };
         let basis = (row.basis)(&design).unwrap();
-        let off = |s: &crate::hysteresis::Shape| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
+        let off = |s: &crate::hysteresis::ShapeParameter| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
         let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
         let lags = vec![Lag { tau_s: 5e-3, gain: 0.08 }, Lag { tau_s: 5e-2, gain: 0.03 }];
         let linear = Arx::new(TS, vec![1.1, -0.5], vec![0.0, 0.3, 0.2]).unwrap();
@@ -278,7 +278,7 @@ mod tests {
             let u: Vec<f64> = (from..from + 250).map(wander).collect();
             Record::new(TS, u.clone(), u).unwrap()
         });
-        let driver = Driver::new(3e-4, Some(4e3)).unwrap();
+        let driver = DriverModel::new(3e-4, Some(4e3)).unwrap();
         for (row, driver) in OPERATORS.iter().flat_map(|row| [(row, None), (row, Some(driver))]) {
             let estimate = estimate(row, driver);
             let layout = Layout::of(&estimate);

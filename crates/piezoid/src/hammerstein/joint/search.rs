@@ -9,7 +9,7 @@ use super::products::products;
 use super::runs::Run;
 use super::solve::{Freed, Prior};
 use crate::error::Error;
-use crate::hysteresis::Shape;
+use crate::hysteresis::ShapeParameter;
 use crate::optimize::{Bounds, swarm};
 use crate::progress::unwatched;
 use crate::record::Record;
@@ -60,20 +60,20 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
             None => f64::INFINITY,
         }
     };
-    let settings = swarm::Settings {
+    let settings = swarm::SwarmSettings {
         particles: PARTICLES,
         iterations: ITERATIONS,
         seed,
         parallel: true,
-        ..swarm::Settings::default()
+        ..swarm::SwarmSettings::default()
     };
     let bounds = Bounds::new(vec![0.0; shape.len()], vec![1.0; shape.len()])?;
-    let found = swarm::minimise(&cost, bounds, settings, &mut unwatched)?;
+    let found = settings.minimise(&cost, bounds, &mut unwatched)?;
     Ok(at(&found.x))
 }
 
 /// The shape parameter at a share of its domain, by ratio where that is positive.
-fn from_unit(shape: &Shape, share: f64) -> f64 {
+fn from_unit(shape: &ShapeParameter, share: f64) -> f64 {
     if shape.low > 0.0 {
         shape.low * (shape.high / shape.low).powf(share)
     } else {

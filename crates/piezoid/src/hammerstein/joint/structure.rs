@@ -13,15 +13,12 @@ use super::refine::{Fitted, Watch, refine};
 use super::runs::Run;
 use super::solve::Freed;
 use crate::creep::{Creep, Lag};
-use crate::driver::SUBSTEPS;
+use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hammerstein::Model;
-use crate::hammerstein::paper::proportional;
 use crate::hammerstein::rich::{affine, lines, rich_enough};
-use crate::hysteresis::{Design, Proportional, operator};
-use crate::linear::{
-    Arx, Choice, Orders, Refinement, estimator, fit, output_error, refine as refine_alone, select, too_low,
-};
+use crate::hysteresis::{BasisDesign, Operator, Proportional};
+use crate::linear::{Arx, Choice, Estimator, Orders, OutputError, Refinement, refine as refine_alone, select};
 use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::unwatched;
@@ -46,7 +43,7 @@ const COARSE: usize = 12;
 pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
     let (linear, reason) = by_small(small, how, lags)?;
     let linear = quickened(linear, told_from(small.iter().chain(rich)))?;
-    let turned = proportional(&linear, 0.0, rich)?.0 < 0.0;
+    let turned = linear.proportional(0.0, rich)?.0 < 0.0;
     Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
 }
 
@@ -80,7 +77,8 @@ fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String)
 
 /// The block of order `n`, with the delay that leaves least.
 fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
-    let of = |delay| output_error(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched);
+    let of =
+        |delay| OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched);
     let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
     // The longest delay that costs nothing.
@@ -88,8 +86,8 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
     let reason = format!("order {n} as asked, with the delay of {} that leaves least", chosen.orders.delay);
     let predicted =
-        fit(records, Orders::of(n), estimator("least-squares")?, &swarm::Settings::default(), &mut unwatched);
-    let doubt = predicted.ok().and_then(|fit| too_low(records, &fit)).unwrap_or_default();
+        Estimator::find("least-squares")?.fit(records, Orders::of(n), &swarm::SwarmSettings::default(), &mut unwatched);
+    let doubt = predicted.ok().and_then(|fit| fit.too_low(records)).unwrap_or_default();
     Ok((chosen.arx, reason + &doubt))
 }
 
@@ -99,7 +97,7 @@ fn behind(record: &Record, how: &Joint) -> Result<Record, Error> {
         return Ok(record.clone());
     }
     let ts = record.ts();
-    let nothing = Arc::new(Proportional::new(ts / SUBSTEPS as f64, 1.0)?);
+    let nothing = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
     let alone = Model::driven(how.driver, nothing, Arx::gain(ts, 1.0)?, 0.0)?;
     let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
     Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
@@ -110,14 +108,14 @@ pub(super) fn of_rich(
     rich: &[Record],
     runs: &mut [Run],
     how: &Joint,
-    design: &Design,
+    design: &BasisDesign,
     lags: &[Lag],
     watch: Watch,
 ) -> Result<(Arx, String), Error> {
     let ts = rich[0].ts();
-    let coarse = Design { elements: Some(COARSE), ..design.clone() };
+    let coarse = BasisDesign { elements: Some(COARSE), ..design.clone() };
     let start = |linear: Arx| -> Result<Estimate, Error> {
-        Ok(Estimate::new(how.driver, (operator("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
+        Ok(Estimate::new(how.driver, (Operator::find("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
     };
     let (gain, first) = start_gain(rich)?;
     let late = |d: usize, next: f64| {

@@ -3,7 +3,7 @@
 use super::estimate::Estimate;
 use super::layout::Layout;
 use super::products::Stretch;
-use crate::hysteresis::{Design, operator};
+use crate::hysteresis::{BasisDesign, Operator};
 use crate::linear::Arx;
 use nalgebra::DMatrix;
 use rand::SeedableRng;
@@ -12,10 +12,10 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// An estimate of an operator of so many elements, behind a block of first order; of a proportional one, behind a gain.
 pub(super) fn estimate(name: &str, elements: usize) -> Estimate {
-    let design = Design { ts: 5e-4, range: (-30.0, 30.0), elements: Some(elements), frequencies: Vec::new() };
+    let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(elements), frequencies: Vec::new() };
     let a = if name == "proportional" { Vec::new() } else { vec![0.6] };
     let linear = Arx::new(5e-4, a, vec![1.3]).unwrap();
-    Estimate::new(None, (operator(name).unwrap().basis)(&design).unwrap(), Vec::new(), linear)
+    Estimate::new(None, (Operator::find(name).unwrap().basis)(&design).unwrap(), Vec::new(), linear)
 }
 
 /// Products of columns of noise.

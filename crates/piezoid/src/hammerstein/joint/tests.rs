@@ -3,7 +3,7 @@
 use super::*;
 use crate::excitation::{Prbs, RisingSine};
 use crate::hammerstein::Model;
-use crate::hysteresis::operator;
+use crate::hysteresis::Operator;
 use crate::linear::Arx;
 use crate::progress::unwatched;
 use crate::system::System;
@@ -17,7 +17,7 @@ fn plant(ts: f64, delay: usize) -> Model {
     let a = vec![2.0 * radius * turn.cos(), -radius * radius];
     let half = 0.5 * (1.0 - a[0] - a[1]);
     let b = [vec![0.0; delay], vec![1.1 * half, 0.9 * half]].concat();
-    let block = (operator("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
+    let block = (Operator::find("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
     Model::new(block, Arx::new(ts, a, b).unwrap(), 0.3).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use super::refine::Fitted;
 use crate::error::Error;
-use crate::hysteresis::{OPERATORS, Operator, operators};
+use crate::hysteresis::{OPERATORS, Operator};
 use crate::number::short;
 use crate::record::Record;
 use crate::series::ends;
@@ -16,7 +16,7 @@ const ENOUGH: usize = 8;
 
 /// What became of one operator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Trial {
+pub struct OperatorTrial {
     /// The operator.
     pub operator: &'static str,
     /// Weights and shape parameters.
@@ -44,7 +44,7 @@ pub(super) fn candidates(
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'static Operator>, Error> {
     if name != "auto" {
-        return operators(name);
+        return Operator::list(name);
     }
     let all = || OPERATORS.iter().copied().filter(|o| o.rate_independent || !alone);
     let (low, high) = ends(rich.iter().flat_map(|record| record.u()).copied());
@@ -65,8 +65,8 @@ pub(super) fn candidates(
 }
 
 /// Of those that are as good as the best the one with the fewest parameters, and all of them as they are told.
-pub(super) fn choose(trials: Vec<(Trial, Option<Fitted>)>) -> Result<(Fitted, Vec<Trial>), Error> {
-    let (mut told, mut fitted): (Vec<Trial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
+pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fitted, Vec<OperatorTrial>), Error> {
+    let (mut told, mut fitted): (Vec<OperatorTrial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
     let found = fitted.iter().flatten().map(|fitted| &fitted.held_out);
     let best = found.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
     for (trial, fitted) in told.iter_mut().zip(&fitted) {
@@ -91,8 +91,8 @@ pub(super) fn choose(trials: Vec<(Trial, Option<Fitted>)>) -> Result<(Fitted, Ve
 }
 
 /// Why the operator that was taken was; none where no other was tried.
-pub(super) fn why(trials: &[Trial]) -> Option<String> {
-    let by_error = |p: &&Trial, q: &&Trial| p.held_out_percent.total_cmp(&q.held_out_percent);
+pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
+    let by_error = |p: &&OperatorTrial, q: &&OperatorTrial| p.held_out_percent.total_cmp(&q.held_out_percent);
     let (best, taken) = (trials.iter().min_by(by_error)?, trials.iter().find(|t| t.verdict == "taken")?);
     let next = trials.iter().filter(|t| !t.as_good && t.refused.is_none()).min_by(by_error);
     let (name, left) = (taken.operator, short(taken.held_out_percent));
@@ -111,10 +111,10 @@ pub(super) fn why(trials: &[Trial]) -> Option<String> {
     (trials.len() > 1).then(|| simplest + &then.unwrap_or_default())
 }
 
-impl Trial {
+impl OperatorTrial {
     pub(super) fn of(row: &Operator, fitted: &Fitted) -> Self {
         let shape = fitted.estimate.basis.shape();
-        Trial {
+        OperatorTrial {
             operator: row.name,
             parameters: fitted.estimate.weights.len() + shape.len(),
             held_out_percent: 100.0 * fitted.held_out.rms_pp(),
@@ -126,7 +126,7 @@ impl Trial {
     }
 
     pub(super) fn refused(row: &Operator, why: String) -> Self {
-        Trial {
+        OperatorTrial {
             operator: row.name,
             parameters: 0,
             held_out_percent: f64::INFINITY,

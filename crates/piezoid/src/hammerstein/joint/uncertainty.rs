@@ -18,7 +18,7 @@ const UNKNOWN: f64 = 0.5;
 
 /// A parameter an engineer asks for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parameter {
+pub struct FittedParameter {
     /// What it is, with its unit.
     pub name: String,
     /// Its value.
@@ -27,7 +27,7 @@ pub struct Parameter {
     pub error: f64,
 }
 
-impl Parameter {
+impl FittedParameter {
     /// Whether the records leave it open by more than half of its value.
     pub fn is_unknown(&self) -> bool {
         self.error.is_nan() || self.error > UNKNOWN * self.value.abs()
@@ -35,14 +35,14 @@ impl Parameter {
 }
 
 /// Creep, shape of the hysteresis, and modes of the linear block, as far as there are any.
-pub(super) fn parameters(fitted: &Fitted) -> Vec<Parameter> {
+pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     let estimate = &fitted.estimate;
     let others: Vec<_> = fitted.held_out.without.iter().filter_map(|x| estimate.moved(x.as_slice())).collect();
     let parameter = |name: String, value: f64, of: &dyn Fn(&super::Estimate) -> f64| {
         let values: Vec<f64> = others.iter().map(of).collect();
         let n = values.len() as f64;
         let error = if n > 1.0 { ((n - 1.0) / n * scatter(&values)).sqrt() } else { f64::INFINITY };
-        Parameter { name, value, error }
+        FittedParameter { name, value, error }
     };
     let mut parameters = Vec::new();
     for (k, shape) in estimate.basis.shape().into_iter().enumerate() {

@@ -161,23 +161,25 @@ fn found((u, d): (f64, Dual)) -> Inverted {
     Inverted { u, z: d.value }
 }
 
-/// Whether `operator` rises with its input wherever a major loop between `low` and `high` and a smaller one within it lead;
-/// else where it falls [input unit]. Without rising it has several inverses or none.
-pub fn falls(operator: &dyn Hysteresis, low: f64, high: f64) -> Option<f64> {
-    let leg = |from: f64, to: f64| (1..=WATCHED).map(move |t| from + (to - from) * t as f64 / WATCHED as f64);
-    let (q, h) = (0.25 * (high - low), 0.5 * (high - low));
-    let turns = [low, high, low, low + h + q, low + q, low + h, low + q];
-    let path: Vec<f64> = turns.windows(2).flat_map(|w| leg(w[0], w[1])).collect();
-    let z = operator.resume(&mut operator.settled(low), &path);
-    let (bottom, top) = ends(z.iter().copied());
-    let slack = 1e-9 * (top - bottom);
-    let falls = |k: &usize| (z[*k] - z[k - 1]) * (path[*k] - path[k - 1]).signum() < -slack;
-    (1..path.len()).find(falls).map(|k| path[k])
+impl dyn Hysteresis + '_ {
+    /// Whether this rises with its input wherever a major loop between `low` and `high` and a smaller one within it lead;
+    /// else where it falls [input unit]. Without rising it has several inverses or none.
+    pub fn falls(&self, low: f64, high: f64) -> Option<f64> {
+        let leg = |from: f64, to: f64| (1..=WATCHED).map(move |t| from + (to - from) * t as f64 / WATCHED as f64);
+        let (q, h) = (0.25 * (high - low), 0.5 * (high - low));
+        let turns = [low, high, low, low + h + q, low + q, low + h, low + q];
+        let path: Vec<f64> = turns.windows(2).flat_map(|w| leg(w[0], w[1])).collect();
+        let z = self.resume(&mut self.settled(low), &path);
+        let (bottom, top) = ends(z.iter().copied());
+        let slack = 1e-9 * (top - bottom);
+        let falls = |k: &usize| (z[*k] - z[k - 1]) * (path[*k] - path[k - 1]).signum() < -slack;
+        (1..path.len()).find(falls).map(|k| path[k])
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{OPERATORS, Operator, load, operator};
+    use super::super::{OPERATORS, Operator, load};
     use super::*;
     use crate::testing::assert_close;
 
@@ -202,7 +204,7 @@ mod tests {
                 found.push(back.u);
                 operator.step(&mut x, u);
             }
-            if falls(&*operator, -30.0, 30.0).is_none() && o.minor_loops {
+            if operator.falls(-30.0, 30.0).is_none() && o.minor_loops {
                 assert_close(&found, &given, 1e-7, 1e-7);
             }
         }
@@ -212,7 +214,7 @@ mod tests {
     fn slopes_find_what_trials_find_to_rounding_and_say_what_a_step_says_to_the_bit() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
-            let rises = falls(&*operator, -30.0, 30.0).is_none() && o.minor_loops;
+            let rises = operator.falls(-30.0, 30.0).is_none() && o.minor_loops;
             let mut x = operator.settled(0.0);
             for t in 0..300 {
                 let z = 0.9 * operator.step(&mut x.clone(), wander(t)) + 0.3;
@@ -233,7 +235,7 @@ mod tests {
         let plays =
             ["prandtl-ishlinskii", "stop", "generalised-prandtl-ishlinskii", "rate-dependent-prandtl-ishlinskii"];
         for name in plays {
-            let operator = (operator(name).unwrap().example)(5e-4).unwrap();
+            let operator = (Operator::find(name).unwrap().example)(5e-4).unwrap();
             for t in 0..300 {
                 let x: Vec<f64> = (0..9).map(|k| 1.4 * wander(37 * k + t)).collect();
                 let z = wander(3 * t);
@@ -283,7 +285,7 @@ mod tests {
         // What the stop of threshold 3 holds back outweighs the input for 6 after a reversal.
         let stop = r#"{"operator": "stop", "range": [-20, 20], "thresholds": [3], "weights": [1, 1.5]}"#;
         let stop = load(&serde_json::from_str(stop).unwrap(), 5e-4).unwrap();
-        let at = falls(&*stop, -20.0, 20.0).unwrap();
+        let at = stop.falls(-20.0, 20.0).unwrap();
         assert!((-20.0..-13.9).contains(&at), "{at}");
         let mut x = stop.settled(0.0);
         for t in 0..300 {
@@ -292,7 +294,7 @@ mod tests {
             assert_close(&[back.z, stop.step(&mut x.clone(), back.u)], &[z, z], 1e-11, 1e-11);
             stop.step(&mut x, wander(t));
         }
-        let falling = |o: &&&Operator| falls(&*(o.example)(5e-4).unwrap(), -30.0, 30.0).is_some();
+        let falling = |o: &&&Operator| (o.example)(5e-4).unwrap().falls(-30.0, 30.0).is_some();
         let names: Vec<&str> = OPERATORS.iter().filter(falling).map(|o| o.name).collect();
         assert_eq!(names, ["two-branch", "rate-scheduled"], "these jump at a turn, the others rise");
     }

@@ -19,7 +19,7 @@ mod everett;
 mod grid;
 mod memory;
 
-use super::basis::{Basis, Design, counted};
+use super::basis::{Basis, BasisDesign, counted};
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
@@ -74,7 +74,7 @@ pub(super) static OPERATOR: Operator = Operator {
     basis: |design| Ok(Box::new(Cells::new(design)?)),
     load: |params, ts| Ok(Arc::new(Preisach::new(ts, parse("preisach", params)?)?)),
     example: |ts| {
-        let design = Design { ts, range: (-30.0, 30.0), elements: Some(10), frequencies: Vec::new() };
+        let design = BasisDesign { ts, range: (-30.0, 30.0), elements: Some(10), frequencies: Vec::new() };
         let cells = Cells::new(&design)?;
         let n = cells.grid.rows();
         let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
@@ -266,7 +266,7 @@ struct Cells {
 }
 
 impl Cells {
-    fn new(design: &Design) -> Result<Self, Error> {
+    fn new(design: &BasisDesign) -> Result<Self, Error> {
         let rows = design.elements.unwrap_or(ROWS).clamp(1, MOST - 2 * BEYOND);
         let (low, high) = design.range;
         let h = (high - low) / rows as f64;
@@ -363,7 +363,7 @@ mod tests {
 
     #[test]
     fn the_block_is_the_weighted_sum_of_its_cells() {
-        let design = Design { ts: 1e-3, range: (-20.0, 31.0), elements: Some(9), frequencies: Vec::new() };
+        let design = BasisDesign { ts: 1e-3, range: (-20.0, 31.0), elements: Some(9), frequencies: Vec::new() };
         let cells = Cells::new(&design).unwrap();
         let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| 0.1 + (k as f64 * 2.3).sin().abs()).collect();
         let block = cells.operator(&weights).unwrap();
@@ -431,7 +431,7 @@ mod tests {
 
     #[test]
     fn a_narrow_range_far_from_rest_is_as_exact_as_any() {
-        let design = Design { ts: 1e-3, range: (-68.5, -68.4), elements: Some(7), frequencies: Vec::new() };
+        let design = BasisDesign { ts: 1e-3, range: (-68.5, -68.4), elements: Some(7), frequencies: Vec::new() };
         let cells = Cells::new(&design).unwrap();
         let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k > 0))).collect();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; weights.len()]);

@@ -3,7 +3,7 @@
 mod expressions;
 
 use super::words::{Word, words};
-use super::{Expr, Function, Kind, Op, Parameter, Program, Step};
+use super::{Argument, Expr, Function, Kind, Op, Program, Step};
 use crate::error::Error;
 
 /// Reads `text` into the last block of `program`.
@@ -105,7 +105,7 @@ impl Reader<'_> {
                 Some(block) => return self.wrong(format!("there is no block `{block}`")),
             };
             self.introduce(&name, kind.clone())?;
-            takes.push(Parameter { name, kind, changed: false });
+            takes.push(Argument { name, kind, changed: false });
             if !self.is(")") {
                 self.expect(",")?;
             }

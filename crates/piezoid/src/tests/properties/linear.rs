@@ -72,10 +72,10 @@ proptest! {
         let u = Prbs { seed, ..Prbs::default() }.samples(TS, 600).expect("a PRBS");
         let y: Vec<f64> = block.simulate(&u).iter().map(|y| y + offset).collect();
         let orders = Orders { na: block.a().len(), nb: block.b().len() - block.delay(), delay: block.delay() };
-        let estimator = linear::estimator("least-squares").expect("it is in the list");
+        let estimator = linear::Estimator::find("least-squares").expect("it is in the list");
         let record = Record::new(TS, u, y).expect("a record");
-        let settings = swarm::Settings::default();
-        let fit = linear::fit(&[record], orders, estimator, &settings, &mut unwatched).expect("a fit");
+        let settings = swarm::SwarmSettings::default();
+        let fit = estimator.fit(&[record], orders, &settings, &mut unwatched).expect("a fit");
         assert_close("a", fit.arx.a(), block.a(), 0.0, 1e-7 * (1.0 + largest(block.a())));
         assert_close("b", fit.arx.b(), block.b(), 0.0, 1e-7 * largest(block.b()));
         assert_close("offset", &fit.offsets, &[offset], 1e-7, 1e-7 * largest(block.b()));

@@ -22,11 +22,11 @@ fn elements() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
 
 fn block(name: &str, (thresholds, weights): &(Vec<f64>, Vec<f64>)) -> Arc<dyn Hysteresis> {
     let params = json!({"range": [-35.0, 35.0], "thresholds": thresholds, "weights": weights});
-    (operator(name).expect("an operator there is").load)(params, TS).expect("parameters that make sense")
+    (Operator::find(name).expect("an operator there is").load)(params, TS).expect("parameters that make sense")
 }
 
-fn design(low: f64, width: f64, elements: usize) -> Design {
-    Design { ts: TS, range: (low, low + width), elements: Some(elements), frequencies: vec![5.0, 50.0] }
+fn design(low: f64, width: f64, elements: usize) -> BasisDesign {
+    BasisDesign { ts: TS, range: (low, low + width), elements: Some(elements), frequencies: vec![5.0, 50.0] }
 }
 
 proptest! {
@@ -67,7 +67,7 @@ proptest! {
     ) {
         let levels: Vec<f64> = (0..5).map(|i| -28.0 + 14.0 * f64::from(i)).collect();
         let params = json!({"range": [-35.0, 35.0], "levels": levels, "ridge": ridge, "weights": weights});
-        let row = operator("krasnoselskii-pokrovskii").expect("an operator there is");
+        let row = Operator::find("krasnoselskii-pokrovskii").expect("an operator there is");
         let z = (row.load)(params, TS).expect("parameters that make sense").simulate(&u);
         for t in 1..u.len() {
             let (du, dz) = (u[t] - u[t - 1], z[t] - z[t - 1]);
@@ -82,7 +82,7 @@ proptest! {
         low in -60.0..0.0f64, width in 1.0..100.0f64, places in prop::collection::vec(0.0..1.0f64, 2..60),
     ) {
         let design = design(low, width, 3);
-        let basis = (operator("tellinen").expect("an operator there is").basis)(&design).expect("a basis");
+        let basis = (Operator::find("tellinen").expect("an operator there is").basis)(&design).expect("a basis");
         let block = basis.reshaped(&[bends, widths].concat()).expect("a shape").operator(&[1.0]).expect("a weight");
         let sides = serde_json::from_value::<Branches>(block.params().into()).expect("branches");
         let u: Vec<f64> = places.iter().map(|place| low + width * place).collect();
