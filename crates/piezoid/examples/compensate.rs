@@ -3,11 +3,12 @@
 //! `cargo run --release -p piezoid --example compensate`
 //!
 //! The path is a triangle of 1000 um from end to end. The program prints the rms error of the bender in % of that height,
-//! with the straight line from displacement to voltage that a data sheet suggests, and with the inverse of the model.
+//! with the straight line from displacement to voltage that a data sheet suggests (5 %), and with the inverse of the model
+//! (0.1 %).
 
-use piezoid::excitation::{RisingSine, Triangle};
+use piezoid::excitation::{Prbs, RisingSine, Triangle};
 use piezoid::plant::Plant;
-use piezoid::{Error, IdentifyOptions, Record, identify};
+use piezoid::{Error, IdentifyOptions, Record, Records, identify};
 
 /// Sampling period [s], and half the height of the path [um].
 const TS: f64 = 5e-4;
@@ -27,9 +28,10 @@ fn error(path: &[f64], voltage: Vec<f64>) -> Result<f64, Error> {
 }
 
 fn main() -> Result<(), Error> {
-    let train = RisingSine { amplitude: 28.0, frequency: 20.0, ..RisingSine::default() }.samples(TS, 4000)?;
-    let options = IdentifyOptions { operator: "preisach".into(), ..IdentifyOptions::default() };
-    let model = identify(&[measure(train)?], &options)?.model;
+    let small = measure(Prbs { amplitude: 1.0, ..Prbs::default() }.samples(TS, 4094)?)?;
+    let large = measure(RisingSine { amplitude: 28.0, frequency: 20.0, ..RisingSine::default() }.samples(TS, 4000)?)?;
+    let options = IdentifyOptions { operator: "generalised-prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
+    let model = identify(Records { small_signal: &[small], large_signal: &[large] }, &options)?.model;
 
     let path = Triangle { amplitude: PEAK, frequency: 5.0, ..Triangle::default() }.samples(TS, 1600)?;
     let line = path.iter().map(|r| r * 30.0 / 1000.0).collect();

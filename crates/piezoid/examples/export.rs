@@ -6,9 +6,9 @@
 //! `cc bender.c bender_test.c -lm -o bender_test && ./bender_test` checks that the C code is bit-identical to the model.
 //! Other targets are `fixed`, `fmu2`, `fmu3`, `simulink`, `st` and `rust`.
 
-use piezoid::excitation::RisingSine;
+use piezoid::excitation::{Prbs, RisingSine};
 use piezoid::plant::Plant;
-use piezoid::{Error, IdentifyOptions, Record, identify};
+use piezoid::{Error, IdentifyOptions, Record, Records, identify};
 use piezoid_export::Export;
 use std::path::Path;
 
@@ -22,9 +22,10 @@ fn measure(u: Vec<f64>) -> Result<Record, Error> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let train = RisingSine { amplitude: 28.0, frequency: 20.0, ..RisingSine::default() }.samples(TS, 4000)?;
+    let small = measure(Prbs { amplitude: 1.0, ..Prbs::default() }.samples(TS, 4094)?)?;
+    let large = measure(RisingSine { amplitude: 28.0, frequency: 20.0, ..RisingSine::default() }.samples(TS, 4000)?)?;
     let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
-    let model = identify(&[measure(train)?], &options)?.model;
+    let model = identify(Records { small_signal: &[small], large_signal: &[large] }, &options)?.model;
 
     let made = model.export("c", "bender")?;
     made.notes.iter().for_each(|note| println!("note: {note}"));
