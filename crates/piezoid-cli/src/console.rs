@@ -1,5 +1,6 @@
 //! The terminal: text on stdout, progress and complaints on stderr, Ctrl-C.
 
+use crate::flags::failed;
 use crate::layout::wrapped;
 use anyhow::{Context, Result, anyhow};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -100,7 +101,7 @@ impl Console {
         self.bar.borrow().finish_and_clear();
         outcome.map_err(|error| match error {
             piezoid::Error::Cancelled { .. } => anyhow!("{error}: nothing was written"),
-            other => other.into(),
+            other => failed(other),
         })
     }
 }

@@ -1,9 +1,9 @@
-//! The options of a verb as flags, made from the library's table.
+//! The options of a verb as flags, made from the library's table; and what the library says of them, as flags.
 
 use crate::values::Misused;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMatches};
 use piezoid::{Error, OptionRow, Options, Values};
 use serde_json::{Map, Value};
 
@@ -13,7 +13,7 @@ pub(crate) struct Flags<O>(pub(crate) O);
 
 impl<O: Options> Args for Flags<O> {
     fn augment_args(command: Command) -> Command {
-        O::rows().into_iter().fold(command, |command, row| command.arg(argument::<O>(&row)))
+        command.args(O::rows().iter().map(argument))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -23,14 +23,8 @@ impl<O: Options> Args for Flags<O> {
 
 impl<O: Options> FromArgMatches for Flags<O> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut given = Map::new();
-        for row in O::rows() {
-            if let Some(value) = value::<O>(&row, matches) {
-                given.insert(row.name.into(), value);
-            }
-        }
-        let options = O::from_json(Value::Object(given));
-        options.map(Flags).map_err(|error| clap::Error::raw(ErrorKind::ValueValidation, format!("{error}\n")))
+        let options = O::from_json(given(&O::rows(), matches));
+        options.map(Flags).map_err(|error| clap::Error::raw(ErrorKind::ValueValidation, format!("{}\n", told(&error))))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -39,73 +33,102 @@ impl<O: Options> FromArgMatches for Flags<O> {
     }
 }
 
-/// The flag of an option: hyphens, and `no-` before a switch that is on.
-fn flag<O: Options>(row: &OptionRow) -> String {
-    let off = row.values == Values::Switch && O::default_of(row.name) == "true";
-    format!("{}{}", if off { "no-" } else { "" }, row.name.replace('_', "-"))
+/// Whether the flag turns off what is on.
+fn turns_off(row: &OptionRow) -> bool {
+    row.values == Values::Switch && (row.default)() == Value::Bool(true)
 }
 
-fn argument<O: Options>(row: &OptionRow) -> Arg {
-    let default = O::default_of(row.name);
-    let told = match row.values {
-        Values::Switch => String::new(),
-        _ if default.is_empty() => String::new(),
-        _ => format!(" [default: {default}]"),
+/// The flag of an option.
+pub(crate) fn argument(row: &OptionRow) -> Arg {
+    let (default, off, name) = (row.usual(), turns_off(row), row.name.replace('_', "-"));
+    let help = match (row.values, row.help.split_at_checked(1)) {
+        (Values::Switch, Some((first, rest))) if off => format!("Do not {}{rest}", first.to_lowercase()),
+        (Values::Switch, _) => row.help.into(),
+        _ if default.is_empty() => row.help.into(),
+        _ => format!("{} [default: {default}]", row.help),
     };
-    let help = row.help.trim_end_matches('.');
-    let help = match (flag::<O>(row).starts_with("no-"), help.split_at_checked(1)) {
-        (true, Some((first, rest))) => format!("Do not {}{rest}", first.to_lowercase()),
-        _ => format!("{help}{told}"),
-    };
-    let argument = Arg::new(row.name).long(flag::<O>(row)).help(help);
+    let argument = Arg::new(row.name).long(if off { format!("no-{name}") } else { name }).help(help);
     let argument = if row.group.is_empty() { argument } else { argument.help_heading(row.group) };
     let argument = if row.requires.is_empty() { argument } else { argument.requires(row.requires) };
-    let row = *row;
+    let argument = argument.required(row.required).value_name(placeholder(row));
+    let own = *row;
     let parsed = move |text: &str| {
-        row.parse(text).map_err(|error| match error {
+        own.parse(text).map_err(|error| match error {
             Error::Parameter { rule, .. } => rule,
             other => other.to_string(),
         })
     };
+    let several =
+        |count: clap::builder::ValueRange| argument.clone().num_args(count).value_parser(ValueParser::new(parsed));
     match row.values {
         Values::Switch => argument.action(ArgAction::SetTrue),
         Values::Choice(known) => {
             let known = known.iter().map(|(name, meaning)| PossibleValue::new(*name).help(*meaning));
-            argument.value_name(placeholder(&row)).value_parser(PossibleValuesParser::new(known).map(Value::from))
+            argument.value_parser(PossibleValuesParser::new(known).map(Value::from))
         }
-        _ => argument.value_name(placeholder(&row)).value_parser(ValueParser::new(parsed)).allow_negative_numbers(true),
+        Values::Texts(_) => several((1..).into()),
+        Values::Pair => several(2.into()).value_names(["LOW", "HIGH"]).allow_negative_numbers(true),
+        _ => several(1.into()).allow_negative_numbers(true),
     }
 }
 
 /// What stands for a value in the help.
-fn placeholder(row: &OptionRow) -> &'static str {
+pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
     match (row.values, row.unit) {
-        (Values::Text(placeholder), _) => placeholder,
+        (Values::Text(placeholder) | Values::Texts(placeholder), _) => placeholder,
         (Values::Whole(..), _) => "N",
         (Values::Choice(_), _) => "NAME",
         (_, "") => "NUMBER",
         (_, "s") => "SECONDS",
         (_, "F") => "FARAD",
+        (_, "%") => "PERCENT",
+        (_, "dB") => "DB",
+        (_, "degrees") => "DEGREES",
         (_, unit) => unit,
     }
 }
 
-/// What a flag was set to, if it was.
-fn value<O: Options>(row: &OptionRow, matches: &ArgMatches) -> Option<Value> {
-    match row.values {
-        Values::Switch => matches.get_flag(row.name).then(|| Value::Bool(!flag::<O>(row).starts_with("no-"))),
+/// What flags were set to.
+pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
+    let value = |row: &OptionRow| match row.values {
+        Values::Switch => matches.get_flag(row.name).then(|| Value::Bool(!turns_off(row))),
+        Values::Pair | Values::Texts(_) => Some(matches.get_many::<Value>(row.name)?.cloned().collect()),
         _ => matches.get_one::<Value>(row.name).cloned(),
+    };
+    Value::Object(rows.iter().filter_map(|row| Some((row.name.into(), value(row)?))).collect::<Map<_, _>>())
+}
+
+/// What the library says, with its options as flags.
+pub(crate) fn told(error: &Error) -> String {
+    let flag = |name: &str| name.replace('_', "-");
+    match error {
+        Error::File { name, error } => format!("{name}: {}", told(error)),
+        Error::Parameter { name, value, rule } if is_flag(name) => match &**value {
+            "true" => format!("--{}: {rule}", flag(name)),
+            "false" => format!("--no-{}: {rule}", flag(name)),
+            value => format!("--{} {value}: {rule}", flag(name)),
+        },
+        other => other.told(&|name, value| match value {
+            Value::Null | Value::Bool(_) => format!("--{}", flag(name)),
+            value => format!("--{} {value}", flag(name)),
+        }),
     }
 }
 
-/// What the library says of an option, with its flag.
-pub(crate) fn misused(error: Error) -> anyhow::Error {
-    match error {
-        Error::Parameter { name, value, rule } => {
-            let name = name.replace('_', "-");
-            let flag = if value == "false" { format!("--no-{name}") } else { format!("--{name} {value}") };
-            Misused(format!("{flag}: {rule}")).into()
-        }
-        other => Misused(other.to_string()).into(),
+/// The same as the failure of a verb: of what stands on the command line itself a misuse.
+pub(crate) fn failed(error: Error) -> anyhow::Error {
+    let text = told(&error);
+    match &error {
+        Error::Unknown { .. } => Misused(text).into(),
+        Error::Parameter { name, .. } if is_flag(name) => Misused(text).into(),
+        _ => anyhow::Error::msg(text),
     }
+}
+
+/// Whether some verb has an option of this name.
+fn is_flag(name: &str) -> bool {
+    fn has(command: &Command, name: &str) -> bool {
+        command.get_arguments().any(|a| a.get_id() == name) || command.get_subcommands().any(|c| has(c, name))
+    }
+    has(&crate::Cli::command(), name)
 }

@@ -1,28 +1,29 @@
 //! The tables of a validation in the terminal: the figures first, then where the error lies, and what it is.
 
-use crate::commands::Proven;
 use crate::console::Console;
 use crate::layout::{capitalised, table};
 use piezoid::number::{round, short as number};
 use piezoid::validation::{Bin, Loops, Metrics, Source};
+use piezoid::{Compared, Validated};
 
 /// The most bands shown unless all are asked for, and how many of the worst are shown in their place.
 const MOST: usize = 12;
 const WORST: usize = 8;
 
 /// Everything that is worth a look; with `full` everything there is.
-pub(crate) fn all(proven: &[Proven], total: &Metrics, full: bool, console: &Console) -> String {
+pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> String {
+    let proven = &validated.files[..];
     let Some(first) = proven.first() else { return String::new() };
     let (units, room) = (first.record.units(), console.room());
-    let [by_frequency, by_amplitude] = merged_bins(proven);
+    let [by_frequency, by_amplitude] = validated.bins();
     let amplitude = format!("amplitude [{}]", units.u);
     [
-        figures(proven, total, &units.y, room),
+        figures(proven, &validated.total(), &units.y, room),
         bins("f [Hz]", &by_frequency, &units.y, full, console),
         bins(&amplitude, &by_amplitude, &units.y, full, console),
         loops(proven, full, console),
         residuals(proven, full, console),
-        open(&unproven(proven), console),
+        open(&validated.unproven(), console),
     ]
     .into_iter()
     .filter(|part| !part.is_empty())
@@ -30,30 +31,12 @@ pub(crate) fn all(proven: &[Proven], total: &Metrics, full: bool, console: &Cons
     .join("\n")
 }
 
-/// The bins of all records by frequency and by amplitude.
-pub(crate) fn merged_bins(proven: &[Proven]) -> [Vec<Bin>; 2] {
-    [
-        Bin::merged(proven.iter().flat_map(|p| &p.validation.by_frequency)),
-        Bin::merged(proven.iter().flat_map(|p| &p.validation.by_amplitude)),
-    ]
-}
-
-/// What none of the records can tell.
-pub(crate) fn unproven(proven: &[Proven]) -> Vec<String> {
-    let Some((first, others)) = proven.split_first() else { return Vec::new() };
-    let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
-    let by_all = |text: &&String| {
-        others.iter().all(|p| p.validation.unproven.iter().any(|other| subject(other) == subject(text)))
-    };
-    first.validation.unproven.iter().filter(by_all).cloned().collect()
-}
-
-fn figures(proven: &[Proven], total: &Metrics, unit: &str, room: Option<usize>) -> String {
+fn figures(proven: &[Compared], total: &Metrics, unit: &str, room: Option<usize>) -> String {
     let row = |name: &str, m: &Metrics| {
         let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent];
         [name.to_string(), m.n.to_string()].into_iter().chain(figures.map(number)).collect::<Vec<_>>()
     };
-    let mut rows: Vec<_> = proven.iter().map(|p| row(&p.file, &p.validation.metrics)).collect();
+    let mut rows: Vec<_> = proven.iter().map(|p| row(&p.name, &p.validation.metrics)).collect();
     if rows.len() > 1 {
         rows.push(row("total", total));
     }
@@ -95,13 +78,13 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
 }
 
 /// The largest loops of each record; all of them, and all of their figures, with `full`.
-fn loops(proven: &[Proven], full: bool, console: &Console) -> String {
-    let largest = |p: &Proven| {
+fn loops(proven: &[Compared], full: bool, console: &Console) -> String {
+    let largest = |p: &Compared| {
         let most = p.validation.loops.iter().map(|l| l.amplitude).fold(0.0, f64::max);
         p.validation.loops.iter().filter(move |l| full || l.amplitude == most).copied().collect::<Vec<_>>()
     };
     let rows: Vec<(&str, Loops)> =
-        proven.iter().flat_map(|p| largest(p).into_iter().map(move |l| (p.file.as_str(), l))).collect();
+        proven.iter().flat_map(|p| largest(p).into_iter().map(move |l| (p.name.as_str(), l))).collect();
     let Some(unit) = proven.first().filter(|_| !rows.is_empty()).map(|p| p.record.units()) else {
         return String::new();
     };
@@ -142,13 +125,13 @@ fn loops(proven: &[Proven], full: bool, console: &Console) -> String {
 }
 
 /// The noise floor, and whether what is left is noise.
-fn residuals(proven: &[Proven], full: bool, console: &Console) -> String {
+fn residuals(proven: &[Compared], full: bool, console: &Console) -> String {
     let tested = proven.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
-    let row = |p: &Proven| {
+    let row = |p: &Compared| {
         let (floor, whiteness) = (&p.validation.floor, &p.validation.whiteness);
         vec![
-            p.file.clone(),
+            p.name.clone(),
             floor.map_or("-".into(), |f| number(f.rms)),
             floor.map_or("-".into(), |f| number(f.error_over_floor)),
             whiteness.as_ref().map_or("-".into(), |w| word(w.is_white())),
@@ -163,7 +146,7 @@ fn residuals(proven: &[Proven], full: bool, console: &Console) -> String {
     let mut text = table(&["what is left", &floor, "rmse/floor", "white", "follows u"], &rows, console.room());
     for p in proven.iter().filter(|_| full) {
         for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
-            text += &console.paragraph(&format!("{}: {said}.", p.file), "  ");
+            text += &console.paragraph(&format!("{}: {said}.", p.name), "  ");
         }
     }
     text

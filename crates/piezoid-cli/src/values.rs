@@ -1,4 +1,4 @@
-//! What arguments mean: numbers in their range, files that must differ.
+//! What the parser cannot see of a command line: files that must differ.
 
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
@@ -14,50 +14,6 @@ impl std::fmt::Display for Misused {
 }
 
 impl std::error::Error for Misused {}
-
-/// What the library says of a value that came from the command line itself.
-pub(crate) fn argument<T>(judged: Result<T, piezoid::Error>) -> Result<T> {
-    judged.map_err(|e| Misused(e.to_string()).into())
-}
-
-/// A point in time or a length of it [s], not negative.
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
-    number(text, "a number of seconds, 0 or more, such as 0.5", |t| t >= 0.0)
-}
-
-/// A period or duration [s], positive.
-pub(crate) fn period(text: &str) -> Result<f64, String> {
-    number(text, "a positive number of seconds, such as 5e-4", |t| t > 0.0)
-}
-
-/// A capacitance [F], positive.
-pub(crate) fn farads(text: &str) -> Result<f64, String> {
-    number(text, "a positive number of farads, such as 8.2e-6", |c| c > 0.0)
-}
-
-/// A positive number.
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    number(text, "a positive number", |x| x > 0.0)
-}
-
-/// A number that is not negative.
-pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
-    number(text, "a number, 0 or more", |x| x >= 0.0)
-}
-
-/// A share in percent.
-pub(crate) fn percent(text: &str) -> Result<f64, String> {
-    number(text, "a percentage from 0 to below 100", |x| (0.0..100.0).contains(&x))
-}
-
-/// How many of something, at least one.
-pub(crate) fn count(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "it must be a whole number, 1 or more".into())
-}
-
-fn number(text: &str, what: &str, fits: impl Fn(f64) -> bool) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite() && fits(*x)).ok_or_else(|| format!("it must be {what}"))
-}
 
 /// Refuses results that would overwrite each other or what they are made from.
 pub(crate) fn apart(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<()> {

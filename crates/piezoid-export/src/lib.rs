@@ -19,43 +19,121 @@ mod waveform;
 mod whole;
 
 pub use vectors::Vectors;
-pub use waveform::Playback;
 pub use whole::{Entry, Signal, Whole};
 
 use piezoid::compensation::How;
-use piezoid::control::Controller;
+use piezoid::control::{Controller, Drive, Law, Scheme};
 use piezoid::error::Error;
-use piezoid::hammerstein::Model;
+use piezoid::excitation::LimitOptions;
+use piezoid::{File, Model, OptionRow, Options, TuneOptions, Values, options};
+
+options! {
+    /// How to export. A row of [`TARGETS`] names those that only some targets take.
+    pub struct ExportOptions {
+        /// What functions, types and files are called after.
+        name: String = "piezo_model".into(), OptionRow::new(NAME);
+        /// Numbers of single precision.
+        float: bool = false, OptionRow::new(Values::Switch);
+        /// Samples of the reference that the feed-forward is given ahead of time.
+        preview: usize = 0, OptionRow::new(Values::Whole(0, u64::MAX));
+        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not predictive.
+        controller: Option<String> = None, OptionRow::new(NAME);
+        /// Come as close to it as the limits allow instead of refusing.
+        clip: bool = false, OptionRow::new(Values::Switch).requires("reference").group(WAVEFORMS);
+        /// Servo cycle of the GCS controller.
+        servo_cycle: f64 = 5e-5, OptionRow::positive("s").requires("reference").group(WAVEFORMS);
+        /// The voltages that are 0 % and 100 % for the NV200 amplifier: what it answers to avmin and avmax.
+        range: Option<(f64, f64)> = None, OptionRow::new(Values::Pair).requires("reference").group(WAVEFORMS);
+    } with limits: LimitOptions with tuning: TuneOptions
+}
+
+const NAME: Values = Values::Text("NAME");
+const WAVEFORMS: &str = "Waveforms";
+
+impl ExportOptions {
+    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the requested
+    /// displacement [output unit].
+    ///
+    /// # Errors
+    /// No such target, options that it does not take, a controller or a model that it cannot hold.
+    pub fn run(
+        &self,
+        target: &str,
+        model: &Model,
+        reference: Option<&[f64]>,
+        compiler: Option<Compiler>,
+    ) -> Result<Made, Error> {
+        let target = self::target(target)?;
+        self.fit(target, reference.is_some())?;
+        let how = How { limits: self.limits.limits()?.unwrap_or_default(), clip: self.clip, ..How::default() };
+        let drive = self.controller.as_deref().map(|name| self.tuned(name, model, how)).transpose()?;
+        let controller = drive.as_ref().map(Drive::controller);
+        (target.make)(&Wanted { model, options: self.clone(), how, controller, reference, compiler })
+    }
+
+    /// Refuses what would count for nothing.
+    fn fit(&self, target: &Target, is_followed: bool) -> Result<(), Error> {
+        let given = self.changed().into_iter().map(|(row, value)| (row.name, value));
+        for (name, value) in given.chain(is_followed.then(|| ("reference", "given".into()))) {
+            let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
+            if !takers.is_empty() && !takers.contains(&target.name) {
+                let rule = format!("is not for the target {}, but for {}", target.name, takers.join(", "));
+                return Err(Error::parameter(name, value, rule));
+            }
+        }
+        match self.tuning.changed().first() {
+            Some((row, value)) if self.controller.is_none() => {
+                Err(Error::parameter(row.name, value, "is what a controller is tuned to: name one"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The controller of this name for the model.
+    fn tuned(&self, name: &str, model: &Model, how: How) -> Result<Drive, Error> {
+        let law = Law::find(name)?;
+        // What takes no feed-forward plans for itself.
+        if !law.fed {
+            let rule = "plans anew in every sample, which is no law to export: take one with a law, such as pi";
+            return Err(Error::parameter("controller", name, rule));
+        }
+        self.tuning.drive(Scheme { law: Some(law), ..Scheme::named("gain")? }, model, how)
+    }
+}
 
 /// What to export.
 #[derive(Debug, Clone)]
 pub struct Wanted<'w> {
     /// The model.
     pub model: &'w Model,
-    /// What functions, types and files are called after: a letter, then letters, digits and underscores.
-    pub name: &'w str,
-    /// Whether numbers are of single precision.
-    pub single: bool,
+    /// How.
+    pub options: ExportOptions,
     /// Limits of the feed-forward.
     pub how: How,
-    /// Samples by which the feed-forward is late, which it looks ahead.
-    pub preview: usize,
     /// The controller to go with it, if any.
     pub controller: Option<&'w dyn Controller>,
     /// The wanted displacement, for targets that are a table of voltages [output unit]; others do without.
     pub reference: Option<&'w [f64]>,
     /// What compiles C for targets that take a library with them, if there is such a thing.
     pub compiler: Option<Compiler>,
-    /// How controllers play such a table.
-    pub playback: Playback,
 }
 
 impl<'w> Wanted<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
-    pub fn new(model: &'w Model, name: &'w str) -> Self {
-        let (how, playback) = (How::default(), Playback::default());
-        let (single, preview, controller, reference, compiler) = (false, 0, None, None, None);
-        Wanted { model, name, single, how, preview, controller, reference, compiler, playback }
+    pub fn new(model: &'w Model, name: &str) -> Self {
+        let options = ExportOptions { name: name.into(), ..ExportOptions::default() };
+        Wanted { model, options, how: How::default(), controller: None, reference: None, compiler: None }
+    }
+
+    /// The same in single precision, or not.
+    pub fn single(mut self, single: bool) -> Self {
+        self.options.float = single;
+        self
+    }
+
+    /// What things are called after.
+    fn name(&self) -> &str {
+        &self.options.name
     }
 }
 
@@ -66,21 +144,6 @@ pub struct Compiler {
     pub platform: &'static str,
     /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same files.
     pub run: fn(&[File]) -> Result<Vec<u8>, Error>,
-}
-
-/// A file to write.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct File {
-    /// Its path, with `/` between folders.
-    pub path: String,
-    /// What is in it.
-    pub bytes: Vec<u8>,
-}
-
-impl File {
-    fn text(path: impl Into<String>, text: impl Into<String>) -> Self {
-        File { path: path.into(), bytes: text.into().into_bytes() }
-    }
 }
 
 /// What a target made.
@@ -101,8 +164,8 @@ pub struct Target {
     pub summary: &'static str,
     /// What the files follow.
     pub reference: &'static str,
-    /// Which of the settings of [`Wanted`] it heeds, as the command line calls them.
-    pub heeds: &'static [&'static str],
+    /// Which it takes of the options that not all targets take; `reference` is what it follows.
+    pub takes: &'static [&'static str],
     /// Makes the files.
     pub make: fn(&Wanted) -> Result<Made, Error>,
 }
@@ -113,8 +176,8 @@ impl std::fmt::Debug for Target {
     }
 }
 
-/// What code heeds.
-const CODE: &[&str] = &["float", "preview", "controller"];
+/// What code takes.
+const CODE: &[&str] = &["float", "preview", "controller", "late", "gain_margin", "phase_margin"];
 
 /// The targets there are.
 pub static TARGETS: &[Target] =
@@ -127,7 +190,7 @@ pub static TARGETS: &[Target] =
 /// use piezoid_export::Export;
 /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
-/// assert_eq!(model.export("c", "bender")?.files[0].path, "bender.h");
+/// assert_eq!(model.export("c", "bender")?.files[0].name, "bender.h");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 pub trait Export {
@@ -152,7 +215,7 @@ impl Export for Model {
 /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
 /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
 /// let made = (target("c")?.make)(&Wanted::new(&model, "bender"))?;
-/// assert_eq!(made.files[0].path, "bender.h");
+/// assert_eq!(made.files[0].name, "bender.h");
 /// assert!(target("cpp").unwrap_err().to_string().contains("known are c"));
 /// # Ok::<(), piezoid::Error>(())
 /// ```

@@ -70,7 +70,7 @@ pub(super) fn render((path, text): Template, context: Value) -> Result<String, E
 
 /// What every template is told: the model, and what is called from outside, with its vectors as `table` prints numbers.
 pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> String) -> Value {
-    let (model, name) = (wanted.model, wanted.name);
+    let (model, name) = (wanted.model, wanted.name());
     let signal = |signal: &Signal, values: &[f64]| {
         let Signal { name, unit, about } = signal;
         context! { name => *name, unit, about => *about, values => table(values) }
@@ -91,7 +91,7 @@ pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> Str
     let mut called = Vec::new();
     whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
     context! {
-        called, name, upper => name.to_uppercase(), single => wanted.single, ts => model.ts(), preview => wanted.preview,
+        called, name, upper => name.to_uppercase(), single => wanted.options.float, ts => model.ts(), preview => wanted.options.preview,
         hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
         order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
         entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),

@@ -46,7 +46,7 @@ pub(super) fn of(whole: &Whole, wanted: &Wanted) -> Result<Vec<Vectors>, Error> 
     };
     let of = |entry: &Entry| {
         let missed = if entry.step == "ff_step" { missed(wanted, &y) } else { None };
-        Ok(Vectors { missed, ..answers(whole, entry, inputs(entry), wanted.single)? })
+        Ok(Vectors { missed, ..answers(whole, entry, inputs(entry), wanted.options.float)? })
     };
     whole.entries.iter().map(of).collect()
 }
@@ -97,9 +97,9 @@ const USELESS: f64 = 1e-2;
 
 /// What the model leaves of the reference `r` behind the feed-forward, rms over its height, where it wanders.
 fn missed(wanted: &Wanted, r: &[f64]) -> Option<f64> {
-    let causal = Causal::new(wanted.model, wanted.how, wanted.preview).ok()?;
+    let causal = Causal::new(wanted.model, wanted.how, wanted.options.preview).ok()?;
     let y = wanted.model.simulate(&causal.simulate(r));
-    let pairs = || r.iter().zip(y.iter().skip(wanted.preview)).take(WANDERING).skip(BEGUN);
+    let pairs = || r.iter().zip(y.iter().skip(wanted.options.preview)).take(WANDERING).skip(BEGUN);
     let (low, high) = ends(pairs().map(|(r, _)| *r));
     let mean = pairs().map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / pairs().count() as f64;
     Some(mean.sqrt() / (high - low))

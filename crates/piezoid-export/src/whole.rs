@@ -108,7 +108,7 @@ impl Whole {
         whole.controller(wanted, &u, &y)?;
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
-        whole.held(wanted.single)?;
+        whole.held(wanted.options.float)?;
         let vectors = vectors::of(&whole, wanted)?;
         whole.entries.iter_mut().zip(vectors).for_each(|(entry, vectors)| entry.vectors = vectors);
         for entry in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
@@ -120,17 +120,17 @@ impl Whole {
 
     /// Adds the inverse, or why there is none.
     fn feed_forward(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
-        if wanted.preview > Causal::LATEST {
+        if wanted.options.preview > Causal::LATEST {
             let rule = format!("must be at most {} samples", Causal::LATEST);
-            return Err(Error::parameter("preview", wanted.preview, rule));
+            return Err(Error::parameter("preview", wanted.options.preview, rule));
         }
-        match Causal::new(wanted.model, wanted.how, wanted.preview) {
+        match Causal::new(wanted.model, wanted.how, wanted.options.preview) {
             // What was asked for is not left out in silence.
-            Err(error) if wanted.how != How::default() || wanted.preview > 0 => return Err(error),
+            Err(error) if wanted.how != How::default() || wanted.options.preview > 0 => return Err(error),
             Err(error) => self.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
                 causal.extend(&mut self.program)?;
-                let late = match wanted.preview {
+                let late = match wanted.options.preview {
                     0 => String::new(),
                     n => format!(", which is to be given {n} samples ahead of time"),
                 };

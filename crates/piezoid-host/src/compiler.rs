@@ -1,7 +1,7 @@
 //! The C compiler of this machine, for exports that take a library with them.
 
-use piezoid::Error;
-use piezoid_export::{Compiler, File};
+use piezoid::{Error, File};
+use piezoid_export::Compiler;
 use std::ffi::OsString;
 use std::process::Command;
 
@@ -27,9 +27,9 @@ fn library(files: &[File]) -> Result<Vec<u8>, Error> {
     let failed = |error: std::io::Error| Error::Content(format!("the C compiler could not be run: {error}"));
     let folder = tempfile::Builder::new().prefix("piezoid-").tempdir().map_err(failed)?;
     for file in files {
-        std::fs::write(folder.path().join(&file.path), &file.bytes).map_err(failed)?;
+        std::fs::write(folder.path().join(&file.name), &file.bytes).map_err(failed)?;
     }
-    let sources = files.iter().filter(|file| file.path.ends_with(".c")).map(|file| OsString::from(&file.path));
+    let sources = files.iter().filter(|file| file.name.ends_with(".c")).map(|file| OsString::from(&file.name));
     let mut cc = Command::new("cc");
     cc.current_dir(folder.path()).args(FLAGS).args(PLAIN).args(sources).args(["-o", "library"]);
     let told = cc.output().map_err(failed)?;

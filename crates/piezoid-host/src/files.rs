@@ -1,7 +1,6 @@
 //! Files that are whole or not there: written beside their place and renamed.
 
-use piezoid::Error;
-use piezoid_export::File;
+use piezoid::{Error, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -32,7 +31,7 @@ pub fn write_all(folder: &Path, files: &[File]) -> Result<(), Error> {
         let folder = folder.display();
         return Err(Error::Content(format!("cannot write into {folder}: it is a file: name a folder")));
     }
-    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.path)).collect();
+    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.name)).collect();
     if let Some(path) = paths.iter().find(|path| path.is_dir()) {
         let what = "there is a folder of that name: move it, or name another folder";
         return Err(Error::Content(format!("cannot write {}: {what}", path.display())));

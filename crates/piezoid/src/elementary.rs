@@ -295,7 +295,7 @@ mod tests {
 
         #[test]
         fn programs_have_the_same_to_the_bit(x in -750.0..750.0f64, small in -0.9..0.9f64) {
-            let program = Program::new(vec![block()]).unwrap();
+            let program = Program::new(vec![Block::elementary()]).unwrap();
             let mut machine = Machine::new(&program, "", false);
             let mut of = |name: &str, numbers: &[f64]| machine.call(name, numbers).unwrap()[0];
             for x in [x, small, 0.01 * small, 0.0] {

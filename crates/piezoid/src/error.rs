@@ -3,6 +3,7 @@
 //! Every message says what is wrong, the value, where it stands, and what to do. How a search ended is not an error
 //! but data (see [`crate::optimize`]).
 
+use serde_json::Value;
 use thiserror::Error;
 
 /// Bad input, named with its numbers.
@@ -76,6 +77,22 @@ pub enum Error {
     /// A file or document whose content as a whole does not fit.
     #[error("{0}")]
     Content(String),
+    /// What options would settle.
+    #[error("{error}give {}", plain(options))]
+    Advised {
+        /// What is wrong, ending so that the options can follow.
+        error: Box<Error>,
+        /// Any of these helps: an option by its name, with its value; null where the user knows it.
+        options: Vec<(&'static str, Value)>,
+    },
+    /// What is wrong with a file.
+    #[error("{name}: {error}")]
+    File {
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        error: Box<Error>,
+    },
     /// A name that is not in a list.
     #[error("there is no {kind} called `{name}`: known are {}{}", known.join(", "), nearest(name, known))]
     Unknown {
@@ -160,6 +177,37 @@ impl Error {
     pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         Error::Unknown { kind, name: name.into(), known: known.into_iter().map(String::from).collect() }
     }
+
+    /// The message, its options written as `show` writes a name and a value.
+    pub fn told(&self, show: &dyn Fn(&str, &Value) -> String) -> String {
+        match self {
+            Error::Advised { error, options } => {
+                let options: Vec<String> = options.iter().map(|(name, value)| show(name, value)).collect();
+                format!("{error}give {}", options.join(" or "))
+            }
+            Error::Limits(_) | Error::Unreachable(_) => format!("{self} ({})", show("clip", &Value::Bool(true))),
+            Error::File { name, error } => format!("{name}: {}", error.told(show)),
+            other => other.to_string(),
+        }
+    }
+
+    pub(crate) fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
+        Error::Advised { error: Box::new(self), options }
+    }
+
+    /// The same about the file of this name.
+    pub fn of(self, name: &str) -> Self {
+        Error::File { name: name.into(), error: Box::new(self) }
+    }
+}
+
+/// "`ts` = 0.1 or `time_col`"
+fn plain(options: &[(&'static str, Value)]) -> String {
+    let one = |(name, value): &(&str, Value)| match value {
+        Value::Null => format!("`{name}`"),
+        value => format!("`{name}` = {value}"),
+    };
+    options.iter().map(one).collect::<Vec<_>>().join(" or ")
 }
 
 /// The row called `name` of a list of a `kind`.

@@ -7,7 +7,7 @@ use crate::hammerstein::{Identified, Joint, Paper, identify_joint, identify_pape
 use crate::hysteresis::{Reading, Split};
 use crate::linear;
 use crate::optimize::swarm::{self, GlobalBest};
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionRow, Options, Values, options};
 use crate::plant::Spec;
 use crate::progress::{Progress, unwatched};
 use crate::record::Record;
@@ -145,7 +145,7 @@ pub fn identify_watched<'r>(
     progress: &mut Progress,
 ) -> Result<Identified, Error> {
     let Records { small_signal, large_signal } = records.into();
-    options.belong()?;
+    options.check()?;
     match options.method {
         Method::Joint => identify_joint(small_signal, large_signal, &options.joint()?, progress),
         Method::Paper => identify_paper(small_signal, large_signal, &options.paper()?, progress),
@@ -181,14 +181,11 @@ impl IdentifyOptions {
             Method::Joint => (PAPER, "paper"),
             Method::Paper => (JOINT, "joint"),
         };
-        let (given, usual) = (serde_json::to_value(self), serde_json::to_value(IdentifyOptions::default()));
-        let (given, usual) = (given.unwrap_or_default(), usual.unwrap_or_default());
-        let rows = <IdentifyOptions as crate::options::Options>::rows();
-        match rows.iter().find(|row| row.group == of && given[row.name] != usual[row.name]) {
+        match self.changed().into_iter().find(|(row, _)| row.group == of) {
             None => Ok(()),
-            Some(row) => {
+            Some((row, value)) => {
                 let rule = format!("belongs to the method {other}: leave it out, or ask for that method");
-                Err(Error::parameter(row.name, given[row.name].to_string().trim_matches('"'), rule))
+                Err(Error::parameter(row.name, value, rule))
             }
         }
     }
@@ -247,7 +244,6 @@ impl IdentifyOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::options::Options;
     use crate::plant::Preset;
     use serde_json::{Value, json};
 
@@ -264,7 +260,7 @@ mod tests {
             }
             match &usual[row.name] {
                 Value::Null => assert!(!row.absent.is_empty() || row.group == JOINT, "{}", row.name),
-                value => row.check(value).unwrap(),
+                value => assert_eq!(row.fit(value.clone()), Ok(value.clone())),
             }
         }
     }
@@ -272,7 +268,7 @@ mod tests {
     #[test]
     fn the_defaults_that_are_told_of_the_papers_method_are_those_it_has() {
         let usual = Paper::default();
-        let told = |name: &str| IdentifyOptions::default_of(name);
+        let told = |name: &str| IdentifyOptions::rows().iter().find(|row| row.name == name).unwrap().usual();
         assert_eq!([told("bins"), told("particles")], [usual.bins, usual.swarm.particles].map(|n| n.to_string()));
         assert_eq!(told("iterations"), usual.swarm.iterations.to_string());
         assert_eq!((told("estimator"), usual.swarm.seed), (usual.estimator, IdentifyOptions::default().seed));

@@ -57,6 +57,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 pub mod validation;
+mod verbs;
 pub mod waveform;
 
 pub use error::Error;
@@ -65,3 +66,7 @@ pub use identification::{IdentifyOptions, Method, Records, identify, identify_wa
 pub use options::{OptionRow, Options, Values};
 pub use record::{Record, Units};
 pub use system::System;
+pub use verbs::{
+    Compared, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited, File, Identification,
+    SimulateOptions, Simulated, TuneOptions, Validated,
+};

@@ -14,6 +14,8 @@ use serde_json::Value;
 pub enum Values {
     /// Yes or no.
     Switch,
+    /// Yes or no, written 1 or 0.
+    Bit,
     /// A whole number, from the first to the second.
     Whole(u64, u64),
     /// A number from `least` on, itself left out where `open`, and below `below`.
@@ -25,14 +27,18 @@ pub enum Values {
         /// What it must be below.
         below: f64,
     },
+    /// Two numbers.
+    Pair,
     /// One of these names, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
     /// A name or text, as the help describes it; what its placeholder is called.
     Text(&'static str),
+    /// One text or several.
+    Texts(&'static str),
 }
 
 /// One option of a verb: a row of its table.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct OptionRow {
     /// Name of the field, in lower case with underscores.
     pub name: &'static str,
@@ -42,8 +48,12 @@ pub struct OptionRow {
     pub unit: &'static str,
     /// What it means.
     pub help: &'static str,
-    /// What holds where it is not given, of an option that has no value then; empty where nothing is to be said.
+    /// What it is where it is not given; null of an option that has no value then.
+    pub default: fn() -> Value,
+    /// What holds where it has none; empty where nothing is to be said.
     pub absent: &'static str,
+    /// Whether it must be given.
+    pub required: bool,
     /// The heading under which it stands; empty for the verb's own.
     pub group: &'static str,
     /// The option without which it means nothing; empty where there is none.
@@ -52,36 +62,75 @@ pub struct OptionRow {
 
 impl OptionRow {
     /// An option that takes `values`; a table adds its name and its help.
-    pub(crate) const fn new(values: Values) -> Self {
-        OptionRow { name: "", values, unit: "", help: "", absent: "", group: "", requires: "" }
+    pub const fn new(values: Values) -> Self {
+        let default = || Value::Null;
+        OptionRow {
+            name: "",
+            values,
+            unit: "",
+            help: "",
+            default,
+            absent: "",
+            required: false,
+            group: "",
+            requires: "",
+        }
+    }
+
+    /// Any number in `unit`.
+    pub const fn number(unit: &'static str) -> Self {
+        let any = Values::Number { least: f64::NEG_INFINITY, open: true, below: f64::INFINITY };
+        OptionRow { unit, ..OptionRow::new(any) }
     }
 
     /// A positive number in `unit`.
-    pub(crate) const fn positive(unit: &'static str) -> Self {
+    pub const fn positive(unit: &'static str) -> Self {
         OptionRow { unit, ..OptionRow::new(Values::Number { least: 0.0, open: true, below: f64::INFINITY }) }
     }
 
     /// A number in `unit` that is 0 or more.
-    pub(crate) const fn not_negative(unit: &'static str) -> Self {
+    pub const fn not_negative(unit: &'static str) -> Self {
         OptionRow { unit, ..OptionRow::new(Values::Number { least: 0.0, open: false, below: f64::INFINITY }) }
     }
 
-    pub(crate) const fn absent(self, absent: &'static str) -> Self {
+    /// What holds where it has no value.
+    pub const fn absent(self, absent: &'static str) -> Self {
         OptionRow { absent, ..self }
     }
 
-    pub(crate) const fn group(self, group: &'static str) -> Self {
+    /// Its heading.
+    pub const fn group(self, group: &'static str) -> Self {
         OptionRow { group, ..self }
     }
 
-    pub(crate) const fn requires(self, requires: &'static str) -> Self {
+    /// The option without which it means nothing.
+    pub const fn requires(self, requires: &'static str) -> Self {
         OptionRow { requires, ..self }
+    }
+
+    /// It must be given.
+    pub const fn required(self) -> Self {
+        OptionRow { required: true, ..self }
+    }
+
+    /// What it is where it is not given, in words: its value, or what holds without one. Empty where nothing is to be said.
+    pub fn usual(&self) -> String {
+        match (self.default)() {
+            _ if self.required => String::new(),
+            Value::Null => self.absent.into(),
+            Value::Bool(on) if self.values == Values::Bit => u8::from(on).to_string(),
+            Value::Array(several) if several.is_empty() => self.absent.into(),
+            Value::String(text) => text,
+            value => value.to_string().trim_end_matches(".0").into(),
+        }
     }
 
     /// What a value must be, in words.
     pub fn rule(&self) -> String {
         match self.values {
             Values::Switch => "must be true or false".into(),
+            Values::Bit => "must be 0 (no) or 1 (yes)".into(),
+            Values::Pair => "must be two numbers".into(),
             Values::Whole(least, u64::MAX) => format!("must be a whole number, {least} or more"),
             Values::Whole(least, most) => format!("must be a whole number from {least} to {most}"),
             Values::Number { least, open, below } => {
@@ -100,42 +149,63 @@ impl OptionRow {
                 format!("must be {}", names.join(" or "))
             }
             Values::Text(_) => "must be a text".into(),
+            Values::Texts(_) => "must be one text or several".into(),
         }
     }
 
-    /// The value that `text` writes.
+    /// The value that `text` writes, of an option with several one of them.
     ///
     /// # Errors
     /// [`Error::Parameter`] of a text that is no such value.
     pub fn parse(&self, text: &str) -> Result<Value, Error> {
-        let value = match self.values {
+        let read = match self.values {
+            Values::Choice(_) | Values::Text(_) | Values::Texts(_) => Some(Value::from(text)),
             Values::Switch => text.parse::<bool>().map(Value::from).ok(),
-            Values::Whole(..) => text.parse::<u64>().map(Value::from).ok(),
-            Values::Number { .. } => text.parse::<f64>().map(Value::from).ok(),
-            Values::Choice(_) | Values::Text(_) => Some(Value::from(text)),
+            Values::Bit | Values::Whole(..) => text.parse::<u64>().map(Value::from).ok().or_else(|| number(text)),
+            Values::Number { .. } | Values::Pair => number(text),
         };
-        let value = value.ok_or_else(|| Error::parameter(self.name, text, self.rule()))?;
-        self.check(&value)?;
-        Ok(value)
+        let value = read.ok_or_else(|| Error::parameter(self.name, text, self.rule()))?;
+        if let Values::Pair | Values::Texts(_) = self.values { Ok(value) } else { self.fit(value) }
     }
 
-    /// Refuses a value that this option cannot have.
+    /// The value as the field takes it.
     ///
     /// # Errors
-    /// [`Error::Parameter`] with the name of the option, the value and what it must be.
-    pub fn check(&self, value: &Value) -> Result<(), Error> {
-        let fits = match self.values {
-            Values::Switch => value.is_boolean(),
-            Values::Whole(least, most) => value.as_u64().is_some_and(|n| (least..=most).contains(&n)),
-            Values::Number { least, open, below } => {
-                value.as_f64().is_some_and(|x| x.is_finite() && x < below && (x > least || x == least && !open))
+    /// [`Error::Parameter`] of one that this option cannot have: its name, the value and what it must be.
+    pub fn fit(&self, value: Value) -> Result<Value, Error> {
+        let whole = |value: &Value| value.as_u64().or_else(|| value.as_f64().and_then(exactly));
+        let is_number = |value: &Value| value.as_f64().is_some_and(f64::is_finite);
+        let fitted = match (self.values, &value) {
+            (Values::Switch | Values::Bit, Value::Bool(_)) => Some(value.clone()),
+            (Values::Bit, _) => whole(&value).filter(|n| *n < 2).map(|n| Value::Bool(n == 1)),
+            (Values::Whole(least, most), _) => whole(&value).filter(|n| (least..=most).contains(n)).map(Value::from),
+            (Values::Number { least, open, below }, _) => {
+                let fits = |x: f64| x.is_finite() && x < below && (x > least || x == least && !open);
+                value.as_f64().is_some_and(fits).then(|| value.clone())
             }
-            Values::Choice(known) => value.as_str().is_some_and(|text| known.iter().any(|(name, _)| *name == text)),
-            Values::Text(_) => value.is_string(),
+            (Values::Pair, Value::Array(two)) => (two.len() == 2 && two.iter().all(is_number)).then(|| value.clone()),
+            (Values::Choice(known), Value::String(text)) => {
+                known.iter().any(|(name, _)| name == text).then(|| value.clone())
+            }
+            (Values::Text(_), Value::String(_)) => Some(value.clone()),
+            (Values::Texts(_), Value::String(_)) => Some(Value::Array(vec![value.clone()])),
+            (Values::Texts(_), Value::Array(several)) => several.iter().all(Value::is_string).then(|| value.clone()),
+            _ => None,
         };
         let shown = || value.as_str().map_or_else(|| value.to_string(), str::to_string);
-        if fits { Ok(()) } else { Err(Error::parameter(self.name, shown(), self.rule())) }
+        fitted.ok_or_else(|| Error::parameter(self.name, shown(), self.rule()))
     }
+}
+
+/// The finite number that `text` writes.
+fn number(text: &str) -> Option<Value> {
+    text.parse::<f64>().ok().filter(|x| x.is_finite()).map(Value::from)
+}
+
+/// A number that is whole and not negative, as such.
+fn exactly(x: f64) -> Option<u64> {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    (x.fract() == 0.0 && (0.0..=EXACT).contains(&x)).then_some(x as u64)
 }
 
 /// The options of a verb.
@@ -158,32 +228,32 @@ pub trait Options: Default + Serialize + DeserializeOwned {
     /// # Errors
     /// [`Error::Unknown`] of an option that there is not, [`Error::Parameter`] of a value that it cannot have.
     fn from_json(given: Value) -> Result<Self, Error> {
-        let Value::Object(mut given) = given else {
+        let Value::Object(given) = given else {
             return Err(Error::Content(format!("options must be an object of names and values, not {given}")));
         };
-        given.retain(|_, value| !value.is_null());
-        let rows = Self::rows();
-        for (name, value) in &given {
+        let (rows, mut fitted) = (Self::rows(), serde_json::Map::new());
+        for (name, value) in given.into_iter().filter(|(_, value)| !value.is_null()) {
             let row = rows.iter().find(|row| row.name == name);
-            row.ok_or_else(|| Error::unknown("option", name, rows.iter().map(|row| row.name)))?.check(value)?;
+            let row = row.ok_or_else(|| Error::unknown("option", &name, rows.iter().map(|row| row.name)))?;
+            fitted.insert(name, row.fit(value)?);
         }
-        serde_json::from_value(Value::Object(given)).map_err(|e| Error::Content(format!("options: {e}")))
+        if let Some(row) = rows.iter().find(|row| row.required && !fitted.contains_key(row.name)) {
+            return Err(Error::parameter(row.name, "(not given)", row.rule()));
+        }
+        serde_json::from_value(Value::Object(fitted)).map_err(|e| Error::Content(format!("options: {e}")))
     }
 
-    /// What the option called `name` is where it is not given: its value, or what holds without one. Empty where nothing
-    /// is to be said.
-    fn default_of(name: &str) -> String {
-        let defaults = serde_json::to_value(Self::default()).unwrap_or_default();
-        let absent = || Self::rows().iter().find(|row| row.name == name).map_or("", |row| row.absent).to_string();
-        match &defaults[name] {
-            Value::Null => absent(),
-            Value::String(text) => text.clone(),
-            value => value.to_string(),
-        }
+    /// The options that are not what they are by themselves, with their values in words.
+    fn changed(&self) -> Vec<(OptionRow, String)> {
+        let given = serde_json::to_value(self).unwrap_or_default();
+        let changed = Self::rows().into_iter().filter(|row| given[row.name] != (row.default)());
+        changed.map(|row| (row, given[row.name].to_string().trim_matches('"').to_string())).collect()
     }
 }
 
 /// Defines the options of a verb: the struct, its defaults and its table. The comment of a field is its help.
+#[doc(hidden)]
+#[macro_export]
 macro_rules! options {
     (
         $(#[$about:meta])*
@@ -209,17 +279,18 @@ macro_rules! options {
             }
         }
 
-        impl $crate::options::Options for $name {
-            fn rows() -> Vec<$crate::options::OptionRow> {
-                let own = [$($crate::options::OptionRow {
+        impl $crate::Options for $name {
+            fn rows() -> Vec<$crate::OptionRow> {
+                let own = [$($crate::OptionRow {
                     name: stringify!($field),
-                    help: concat!($($help),+).trim_ascii(),
+                    help: concat!($($help),+).trim_ascii().trim_end_matches('.'),
+                    default: || serde_json::to_value::<$type>($default).unwrap_or_default(),
                     ..$row
                 }),*];
-                own.into_iter()$(.chain(<$group as $crate::options::Options>::rows()))*.collect()
+                own.into_iter()$(.chain(<$group as $crate::Options>::rows()))*.collect()
             }
         }
     };
 }
 
-pub(crate) use options;
+pub(crate) use crate::options;

@@ -31,7 +31,7 @@ fn record(table: &Table) -> Result<Record, Error> {
 
 /// What an error says of a channel that there is not.
 fn missing(table: &Table) -> String {
-    let asked = Selection { output: Some("no such channel".into()), ..Selection::default() };
+    let asked = Selection { output_col: Some("no such channel".into()), ..Selection::default() };
     table.record(&asked).expect_err("there is no such channel").to_string()
 }
 
@@ -86,7 +86,7 @@ fn other_types_and_names_are_there_to_choose() {
     ] {
         let (_, _, bytes, _) = FILES.iter().find(|(_, file, ..)| *file == name).expect("a file of the list");
         let table = Table::read(name, bytes).expect("a file that is read");
-        let selection = Selection { output: Some(channel.into()), ..Selection::default() };
+        let selection = Selection { output_col: Some(channel.into()), ..Selection::default() };
         assert_eq!(table.record(&selection).expect("a record").y(), wanted, "{name}: {channel}");
     }
 }

@@ -1,18 +1,16 @@
-//! What `piezoid identify` found, as tables and as JSON.
+//! What `piezoid identify` found, as tables.
 
-use super::{Proven, figures};
 use crate::console::Console;
 use crate::layout::table;
 use crate::tables;
 use piezoid::hammerstein::{FittedParameter, Identified, OperatorTrial};
-use piezoid::linear::{Arx, ModalForm, PoleShare, Residuals, Root};
+use piezoid::linear::{ModalForm, Residuals, Root};
 use piezoid::number::{round, short as number};
-use piezoid::validation::Metrics;
-use piezoid::{Model, System};
-use serde_json::{Value, json};
+use piezoid::{Identification, Model, System, Validated};
 
 /// What was found, for the terminal.
-pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console) -> String {
+pub(super) fn summary(made: &Identification, console: &Console) -> String {
+    let found = &made.found;
     let (arx, units) = (found.model.linear(), found.model.units());
     let listed = |name: &str, values: Vec<String>| {
         console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
@@ -84,9 +82,9 @@ pub(super) fn summary(found: &Identified, trained: &[Proven], console: &Console)
         let rows: Vec<_> = found.parameters.iter().map(row).collect();
         text += &format!("\n{}", table(&["parameter", "value", "std error"], &rows, console.room()));
     }
-    if !trained.is_empty() {
-        let each: Vec<Metrics> = trained.iter().map(|p| p.validation.metrics).collect();
-        text += &format!("\nIts own records\n{}", tables::all(trained, &Metrics::total(&each), false, console));
+    if !made.training.is_empty() {
+        let training = Validated { files: made.training.clone() };
+        text += &format!("\nIts own records\n{}", tables::all(&training, false, console));
     }
     text
 }
@@ -127,63 +125,4 @@ fn trials(found: &Identified, console: &Console) -> String {
     let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
     let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
     refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))
-}
-
-/// The linear block read as mechanics, for scripts; null of one without poles.
-fn reading(arx: &Arx) -> Value {
-    let reading = arx.reading();
-    let pole = |p: &PoleShare| {
-        let unit = p.oscillator(1.0);
-        json!({
-            "kind": p.kind(),
-            "hz": p.pole.hz,
-            "damping": p.pole.damping,
-            "share_percent": 100.0 * p.share,
-            "mass_per_stiffness": unit.map(|o| o.mass),
-            "damper_per_stiffness": unit.map(|o| o.damper),
-        })
-    };
-    match reading.poles.is_empty() {
-        true => Value::Null,
-        false => json!({
-            "gain": reading.gain,
-            "delay_s": reading.delay,
-            "poles": reading.poles.iter().map(pole).collect::<Vec<_>>(),
-            "residual_percent": 100.0 * reading.residual,
-        }),
-    }
-}
-
-/// What was found, for scripts.
-pub(super) fn result(found: &Identified, trained: &[Proven]) -> Value {
-    let arx = found.model.linear();
-    let each = |l: &piezoid::hammerstein::HiddenLoop| {
-        json!({
-            "frequency_hz": l.frequency_hz,
-            "loop_width_percent": 100.0 * l.found.branches.width(),
-            "ascending_below": l.found.ascending_below,
-            "agreement": l.found.agreement,
-        })
-    };
-    json!({
-        "linear": {
-            "a": arx.a(),
-            "b": arx.b(),
-            "poles": arx.poles(),
-            "zeros": arx.zeros(),
-            "reading": reading(arx),
-            "noise_gain": arx.noise_gain(),
-            "reason": found.linear.reason,
-            "residuals": found.linear.fit.as_ref().map(|f| f.residuals),
-            "offsets": found.linear.fit.as_ref().map(|f| &f.offsets),
-            "convergence": found.linear.fit.as_ref().map(|f| &f.history),
-        },
-        "operator": found.model.hysteresis().operator().name,
-        "loops": found.loops.iter().map(each).collect::<Vec<_>>(),
-        "trials": found.trials,
-        "parameters": found.parameters,
-        "creep": found.model.creep().lags(),
-        "training": trained.iter().map(figures).collect::<Vec<_>>(),
-        "notes": found.notes,
-    })
 }

@@ -1,17 +1,14 @@
 //! `piezoid identify`: from measured records to a model.
 
-use super::Proven;
-use super::identified::{result, summary};
+use super::identified::summary;
 use crate::console::Console;
-use crate::files::{self, Columns, Measured};
-use crate::flags::{Flags, misused};
+use crate::files;
+use crate::flags::{Flags, failed};
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::hammerstein::Identified;
-use piezoid::validation::{Linearity, Offset, ValidateOptions};
-use piezoid::{IdentifyOptions, Method, Record, Records, identify_watched};
-use serde_json::json;
+use piezoid::IdentifyOptions;
+use piezoid::formats::Selection;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -54,72 +51,34 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Columns,
+    columns: Flags<Selection>,
 }
 
 impl Identify {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        let large_files: Vec<&PathBuf> = self.large_signal.iter().chain(&self.data).collect();
-        let files: Vec<&PathBuf> = self.small_signal.iter().chain(large_files.iter().copied()).collect();
-        apart(&[Some(&self.output), self.json.as_deref()], &files)?;
-        files::ready(&[Some(&self.output), self.json.as_deref()])?;
-        let options = self.options.0;
-        options.check().map_err(misused)?;
-        let mut origins = Vec::new();
-        let mut read = |path: &&PathBuf| {
-            let Measured { record, origin } = self.columns.record(path)?;
-            origins.push(origin);
-            Ok(record)
-        };
-        let small: Vec<Record> = self.small_signal.iter().map(|path| read(&path)).collect::<Result<_>>()?;
-        let large: Vec<Record> = large_files.iter().map(read).collect::<Result<_>>()?;
+        let large_signal = [self.large_signal, self.data].concat();
+        let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
+        let results = [Some(self.output.as_path()), self.json.as_deref()];
+        apart(&results, &paths)?;
+        files::ready(&results)?;
+        self.options.0.check().map_err(failed)?;
+        let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&large_signal)?);
         let mut progress = console.progress();
-        let records = Records { small_signal: &small, large_signal: &large };
-        let found = console.done(identify_watched(records, &options, &mut progress))?;
+        let made = self.options.0.run((&small, &large), &self.columns.0, &files::command(), &mut progress);
         drop(progress);
-
-        let mut made = files::provenance(origins);
-        made["seed"] = json!(options.seed);
-        // For the report: the model alone does not tell them.
-        for (name, known) in [("trials", json!(found.trials)), ("parameters", json!(found.parameters))] {
-            if known != json!([]) {
-                made[name] = known;
-            }
+        let made = console.done(made)?;
+        if !results.contains(&Some(Path::new("-"))) {
+            console.print(&summary(&made, console))?;
         }
-        // The joint method gives each record an offset of its own.
-        let offset = if options.method == Method::Joint { Offset::Free } else { Offset::Kept };
-        let trained = trained(&found, &large_files, &large, &ValidateOptions { offset, ..ValidateOptions::default() })?;
-        let model = found.model.clone().with_provenance(made);
-        if ![Some(self.output.as_path()), self.json.as_deref()].contains(&Some(Path::new("-"))) {
-            console.print(&summary(&found, &trained, console))?;
-        }
-        for note in &found.notes {
+        for note in &made.found.notes {
             console.remark(note);
         }
-        let linearity: Vec<Option<Linearity>> = small.iter().map(|record| Linearity::of(record).ok()).collect();
-        for (path, seen) in self.small_signal.iter().zip(&linearity) {
+        for (file, seen) in small.iter().zip(&made.linearity) {
             if let Some(seen) = seen.as_ref().filter(|seen| seen.is_linear != Some(true)) {
-                console.remark(&format!("{}: {}", path.display(), seen.verdict));
+                console.remark(&format!("{}: {}", file.name, seen.verdict));
             }
         }
-        let mut result = result(&found, &trained);
-        result["linearity"] = json!(linearity);
-        files::write_json(self.json.as_deref(), &result, console)?;
-        files::write(&self.output, &model.to_json(), console)
+        files::write_json(self.json.as_deref(), &made.to_json(), console)?;
+        files::write(&self.output, &made.model.to_json(), console)
     }
-}
-
-/// The model's free run over its training data.
-fn trained(
-    found: &Identified,
-    files: &[&PathBuf],
-    records: &[Record],
-    options: &ValidateOptions,
-) -> Result<Vec<Proven>> {
-    let prove = |(path, record): (&&PathBuf, &Record)| {
-        let record = record.output_in(&found.model.units().y)?;
-        let validation = found.model.validate_with(&record, options)?;
-        Ok(Proven { file: path.display().to_string(), record, validation })
-    };
-    files.iter().zip(records).map(prove).collect()
 }

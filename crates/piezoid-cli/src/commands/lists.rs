@@ -2,8 +2,9 @@
 
 use crate::console::Console;
 use crate::files;
+use crate::flags::failed;
 use crate::values::Misused;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Args;
 use piezoid::control::{CONTROLLERS, FEEDS};
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
@@ -88,7 +89,8 @@ impl Plants {
 /// The plant called `name`, or the one in the file of that name.
 pub(crate) fn plant(name: &str) -> Result<Spec> {
     if name.ends_with(".json") {
-        return Spec::from_json(&files::read_text(Path::new(name))?).with_context(|| name.to_string());
+        let file = files::read(Path::new(name))?;
+        return file.text().and_then(|text| Spec::from_json(text).map_err(|e| e.of(name))).map_err(failed);
     }
     let own = "a plant of your own goes into a .json file: see `piezoid plants --show`";
     let unknown = |e| Misused(format!("{e} ({own})"));

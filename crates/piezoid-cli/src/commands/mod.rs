@@ -2,7 +2,6 @@
 
 mod compensate;
 mod control;
-mod driver;
 mod excite;
 mod export;
 mod identified;
@@ -12,10 +11,7 @@ mod report;
 mod shell;
 mod simulate;
 mod study;
-mod tuning;
 mod validate;
-
-pub(crate) use validate::{Proven, figures};
 
 use crate::console::Console;
 use anyhow::Result;

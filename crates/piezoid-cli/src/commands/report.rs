@@ -1,13 +1,13 @@
 //! `piezoid report`: a self-contained page on a model and how it meets records.
 
-use super::validate::{Proof, Proven};
+use super::validate::Proof;
 use crate::console::Console;
 use crate::files;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid_report::report::{ReportedRecord, report};
-use std::path::{Path, PathBuf};
+use piezoid_report::report::report;
+use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Example:
@@ -28,14 +28,7 @@ impl Report {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &self.proof.inputs())?;
         files::ready(&[Some(&self.output)])?;
-        let (model, proven) = self.proof.run()?;
-        let trials: Vec<ReportedRecord> = proven.iter().map(trial).collect();
-        files::write(&self.output, &report(&model, &trials).html(), console)
+        let (model, validated) = self.proof.run()?;
+        files::write(&self.output, &report(&model, &validated).html(), console)
     }
-}
-
-/// A record under its file's name, without folders: the same work gives the same page wherever it is done.
-fn trial(p: &Proven) -> ReportedRecord<'_> {
-    let name = Path::new(&p.file).file_name().and_then(|name| name.to_str()).unwrap_or(&p.file);
-    ReportedRecord { name, record: &p.record, validation: &p.validation }
 }

@@ -2,12 +2,13 @@
 
 use crate::console::Console;
 use crate::files;
+use crate::flags::Flags;
 use crate::layout::table;
 use anyhow::{Context, Result, bail};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use piezoid::number::{round, short as number};
-use piezoid::plant;
-use piezoid_report::study::{self, METHODS, Study as Outcome};
+use piezoid_host::files as host;
+use piezoid_report::study::{self, METHODS, Study as Outcome, StudyOptions};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -23,23 +24,11 @@ pub(crate) struct Study {
     /// The folder to write the report and the figures to.
     #[arg(long, value_name = "DIR", default_value = "study")]
     out: PathBuf,
-    /// The plant to study [default: both].
-    #[arg(long, value_name = "NAME", value_enum)]
-    plant: Option<Twin>,
-    /// Seed of the swarm and of the plant's noise.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    options: Flags<StudyOptions>,
     /// Write the tables as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Twin {
-    /// The paper's: one mode, no noise.
-    Paper,
-    /// The catalogue's PL140 with noise, creep and a driver.
-    Pl140,
 }
 
 impl Study {
@@ -47,30 +36,16 @@ impl Study {
         if self.out.exists() && !self.out.is_dir() {
             bail!("{}: this is a file, not a folder: name a folder with --out", self.out.display());
         }
-        let names: &[&str] = match self.plant {
-            None => &["paper", "pl140"],
-            Some(Twin::Paper) => &["paper"],
-            Some(Twin::Pl140) => &["pl140"],
-        };
         std::fs::create_dir_all(&self.out)
             .with_context(|| format!("cannot make the folder {}: name another with --out", self.out.display()))?;
         files::ready(&[Some(&self.out.join("report.html")), self.json.as_deref()])?;
-        let studies = names
-            .iter()
-            .map(|name| Outcome::run(plant::Preset::find(name)?, self.seed, &mut console.progress()))
-            .collect::<Result<Vec<Outcome>, _>>();
-        let studies = console.done(studies)?;
-
-        for (name, figure) in studies.iter().flat_map(Outcome::figures) {
-            files::write(&self.out.join(format!("{name}.svg")), &figure.svg(), console)?;
-        }
-        let page = self.out.join("report.html");
-        files::write(&page, &Outcome::page(&studies).html(), console)?;
+        let studies = console.done(self.options.0.run(&mut console.progress()))?;
+        host::write_all(&self.out, &Outcome::files(&studies))?;
         if self.json.as_deref() != Some(Path::new("-")) {
             for study in &studies {
                 console.print(&summary(study, console))?;
             }
-            console.print(&format!("Report: {}\n", page.display()))?;
+            console.print(&format!("Report: {}\n", self.out.join("report.html").display()))?;
         }
         files::write_json(self.json.as_deref(), &Outcome::to_json(&studies), console)
     }

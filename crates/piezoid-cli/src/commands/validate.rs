@@ -1,16 +1,15 @@
 //! `piezoid validate`: a model against records it has not seen, in free run.
 
 use crate::console::Console;
-use crate::files::{self, Columns};
-use crate::flags::Flags;
+use crate::files;
+use crate::flags::{Flags, failed};
 use crate::tables;
 use crate::values::apart;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use clap::Args;
-use piezoid::number::round;
-use piezoid::validation::{Metrics, ValidateOptions, Validation};
-use piezoid::{Model, Record};
-use serde_json::{Value, json};
+use piezoid::formats::Selection;
+use piezoid::validation::ValidateOptions;
+use piezoid::{Model, Validated};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -54,14 +53,7 @@ pub(crate) struct Proof {
     #[command(flatten)]
     options: Flags<ValidateOptions>,
     #[command(flatten)]
-    columns: Columns,
-}
-
-/// A record, its file's name as given, and the model's run beside it.
-pub(crate) struct Proven {
-    pub(crate) file: String,
-    pub(crate) record: Record,
-    pub(crate) validation: Validation,
+    columns: Flags<Selection>,
 }
 
 impl Proof {
@@ -70,25 +62,10 @@ impl Proof {
         self.data.iter().chain([&self.model]).collect()
     }
 
-    pub(crate) fn run(&self) -> Result<(Model, Vec<Proven>)> {
-        let model = files::model(&self.model)?;
-        let options = &self.options.0;
-        let mut unit = None;
-        let mut prove = |path: &PathBuf| {
-            let file = path.display().to_string();
-            let record = self.columns.record(path)?.record;
-            // The total of all files needs one unit: that of the first.
-            let unit = unit.get_or_insert_with(|| record.units().y.clone());
-            let record = record.output_in(unit).with_context(|| file.clone())?;
-            if options.skip >= record.duration() {
-                let (skip, duration) = (options.skip, round(record.duration()));
-                bail!("{file}: --skip {skip} leaves nothing of this record, which lasts {duration} s: skip less");
-            }
-            let validation = model.validate_with(&record, options).with_context(|| file.clone())?;
-            Ok(Proven { file, record, validation })
-        };
-        let proven = self.data.iter().map(&mut prove).collect::<Result<Vec<_>>>()?;
-        Ok((model, proven))
+    pub(crate) fn run(&self) -> Result<(Model, Validated)> {
+        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(&self.data)?);
+        let validated = self.options.0.run(&model, &data, &self.columns.0).map_err(failed)?;
+        Ok((model, validated))
     }
 }
 
@@ -96,40 +73,15 @@ impl Validate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[self.json.as_deref()], &self.proof.inputs())?;
         files::ready(&[self.json.as_deref()])?;
-        let (_, proven) = self.proof.run()?;
-        let each: Vec<Metrics> = proven.iter().map(|p| p.validation.metrics).collect();
-        let total = Metrics::total(&each);
+        let (_, validated) = self.proof.run()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
-            console.print(&tables::all(&proven, &total, self.full, console))?;
+            console.print(&tables::all(&validated, self.full, console))?;
         }
-        for p in &proven {
-            for remark in &p.validation.remarks {
-                console.remark(&format!("{}: {remark}", p.file));
+        for compared in &validated.files {
+            for remark in &compared.validation.remarks {
+                console.remark(&format!("{}: {remark}", compared.name));
             }
         }
-        let mut total = json!(total);
-        let [by_frequency, by_amplitude] = tables::merged_bins(&proven);
-        merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
-        merge(&mut total, json!({"unproven": tables::unproven(&proven)}));
-        let result = json!({"files": proven.iter().map(figures).collect::<Vec<_>>(), "total": total});
-        files::write_json(self.json.as_deref(), &result, console)
-    }
-}
-
-/// All about one record, for scripts.
-pub(crate) fn figures(p: &Proven) -> Value {
-    let v = &p.validation;
-    let mut object = json!({"file": p.file, "unit": p.record.units().y, "beginning": v.beginning});
-    merge(&mut object, json!(v.metrics));
-    merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
-    merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
-    merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
-    object
-}
-
-/// Adds the members of one object to another.
-fn merge(object: &mut Value, more: Value) {
-    if let (Value::Object(object), Value::Object(more)) = (object, more) {
-        object.extend(more);
+        files::write_json(self.json.as_deref(), &validated.to_json(), console)
     }
 }

@@ -10,7 +10,7 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
     for (name, model) in models() {
         for single in [false, true] {
             let folder = tempfile::tempdir().unwrap();
-            exported("c", &Wanted { single, ..Wanted::new(&model, &name) }, folder.path());
+            exported("c", &Wanted::new(&model, &name).single(single), folder.path());
             self_tested(folder.path(), &name, STRICT);
         }
     }
@@ -19,7 +19,7 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
 #[test]
 fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwards_within_a_few_of_them() {
     for (name, model) in models() {
-        let wanted = Wanted { single: true, ..Wanted::new(&model, &name) };
+        let wanted = Wanted::new(&model, &name).single(true);
         let whole = piezoid_export::Whole::new(&wanted).unwrap();
         for entry in &whole.entries {
             let vectors = &entry.vectors;

@@ -26,7 +26,7 @@ struct Taken {
 
 /// Builds, runs the self-test on the board, and counts.
 fn on_the_board(wanted: &Wanted) -> Vec<Taken> {
-    let (name, folder) = (wanted.name, tempfile::tempdir().unwrap());
+    let (name, folder) = (wanted.options.name, tempfile::tempdir().unwrap());
     exported("c", wanted, folder.path());
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/cortex");
     std::fs::write(folder.path().join("count.c"), counting(name, &Whole::new(wanted).unwrap())).unwrap();
@@ -74,7 +74,7 @@ fn every_operator_gives_the_bits_of_this_machine_and_what_a_step_takes_is_told()
     }
     println!("| model | step | flash [bytes] | instructions, mean | most |\n|---|---|--:|--:|--:|");
     for (name, model) in models() {
-        for taken in on_the_board(&Wanted { single: true, ..Wanted::new(&model, &name) }) {
+        for taken in on_the_board(&Wanted::new(&model, &name).single(true)) {
             println!("| {name} | `{}` | {} | {:.0} | {:.0} |", taken.step, taken.flash, taken.mean, taken.most);
         }
     }
@@ -87,7 +87,7 @@ fn the_papers_model_takes_600_instructions_at_most_and_a_feed_forward_of_15_play
     }
     let [papers, plays] = [papers_model(), fifteen_plays()];
     let step = |model: &Model, name: &str| {
-        let taken = on_the_board(&Wanted { single: true, ..Wanted::new(model, "m") });
+        let taken = on_the_board(&Wanted::new(model, "m").single(true));
         taken.into_iter().find(|t| t.step == name).unwrap()
     };
     let (model, feed_forward) = (step(&papers, "step"), step(&plays, "ff_step"));

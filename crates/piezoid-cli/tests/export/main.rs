@@ -13,12 +13,13 @@ mod structured_text;
 #[path = "../../../piezoid/tests/common/skipped.rs"]
 mod skipped;
 
+use piezoid::File;
 use piezoid::creep::Creep;
 use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{File, Made, Wanted, target};
+use piezoid_export::{Made, Wanted, target};
 use skipped::skipped;
 use std::path::Path;
 use std::process::{Command, Output};

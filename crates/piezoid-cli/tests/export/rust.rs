@@ -13,7 +13,7 @@ fn modules() -> TempDir {
     for (name, model) in models() {
         for single in [false, true] {
             let name = if single { format!("{name}_single") } else { name.clone() };
-            exported("rust", &Wanted { single, ..Wanted::new(&model, &name) }, folder.path());
+            exported("rust", &Wanted::new(&model, &name).single(single), folder.path());
             modules.push(format!("pub mod {name};\n"));
         }
     }

@@ -45,7 +45,7 @@ fn in_octave_the_class_gives_the_same_bits_for_every_operator_and_in_either_prec
         let folder = tempfile::tempdir().unwrap();
         let (mut script, mut expected) = (String::new(), String::new());
         for (name, model) in &models {
-            let wanted = Wanted { single, controller: Some(&controller), ..Wanted::new(model, name) };
+            let wanted = Wanted { controller: Some(&controller), ..Wanted::new(model, name).single(single) };
             exported("simulink", &wanted, folder.path());
             script += &format!("{name}_test();\n");
             for entry in Whole::new(&wanted).unwrap().entries {
@@ -82,7 +82,7 @@ fn the_example_of_the_help_runs_and_signals_keep_their_shape() {
     let model = model("bouc-wen", None).unwrap();
     for (single, class) in [(false, "double"), (true, "single")] {
         let folder = tempfile::tempdir().unwrap();
-        exported("simulink", &Wanted { single, ..Wanted::new(&model, "bender") }, folder.path());
+        exported("simulink", &Wanted::new(&model, "bender").single(single), folder.path());
         let help = std::fs::read_to_string(folder.path().join("bender.m")).unwrap();
         let (_, example) = help.split_once("Example:\n").unwrap();
         let lines = example.lines().map_while(|line| line.trim().strip_prefix('%'));
@@ -170,7 +170,7 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
     for (name, model) in kinds() {
         for single in [false, true] {
             let folder = tempfile::tempdir().unwrap();
-            let wanted = Wanted { single, controller: Some(&controller), ..Wanted::new(&model, &name) };
+            let wanted = Wanted { controller: Some(&controller), ..Wanted::new(&model, &name).single(single) };
             exported("simulink", &wanted, folder.path());
             let whole = Whole::new(&wanted).unwrap();
             for entry in &whole.entries {

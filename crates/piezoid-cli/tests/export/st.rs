@@ -10,7 +10,7 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
     let mut tried = 0;
     for (name, model) in models() {
         for single in [false, true] {
-            let made = (target("st").unwrap().make)(&Wanted { single, ..Wanted::new(&model, &name) }).unwrap();
+            let made = (target("st").unwrap().make)(&Wanted::new(&model, &name).single(single)).unwrap();
             let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
             let library = Library::read(&texts.collect::<String>(), single);
             let mut program = library.instance(&format!("{name}_test"));

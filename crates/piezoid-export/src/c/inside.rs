@@ -31,7 +31,7 @@ impl Language for C<'_> {
     }
 
     fn single(&self) -> bool {
-        self.wanted.single
+        self.wanted.options.float
     }
 
     fn real(&self, value: f64) -> String {

@@ -19,15 +19,15 @@ pub(super) const TARGET: Target = Target {
     name: "c",
     summary: "a header and a source file in C99, in double or single precision, with a self-test",
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
-    heeds: CODE,
+    takes: CODE,
     make: |wanted| {
         let whole = checked(wanted)?;
         let mut notes = whole.notes.clone();
-        if wanted.name.len() > TOLD_APART {
+        if wanted.name().len() > TOLD_APART {
             notes.push(format!("C99 promises to tell names apart by 31 letters, which one of more than {TOLD_APART} may leave too few of"));
         }
         let c = C::of(&whole, wanted);
-        let bytes = if wanted.single { 4 } else { 8 };
+        let bytes = if wanted.options.float { 4 } else { 8 };
         let tables = whole.program.blocks.iter().flat_map(|b| &b.constants).map(|c| c.values.len());
         let page = context! {
             bytes => whole.entries.iter().map(|e| (e.state, whole.program.order(e.state) * bytes)).collect::<BTreeMap<_, _>>(),
@@ -48,7 +48,7 @@ const RESERVED: &str = "auto break case char const continue default do double el
 
 /// What is exported, under a name that C has not taken.
 pub(super) fn checked(wanted: &Wanted) -> Result<Whole, Error> {
-    named(wanted.name, RESERVED)?;
+    named(wanted.name(), RESERVED)?;
     Whole::new(wanted)
 }
 
@@ -69,12 +69,12 @@ impl<'c> C<'c> {
 impl C<'_> {
     /// Header, source and self-test, and the page that goes with them.
     pub(super) fn files(&self, readme: String) -> Result<Vec<File>, Error> {
-        let name = self.wanted.name;
+        let name = self.wanted.name();
         Ok(vec![
-            File::text(format!("{name}.h"), self.header()?),
-            File::text(format!("{name}.c"), self.source()?),
-            File::text(format!("{name}_test.c"), render(template!("c/test.c.j2"), self.told())?),
-            File::text(format!("{name}.md"), readme),
+            File::new(format!("{name}.h"), self.header()?),
+            File::new(format!("{name}.c"), self.source()?),
+            File::new(format!("{name}_test.c"), render(template!("c/test.c.j2"), self.told())?),
+            File::new(format!("{name}.md"), readme),
         ])
     }
 
@@ -167,7 +167,7 @@ impl C<'_> {
     }
 
     fn number(&self) -> &'static str {
-        match (self.counts, self.wanted.single) {
+        match (self.counts, self.wanted.options.float) {
             (Some(_), _) => "int32_t",
             (None, true) => "float",
             (None, false) => "double",
@@ -193,7 +193,7 @@ impl C<'_> {
 
     /// A name of this file, which no other file has.
     pub(super) fn own(&self, name: &str) -> String {
-        format!("{}_{name}", self.wanted.name)
+        format!("{}_{name}", self.wanted.name())
     }
 
     /// The type of the state of a block.

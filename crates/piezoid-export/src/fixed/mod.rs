@@ -37,7 +37,7 @@ pub(super) const TARGET: Target = Target {
     name: "fixed",
     summary: "a header and a source file in C99 that count in whole numbers, with a self-test and the error",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
-    heeds: &["preview", "controller"],
+    takes: &["preview", "controller", "late", "gain_margin", "phase_margin"],
     make: |wanted| {
         let fixed = Fixed::new(checked(wanted)?, wanted)?;
         let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, wanted) };

@@ -32,7 +32,7 @@ pub(super) const FMI2: Target = Target {
     name: "fmu2",
     summary: "co-simulation units of FMI 2.0, with C sources and, where there is a compiler, a shared library",
     reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
-    heeds: CODE,
+    takes: CODE,
     make: |wanted| make(wanted, &VERSION_2),
 };
 
@@ -40,7 +40,7 @@ pub(super) const FMI3: Target = Target {
     name: "fmu3",
     summary: "co-simulation units of FMI 3.0, with C sources and, where there is a compiler, a shared library",
     reference: "Functional Mock-up Interface 3.0.2, https://fmi-standard.org",
-    heeds: CODE,
+    takes: CODE,
     make: |wanted| make(wanted, &VERSION_3),
 };
 
@@ -94,7 +94,7 @@ struct Fmu<'f> {
 const HEADERS: &str = "float stdbool stddef stdint stdio stdlib string";
 
 fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
-    named(wanted.name, HEADERS)?;
+    named(wanted.name(), HEADERS)?;
     let whole = checked(wanted)?;
     let mut made = Made { files: Vec::new(), notes: whole.notes.clone() };
     for entry in &whole.entries {
@@ -104,7 +104,7 @@ fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
             Ok(library) => files.push(library),
             Err(why) => made.notes.push(format!("{}.fmu has sources alone: {why}", fmu.name)),
         }
-        made.files.push(File { path: format!("{}.fmu", fmu.name), bytes: packed(&files)? });
+        made.files.push(File { name: format!("{}.fmu", fmu.name), bytes: packed(&files)? });
     }
     Ok(made)
 }
@@ -119,7 +119,7 @@ impl<'f> Fmu<'f> {
     fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Self {
         let mut whole = Whole { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
         whole.program.keep(&[entry.step]);
-        Fmu { wanted, version, whole, name: entry.named(wanted.name) }
+        Fmu { wanted, version, whole, name: entry.named(wanted.name()) }
     }
 
     /// All but the library.
@@ -140,14 +140,14 @@ impl<'f> Fmu<'f> {
         let (header, source) = (c.header()?, c.source()?);
         let token = token(&(text(version.description, "")? + &header + &source + &wrapper("")?));
         let mut files = vec![
-            File::text("modelDescription.xml", text(version.description, &token)?),
-            File::text("documentation/index.html", text(template!("fmu/index.html.j2"), &token)?),
-            File::text(format!("{SOURCES}{}.h", wanted.name), header),
-            File::text(format!("{SOURCES}{}.c", wanted.name), source),
-            File::text(format!("{SOURCES}{}_fmu.c", self.name), wrapper(&token)?),
+            File::new("modelDescription.xml", text(version.description, &token)?),
+            File::new("documentation/index.html", text(template!("fmu/index.html.j2"), &token)?),
+            File::new(format!("{SOURCES}{}.h", wanted.name()), header),
+            File::new(format!("{SOURCES}{}.c", wanted.name()), source),
+            File::new(format!("{SOURCES}{}_fmu.c", self.name), wrapper(&token)?),
         ];
         if let Some(build) = version.build {
-            files.push(File::text(format!("{SOURCES}buildDescription.xml"), text(build, &token)?));
+            files.push(File::new(format!("{SOURCES}buildDescription.xml"), text(build, &token)?));
         }
         Ok(files)
     }
@@ -157,8 +157,8 @@ impl<'f> Fmu<'f> {
         let none = "no C compiler is at hand; who imports it has to compile them";
         let compiler = self.wanted.compiler.ok_or_else(|| Error::Content(none.into()))?;
         let source = |file: &File| {
-            let name = file.path.strip_prefix(SOURCES)?;
-            Some(File { path: name.into(), bytes: file.bytes.clone() })
+            let name = file.name.strip_prefix(SOURCES)?;
+            Some(File { name: name.into(), bytes: file.bytes.clone() })
         };
         let bytes = (compiler.run)(&files.iter().filter_map(source).collect::<Vec<_>>())?;
         let extension = match compiler.platform.rsplit('-').next() {
@@ -167,7 +167,7 @@ impl<'f> Fmu<'f> {
             _ => "so",
         };
         let folder = (self.version.folder)(compiler.platform);
-        Ok(File { path: format!("binaries/{folder}/{}.{extension}", self.name), bytes })
+        Ok(File { name: format!("binaries/{folder}/{}.{extension}", self.name), bytes })
     }
 }
 
@@ -188,7 +188,7 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
             .compression_method(CompressionMethod::Stored)
             .last_modified_time(DateTime::default())
             .unix_permissions(0o644);
-        zip.start_file(file.path.as_str(), options).map_err(|error| unpacked(&error))?;
+        zip.start_file(file.name.as_str(), options).map_err(|error| unpacked(&error))?;
         zip.write_all(&file.bytes).map_err(|error| unpacked(&error))?;
     }
     Ok(zip.finish().map_err(|error| unpacked(&error))?.into_inner())
@@ -233,10 +233,10 @@ mod tests {
 
     #[test]
     fn the_library_goes_where_the_version_looks_for_it_and_is_made_of_the_sources() {
-        let listed = by(|files| Ok(files.iter().map(|file| file.path.clone() + ";").collect::<String>().into()));
+        let listed = by(|files| Ok(files.iter().map(|file| file.name.clone() + ";").collect::<String>().into()));
         for (version, path) in [("fmu2", "binaries/linux64/bender.so"), ("fmu3", "binaries/x86_64-linux/bender.so")] {
             let made = made(version, &model("um"), listed);
-            assert_eq!(made.files[0].path, "bender.fmu");
+            assert_eq!(made.files[0].name, "bender.fmu");
             assert!(text(&made.files[0], path).starts_with("bender.h;bender.c;bender_fmu.c;"));
         }
     }
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn the_same_model_gives_the_same_bytes_and_another_another_token() {
         let token = |version: &str, model: &Model, single: bool| {
-            let wanted = Wanted { single, ..Wanted::new(model, "bender") };
+            let wanted = Wanted::new(model, "bender").single(single);
             let made = (target(version).unwrap().make)(&wanted).unwrap();
             let xml = text(&made.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };

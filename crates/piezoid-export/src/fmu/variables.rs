@@ -70,7 +70,7 @@ pub(super) fn told(wanted: &Wanted, program: &Program, entry: &Entry) -> Value {
     for Part { path, about, at_rest, array } in parts(program, entry.state, "") {
         for (k, at_rest) in at_rest.iter().enumerate() {
             let index = if array { format!("[{}]", k + 1) } else { String::new() };
-            let start = if wanted.single { f64::from(*at_rest as f32) } else { *at_rest };
+            let start = if wanted.options.float { f64::from(*at_rest as f32) } else { *at_rest };
             let (name, about) = (format!("state.{path}{index}"), format!("state of {about}"));
             states.push(variable(STATE, &name, &about, "", Some(start)));
         }

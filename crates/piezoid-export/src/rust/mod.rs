@@ -21,18 +21,18 @@ pub(super) const TARGET: Target = Target {
     name: "rust",
     summary: "a module in Rust for crates with and without std, in double or single precision, with its tests",
     reference: "The Rust Reference, editions 2021 and 2024; core alone",
-    heeds: CODE,
+    takes: CODE,
     make: |wanted| {
-        named(wanted.name, RESERVED)?;
-        if wanted.name.chars().any(|c| c.is_ascii_uppercase()) {
-            let name = format!("`{}`", wanted.name);
+        named(wanted.name(), RESERVED)?;
+        if wanted.name().chars().any(|c| c.is_ascii_uppercase()) {
+            let name = format!("`{}`", wanted.name());
             return Err(Error::parameter("name", name, "must be in lower case for Rust: it is that of a module"));
         }
         let whole = Whole::new(wanted)?;
-        let page = Rust { whole: &whole, single: wanted.single }.told(wanted);
+        let page = Rust { whole: &whole, single: wanted.options.float }.told(wanted);
         let files = vec![
-            File::text(format!("{}.rs", wanted.name), render(template!("rust/module.rs.j2"), page.clone())?),
-            File::text(format!("{}.md", wanted.name), render(template!("rust/readme.md.j2"), page)?),
+            File::new(format!("{}.rs", wanted.name()), render(template!("rust/module.rs.j2"), page.clone())?),
+            File::new(format!("{}.md", wanted.name()), render(template!("rust/readme.md.j2"), page)?),
         ];
         Ok(Made { files, notes: whole.notes })
     },

@@ -46,7 +46,7 @@ impl<'m> Matlab<'m> {
     /// # Errors
     /// Refuses a name that MATLAB or Octave has taken, and one that its functions would be too long with.
     pub(super) fn of(whole: &Whole, wanted: &'m Wanted) -> Result<Self, Error> {
-        named(wanted.name, &format!("{WORDS} {TAKEN}"))?;
+        named(wanted.name(), &format!("{WORDS} {TAKEN}"))?;
         let mut program = whole.program.clone();
         for function in &mut program.functions {
             // What is called from outside hands its state back even where that never changes.
@@ -56,12 +56,12 @@ impl<'m> Matlab<'m> {
         program.functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
         let constants = program.blocks.iter().map(|block| constants_of(&block.name).len());
         let added = program.functions.iter().map(|f| f.name.len()).chain(constants).max().unwrap_or(0) + 1;
-        if wanted.name.len() + added > LONGEST {
+        if wanted.name().len() + added > LONGEST {
             let rule =
                 format!("must be of {} characters at most: MATLAB knows {LONGEST} of a function", LONGEST - added);
-            return Err(Error::parameter("name", format!("`{}`", wanted.name), rule));
+            return Err(Error::parameter("name", format!("`{}`", wanted.name()), rule));
         }
-        Ok(Matlab { program, name: wanted.name, single: wanted.single })
+        Ok(Matlab { program, name: wanted.name(), single: wanted.options.float })
     }
 
     /// What templates are told.

@@ -16,23 +16,23 @@ pub(super) const TARGET: Target = Target {
     name: "simulink",
     summary: "S-functions in C for Simulink, and a class for MATLAB and GNU Octave, in double or single precision",
     reference: "MathWorks, Writing S-Functions: level-2 C MEX S-functions",
-    heeds: CODE,
+    takes: CODE,
     make: |wanted| {
         let whole = checked(wanted)?;
-        let (c, name) = (C::of(&whole, wanted), wanted.name);
+        let (c, name) = (C::of(&whole, wanted), wanted.name());
         let page = Matlab::of(&whole, wanted)?.told(&whole, wanted);
         let made = |template| render(template, page.clone());
         let mut files = vec![
-            File::text(format!("{name}.h"), c.header()?),
-            File::text(format!("{name}.c"), c.source()?),
-            File::text(format!("{name}.m"), made(template!("simulink/class.m.j2"))?),
-            File::text(format!("{name}_test.m"), made(template!("simulink/test.m.j2"))?),
-            File::text(format!("{name}_build.m"), made(template!("simulink/build.m.j2"))?),
-            File::text(format!("{name}.md"), made(template!("simulink/readme.md.j2"))?),
+            File::new(format!("{name}.h"), c.header()?),
+            File::new(format!("{name}.c"), c.source()?),
+            File::new(format!("{name}.m"), made(template!("simulink/class.m.j2"))?),
+            File::new(format!("{name}_test.m"), made(template!("simulink/test.m.j2"))?),
+            File::new(format!("{name}_build.m"), made(template!("simulink/build.m.j2"))?),
+            File::new(format!("{name}.md"), made(template!("simulink/readme.md.j2"))?),
         ];
         for (k, entry) in whole.entries.iter().enumerate() {
             let text = render(template!("simulink/sfunction.c.j2"), context! { k, ..page.clone() })?;
-            files.push(File::text(format!("{}_sfun.c", entry.named(name)), text));
+            files.push(File::new(format!("{}_sfun.c", entry.named(name)), text));
         }
         Ok(Made { files, notes: whole.notes })
     },

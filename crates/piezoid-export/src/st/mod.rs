@@ -23,15 +23,15 @@ pub(super) const TARGET: Target = Target {
     name: "st",
     summary: "function blocks in structured text, in LREAL or REAL, with a program that proves them",
     reference: "IEC 61131-3:2003 and 2013",
-    heeds: CODE,
+    takes: CODE,
     make: |wanted| {
-        named(wanted.name, RESERVED)?;
+        named(wanted.name(), RESERVED)?;
         let whole = Whole::new(wanted)?;
         let page = St::new(&whole, wanted)?.told(wanted);
         let files = vec![
-            File::text(format!("{}.st", wanted.name), render(template!("st/library.st.j2"), page.clone())?),
-            File::text(format!("{}_test.st", wanted.name), render(template!("st/test.st.j2"), page.clone())?),
-            File::text(format!("{}.md", wanted.name), render(template!("st/readme.md.j2"), page)?),
+            File::new(format!("{}.st", wanted.name()), render(template!("st/library.st.j2"), page.clone())?),
+            File::new(format!("{}_test.st", wanted.name()), render(template!("st/test.st.j2"), page.clone())?),
+            File::new(format!("{}.md", wanted.name()), render(template!("st/readme.md.j2"), page)?),
         ];
         Ok(Made { files, notes: whole.notes })
     },

@@ -50,8 +50,8 @@ impl<'s> St<'s> {
         let (mut globals, mut fields) = (Names::default(), Names::default());
         let mut st = St {
             whole,
-            name: wanted.name,
-            single: wanted.single,
+            name: wanted.name(),
+            single: wanted.options.float,
             globals: Names::default(),
             fields: Names::default(),
             inner: Vec::new(),
@@ -61,10 +61,10 @@ impl<'s> St<'s> {
             globals.add(&format!("!{}", entry.step), &st.block_of(entry));
         }
         for own in ["tables", "test"] {
-            globals.add(&format!("!{own}"), &format!("{}_{own}", wanted.name));
+            globals.add(&format!("!{own}"), &format!("{}_{own}", wanted.name()));
         }
         for block in &program.blocks {
-            globals.add(&format!("!!{}", block.name), &format!("{}_{}", wanted.name, state_of(&block.name)));
+            globals.add(&format!("!!{}", block.name), &format!("{}_{}", wanted.name(), state_of(&block.name)));
             block.fields.iter().for_each(|field| fields.add(&field.name, &field.name));
         }
         for block in &program.blocks {
@@ -73,7 +73,7 @@ impl<'s> St<'s> {
             }
         }
         for function in &program.functions {
-            globals.add(&function.name, &format!("{}_{}", wanted.name, function.name));
+            globals.add(&function.name, &format!("{}_{}", wanted.name(), function.name));
             let mut reads = false;
             function.expressions(&mut |expr| match expr {
                 Expr::Constant(_, _, Some(_)) => reads = true,

@@ -18,7 +18,7 @@ mod nv200;
 mod table;
 
 use super::template::{Value, context, render, template};
-use super::{File, Made, Target, Wanted, named};
+use super::{ExportOptions, File, Made, Target, Wanted, named};
 use drive::{Drive, answer};
 use piezoid::error::{Error, positive};
 use piezoid::hammerstein::Model;
@@ -31,39 +31,9 @@ pub(super) const TARGET: Target = Target {
     name: "waveform",
     summary: "the drive of a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
     reference: "PI GCS 2.0, E-727 user manual E727T0005; piezosystem jena NV200/D NET instruction manual",
-    heeds: &["reference"],
+    takes: &["reference", "clip", "servo_cycle", "range"],
     make,
 };
-
-/// How controllers play a table.
-///
-/// ```
-/// use piezoid_export::{Playback, Wanted, target};
-/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
-/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
-/// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![2.0, 2.0])?, 2.0)?;
-/// let r: Vec<f64> = (0..100).map(|t| 200.0 * (std::f64::consts::TAU * 0.01 * f64::from(t)).sin()).collect();
-/// let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
-/// let made = (target("waveform")?.make)(&Wanted { reference: Some(&r), playback, ..Wanted::new(&model, "scan") })?;
-/// let paths: Vec<&str> = made.files.iter().map(|file| file.path.as_str()).collect();
-/// assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan_nv200.txt", "scan.md"]);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Playback {
-    /// Servo cycle of the GCS controller [s].
-    pub servo_cycle: f64,
-    /// The voltages that are 0 % and 100 % for the NV200 amplifier, counted as the model's input does [V]; without them
-    /// there is no file for it.
-    pub range: Option<(f64, f64)>,
-}
-
-impl Default for Playback {
-    /// The servo cycle of an E-727, 50 us; no range.
-    fn default() -> Self {
-        Playback { servo_cycle: 5e-5, range: None }
-    }
-}
 
 /// Digits of the voltages in the CSV file after the point: 0.1 mV.
 const DECIMALS: usize = 4;
@@ -72,21 +42,17 @@ const DECIMALS: usize = 4;
 const FINE: f64 = 1e-6;
 
 fn make(wanted: &Wanted) -> Result<Made, Error> {
-    named(wanted.name, "")?;
-    let (model, name, ts) = (wanted.model, wanted.name, wanted.model.ts());
+    named(wanted.name(), "")?;
+    let (model, name, ts) = (wanted.model, wanted.name(), wanted.model.ts());
     let Some(r) = wanted.reference else {
         return Err(Error::parameter("reference", "none", "must be given: one period of the wanted displacement"));
     };
-    if wanted.controller.is_some() || wanted.single || wanted.preview > 0 {
-        let because = "it holds voltages alone: leave controller, preview and single precision out".into();
-        return Err(Error::Unsuited { what: "table that computes".into(), because });
-    }
     let found = &model.units().u;
     if found != "V" {
         let what = "the model's input".into();
         return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of the tables,".into() });
     }
-    let Playback { servo_cycle, range } = wanted.playback;
+    let ExportOptions { servo_cycle, range, .. } = wanted.options;
     positive("servo_cycle", servo_cycle, "seconds")?;
     let drive = Drive::new(model, wanted.how, r)?;
     let plain = Table::new(Room { cycle: ts, points: usize::MAX, cycles: 1 }, &drive.u, ts, (0.0, 1.0), DECIMALS)?;
@@ -98,7 +64,7 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
     let mut add = |whose, end, table: &Table, text| {
         let (told, sentence) = stated(whose, format!("{name}{end}"), table, model, &drive);
         tables.push(told);
-        made.files.push(File::text(format!("{name}{end}"), text));
+        made.files.push(File::new(format!("{name}{end}"), text));
         sentence
     };
     let mut sentences = vec![add("the model's own", ".csv", &plain, rows(wanted, &drive, &plain)?)];
@@ -118,7 +84,7 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
         range => range.map(|(low, high)| [low.to_string(), high.to_string()]), beginning => beginning(model, &drive),
         slowest => model.creep().lags().iter().map(|lag| lag.tau_s).fold(0.0, f64::max),
     };
-    made.files.push(File::text(format!("{name}.md"), render(template!("waveform/readme.md.j2"), page)?));
+    made.files.push(File::new(format!("{name}.md"), render(template!("waveform/readme.md.j2"), page)?));
     Ok(made)
 }
 

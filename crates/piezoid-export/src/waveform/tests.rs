@@ -31,12 +31,16 @@ fn limits() -> How {
 }
 
 fn made(model: &Model, r: &[f64]) -> Made {
-    let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
-    make(&Wanted { reference: Some(r), how: limits(), playback, ..Wanted::new(model, "scan") }).unwrap()
+    make(&Wanted { reference: Some(r), how: limits(), ..ranged(model) }).unwrap()
+}
+
+fn ranged(model: &Model) -> Wanted<'_> {
+    let options = ExportOptions { name: "scan".into(), range: Some((-30.0, 120.0)), ..ExportOptions::default() };
+    Wanted { options, ..Wanted::new(model, "scan") }
 }
 
 fn text<'m>(made: &'m Made, path: &str) -> &'m str {
-    std::str::from_utf8(&made.files.iter().find(|f| f.path == path).unwrap().bytes).unwrap()
+    std::str::from_utf8(&made.files.iter().find(|f| f.name == path).unwrap().bytes).unwrap()
 }
 
 /// The numbers of a CSV column.
@@ -144,8 +148,7 @@ fn every_table_stays_within_the_limits() {
     let limits = Limits { low: Some(-25.0), high: Some(25.0), slew: Some(45.0), ..Limits::default() };
     let how = How { limits, clip: true, ..How::default() };
     let model = model("prandtl-ishlinskii", "um", 1.0);
-    let playback = Playback { range: Some((-30.0, 120.0)), ..Playback::default() };
-    let made = make(&Wanted { reference: Some(&r), how, playback, ..Wanted::new(&model, "scan") }).unwrap();
+    let made = make(&Wanted { reference: Some(&r), how, ..ranged(&model) }).unwrap();
     for file in ["scan_gcs.txt", "scan_nv200.txt"] {
         let (points, held) = played(text(&made, file));
         // Rounding to 0.15 mV adds to the slew.
@@ -160,7 +163,7 @@ fn every_table_stays_within_the_limits() {
 fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
     let made = make(&Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") }).unwrap();
-    let paths: Vec<&str> = made.files.iter().map(|f| f.path.as_str()).collect();
+    let paths: Vec<&str> = made.files.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan.md"]);
     assert!(made.notes.iter().any(|note| note.contains("give the voltages of 0 % and 100 %")), "{:?}", made.notes);
     assert!(!text(&made, "scan.md").contains("nv200"));
@@ -172,13 +175,17 @@ fn what_makes_no_table_is_refused_by_name() {
     let plain = || Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") };
     let said = |wanted: Wanted| make(&wanted).unwrap_err().to_string();
     assert!(said(Wanted { reference: None, ..plain() }).starts_with("reference = none: must be given"));
-    assert!(said(Wanted { single: true, ..plain() }).contains("leave controller, preview and single precision out"));
-    assert!(said(Wanted { name: "9", ..plain() }).starts_with("name = `9`"));
+    let single = ExportOptions { float: true, ..ExportOptions::default() }.run("waveform", &model, Some(&r), None);
+    assert!(single.unwrap_err().to_string().starts_with("float = true: is not for the target waveform, but for c,"));
+    let c = ExportOptions::default().run("c", &model, Some(&r), None);
+    assert!(c.unwrap_err().to_string().ends_with("is not for the target c, but for waveform"));
+    let options = ExportOptions { name: "9".into(), ..ExportOptions::default() };
+    assert!(said(Wanted { options, ..plain() }).starts_with("name = `9`"));
     let far = sine(100, 1e5);
     assert!(said(Wanted { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
     assert!(said(Wanted { reference: Some(&r[..60]), ..plain() }).contains("must join its beginning"));
-    let playback = Playback { servo_cycle: 0.0, ..Playback::default() };
-    assert!(said(Wanted { playback, ..plain() }).starts_with("servo_cycle = 0"));
+    let options = ExportOptions { servo_cycle: 0.0, ..ExportOptions::default() };
+    assert!(said(Wanted { options, ..plain() }).starts_with("servo_cycle = 0"));
     let millivolts = model.clone().with_units(Units { u: "mV".into(), y: "um".into() });
     let how = How::default();
     assert!(said(Wanted { model: &millivolts, how, ..plain() }).contains("the model's input is in mV but V"));

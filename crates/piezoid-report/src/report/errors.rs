@@ -1,13 +1,13 @@
 //! Where the error lies: by frequency and by amplitude, over all records.
 
-use super::ReportedRecord;
 use crate::page::{Section, Table};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::Compared;
 use piezoid::number::short;
 use piezoid::validation::{Bin, Source};
 
 /// Adds figures and tables of the bins of all records, where there are several bins.
-pub(super) fn by_all(section: Section, trials: &[ReportedRecord]) -> Section {
+pub(super) fn by_all(section: Section, trials: &[Compared]) -> Section {
     let units = trials[0].record.units();
     let by_frequency = Bin::merged(trials.iter().flat_map(|t| &t.validation.by_frequency));
     let by_amplitude = Bin::merged(trials.iter().flat_map(|t| &t.validation.by_amplitude));

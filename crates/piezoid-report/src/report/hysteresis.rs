@@ -1,8 +1,8 @@
 //! The hysteresis block in the report: its law, its parameters, and the loops that it makes by itself.
 
-use super::ReportedRecord;
 use crate::page::{Cell, Section, Table, Text};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::Compared;
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::Hysteresis;
 use piezoid::number::{round, short};
@@ -19,7 +19,7 @@ const FEWEST: f64 = 8.0;
 const MOST: f64 = 20_000.0;
 
 /// Adds the block.
-pub(super) fn block(section: Section, model: &Model, trials: &[ReportedRecord]) -> Section {
+pub(super) fn block(section: Section, model: &Model, trials: &[Compared]) -> Section {
     let (hysteresis, unit) = (model.hysteresis(), &model.units().u);
     let operator = hysteresis.operator();
     let range = range(model, trials);
@@ -37,7 +37,7 @@ pub(super) fn block(section: Section, model: &Model, trials: &[ReportedRecord]) 
 }
 
 /// The inputs to show: those the operator was identified on, the model, or those of the records.
-fn range(model: &Model, trials: &[ReportedRecord]) -> Option<(f64, f64)> {
+fn range(model: &Model, trials: &[Compared]) -> Option<(f64, f64)> {
     let seen = || trials.iter().flat_map(|t| t.record.u()).copied();
     let domain = model.identified().map(|domain| (domain.u[0], domain.u[1]));
     let range = model.hysteresis().range().or(domain).unwrap_or_else(|| ends(seen()));

@@ -13,25 +13,15 @@ mod tracking;
 pub use tracking::tracking;
 
 use crate::page::{Fact, Page, Section, Table};
+use piezoid::Validated;
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
-use piezoid::record::Record;
 use piezoid::system::System;
-use piezoid::validation::{Metrics, Validation};
-
-/// A record and the model's free run over it.
-#[derive(Debug, Clone, Copy)]
-pub struct ReportedRecord<'a> {
-    /// What the record is called: its file's name.
-    pub name: &'a str,
-    /// The record.
-    pub record: &'a Record,
-    /// The model's run.
-    pub validation: &'a Validation,
-}
+use piezoid::validation::Metrics;
 
 /// The report: one file that opens from disk.
-pub fn report(model: &Model, trials: &[ReportedRecord]) -> Page {
+pub fn report(model: &Model, validated: &Validated) -> Page {
+    let trials = &validated.files[..];
     let operator = model.hysteresis().operator();
     let page = Page::new("Hammerstein model").subtitle(format!(
         "{} hysteresis, {}, sampled every {} s",
@@ -42,7 +32,7 @@ pub fn report(model: &Model, trials: &[ReportedRecord]) -> Page {
         },
         model.ts()
     ));
-    let page = if trials.is_empty() { page } else { page.section(proof(trials)) };
+    let page = if trials.is_empty() { page } else { page.section(proof(validated)) };
     let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
     let page = page.section(model::section(model, trials));
     match origin::section(model) {
@@ -51,9 +41,8 @@ pub fn report(model: &Model, trials: &[ReportedRecord]) -> Page {
     }
 }
 
-fn proof(trials: &[ReportedRecord]) -> Section {
-    let each: Vec<Metrics> = trials.iter().map(|t| t.validation.metrics).collect();
-    let total = Metrics::total(&each);
+fn proof(validated: &Validated) -> Section {
+    let (trials, total) = (&validated.files[..], validated.total());
     let unit = &trials[0].record.units().y;
     let table = Table::new("Free run against measurement").text("record").number("samples");
     let table = table.number(format!("rms error [{unit}]")).number(format!("largest [{unit}]"));
@@ -62,7 +51,7 @@ fn proof(trials: &[ReportedRecord]) -> Section {
         let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(short);
         [name.to_string(), m.n.to_string()].into_iter().chain(figures).collect::<Vec<_>>()
     };
-    let table = trials.iter().fold(table, |table, t| table.row(row(t.name, &t.validation.metrics)));
+    let table = trials.iter().fold(table, |table, t| table.row(row(t.short(), &t.validation.metrics)));
     let table = if trials.len() > 1 { table.row(row("total", &total)) } else { table };
     let section = Section::new("Proof")
         .facts([
@@ -72,18 +61,10 @@ fn proof(trials: &[ReportedRecord]) -> Section {
         ])
         .table(table.note("Free run: the model sees the input alone, never the measured output."));
     let section = errors::by_all(section, trials);
-    match unproven(trials) {
+    match validated.unproven() {
         open if open.is_empty() => section,
         open => section.text("What none of these records shows, however good the figures are:").list(open),
     }
-}
-
-/// What no record can tell.
-fn unproven(trials: &[ReportedRecord]) -> Vec<String> {
-    let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
-    let of = |t: &ReportedRecord, text: &str| t.validation.unproven.iter().any(|other| subject(other) == subject(text));
-    let first = trials.first().map_or(&[][..], |t| &t.validation.unproven);
-    first.iter().filter(|text| trials.iter().all(|t| of(t, text))).cloned().collect()
 }
 
 #[cfg(test)]
@@ -91,7 +72,10 @@ mod tests {
     use super::*;
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
+    use piezoid::{Compared, Record};
     use serde_json::json;
+
+    const NONE: Validated = Validated { files: Vec::new() };
 
     #[test]
     fn every_operator_has_a_report_that_is_the_same_twice_and_tells_the_remarks() {
@@ -100,7 +84,7 @@ mod tests {
             let u: Vec<f64> = (0..900).map(|t| 12.0 * (f64::from(t) * 0.05).sin() + 1.0).collect();
             let record = Record::new(5e-4, u.clone(), model.simulate(&u)).unwrap();
             let validation = model.validate(&record).unwrap();
-            let trials = [ReportedRecord { name: "a<b.csv", record: &record, validation: &validation }];
+            let trials = Validated { files: vec![Compared { name: "runs/a<b.csv".into(), record, validation }] };
             let html = report(&model, &trials).html();
             assert_eq!(html, report(&model, &trials).html());
             assert!(html.contains("a&lt;b.csv"));
@@ -123,8 +107,9 @@ mod tests {
             Record::new(5e-4, u, y).unwrap()
         });
         let model = model.with_identified(piezoid::hammerstein::Domain::of(&records[..1]).unwrap());
-        let seen = records.each_ref().map(|r| model.validate(r).unwrap());
-        let trials = [0, 1].map(|k| ReportedRecord { name: "r.csv", record: &records[k], validation: &seen[k] });
+        let compared =
+            |record: Record| Compared { name: "r.csv".into(), validation: model.validate(&record).unwrap(), record };
+        let trials = Validated { files: records.into_iter().map(compared).collect() };
         let html = report(&model, &trials).html();
         for said in [
             "Error by frequency",
@@ -148,7 +133,7 @@ mod tests {
 
     #[test]
     fn what_identify_knew_is_told_where_the_model_has_it_and_nowhere_else() {
-        let bare = report(&beam(), &[]).html();
+        let bare = report(&beam(), &NONE).html();
         assert!(!bare.contains("Operators tried") && !bare.contains("How it was identified"));
         let made = json!({
             "command": "piezoid identify <here>",
@@ -159,7 +144,7 @@ mod tests {
             ],
             "parameters": [{"name": "mode 1 damping", "value": 0.03, "error": null}],
         });
-        let told = report(&beam().with_provenance(made), &[]).html();
+        let told = report(&beam().with_provenance(made), &NONE).html();
         let at = |said: &str| told.find(said).unwrap_or_else(|| panic!("{said}"));
         assert!(at("0.2500") < at("as good") && at("as good") < at("no &amp; why"), "the best first");
         assert!(at("taken") < at("as good"));
@@ -167,12 +152,12 @@ mod tests {
         at("piezoid identify &lt;here&gt;");
         // What someone else wrote there does no harm.
         let odd = json!({"trials": [7, {"operator": []}], "parameters": "none"});
-        assert!(report(&beam().with_provenance(odd), &[]).html().contains("Operators tried"));
+        assert!(report(&beam().with_provenance(odd), &NONE).html().contains("Operators tried"));
     }
 
     #[test]
     fn each_block_is_told_where_the_model_has_it() {
-        let plain = report(&beam(), &[]).html();
+        let plain = report(&beam(), &NONE).html();
         for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
             assert!(plain.contains(said), "{said}");
         }
@@ -184,7 +169,7 @@ mod tests {
         let image = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap();
         let creep = piezoid::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
         let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();
-        let full = report(&full, &[]).html();
+        let full = report(&full, &NONE).html();
         for said in
             ["4.500 % together", "Creep after a step", "at most 6", "of delay or of faster modes", "too fast to see"]
         {

@@ -1,14 +1,15 @@
 //! The model in the report, block by block, in the order in which the input passes them.
 
-use super::{ReportedRecord, creep, hysteresis, linear};
+use super::{creep, hysteresis, linear};
 use crate::page::Section;
+use piezoid::Compared;
 use piezoid::driver::DriverModel;
 use piezoid::hammerstein::{Domain, Model};
 use piezoid::number::{round, short};
 use std::f64::consts::TAU;
 
 /// What the model is made of.
-pub(super) fn section(model: &Model, trials: &[ReportedRecord]) -> Section {
+pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
     let section = Section::new("The model");
     let section = match model.identified() {
         Some(domain) => section.text(known(domain, &model.units().u)),

@@ -1,16 +1,17 @@
 //! A record in the report: its course, its loops, and what is left.
 
-use super::{ReportedRecord, residuals};
+use super::residuals;
 use crate::page::{Section, Table, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::Compared;
 use piezoid::number::{round, short};
 use piezoid::validation::LoopShape;
 
 /// The longest stretch of time that a figure of a record shows [samples].
 const SHOWN: usize = 4000;
 
-pub(super) fn section(trial: &ReportedRecord) -> Section {
-    let ReportedRecord { name, record, validation } = *trial;
+pub(super) fn section(trial: &Compared) -> Section {
+    let (name, record, validation) = (trial.short(), &trial.record, &trial.validation);
     let section = Section::new(name);
     let section = validation.remarks.iter().fold(section, |s, remark| s.warning("To know", sentence(remark)));
     let section = match validation.taken_off {
@@ -28,8 +29,8 @@ pub(super) fn section(trial: &ReportedRecord) -> Section {
     residuals::residuals(section, trial)
 }
 
-fn time_series(trial: &ReportedRecord) -> Figure {
-    let ReportedRecord { record, validation, .. } = *trial;
+fn time_series(trial: &Compared) -> Figure {
+    let Compared { record, validation, .. } = trial;
     let units = record.units();
     let range = validation.start..record.len().min(validation.start + SHOWN);
     let t: Vec<f64> = range.clone().map(|k| k as f64 * record.ts()).collect();
@@ -59,8 +60,8 @@ fn time_series(trial: &ReportedRecord) -> Figure {
         .stacked()
 }
 
-fn loops(trial: &ReportedRecord) -> Figure {
-    let ReportedRecord { record, validation, .. } = *trial;
+fn loops(trial: &Compared) -> Figure {
+    let Compared { record, validation, .. } = trial;
     let units = record.units();
     let range = validation.start..record.len().min(validation.start + SHOWN);
     let u = &record.u()[range.clone()];
@@ -77,7 +78,7 @@ fn loops(trial: &ReportedRecord) -> Figure {
 }
 
 /// The loops as measured, and as the model has them, row below row.
-fn shapes(trial: &ReportedRecord) -> Table {
+fn shapes(trial: &Compared) -> Table {
     let units = trial.record.units();
     let slope = format!("[{}/{}]", units.y, units.u);
     let table = Table::new("Loops, measured and model").number("f [Hz]").number(format!("amplitude [{}]", units.u));

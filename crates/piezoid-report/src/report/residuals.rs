@@ -1,13 +1,13 @@
 //! What the model leaves of a record: against the noise floor, and against noise itself.
 
-use super::ReportedRecord;
 use crate::page::{Section, sentence};
 use crate::plot::{Axes, Figure, Role, Series};
+use piezoid::Compared;
 use piezoid::number::short;
 use piezoid::validation::Whiteness;
 
 /// Adds what is known of the noise floor, and the correlations of what is left with their bounds.
-pub(super) fn residuals(section: Section, trial: &ReportedRecord) -> Section {
+pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
     let unit = &trial.record.units().y;
     let section = match trial.validation.floor {
         Some(f) => section.text(format!(
@@ -46,8 +46,8 @@ fn cross_correlation(w: &Whiteness) -> Figure {
     )
 }
 
-fn over_input(trial: &ReportedRecord) -> Figure {
-    let (record, v) = (trial.record, trial.validation);
+fn over_input(trial: &Compared) -> Figure {
+    let (record, v) = (&trial.record, &trial.validation);
     let (u, y) = (&record.u()[v.start..], &record.y()[v.start..]);
     let errors: Vec<f64> = y.iter().zip(&v.simulated[v.start..]).map(|(y, s)| y - s).collect();
     let units = record.units();

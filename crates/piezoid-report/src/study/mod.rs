@@ -16,6 +16,7 @@ mod words;
 
 pub use test_signal::TestSignal;
 
+use crate::plot::Figure;
 use bench::Bench;
 use piezoid::error::Error;
 use piezoid::excitation::Prbs;
@@ -27,7 +28,7 @@ use piezoid::plant::Preset;
 use piezoid::progress::{Progress, Stage, unwatched};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{IdentifyOptions, Records, identify_watched};
+use piezoid::{File, IdentifyOptions, OptionRow, Records, Values, identify_watched, options};
 
 /// Sampling period [s], the paper's.
 const TS: f64 = 5e-4;
@@ -215,6 +216,28 @@ pub struct Study {
     pub notes: Vec<String>,
 }
 
+options! {
+    /// Which plants to study.
+    pub struct StudyOptions {
+        /// The plant to study (see `piezoid plants`).
+        plant: Option<String> = None, OptionRow::new(Values::Text("NAME")).absent("paper and pl140");
+        /// Seed of the swarm and of the plant's noise.
+        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+    }
+}
+
+impl StudyOptions {
+    /// The study of each plant.
+    ///
+    /// # Errors
+    /// No such plant, and as [`Study::run`].
+    pub fn run(&self, progress: &mut Progress) -> Result<Vec<Study>, Error> {
+        let plants = self.plant.as_deref().map_or(vec!["paper", "pl140"], |name| vec![name]);
+        let plants = plants.into_iter().map(Preset::find).collect::<Result<Vec<_>, _>>()?;
+        plants.into_iter().map(|plant| Study::run(plant, self.seed, progress)).collect()
+    }
+}
+
 impl Study {
     /// Frequencies of the loops [Hz]: the paper's four, then on through the resonance.
     pub const FREQUENCIES: [f64; 8] = [5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 250.0];
@@ -224,6 +247,13 @@ impl Study {
 
     /// Steps a period of the test signal: of all that are tried on twin `paper` the nearest to the paper's Table 1 ([`nearest`]).
     pub const STEPS_USED: u32 = 7;
+
+    /// The figures of studies, and their page.
+    pub fn files(studies: &[Study]) -> Vec<File> {
+        let svg = |(name, figure): (String, Figure)| File::new(format!("{name}.svg"), figure.svg());
+        let page = File::new("report.html", Study::page(studies).html());
+        studies.iter().flat_map(Study::figures).map(svg).chain([page]).collect()
+    }
 
     /// Runs the experiment on `plant`; `seed` drives the swarms and the plant's noise.
     ///

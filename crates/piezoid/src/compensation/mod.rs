@@ -72,8 +72,9 @@ impl How {
                 Err(Error::parameter("limits", format!("{} to {}", round(low), round(high)), rule))
             }
             None => {
-                let rule = "must be given, as the model does not say which inputs it was identified on";
-                Err(Error::parameter("limits", "none", rule))
+                let rule =
+                    "must be given, or low and high, as the model does not say which inputs it was identified on";
+                Err(Error::parameter("driver", "none", rule))
             }
         }
     }

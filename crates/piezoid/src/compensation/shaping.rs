@@ -18,18 +18,21 @@ use super::Fir;
 use crate::error::{Error, positive};
 use crate::hammerstein::Model;
 use crate::linear::Arx;
+use crate::options::{OptionRow, Values, options};
 use crate::system::System;
 use std::f64::consts::{PI, TAU};
 
-/// How a reference is shaped: smoothed first, then kept from making a model's resonance ring.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Shaping {
-    /// Minimum-jerk moves of this length from steps and corners [s].
-    pub smooth: Option<f64>,
-    /// ZVD of the resonance.
-    pub zvd: bool,
-    /// A notch at the resonance, a fifth of its frequency wide.
-    pub notch: bool,
+options! {
+    /// How a reference is shaped: smoothed first, then kept from making a model's resonance ring.
+    #[derive(Copy)]
+    pub struct Shaping {
+        /// Make minimum-jerk moves of this length from steps and corners.
+        smooth: Option<f64> = None, OptionRow::positive("s");
+        /// Take the model's resonance out of the reference with a notch.
+        notch: bool = false, OptionRow::new(Values::Switch);
+        /// Shaping the reference so that the model's resonance does not ring.
+        zvd: bool = false, OptionRow::new(Values::Switch);
+    }
 }
 
 /// Width of that notch as a share of its frequency.

@@ -4,7 +4,7 @@ use crate::driver::DriverModel;
 use crate::excitation::{Prbs, RisingSine, Triangle};
 use crate::hysteresis::OPERATORS;
 use crate::linear::Arx;
-use crate::plant::{Plant, Preset};
+use crate::plant::Plant;
 use crate::record::{Record, Units};
 use crate::testing::assert_close;
 use crate::{IdentifyOptions, Records, identify};

@@ -81,6 +81,8 @@ pub struct Comparison {
     pub wanted: Vec<NamedReference>,
     /// The schemes, in the order given.
     pub driven: Vec<SchemeResult>,
+    /// What was left out, one sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Comparison {
@@ -148,7 +150,7 @@ impl Comparison {
         if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
             return Err(error);
         }
-        Ok(Comparison { plant: name.into(), wanted, driven })
+        Ok(Comparison { plant: name.into(), wanted, driven, notes: Vec::new() })
     }
 }
 

@@ -22,15 +22,6 @@ use crate::system::System;
 use std::sync::Arc;
 
 /// The controller. State: that of g F, then of Q, then the last w, newest first [V].
-///
-/// ```
-/// use piezoid::{Model, control::{Controller, DisturbanceObserver, ControlLoop}, hysteresis::Operator, linear::Arx};
-/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
-/// let path = ControlLoop::of(&Model::new(plays, Arx::new(5e-4, vec![0.5], vec![0.0, 1.0])?, 0.0)?, (-30.0, 30.0))?;
-/// let c = DisturbanceObserver::new(&path, 20.0, 1.0)?;
-/// assert!(c.order() > 0);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DisturbanceObserver {
     inverse: Arx,

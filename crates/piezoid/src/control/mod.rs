@@ -187,7 +187,7 @@ mod tests {
     use super::margins::tests::path_of;
     use super::*;
     use crate::System;
-    use crate::elementary;
+
     use crate::program::{Machine, Program};
     use crate::testing::assert_close;
 

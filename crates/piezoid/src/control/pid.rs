@@ -32,14 +32,6 @@ pub(crate) struct Gains {
 }
 
 /// The controller. State: the integral [V], the derivative [V], the last error [output unit].
-///
-/// ```
-/// use piezoid::control::{Controller, Gains, ControllerInput, Pid};
-/// let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0))?;
-/// let mut x = pid.initial();
-/// assert_eq!(pid.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }), 0.5 + 0.1 + 0.5);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pid {
     ts: f64,
@@ -155,5 +147,12 @@ mod tests {
         let pi = super::super::pi::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
         let e: Vec<f64> = (0..50).map(|t| f64::from(t * t % 7)).collect();
         crate::testing::assert_close(&law.simulate(&e), &pi.simulate(&e), 1e-9, 1e-12);
+    }
+
+    #[test]
+    fn the_first_step_is_the_sum_of_its_terms() {
+        let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0)).unwrap();
+        let mut x = pid.initial();
+        assert_eq!(pid.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }), 0.5 + 0.1 + 0.5);
     }
 }

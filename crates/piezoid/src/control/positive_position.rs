@@ -21,13 +21,6 @@ use crate::system::System;
 use std::sync::Arc;
 
 /// The controller. State: the integral [V], then that of the resonator.
-///
-/// ```
-/// use piezoid::control::{Controller, PositivePosition};
-/// let c = PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-30.0, 30.0))?;
-/// assert_eq!(c.order(), 3);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PositivePosition {
     ts: f64,

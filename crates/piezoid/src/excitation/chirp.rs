@@ -10,45 +10,30 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, OFFSET, Parameter};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionRow, Options, Values, options};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// How the frequency moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sweep {
-    /// By equal steps in equal times.
-    Linear,
-    /// By equal ratios in equal times.
-    Logarithmic,
-}
-
-/// A sine of moving frequency.
-///
-/// ```
-/// use piezoid::excitation::{Chirp, Sweep};
-/// let chirp = Chirp { frequency_start: 1.0, frequency_end: 400.0, sweep: Sweep::Logarithmic, ..Chirp::default() };
-/// assert_eq!(chirp.samples(5e-4, 20_000)?[0], 0.0);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Chirp {
-    /// Largest distance from the offset [V].
-    pub amplitude: f64,
-    /// Frequency at the first sample [Hz].
-    pub frequency_start: f64,
-    /// Frequency where the duration ends [Hz]; below the start for a falling sweep.
-    pub frequency_end: f64,
-    /// How the frequency moves.
-    pub sweep: Sweep,
-    /// Mean [V].
-    pub offset: f64,
-}
-
-impl Default for Chirp {
-    /// 1 V, linear from 1 to 100 Hz, no offset.
-    fn default() -> Self {
-        Chirp { amplitude: 1.0, frequency_start: 1.0, frequency_end: 100.0, sweep: Sweep::Linear, offset: 0.0 }
+options! {
+    /// A sine of moving frequency.
+    ///
+    /// ```
+    /// use piezoid::excitation::Chirp;
+    /// let chirp = Chirp { frequency_start: 1.0, frequency_end: 400.0, logarithmic: true, ..Chirp::default() };
+    /// assert_eq!(chirp.samples(5e-4, 20_000)?[0], 0.0);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct Chirp {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Frequency at the beginning.
+        frequency_start: f64 = 1.0, FREQUENCY;
+        /// Frequency at the end of the duration.
+        frequency_end: f64 = 100.0, FREQUENCY;
+        /// 0: equal time in every hertz; 1: equal time in every octave.
+        logarithmic: bool = false, OptionRow::new(Values::Bit);
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -59,44 +44,24 @@ impl Chirp {
     /// The amplitude must be positive, both frequencies positive and below half the sampling rate.
     pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
         let drive = Drive::new(self.amplitude, self.offset, ts)?;
-        let f0 = drive.shows("frequency-start", self.frequency_start)?;
-        let f1 = drive.shows("frequency-end", self.frequency_end)?;
+        let f0 = drive.shows("frequency_start", self.frequency_start)?;
+        let f1 = drive.shows("frequency_end", self.frequency_end)?;
         let duration = n as f64 * ts;
         let octaves = (f1 / f0).ln();
-        let periods = |t: f64| match self.sweep {
-            Sweep::Logarithmic if octaves != 0.0 => f0 * duration / octaves * (octaves * t / duration).exp_m1(),
+        let periods = |t: f64| match self.logarithmic {
+            true if octaves != 0.0 => f0 * duration / octaves * (octaves * t / duration).exp_m1(),
             _ => f0 * t + (f1 - f0) * t * t / (2.0 * duration),
         };
         Ok((0..n).map(|t| drive.voltage((TAU * periods(t as f64 * ts).fract()).sin())).collect())
     }
 }
 
-const START: Parameter =
-    Parameter { name: "frequency-start", unit: "Hz", default: None, help: "frequency at the beginning" };
-const END: Parameter =
-    Parameter { name: "frequency-end", unit: "Hz", default: None, help: "frequency at the end of the duration" };
-const LOGARITHMIC: Parameter = Parameter {
-    name: "logarithmic",
-    unit: "",
-    default: Some(0.0),
-    help: "0: equal time in every hertz; 1: equal time in every octave",
-};
-
 pub(super) const ROW: Excitation = Excitation {
     name: "chirp",
     summary: "sine of sweeping frequency, linear or logarithmic",
     reference: "Mueller and Massarani, J. Audio Eng. Soc. 49(6), 2001",
-    parameters: &[AMPLITUDE, START, END, LOGARITHMIC, OFFSET],
-    generate: |v, ts, n| {
-        Chirp {
-            amplitude: v.get(&AMPLITUDE)?,
-            frequency_start: v.get(&START)?,
-            frequency_end: v.get(&END)?,
-            sweep: if v.switch(&LOGARITHMIC)? { Sweep::Logarithmic } else { Sweep::Linear },
-            offset: v.get(&OFFSET)?,
-        }
-        .samples(ts, n)
-    },
+    rows: Chirp::rows,
+    generate: |given, ts, n| Chirp::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]
@@ -111,8 +76,8 @@ mod tests {
     #[test]
     fn a_linear_chirp_is_at_its_mean_frequency_half_way_and_a_logarithmic_one_at_the_geometric_mean() {
         let linear =
-            Chirp { amplitude: 30.0, frequency_start: 10.0, frequency_end: 250.0, sweep: Sweep::Linear, offset: 0.0 };
-        let log = Chirp { sweep: Sweep::Logarithmic, ..linear.clone() };
+            Chirp { amplitude: 30.0, frequency_start: 10.0, frequency_end: 250.0, logarithmic: false, offset: 0.0 };
+        let log = Chirp { logarithmic: true, ..linear.clone() };
         for (chirp, middle) in [(linear, 130.0), (log, 50.0)] {
             let u = chirp.samples(5e-4, 40_000).unwrap();
             assert!(u[0] == 0.0 && u[1] > 0.0);
@@ -124,8 +89,8 @@ mod tests {
     #[test]
     fn a_sweep_from_a_frequency_to_itself_is_a_sine() {
         let sine = super::super::Sine { amplitude: 1.0, frequency: 20.0, offset: 0.0 }.samples(1e-3, 500).unwrap();
-        for sweep in [Sweep::Linear, Sweep::Logarithmic] {
-            let chirp = Chirp { frequency_start: 20.0, frequency_end: 20.0, sweep, ..Chirp::default() };
+        for logarithmic in [false, true] {
+            let chirp = Chirp { frequency_start: 20.0, frequency_end: 20.0, logarithmic, ..Chirp::default() };
             crate::testing::assert_close(&chirp.samples(1e-3, 500).unwrap(), &sine, 0.0, 1e-10);
         }
     }
@@ -133,6 +98,6 @@ mod tests {
     #[test]
     fn a_band_beyond_half_the_sampling_rate_is_refused() {
         let error = Chirp { frequency_end: 500.0, ..Chirp::default() }.samples(1e-3, 10).unwrap_err();
-        assert!(error.to_string().starts_with("frequency-end = 500 Hz"), "{error}");
+        assert!(error.to_string().starts_with("frequency_end = 500 Hz"), "{error}");
     }
 }

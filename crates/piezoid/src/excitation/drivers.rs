@@ -5,7 +5,9 @@
 //! continuous operation may allow less.
 
 use super::Limits;
+use super::limits::GROUP;
 use crate::error::{Error, row};
+use crate::options::{OptionRow, Values, options};
 
 /// A driver by name.
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +70,42 @@ impl Driver {
             return Err(Error::parameter("capacitance", "none", rule));
         }
         Ok(limits)
+    }
+}
+
+options! {
+    /// What limits a voltage: a driver by name, and what is given beside it.
+    pub struct LimitOptions {
+        /// The driver whose limits the voltage must keep (see `piezoid drivers`).
+        driver: Option<String> = None, OptionRow::new(Values::Text("NAME")).group(GROUP);
+    } with own: Limits
+}
+
+impl LimitOptions {
+    /// The limits, if there are any; those given go before those of the driver.
+    ///
+    /// # Errors
+    /// No such driver, a current without a capacitance, limits without sense.
+    pub fn limits(&self) -> Result<Option<Limits>, Error> {
+        let own = self.own;
+        let known = match &self.driver {
+            Some(name) => Driver::find(name)?.loaded(own.capacitance)?,
+            None if own == Limits::default() => return Ok(None),
+            None if own == (Limits { capacitance: own.capacitance, ..Limits::default() }) => {
+                let rule = "is for a limit of current: name a driver, or leave it out";
+                return Err(Error::parameter("capacitance", own.capacitance.unwrap_or_default(), rule));
+            }
+            None => Limits::default(),
+        };
+        let limits = Limits {
+            low: own.low.or(known.low),
+            high: own.high.or(known.high),
+            slew: own.slew.or(known.slew),
+            current: own.current.or(known.current),
+            capacitance: own.capacitance.or(known.capacitance),
+        };
+        limits.sensible()?;
+        Ok(Some(limits))
     }
 }
 

@@ -10,35 +10,40 @@
 //! Newcastle; PiezoDrive PD200X4 manual, section Power Bandwidth.
 
 use crate::error::{Error, finite, positive};
-use serde::{Deserialize, Serialize};
+use crate::options::{OptionRow, options};
+use serde::Serialize;
 
 /// Shares of a limit this far above 1 are rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// The limits of a driver and its load; what is absent does not limit.
-///
-/// ```
-/// use piezoid::excitation::{Limits, Sine};
-/// let limits = Limits { current: Some(0.06), capacitance: Some(8.2e-6), ..Limits::default() };
-/// let u = Sine { amplitude: 30.0, frequency: 40.0, ..Sine::default() }.samples(1e-4, 1000)?;
-/// let error = limits.refuse(&u, 1e-4).unwrap_err().to_string();
-/// assert!(error.starts_with("the drive exceeds its limits: current 0.06182 A"), "{error}");
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Limits {
-    /// Lowest voltage [V].
-    pub low: Option<f64>,
-    /// Highest voltage [V].
-    pub high: Option<f64>,
-    /// Fastest change of the voltage [V/s].
-    pub slew: Option<f64>,
-    /// Highest current [A], either way; it needs the capacitance.
-    pub current: Option<f64>,
-    /// Capacitance of the load [F].
-    pub capacitance: Option<f64>,
+options! {
+    /// The limits of a driver and its load; what is absent does not limit.
+    ///
+    /// ```
+    /// use piezoid::excitation::{Limits, Sine};
+    /// let limits = Limits { current: Some(0.06), capacitance: Some(8.2e-6), ..Limits::default() };
+    /// let u = Sine { amplitude: 30.0, frequency: 40.0, ..Sine::default() }.samples(1e-4, 1000)?;
+    /// let error = limits.refuse(&u, 1e-4).unwrap_err().to_string();
+    /// assert!(error.starts_with("the drive exceeds its limits: current 0.06182 A"), "{error}");
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    #[derive(Copy)]
+    pub struct Limits {
+        /// Capacitance of the load, for a limit of current.
+        capacitance: Option<f64> = None, OptionRow::positive("F").group(GROUP);
+        /// Lowest voltage.
+        low: Option<f64> = None, OptionRow::number("V").group(GROUP);
+        /// Highest voltage.
+        high: Option<f64> = None, OptionRow::number("V").group(GROUP);
+        /// Fastest change of the voltage.
+        slew: Option<f64> = None, OptionRow::positive("V/s").group(GROUP);
+        /// Highest current, either way; it needs the capacitance.
+        current: Option<f64> = None, OptionRow::positive("A").group(GROUP);
+    }
 }
+
+/// The heading of what limits a voltage.
+pub(super) const GROUP: &str = "Driver";
 
 /// The extreme of one quantity in a drive, beside its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

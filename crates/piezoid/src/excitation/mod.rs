@@ -17,19 +17,18 @@ mod drive;
 mod drivers;
 mod limits;
 mod multisine;
-mod parameter;
 mod prbs;
 mod rising_sine;
+mod rows;
 mod sine;
 mod staircase;
 mod stepped_sine;
 mod triangle;
 
-pub use chirp::{Chirp, Sweep};
-pub use drivers::{DRIVERS, Driver};
+pub use chirp::Chirp;
+pub use drivers::{DRIVERS, Driver, LimitOptions};
 pub use limits::{Limits, Peak, Usage};
 pub use multisine::Multisine;
-pub use parameter::Parameter;
 pub use prbs::Prbs;
 pub use rising_sine::RisingSine;
 pub use sine::Sine;
@@ -38,7 +37,8 @@ pub use stepped_sine::SteppedSine;
 pub use triangle::Triangle;
 
 use crate::error::{Error, positive, row};
-use parameter::Values;
+use crate::options::OptionRow;
+use serde_json::Value;
 
 /// One kind of excitation.
 #[derive(Debug, Clone, Copy)]
@@ -49,9 +49,9 @@ pub struct Excitation {
     pub summary: &'static str,
     /// Where it is described.
     pub reference: &'static str,
-    /// Its settings.
-    pub parameters: &'static [Parameter],
-    generate: fn(&Values, ts: f64, n: usize) -> Result<Vec<f64>, Error>,
+    /// Its options.
+    pub rows: fn() -> Vec<OptionRow>,
+    generate: fn(Value, ts: f64, n: usize) -> Result<Vec<f64>, Error>,
 }
 
 /// Every kind there is.
@@ -81,18 +81,18 @@ impl Excitation {
 }
 
 impl Excitation {
-    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples.
+    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. Its options are `given` by their names.
     ///
     /// ```
     /// let sine = piezoid::excitation::Excitation::find("sine")?;
-    /// let u = sine.samples(5e-4, 1.0, &[("amplitude", 30.0), ("frequency", 5.0)])?;
+    /// let u = sine.samples(5e-4, 1.0, serde_json::json!({"amplitude": 30.0, "frequency": 5.0}))?;
     /// assert_eq!((u.len(), u[0], u[100]), (2000, 0.0, 30.0));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
-    /// Unknown, missing and non-finite settings, and those that the kind itself refuses.
-    pub fn samples(&self, ts: f64, duration: f64, values: &[(&str, f64)]) -> Result<Vec<f64>, Error> {
+    /// Unknown and missing options, and values that they cannot have.
+    pub fn samples(&self, ts: f64, duration: f64, given: Value) -> Result<Vec<f64>, Error> {
         positive("ts", ts, "seconds")?;
         positive("duration", duration, "seconds")?;
         let n = (duration / ts).round();
@@ -100,31 +100,30 @@ impl Excitation {
             let rule = format!("must give from 1 to {MOST} samples, not {n}, at ts = {ts} s");
             return Err(Error::parameter("duration", format!("{duration} s"), rule));
         }
-        (self.generate)(&Values::new(self.name, self.parameters, values)?, ts, n as usize)
+        (self.generate)(given, ts, n as usize)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     const AMPLITUDE: f64 = 7.3;
     const OFFSET: f64 = -2.1;
 
     /// A second of an excitation with its defaults and something reasonable for what it requires.
     fn example(excitation: &Excitation) -> Vec<f64> {
-        let values: Vec<(&str, f64)> = excitation
-            .parameters
-            .iter()
-            .filter_map(|p| match p.name {
-                "amplitude" => Some(("amplitude", AMPLITUDE)),
-                "offset" => Some(("offset", OFFSET)),
-                "frequency-start" | "frequency-low" => Some((p.name, 3.0)),
-                name if p.default.is_none() => Some((name, 50.0)),
-                _ => None,
-            })
-            .collect();
-        excitation.samples(5e-4, 1.0, &values).unwrap_or_else(|e| panic!("{}: {e}", excitation.name))
+        let value = |row: OptionRow| match row.name {
+            "amplitude" => Some(("amplitude", AMPLITUDE)),
+            "offset" => Some(("offset", OFFSET)),
+            "frequency_start" | "frequency_low" => Some((row.name, 3.0)),
+            name if row.required => Some((name, 50.0)),
+            _ => None,
+        };
+        excitation
+            .samples(5e-4, 1.0, (excitation.rows)().into_iter().filter_map(value).collect())
+            .unwrap_or_else(|e| panic!("{}: {e}", excitation.name))
     }
 
     #[test]
@@ -151,11 +150,9 @@ mod tests {
         for (i, e) in EXCITATIONS.iter().enumerate() {
             assert!(!e.summary.is_empty() && !e.reference.is_empty(), "{}", e.name);
             assert!(EXCITATIONS[..i].iter().all(|other| other.name != e.name), "{} twice", e.name);
-            assert!(["amplitude", "offset"].iter().all(|name| e.parameters.iter().any(|p| p.name == *name)));
-            for (j, p) in e.parameters.iter().enumerate() {
-                assert!(p.name.chars().all(|c| c.is_ascii_lowercase() || c == '-') && !p.help.is_empty(), "{}", p.name);
-                assert!(e.parameters[..j].iter().all(|other| other.name != p.name), "{} twice", p.name);
-            }
+            let rows = (e.rows)();
+            assert!(["amplitude", "offset"].iter().all(|name| rows.iter().any(|row| row.name == *name)));
+            assert!(rows.iter().all(|row| row.required || row.fit((row.default)()).is_ok()), "{}", e.name);
             assert_eq!(Excitation::find(e.name).unwrap().name, e.name);
         }
     }
@@ -163,35 +160,30 @@ mod tests {
     #[test]
     fn every_excitation_refuses_an_amplitude_of_zero() {
         for excitation in EXCITATIONS {
-            let required = excitation.parameters.iter().filter(|p| p.default.is_none());
-            let values: Vec<(&str, f64)> =
-                required.map(|p| (p.name, if p.name == "amplitude" { 0.0 } else { 10.0 })).collect();
-            let error = excitation.samples(1e-3, 1.0, &values).unwrap_err();
+            let required = (excitation.rows)().into_iter().filter(|row| row.required);
+            let given = required.map(|row| (row.name, if row.name == "amplitude" { 0.0 } else { 10.0 })).collect();
+            let error = excitation.samples(1e-3, 1.0, given).unwrap_err();
             assert!(error.to_string().starts_with("amplitude = 0"), "{}: {error}", excitation.name);
         }
     }
 
     #[test]
-    fn the_defaults_of_the_rows_are_those_of_the_structs() {
-        let row = |name: &str, extra: &[(&str, f64)]| {
-            Excitation::find(name).unwrap().samples(1e-3, 2.0, &[&[("amplitude", 1.0)], extra].concat())
-        };
-        let frequency = [("frequency", 1.0)];
-        assert_eq!(row("prbs", &[]), Prbs::default().samples(1e-3, 2000));
-        assert_eq!(row("sine", &frequency), Sine::default().samples(1e-3, 2000));
-        assert_eq!(row("triangle", &frequency), Triangle::default().samples(1e-3, 2000));
-        assert_eq!(row("staircase", &frequency), Staircase::default().samples(1e-3, 2000));
-        assert_eq!(row("rising-sine", &frequency), RisingSine::default().samples(1e-3, 2000));
-        let sweep = [("frequency-start", 1.0), ("frequency-end", 100.0)];
-        assert_eq!(row("chirp", &sweep), Chirp::default().samples(1e-3, 2000));
-        let band = [("frequency-low", 1.0), ("frequency-high", 100.0)];
-        assert_eq!(row("multisine", &band), Multisine::default().samples(1e-3, 2000));
+    fn an_option_that_is_unknown_missing_or_no_number_is_refused_by_its_name() {
+        let refusal =
+            |given: Value| Excitation::find("stepped-sine").unwrap().samples(1e-3, 1.0, given).unwrap_err().to_string();
+        assert!(refusal(json!({"amplitud": 1.0})).ends_with("did you mean `amplitude`?"));
+        assert!(
+            refusal(json!({"amplitude": 1.0})).starts_with("frequency = (not given): must be a positive number [Hz]")
+        );
+        let steps = |steps: Value| refusal(json!({"amplitude": 1.0, "frequency": 700.0, "steps": steps}));
+        assert!(steps(json!(7.5)).starts_with("steps = 7.5: must be a whole number from 3"));
+        assert!(steps(json!(7.0)).starts_with("frequency = 700"), "a number that is whole counts something");
     }
 
     #[test]
     fn a_duration_that_makes_no_sense_is_refused() {
         let prbs = Excitation::find("prbs").unwrap();
-        let message = |ts, duration| prbs.samples(ts, duration, &[("amplitude", 1.0)]).unwrap_err().to_string();
+        let message = |ts, duration| prbs.samples(ts, duration, json!({"amplitude": 1.0})).unwrap_err().to_string();
         assert!(message(1e-3, 0.0).starts_with("duration = 0"));
         assert!(message(-1.0, 1.0).starts_with("ts = -1"));
         assert!(message(1.0, 0.4).contains("from 1 to 100000000 samples, not 0"));

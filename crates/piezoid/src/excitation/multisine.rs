@@ -11,7 +11,7 @@
 //! DOI 10.1002/9781118287422; Schroeder, DOI 10.1109/TIT.1970.1054411.
 
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, OFFSET, Parameter};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionRow, Options, Values, count, options};
 use super::{Excitation, PINTELON_SCHOUKENS, crest};
 use crate::error::Error;
 use crate::fourier;
@@ -19,45 +19,31 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// A periodic sum of cosines with a flat spectrum inside its band and nothing outside.
-///
-/// ```
-/// use piezoid::excitation::Multisine;
-/// let multisine = Multisine { frequency_low: 1.0, frequency_high: 400.0, period: 1.0, ..Multisine::default() };
-/// let u = multisine.samples(5e-4, 4000)?;
-/// assert_eq!(u[..2000], u[2000..]);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Multisine {
-    /// Peak distance from the offset [V].
-    pub amplitude: f64,
-    /// Lower end of the band [Hz].
-    pub frequency_low: f64,
-    /// Upper end of the band [Hz].
-    pub frequency_high: f64,
-    /// Period [s], rounded to a whole number of samples; 0 stands for the whole duration.
-    pub period: f64,
-    /// Odd harmonics only.
-    pub odd: bool,
-    /// Starting phases: 0 is Schroeder's, any other random ones.
-    pub seed: u32,
-    /// Mean [V].
-    pub offset: f64,
-}
-
-impl Default for Multisine {
-    /// 1 V, all harmonics from 1 to 100 Hz of the whole duration, Schroeder's start, no offset.
-    fn default() -> Self {
-        Multisine {
-            amplitude: 1.0,
-            frequency_low: 1.0,
-            frequency_high: 100.0,
-            period: 0.0,
-            odd: false,
-            seed: 0,
-            offset: 0.0,
-        }
+options! {
+    /// A periodic sum of cosines with a flat spectrum inside its band and nothing outside.
+    ///
+    /// ```
+    /// use piezoid::excitation::Multisine;
+    /// let multisine = Multisine { frequency_low: 1.0, frequency_high: 400.0, period: 1.0, ..Multisine::default() };
+    /// let u = multisine.samples(5e-4, 4000)?;
+    /// assert_eq!(u[..2000], u[2000..]);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct Multisine {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Lower end of the band, above 0.
+        frequency_low: f64 = 1.0, FREQUENCY;
+        /// Upper end of the band, below half the sampling rate.
+        frequency_high: f64 = 100.0, FREQUENCY;
+        /// Time after which it repeats; 0 is the whole duration.
+        period: f64 = 0.0, OptionRow::not_negative("s");
+        /// 1: odd harmonics only, so that nonlinearity shows at the even ones; 0: all.
+        odd: bool = false, OptionRow::new(Values::Bit);
+        /// Starting phases: 0 is Schroeder's, any other random ones, one realisation each.
+        seed: u32 = 0, count(0);
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -93,16 +79,17 @@ impl Multisine {
     /// The harmonics of a period of `samples` every `ts` [s] that lie in the band, ascending.
     fn harmonics(&self, drive: &Drive, samples: usize, ts: f64) -> Result<Vec<usize>, Error> {
         const ROUNDING: f64 = 1e-9; // 10 Hz x 0.1 s is harmonic 1 however the product rounds
-        let low = drive.shows("frequency-low", self.frequency_low)?;
-        let high = drive.shows("frequency-high", self.frequency_high)?;
+        let low = drive.shows("frequency_low", self.frequency_low)?;
+        let high = drive.shows("frequency_high", self.frequency_high)?;
         let period = samples as f64 * ts;
         let first = (low * period * (1.0 - ROUNDING)).ceil() as usize;
         let last = (high * period * (1.0 + ROUNDING)).floor() as usize;
         let lines: Vec<usize> = (first..=last).filter(|k| 2 * k < samples && (!self.odd || k % 2 == 1)).collect();
         if lines.is_empty() {
             let which = if self.odd { "odd multiple" } else { "multiple" };
-            let rule = format!("no {which} of {} Hz lies between them; widen the band or the period", 1.0 / period);
-            return Err(Error::parameter("frequency-low, frequency-high", format!("{low} Hz, {high} Hz"), rule));
+            let base = 1.0 / period;
+            let rule = format!("no {which} of {base} Hz lies from {low} Hz to there; widen the band or the period");
+            return Err(Error::parameter("frequency_high", format!("{high} Hz"), rule));
         }
         Ok(lines)
     }
@@ -117,50 +104,12 @@ impl Multisine {
     }
 }
 
-const LOW: Parameter =
-    Parameter { name: "frequency-low", unit: "Hz", default: None, help: "lower end of the band, above 0" };
-const HIGH: Parameter = Parameter {
-    name: "frequency-high",
-    unit: "Hz",
-    default: None,
-    help: "upper end of the band, below half the sampling rate",
-};
-const PERIOD: Parameter = Parameter {
-    name: "period",
-    unit: "s",
-    default: Some(0.0),
-    help: "time after which it repeats; 0 is the whole duration",
-};
-const ODD: Parameter = Parameter {
-    name: "odd",
-    unit: "",
-    default: Some(0.0),
-    help: "1: odd harmonics only, so that nonlinearity shows at the even ones; 0: all",
-};
-const SEED: Parameter = Parameter {
-    name: "seed",
-    unit: "",
-    default: Some(0.0),
-    help: "starting phases: 0 is Schroeder's, any other random ones, one realisation each",
-};
-
 pub(super) const ROW: Excitation = Excitation {
     name: "multisine",
     summary: "equal sines over a band with a low peak: no leakage, for frequency responses",
     reference: PINTELON_SCHOUKENS,
-    parameters: &[AMPLITUDE, LOW, HIGH, PERIOD, ODD, SEED, OFFSET],
-    generate: |v, ts, n| {
-        Multisine {
-            amplitude: v.get(&AMPLITUDE)?,
-            frequency_low: v.get(&LOW)?,
-            frequency_high: v.get(&HIGH)?,
-            period: v.get(&PERIOD)?,
-            odd: v.switch(&ODD)?,
-            seed: v.whole(&SEED)?,
-            offset: v.get(&OFFSET)?,
-        }
-        .samples(ts, n)
-    },
+    rows: Multisine::rows,
+    generate: |given, ts, n| Multisine::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -14,37 +14,30 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, OFFSET, Parameter};
+use super::rows::{AMPLITUDE, OFFSET, OptionRow, Options, Values, count, options};
 use crate::error::Error;
 
-/// A maximal-length sequence of two levels.
-///
-/// ```
-/// use piezoid::excitation::Prbs;
-/// let prbs = Prbs { order: 3, ..Prbs::default() };
-/// assert_eq!(prbs.samples(5e-4, 7)?, [1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0]);
-/// assert_eq!(prbs.period(), 7);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Prbs {
-    /// Distance of both levels from the offset [V].
-    pub amplitude: f64,
-    /// Length of the register, 2 to 31.
-    pub order: u32,
-    /// Samples that each bit is held for, at least 1.
-    pub clock_divider: u32,
-    /// The register at the start, first bit out lowest, below `2^order`; 0, which no register may hold, stands for all
-    /// ones. Another seed is the same sequence, begun elsewhere.
-    pub seed: u32,
-    /// Middle of the levels [V].
-    pub offset: f64,
-}
-
-impl Default for Prbs {
-    /// 1 V, order 11, no division, all ones, no offset.
-    fn default() -> Self {
-        Prbs { amplitude: 1.0, order: 11, clock_divider: 1, seed: 0, offset: 0.0 }
+options! {
+    /// A maximal-length sequence of two levels.
+    ///
+    /// ```
+    /// use piezoid::excitation::Prbs;
+    /// let prbs = Prbs { order: 3, ..Prbs::default() };
+    /// assert_eq!(prbs.samples(5e-4, 7)?, [1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0]);
+    /// assert_eq!(prbs.period(), 7);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct Prbs {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Length of the shift register, 2 to 31; the sequence repeats after 2^order - 1 bits.
+        order: u32 = 11, OptionRow::new(Values::Whole(2, 31));
+        /// Samples that each bit is held for.
+        clock_divider: u32 = 1, count(1);
+        /// Starting register, below 2^order: where in the sequence it begins; 0 is all ones.
+        seed: u32 = 0, count(0);
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -59,7 +52,7 @@ impl Prbs {
             return Err(Error::parameter("order", self.order, "must be from 2 to 31"));
         }
         if self.clock_divider == 0 {
-            return Err(Error::parameter("clock-divider", 0, "must be at least 1 sample a bit"));
+            return Err(Error::parameter("clock_divider", 0, "must be at least 1 sample a bit"));
         }
         let ones = (1 << self.order) - 1;
         if self.seed > ones {
@@ -145,36 +138,12 @@ const fn taps(mut bits: &[u32]) -> u32 {
     word
 }
 
-const ORDER: Parameter = Parameter {
-    name: "order",
-    unit: "",
-    default: Some(11.0),
-    help: "length of the shift register, 2 to 31; the sequence repeats after 2^order - 1 bits",
-};
-const CLOCK_DIVIDER: Parameter =
-    Parameter { name: "clock-divider", unit: "", default: Some(1.0), help: "samples that each bit is held for" };
-const SEED: Parameter = Parameter {
-    name: "seed",
-    unit: "",
-    default: Some(0.0),
-    help: "starting register, below 2^order: where in the sequence it begins; 0 is all ones",
-};
-
 pub(super) const ROW: Excitation = Excitation {
     name: "prbs",
     summary: "pseudo-random binary sequence: white over its period, for the linear block",
     reference: "MacWilliams and Sloane, Proc. IEEE 64(12), 1976, DOI 10.1109/PROC.1976.10411",
-    parameters: &[AMPLITUDE, ORDER, CLOCK_DIVIDER, SEED, OFFSET],
-    generate: |v, ts, n| {
-        Prbs {
-            amplitude: v.get(&AMPLITUDE)?,
-            order: v.whole(&ORDER)?,
-            clock_divider: v.whole(&CLOCK_DIVIDER)?,
-            seed: v.whole(&SEED)?,
-            offset: v.get(&OFFSET)?,
-        }
-        .samples(ts, n)
-    },
+    rows: Prbs::rows,
+    generate: |given, ts, n| Prbs::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -11,33 +11,27 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, options};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// A sine whose amplitude grows linearly, with one last period at full amplitude.
-///
-/// ```
-/// use piezoid::excitation::RisingSine;
-/// let u = RisingSine { amplitude: 30.0, frequency: 5.0, offset: 0.0 }.samples(5e-4, 8000)?;
-/// assert!(u[..400].iter().all(|v| v.abs() < 2.0));
-/// assert_eq!(u.iter().fold(0.0, |peak: f64, v| peak.max(*v)), 30.0);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct RisingSine {
-    /// Distance of the last loop's ends from the offset [V].
-    pub amplitude: f64,
-    /// Periods a second [Hz].
-    pub frequency: f64,
-    /// Middle of the loops [V].
-    pub offset: f64,
-}
-
-impl Default for RisingSine {
-    /// 1 V, 1 Hz, no offset.
-    fn default() -> Self {
-        RisingSine { amplitude: 1.0, frequency: 1.0, offset: 0.0 }
+options! {
+    /// A sine whose amplitude grows linearly, with one last period at full amplitude.
+    ///
+    /// ```
+    /// use piezoid::excitation::RisingSine;
+    /// let u = RisingSine { amplitude: 30.0, frequency: 5.0, offset: 0.0 }.samples(5e-4, 8000)?;
+    /// assert!(u[..400].iter().all(|v| v.abs() < 2.0));
+    /// assert_eq!(u.iter().fold(0.0, |peak: f64, v| peak.max(*v)), 30.0);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct RisingSine {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Periods a second, below half the sampling rate.
+        frequency: f64 = 1.0, FREQUENCY;
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -69,11 +63,8 @@ pub(super) const ROW: Excitation = Excitation {
     name: "rising-sine",
     summary: "sine of growing amplitude: a family of loops that exercises the first-order reversal curves",
     reference: "Mayergoyz, Phys. Rev. Lett. 56(15), 1986, DOI 10.1103/PhysRevLett.56.1518",
-    parameters: &[AMPLITUDE, FREQUENCY, OFFSET],
-    generate: |v, ts, n| {
-        RisingSine { amplitude: v.get(&AMPLITUDE)?, frequency: v.get(&FREQUENCY)?, offset: v.get(&OFFSET)? }
-            .samples(ts, n)
-    },
+    rows: RisingSine::rows,
+    generate: |given, ts, n| RisingSine::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -8,33 +8,27 @@
 //! DOI 10.1002/9781118287422.
 
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, options};
 use super::{Excitation, PINTELON_SCHOUKENS};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// A sine that starts at the offset and rises.
-///
-/// ```
-/// use piezoid::excitation::Sine;
-/// let u = Sine { amplitude: 30.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400)?;
-/// assert_eq!((u[0], u[100]), (0.0, 30.0));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sine {
-    /// Largest distance from the offset [V].
-    pub amplitude: f64,
-    /// Periods a second [Hz].
-    pub frequency: f64,
-    /// Mean [V].
-    pub offset: f64,
-}
-
-impl Default for Sine {
-    /// 1 V, 1 Hz, no offset.
-    fn default() -> Self {
-        Sine { amplitude: 1.0, frequency: 1.0, offset: 0.0 }
+options! {
+    /// A sine that starts at the offset and rises.
+    ///
+    /// ```
+    /// use piezoid::excitation::Sine;
+    /// let u = Sine { amplitude: 30.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400)?;
+    /// assert_eq!((u[0], u[100]), (0.0, 30.0));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct Sine {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Periods a second, below half the sampling rate.
+        frequency: f64 = 1.0, FREQUENCY;
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -54,10 +48,8 @@ pub(super) const ROW: Excitation = Excitation {
     name: "sine",
     summary: "one hysteresis loop, over and over",
     reference: PINTELON_SCHOUKENS,
-    parameters: &[AMPLITUDE, FREQUENCY, OFFSET],
-    generate: |v, ts, n| {
-        Sine { amplitude: v.get(&AMPLITUDE)?, frequency: v.get(&FREQUENCY)?, offset: v.get(&OFFSET)? }.samples(ts, n)
-    },
+    rows: Sine::rows,
+    generate: |given, ts, n| Sine::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

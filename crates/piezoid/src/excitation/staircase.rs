@@ -11,34 +11,28 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET, Parameter};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, count, options};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// A sine in steps.
-///
-/// ```
-/// use piezoid::excitation::Staircase;
-/// let u = Staircase { amplitude: 2.0, frequency: 1.0, levels: 5, offset: 0.0 }.samples(0.05, 8)?;
-/// assert_eq!(u, [0.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Staircase {
-    /// Distance of the outermost levels from the offset [V].
-    pub amplitude: f64,
-    /// Periods a second [Hz].
-    pub frequency: f64,
-    /// Number of levels, at least 2.
-    pub levels: u32,
-    /// Middle of the levels [V].
-    pub offset: f64,
-}
-
-impl Default for Staircase {
-    /// 1 V, 1 Hz, 20 levels, no offset.
-    fn default() -> Self {
-        Staircase { amplitude: 1.0, frequency: 1.0, levels: 20, offset: 0.0 }
+options! {
+    /// A sine in steps.
+    ///
+    /// ```
+    /// use piezoid::excitation::Staircase;
+    /// let u = Staircase { amplitude: 2.0, frequency: 1.0, levels: 5, offset: 0.0 }.samples(0.05, 8)?;
+    /// assert_eq!(u, [0.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct Staircase {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Periods a second, below half the sampling rate.
+        frequency: f64 = 1.0, FREQUENCY;
+        /// Number of evenly spaced levels, at least 2.
+        levels: u32 = 20, count(2);
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -66,23 +60,12 @@ fn nearest(s: f64, jumps: f64) -> f64 {
     2.0 * level / jumps - 1.0
 }
 
-const LEVELS: Parameter =
-    Parameter { name: "levels", unit: "", default: Some(20.0), help: "number of evenly spaced levels, at least 2" };
-
 pub(super) const ROW: Excitation = Excitation {
     name: "staircase",
     summary: "sine in steps of equal height: catches a model that reads a held input as a falling one",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
-    parameters: &[AMPLITUDE, FREQUENCY, LEVELS, OFFSET],
-    generate: |v, ts, n| {
-        Staircase {
-            amplitude: v.get(&AMPLITUDE)?,
-            frequency: v.get(&FREQUENCY)?,
-            levels: v.whole(&LEVELS)?,
-            offset: v.get(&OFFSET)?,
-        }
-        .samples(ts, n)
-    },
+    rows: Staircase::rows,
+    generate: |given, ts, n| Staircase::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

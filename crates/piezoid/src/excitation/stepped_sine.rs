@@ -11,35 +11,29 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET, Parameter};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, count, options};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// A sine in steps of equal length. The highest step reaches the amplitude, whatever their number: the input runs
-/// between the same ends as a sine of that amplitude.
-///
-/// ```
-/// use piezoid::excitation::SteppedSine;
-/// let u = SteppedSine { amplitude: 2.0, frequency: 1.0, steps: 4, offset: 0.0 }.samples(0.125, 8)?;
-/// assert_eq!((u[0], u[2], u[3], u[6], u[7]), (0.0, 2.0, 2.0, -2.0, -2.0));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct SteppedSine {
-    /// Largest distance from the offset [V].
-    pub amplitude: f64,
-    /// Periods a second [Hz].
-    pub frequency: f64,
-    /// Steps a period, at least 3.
-    pub steps: u32,
-    /// Mean [V].
-    pub offset: f64,
-}
-
-impl Default for SteppedSine {
-    /// 1 V, 1 Hz, 7 steps, no offset.
-    fn default() -> Self {
-        SteppedSine { amplitude: 1.0, frequency: 1.0, steps: 7, offset: 0.0 }
+options! {
+    /// A sine in steps of equal length. The highest step reaches the amplitude, whatever their number: the input runs
+    /// between the same ends as a sine of that amplitude.
+    ///
+    /// ```
+    /// use piezoid::excitation::SteppedSine;
+    /// let u = SteppedSine { amplitude: 2.0, frequency: 1.0, steps: 4, offset: 0.0 }.samples(0.125, 8)?;
+    /// assert_eq!((u[0], u[2], u[3], u[6], u[7]), (0.0, 2.0, 2.0, -2.0, -2.0));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct SteppedSine {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Periods a second, below half the sampling rate.
+        frequency: f64 = 1.0, FREQUENCY;
+        /// Steps a period, at least 3.
+        steps: u32 = 7, count(3);
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -64,22 +58,12 @@ impl SteppedSine {
     }
 }
 
-const STEPS: Parameter = Parameter { name: "steps", unit: "", default: Some(7.0), help: "steps a period, at least 3" };
-
 pub(super) const ROW: Excitation = Excitation {
     name: "stepped-sine",
     summary: "sine in steps of equal length: a form of the paper's periodic step-wise test signal",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
-    parameters: &[AMPLITUDE, FREQUENCY, STEPS, OFFSET],
-    generate: |v, ts, n| {
-        SteppedSine {
-            amplitude: v.get(&AMPLITUDE)?,
-            frequency: v.get(&FREQUENCY)?,
-            steps: v.whole(&STEPS)?,
-            offset: v.get(&OFFSET)?,
-        }
-        .samples(ts, n)
-    },
+    rows: SteppedSine::rows,
+    generate: |given, ts, n| SteppedSine::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

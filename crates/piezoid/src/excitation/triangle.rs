@@ -8,32 +8,26 @@
 //! DOI 10.1002/9781118287422.
 
 use super::drive::Drive;
-use super::parameter::{AMPLITUDE, FREQUENCY, OFFSET};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, options};
 use super::{Excitation, PINTELON_SCHOUKENS};
 use crate::error::Error;
 
-/// Ramps up and down, starting upwards from the offset.
-///
-/// ```
-/// use piezoid::excitation::Triangle;
-/// let u = Triangle { amplitude: 2.0, frequency: 1.0, offset: 0.0 }.samples(0.125, 8)?;
-/// assert_eq!(u, [0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0]);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq)]
-pub struct Triangle {
-    /// Largest distance from the offset [V].
-    pub amplitude: f64,
-    /// Periods a second [Hz].
-    pub frequency: f64,
-    /// Mean [V].
-    pub offset: f64,
-}
-
-impl Default for Triangle {
-    /// 1 V, 1 Hz, no offset.
-    fn default() -> Self {
-        Triangle { amplitude: 1.0, frequency: 1.0, offset: 0.0 }
+options! {
+    /// Ramps up and down, starting upwards from the offset.
+    ///
+    /// ```
+    /// use piezoid::excitation::Triangle;
+    /// let u = Triangle { amplitude: 2.0, frequency: 1.0, offset: 0.0 }.samples(0.125, 8)?;
+    /// assert_eq!(u, [0.0, 1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0]);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct Triangle {
+        /// Largest distance from the offset, half of peak to peak.
+        amplitude: f64 = 1.0, AMPLITUDE;
+        /// Periods a second, below half the sampling rate.
+        frequency: f64 = 1.0, FREQUENCY;
+        /// Voltage that the excitation is centred on.
+        offset: f64 = 0.0, OFFSET;
     }
 }
 
@@ -64,11 +58,8 @@ pub(super) const ROW: Excitation = Excitation {
     name: "triangle",
     summary: "triangle: a loop at constant rate",
     reference: PINTELON_SCHOUKENS,
-    parameters: &[AMPLITUDE, FREQUENCY, OFFSET],
-    generate: |v, ts, n| {
-        Triangle { amplitude: v.get(&AMPLITUDE)?, frequency: v.get(&FREQUENCY)?, offset: v.get(&OFFSET)? }
-            .samples(ts, n)
-    },
+    rows: Triangle::rows,
+    generate: |given, ts, n| Triangle::from_json(given)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -109,10 +109,10 @@ mod tests {
         assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V"]);
         assert_eq!(
             table.record(&Selection::default()).unwrap_err().to_string(),
-            "there is no output column: a single `y_*` is missing among the columns `t_s`, `u_V`; name it with \
-             --output-col; left out: map (of shape 2 x 2), y_um (of 3 samples, not 4)"
+            "there is no output column: a single `y_*` is missing among the columns `t_s`, `u_V`; left out: \
+             map (of shape 2 x 2), y_um (of 3 samples, not 4); give `output_col`"
         );
-        let asked = Selection { output: Some("map".into()), ..Selection::default() };
+        let asked = Selection { output_col: Some("map".into()), ..Selection::default() };
         assert!(table.record(&asked).unwrap_err().to_string().contains("left out: map (of shape 2 x 2)"));
         let many: Vec<(String, usize)> = (0..20).map(|k| (format!("c{k}"), 2 + k)).collect();
         let many: Vec<(&str, usize)> = many.iter().map(|(name, n)| (name.as_str(), *n)).collect();
@@ -130,13 +130,13 @@ mod tests {
         let table = Table::of(channels(&[("t_s", 4), ("u_V", 4), ("u_V", 4), ("u_mon", 4), ("y_um", 4), ("u_mon", 3)]));
         assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V", "u_mon", "y_um"]);
         for name in ["u_V", "u_mon"] {
-            let asked = Selection { input: Some(name.into()), ..Selection::default() };
+            let asked = Selection { input_col: Some(name.into()), ..Selection::default() };
             assert_eq!(
                 table.record(&asked).unwrap_err().to_string(),
                 format!("there are two of {name}, in several structures: give one structure")
             );
         }
-        let other = Selection { input: Some("t_s".into()), ts: Some(1.0), ..Selection::default() };
+        let other = Selection { input_col: Some("t_s".into()), ts: Some(1.0), ..Selection::default() };
         assert!(table.record(&other).is_ok());
     }
 

@@ -7,29 +7,48 @@
 use super::quote::{listed, shortened};
 use super::table::{Column, Table};
 use crate::Error;
-use crate::record::plain;
+use crate::options::{OptionRow, Values, options};
+use crate::record::{Record, plain};
+use serde_json::Value;
+use std::ops::Range;
 
-/// What the user says about the columns; the names decide wherever it says nothing.
-///
-/// A column chosen here may have any name. Its unit is what follows `u_` or `y_`; else what stands in brackets at the
-/// end, as in `Voltage [V]`; else what follows the last underscore, as in `sensor_um`, unless that holds a digit, as in
-/// `channel_2`; else none, the empty string.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Selection {
-    /// Sampling period [s] (`--ts`). The time column is then not read at all.
-    pub ts: Option<f64>,
-    /// Name of the input column (`--input-col`).
-    pub input: Option<String>,
-    /// Name of the output column (`--output-col`).
-    pub output: Option<String>,
-    /// Name of the time column (`--time-col`), in seconds.
-    pub time: Option<String>,
+options! {
+    /// What the user says about the columns and the part of a data file; the names decide wherever it says nothing.
+    ///
+    /// A column chosen here may have any name. Its unit is what follows `u_` or `y_`; else what stands in brackets at the
+    /// end, as in `Voltage [V]`; else what follows the last underscore, as in `sensor_um`, unless that holds a digit, as in
+    /// `channel_2`; else none, the empty string.
+    pub struct Selection {
+        /// Sampling period, for files without a time column.
+        ts: Option<f64> = None, OptionRow::positive("s").group(GROUP);
+        /// Name of the input column.
+        input_col: Option<String> = None, OptionRow::new(NAME).absent("u_V").group(GROUP);
+        /// Name of the output column.
+        output_col: Option<String> = None, OptionRow::new(NAME).absent("the one named y_*").group(GROUP);
+        /// Name of the time column.
+        time_col: Option<String> = None, OptionRow::new(NAME).absent("t_s").group(GROUP);
+        /// Use the data from this time on, counted from the first row.
+        from: Option<f64> = None, OptionRow::not_negative("s").group(GROUP);
+        /// Use the data up to this time, counted from the first row.
+        to: Option<f64> = None, OptionRow::not_negative("s").group(GROUP);
+    }
 }
 
+const NAME: Values = Values::Text("NAME");
+const GROUP: &str = "Data files";
+
 impl Selection {
+    /// The samples of `n` that are meant.
+    pub(super) fn part(&self, ts: f64, n: usize) -> Result<Range<usize>, Error> {
+        match (self.from, self.to) {
+            (None, None) => Ok(0..n),
+            (from, to) => Record::span(from.unwrap_or(0.0), to.unwrap_or(f64::INFINITY), ts, n),
+        }
+    }
+
     /// Whether the user gave this column a role.
     fn mentions(&self, name: &str) -> bool {
-        [&self.input, &self.output, &self.time].into_iter().flatten().any(|asked| asked.trim() == name)
+        [&self.input_col, &self.output_col, &self.time_col].into_iter().flatten().any(|asked| asked.trim() == name)
     }
 }
 
@@ -41,8 +60,8 @@ pub(super) struct Role {
     /// Taken when only one column starts with it.
     prefix: Option<&'static str>,
     option: &'static str,
-    /// What helps beside naming a column.
-    instead: &'static str,
+    /// The option that does without a column.
+    instead: Option<&'static str>,
     asked: fn(&Selection) -> Option<&String>,
     /// First words of names that probably mean this, to be offered and never taken.
     hints: &'static [&'static str],
@@ -53,9 +72,9 @@ pub(super) static TIME: Role = Role {
     what: "time",
     exact: Some("t_s"),
     prefix: None,
-    option: "--time-col",
-    instead: "give the sampling period in seconds with --ts, or ",
-    asked: |selection| selection.time.as_ref(),
+    option: "time_col",
+    instead: Some("ts"),
+    asked: |selection| selection.time_col.as_ref(),
     hints: &["t", "ts", "time", "timestamp", "sec", "second", "seconds"],
 };
 
@@ -64,9 +83,9 @@ pub(super) static INPUT: Role = Role {
     what: "input",
     exact: Some("u_V"),
     prefix: Some("u_"),
-    option: "--input-col",
-    instead: "",
-    asked: |selection| selection.input.as_ref(),
+    option: "input_col",
+    instead: None,
+    asked: |selection| selection.input_col.as_ref(),
     hints: &["u", "uv", "v", "volt", "volts", "voltage", "input", "in", "cmd", "command", "drive"],
 };
 
@@ -77,9 +96,9 @@ const OUT: Role = Role {
     what: "output",
     exact: None,
     prefix: Some("y_"),
-    option: "--output-col",
-    instead: "",
-    asked: |selection| selection.output.as_ref(),
+    option: "output_col",
+    instead: None,
+    asked: |selection| selection.output_col.as_ref(),
     hints: &["y", "yum", "disp", "displacement", "pos", "position", "output", "out", "sensor", "x", "z"],
 };
 
@@ -106,12 +125,12 @@ impl Role {
                 line: table.header,
                 column: None,
                 problem: format!(
-                    "{} could each be the {}; choose one with {}",
+                    "{} could each be the {}; ",
                     listed(candidates.iter().map(|c| c.name.as_str())),
                     self.what,
-                    self.option
                 ),
-            }),
+            }
+            .advised(vec![(self.option, Value::Null)])),
         }
     }
 
@@ -119,17 +138,16 @@ impl Role {
     fn missing<'a>(&self, table: &Table, mut free: impl Iterator<Item = &'a str>) -> Error {
         let patterns = [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("a single `{p}*`"))];
         let patterns = patterns.into_iter().flatten().collect::<Vec<_>>().join(" or ");
-        let Role { what, option, instead, .. } = self;
-        let choose = match free.find(|name| self.hints.contains(&first_word(name).as_str())) {
-            Some(name) => format!("if `{0}` is the {what}, say {option} \"{0}\"", shortened(name)),
-            None => format!("name it with {option}"),
-        };
-        let remedy = if table.columns.len() == 1 && table.names().any(|name| name.contains(char::is_whitespace)) {
-            "separate the columns with commas, semicolons or tabs: spaces belong to a name".into()
-        } else {
-            format!("{instead}{choose}")
-        };
-        table.about_names(&format!("there is no {what} column: {patterns} is missing"), &remedy)
+        let wrong = format!("there is no {} column: {patterns} is missing", self.what);
+        if table.columns.len() == 1 && table.names().any(|name| name.contains(char::is_whitespace)) {
+            let remedy = "; separate the columns with commas, semicolons or tabs: spaces belong to a name";
+            return table.about_names(&wrong, remedy);
+        }
+        let hinted = free.find(|name| self.hints.contains(&first_word(name).as_str())).map(shortened);
+        let remedy = hinted.as_ref().map_or("; ".into(), |name| format!("; it may be `{name}`: "));
+        let instead = self.instead.map(|option| (option, Value::Null));
+        let options = instead.into_iter().chain([(self.option, Value::from(hinted))]).collect();
+        table.about_names(&wrong, &remedy).advised(options)
     }
 }
 
@@ -145,8 +163,9 @@ pub(super) fn in_seconds(column: &Column, header: u64) -> Result<&Column, Error>
         other if ["ms", "us", "ns", "min", "h"].contains(&other.as_str()) => Err(Error::Line {
             line: header,
             column: Some(shortened(&column.name)),
-            problem: format!("the time is in {other}, not in seconds: convert it, or give --ts in seconds"),
-        }),
+            problem: format!("the time is in {other}, not in seconds: convert it, or "),
+        }
+        .advised(vec![("ts", Value::Null)])),
         _ => Ok(column),
     }
 }
@@ -198,7 +217,7 @@ mod tests {
         assert_eq!(default(&INPUT, "t_s,u_cmdV,y_um").unwrap(), "u_cmdV");
         assert_eq!(
             default(&INPUT, "t_s,u_cmdV,u_monV,y_um").unwrap_err(),
-            "line 1: `u_cmdV`, `u_monV` could each be the input; choose one with --input-col"
+            "line 1: `u_cmdV`, `u_monV` could each be the input; give `input_col`"
         );
     }
 
@@ -207,9 +226,9 @@ mod tests {
         assert_eq!(default(&OUTPUT, "t_s,u_V,y_counts,yref_um").unwrap(), "y_counts");
         assert_eq!(
             default(&OUTPUT, "t_s,u_V,y_um,y_mm").unwrap_err(),
-            "line 1: `y_um`, `y_mm` could each be the output; choose one with --output-col"
+            "line 1: `y_um`, `y_mm` could each be the output; give `output_col`"
         );
-        let chosen = Selection { output: Some("y_mm".into()), ..Selection::default() };
+        let chosen = Selection { output_col: Some("y_mm".into()), ..Selection::default() };
         assert_eq!(found(&OUTPUT, "t_s,u_V,y_um,y_mm", &chosen).unwrap(), "y_mm");
     }
 
@@ -227,30 +246,32 @@ mod tests {
         assert_eq!(
             default(&INPUT, "t_s,Voltage [V],y_um").unwrap_err(),
             "line 1: there is no input column: `u_V` or a single `u_*` is missing among the columns `t_s`, `Voltage \
-             [V]`, `y_um`; if `Voltage [V]` is the input, say --input-col \"Voltage [V]\""
+             [V]`, `y_um`; it may be `Voltage [V]`: give `input_col` = \"Voltage [V]\""
         );
         assert_eq!(
             default(&INPUT, "t_s,a,b").unwrap_err(),
             "line 1: there is no input column: `u_V` or a single `u_*` is missing among the columns `t_s`, `a`, `b`; \
-             name it with --input-col"
+             give `input_col`"
         );
-        assert!(default(&INPUT, "t_s,u,y_um").unwrap_err().contains("if `u` is the input"));
-        assert!(default(&OUTPUT, "t_s,u_V,Position").unwrap_err().contains("--output-col \"Position\""));
-        assert!(default(&OUTPUT, "t_s,u_V,yref_um").unwrap_err().contains("name it with --output-col"));
+        assert!(default(&INPUT, "t_s,u,y_um").unwrap_err().contains("it may be `u`: give"));
+        assert!(default(&OUTPUT, "t_s,u_V,Position").unwrap_err().contains("`output_col` = \"Position\""));
+        assert!(default(&OUTPUT, "t_s,u_V,yref_um").unwrap_err().ends_with("; give `output_col`"));
         assert_eq!(
             default(&TIME, "u_V,y_um").unwrap_err(),
-            "line 1: there is no time column: `t_s` is missing among the columns `u_V`, `y_um`; give the sampling \
-             period in seconds with --ts, or name it with --time-col"
+            "line 1: there is no time column: `t_s` is missing among the columns `u_V`, `y_um`; give `ts` \
+             or `time_col`"
         );
         assert!(
-            default(&TIME, "time,u_V,y_um").unwrap_err().contains("if `time` is the time, say --time-col \"time\"")
+            default(&TIME, "time,u_V,y_um")
+                .unwrap_err()
+                .ends_with("it may be `time`: give `ts` or `time_col` = \"time\"")
         );
         assert!(default(&INPUT, "t_s u_V y_um").unwrap_err().contains("commas, semicolons or tabs"));
     }
 
     #[test]
     fn a_name_that_is_not_there_is_answered_with_the_nearest() {
-        let asked = Selection { input: Some("u_cmd".into()), ..Selection::default() };
+        let asked = Selection { input_col: Some("u_cmd".into()), ..Selection::default() };
         assert_eq!(
             found(&INPUT, "t_s,u_cmdV,y_um", &asked).unwrap_err(),
             "there is no column called `u_cmd`: known are t_s, u_cmdV, y_um; did you mean `u_cmdV`?"
@@ -259,16 +280,16 @@ mod tests {
 
     #[test]
     fn a_column_given_to_one_role_is_not_taken_for_another() {
-        let selection = Selection { input: Some("y_um".into()), ..Selection::default() };
+        let selection = Selection { input_col: Some("y_um".into()), ..Selection::default() };
         assert_eq!(found(&OUTPUT, "t_s,y_um,y_mm", &selection).unwrap(), "y_mm");
     }
 
     #[test]
     fn a_time_in_milliseconds_is_refused() {
-        let asked = Selection { time: Some("t_ms".into()), ..Selection::default() };
+        let asked = Selection { time_col: Some("t_ms".into()), ..Selection::default() };
         assert_eq!(
             table("t_ms,u_V,y_um").record(&asked).unwrap_err().to_string(),
-            "line 1, column t_ms: the time is in ms, not in seconds: convert it, or give --ts in seconds"
+            "line 1, column t_ms: the time is in ms, not in seconds: convert it, or give `ts`"
         );
     }
 

@@ -92,7 +92,8 @@ impl Table {
     pub fn record(&self, selection: &Selection) -> Result<Record, Error> {
         let (ts, [u, y]) = self.sampled([&INPUT, &OUTPUT], selection)?;
         let units = Units { u: u.unit("u_"), y: y.unit("y_") };
-        Ok(Record::new(ts, u.samples.clone(), y.samples.clone())?.with_units(units))
+        let part = selection.part(ts, u.samples.len())?;
+        Ok(Record::new(ts, u.samples[part.clone()].to_vec(), y.samples[part].to_vec())?.with_units(units))
     }
 
     /// The input alone, of a file that need not have an output.
@@ -101,7 +102,7 @@ impl Table {
     /// As [`record`](Table::record).
     pub fn input(&self, selection: &Selection) -> Result<Signal, Error> {
         let (ts, [u]) = self.sampled([&INPUT], selection)?;
-        Ok(Signal { ts, samples: u.samples.clone(), unit: u.unit("u_") })
+        Ok(Signal { ts, samples: u.samples[selection.part(ts, u.samples.len())?].to_vec(), unit: u.unit("u_") })
     }
 
     /// A reference, of a file that need not have an input: the only `r_*`, or where there is none what is the output.
@@ -110,10 +111,10 @@ impl Table {
     /// As [`record`](Table::record).
     pub fn reference(&self, selection: &Selection) -> Result<Signal, Error> {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
-        let said = selection.output.is_none() && (any("r_") || !any("y_"));
+        let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
         let (role, prefix) = if said { (&REFERENCE, "r_") } else { (&OUTPUT, "y_") };
         let (ts, [r]) = self.sampled([role], selection)?;
-        Ok(Signal { ts, samples: r.samples.clone(), unit: r.unit(prefix) })
+        Ok(Signal { ts, samples: r.samples[selection.part(ts, r.samples.len())?].to_vec(), unit: r.unit(prefix) })
     }
 
     /// The sampling period [s], and the columns that play these roles, read without a flaw.
@@ -128,7 +129,7 @@ impl Table {
         }
         // What is said, else the stamps there are, else what the format states.
         let time = TIME.find(self, selection);
-        let stated = selection.ts.or_else(|| self.ts.filter(|_| time.is_err() && selection.time.is_none()));
+        let stated = selection.ts.or_else(|| self.ts.filter(|_| time.is_err() && selection.time_col.is_none()));
         if stated.is_none() {
             needed.push(in_seconds(time?, self.header)?);
         }
@@ -176,7 +177,13 @@ impl Table {
     fn without_lines(&self, error: Error) -> Error {
         let left = if self.left.is_empty() { String::new() } else { format!("; left out: {}", self.left) };
         match error {
+            Error::Line { line: 0, column, problem } if problem.ends_with("; ") => {
+                Error::Row { row: None, column, problem: format!("{}{left}; ", problem.trim_end_matches("; ")) }
+            }
             Error::Line { line: 0, column, problem } => Error::Row { row: None, column, problem: problem + &left },
+            Error::Advised { error, options } => {
+                Error::Advised { error: Box::new(self.without_lines(*error)), options }
+            }
             Error::Line { line, column, problem } => Error::Row { row: Some(line), column, problem },
             Error::Unknown { .. } => Error::Content(format!("{error}{left}")),
             other => other,
@@ -188,7 +195,7 @@ impl Table {
         Error::Line {
             line: self.header,
             column: None,
-            problem: format!("{wrong} among the columns {}; {remedy}", listed(self.names())),
+            problem: format!("{wrong} among the columns {}{remedy}", listed(self.names())),
         }
     }
 }
@@ -232,10 +239,10 @@ mod tests {
     fn columns_are_chosen_by_name() {
         let table = parsed("clock,monitor,Sensor [nm],u_V,y_um\n0,1,2,x,x\n0.1,2,3,x,x\n");
         let selection = Selection {
-            ts: None,
-            input: Some("monitor".into()),
-            output: Some("Sensor [nm]".into()),
-            time: Some("clock".into()),
+            input_col: Some("monitor".into()),
+            output_col: Some("Sensor [nm]".into()),
+            time_col: Some("clock".into()),
+            ..Selection::default()
         };
         let record = table.record(&selection).unwrap();
         assert_eq!((record.u(), record.y()), (&[1.0, 2.0][..], &[2.0, 3.0][..]));
@@ -244,7 +251,8 @@ mod tests {
 
     #[test]
     fn one_column_cannot_play_two_roles() {
-        let twice = Selection { input: Some("y_um".into()), output: Some("y_um".into()), ..Selection::default() };
+        let twice =
+            Selection { input_col: Some("y_um".into()), output_col: Some("y_um".into()), ..Selection::default() };
         assert_eq!(
             parsed("t_s,u_V,y_um\n0,1,2\n1,2,3\n").record(&twice).unwrap_err().to_string(),
             "line 1, column y_um: chosen twice: time, input and output must be different columns"

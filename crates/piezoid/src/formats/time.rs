@@ -8,16 +8,22 @@
 //! shortest decimal number that fits the stamps as well as the quotient does is what was meant. Nothing is resampled.
 
 use crate::Error;
+use serde_json::Value;
 
 /// Deviation from the median step that is allowed, relative to it.
 const UNEVEN: f64 = 0.01;
 
 /// The sampling period [s] of the stamps `t` [s], which stand one a line from line `first`.
 pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
-    let refused =
-        |row: usize, problem| Err(Error::Line { line: first + row as u64, column: Some(name.to_owned()), problem });
+    let refused = |row: usize, (problem, ts): (String, Option<Value>)| {
+        let error = Error::Line { line: first + row as u64, column: Some(name.to_owned()), problem };
+        Err(match ts {
+            Some(ts) => error.advised(vec![("ts", ts)]),
+            None => error,
+        })
+    };
     if t.len() < 2 {
-        return refused(0, "a single row does not tell the sampling period: give it in seconds with --ts".into());
+        return refused(0, ("a single row does not tell the sampling period: ".into(), Some(Value::Null)));
     }
     if let Some(row) = (1..t.len()).find(|&k| t[k] <= t[k - 1]) {
         return refused(row, not_increasing(t[row - 1], t[row]));
@@ -31,18 +37,20 @@ pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
     }
 }
 
-/// Time stands still (perhaps rounded, then `--ts` helps) or goes back (then it does not).
-fn not_increasing(before: f64, here: f64) -> String {
+/// Time stands still (perhaps rounded, then `ts` helps) or goes back (then it does not).
+fn not_increasing(before: f64, here: f64) -> (String, Option<Value>) {
     if here == before {
-        format!(
+        let problem = format!(
             "time stands still at {here} s but must increase: delete the row if it is there twice; if the stamps only \
-             have too few digits, give the sampling period with --ts, and the time column is not read"
-        )
+             have too few digits, the time column need not be read: "
+        );
+        (problem, Some(Value::Null))
     } else {
-        format!(
+        let problem = format!(
             "time goes back from {before} s to {here} s but must increase: if a second record starts here, split the \
              file"
-        )
+        );
+        (problem, None)
     }
 }
 
@@ -51,8 +59,8 @@ fn off(step: f64, median: f64) -> bool {
     (step - median).abs() > UNEVEN * median
 }
 
-/// Step `k` is wrong: by missing rows, if few steps are (then `--ts` would only hide them), or by rough stamps.
-fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> String {
+/// Step `k` is wrong: by missing rows, if few steps are (then `ts` would only hide them), or by rough stamps.
+fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Value>) {
     let (count, all) = (steps.iter().filter(|d| off(**d, median)).count(), steps.len());
     let found = format!(
         "the step to this row is {} s, not {} s (the median) within 1 % (uneven steps: {count} of {all}): ",
@@ -62,14 +70,10 @@ fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> String {
     let missing = (steps[k] / median).round() - 1.0;
     if missing >= 1.0 && 4 * count <= all {
         let rows = if missing == 1.0 { "1 row seems".into() } else { format!("{missing} rows seem") };
-        found + &format!("{rows} to be missing; split the file here, or resample it evenly")
+        (found + &format!("{rows} to be missing; split the file here, or resample it evenly"), None)
     } else {
-        let ts = rounded(mean, 6);
-        found
-            + &format!(
-                "if the samples are even and only the stamps are rough, give --ts {ts}, and the time column is not \
-                 read; otherwise resample the record evenly"
-            )
+        let problem = "resample the record evenly, or, if the samples are even and only the stamps are rough, ";
+        (found + problem, Some(rounded(mean, 6).into()))
     }
 }
 
@@ -150,10 +154,10 @@ mod tests {
         assert_eq!(
             refusal(&[0.0, 0.0003, 0.0007, 0.001]),
             "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: \
-             1 of 3): if the samples are even and only the stamps are rough, give --ts 0.000333333, and the time \
-             column is not read; otherwise resample the record evenly"
+             1 of 3): resample the record evenly, or, if the samples are even and only the stamps are rough, give \
+             `ts` = 0.000333333"
         );
-        assert!(refusal(&[0.0, 0.001, 0.003, 0.004, 0.006, 0.007]).contains("give --ts 0.0014,"));
+        assert!(refusal(&[0.0, 0.001, 0.003, 0.004, 0.006, 0.007]).ends_with("give `ts` = 0.0014"));
     }
 
     #[test]
@@ -161,8 +165,7 @@ mod tests {
         assert_eq!(
             refusal(&[0.0, 0.01, 0.01]),
             "line 4, column t_s: time stands still at 0.01 s but must increase: delete the row if it is there twice; \
-             if the stamps only have too few digits, give the sampling period with --ts, and the time column is not \
-             read"
+             if the stamps only have too few digits, the time column need not be read: give `ts`"
         );
         assert_eq!(
             refusal(&[0.0, 0.01, 0.02, 0.0, 0.01]),
@@ -173,10 +176,7 @@ mod tests {
 
     #[test]
     fn one_row_does_not_tell_a_period() {
-        assert_eq!(
-            refusal(&[0.0]),
-            "line 2, column t_s: a single row does not tell the sampling period: give it in seconds with --ts"
-        );
+        assert_eq!(refusal(&[0.0]), "line 2, column t_s: a single row does not tell the sampling period: give `ts`");
     }
 
     #[test]

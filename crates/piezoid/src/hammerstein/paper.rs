@@ -207,7 +207,7 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     let failed = if fit.estimator == "swarm" && left > 1.001 * best {
         let (left, best) = (short(left), short(best));
         format!(
-            "; it leaves {left} where least squares leaves {best}, so the search failed: try --estimator least-absolute"
+            "; it leaves {left} where least squares leaves {best}, so the search failed: try the estimator least-absolute"
         )
     } else {
         String::new()
@@ -250,7 +250,7 @@ fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
     let pair = |l: &HiddenLoop| {
         let frequency_hz = l.frequency_hz.ok_or_else(|| Error::Unidentifiable {
             what: "the frequency of a rich record".into(),
-            because: "its input holds no whole period; record longer, or use --operator two-branch".into(),
+            because: "its input holds no whole period; record longer, or take the operator two-branch".into(),
         })?;
         Ok(Pair { frequency_hz, branches: l.found.branches.clone() })
     };

@@ -6,7 +6,7 @@ use crate::system::System;
 use crate::waveform::{in_motion, lead};
 
 /// What the actuator did before a record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InitialCondition {
     /// It was at rest, and jumped to the first input.

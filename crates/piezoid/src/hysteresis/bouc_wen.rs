@@ -168,7 +168,8 @@ fn hysteresis(x: hysteresis, u) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::{BeamSpec, DriverSpec, Logged, Plant, Preset, SensorSpec, Spec};
+    use crate::plant::spec::{DriverSpec, SensorSpec};
+    use crate::plant::{BeamSpec, Logged, Plant, Preset, Spec};
     use crate::system::System;
     use crate::testing::assert_close;
 

@@ -176,7 +176,7 @@ fn document(params: &impl serde::Serialize) -> Map<String, Value> {
 mod tests {
     //! The contract every operator keeps.
     use super::*;
-    use crate::elementary;
+
     use crate::program::{Machine, Program};
 
     fn examples() -> impl Iterator<Item = Arc<dyn Hysteresis>> {

@@ -384,7 +384,7 @@ mod tests {
     use super::super::inverse::by_slopes;
     use super::super::{Hysteresis, inverse};
     use super::*;
-    use crate::elementary;
+
     use crate::program::{Machine, Program};
     use crate::system::System;
     use crate::testing::assert_close;

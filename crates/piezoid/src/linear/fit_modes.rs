@@ -213,7 +213,7 @@ mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::linear::modal_error::tests::held;
-    use crate::plant::{Plant, Preset};
+    use crate::plant::Plant;
     use crate::system::System;
     use crate::testing::assert_close;
     use rand::SeedableRng;

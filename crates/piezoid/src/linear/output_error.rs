@@ -200,7 +200,7 @@ pub(super) fn search(
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, Preset};
+    use crate::plant::Plant;
     use crate::progress::unwatched;
     use crate::system::System;
     use crate::testing::assert_close;

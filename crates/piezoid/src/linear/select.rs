@@ -104,18 +104,6 @@ const ROUGH: levenberg_marquardt::SearchSettings =
 
 /// Chooses order and delay of the linear block of `records`.
 ///
-/// ```
-/// use piezoid::{Record, System, linear::{Arx, Choice, select}};
-/// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5])?;
-/// let u: Vec<f64> = (0..1200).map(|t| f64::from((t * t % 101 % 13) as u8) - 6.0).collect();
-/// let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
-/// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
-/// let few = Choice { order: 3, delay: 1, ..Choice::default() };
-/// let chosen = select(&[Record::new(5e-4, u, y)?], &few, &mut piezoid::progress::unwatched)?;
-/// assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
 /// # Errors
 /// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
 /// [`OutputError::fit`] refuses where it refuses every candidate; [`Error::Cancelled`].
@@ -291,7 +279,7 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::{Plant, Preset};
+    use crate::plant::Plant;
     use crate::system::System;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -385,5 +373,16 @@ mod tests {
         assert!(message(Choice { order: 200, ..Choice::default() }).contains("at least"));
         let still = Record::new(TS, vec![1.0; 900], vec![2.0; 900]).unwrap();
         assert!(select(&[still], &Choice::default(), &mut unwatched).unwrap_err().to_string().contains("any order"));
+    }
+
+    #[test]
+    fn order_and_delay_of_a_known_block_are_found() {
+        let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap();
+        let u: Vec<f64> = (0..1200).map(|t| f64::from((t * t % 101 % 13) as u8) - 6.0).collect();
+        let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
+        let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
+        let few = Choice { order: 3, delay: 1, ..Choice::default() };
+        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut crate::progress::unwatched).unwrap();
+        assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
     }
 }

@@ -69,31 +69,6 @@ const MOST_DAMPING: f64 = 1e20;
 
 /// Searches from `start`. How it ended is in [`Minimum::reason`]; cancelling keeps the best so far.
 ///
-/// ```
-/// use piezoid::optimize::levenberg_marquardt::{Normal, SearchSettings, SumOfSquares, minimise};
-/// /// sum over t of (exp(-x t) - y_t)^2
-/// struct Decay(Vec<f64>);
-/// impl SumOfSquares for Decay {
-///     fn dimension(&self) -> usize { 1 }
-///     fn cost(&self, x: &[f64]) -> f64 { self.normal(x).cost }
-///     fn normal(&self, x: &[f64]) -> Normal {
-///         let mut sums = Normal { cost: 0.0, gradient: vec![0.0], hessian: vec![0.0] };
-///         for (t, y) in self.0.iter().enumerate() {
-///             let model = (-x[0] * t as f64).exp();
-///             let (e, slope) = (model - y, -(t as f64) * model);
-///             sums.cost += e * e;
-///             sums.gradient[0] += slope * e;
-///             sums.hessian[0] += slope * slope;
-///         }
-///         sums
-///     }
-/// }
-/// let half = Decay((0..5).map(|t| 0.5f64.powi(t)).collect());
-/// let found = minimise(&half, &[0.1], &SearchSettings::default(), &mut piezoid::progress::unwatched)?;
-/// assert!((found.x[0] - 2f64.ln()).abs() < 1e-9);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
 /// # Errors
 /// Refuses a start of another length than the problem's dimension or whose cost is not finite, no iterations, and a
 /// damping or tolerance that is not positive.
@@ -293,5 +268,33 @@ mod tests {
         assert!(
             message(SearchSettings { damping: 0.0, ..SearchSettings::default() }, &[0.0, 0.0]).contains("damping = 0")
         );
+    }
+
+    #[test]
+    fn the_rate_of_a_decay_is_found() {
+        /// sum over t of (exp(-x t) - y_t)^2
+        struct Decay(Vec<f64>);
+        impl SumOfSquares for Decay {
+            fn dimension(&self) -> usize {
+                1
+            }
+            fn cost(&self, x: &[f64]) -> f64 {
+                self.normal(x).cost
+            }
+            fn normal(&self, x: &[f64]) -> Normal {
+                let mut sums = Normal { cost: 0.0, gradient: vec![0.0], hessian: vec![0.0] };
+                for (t, y) in self.0.iter().enumerate() {
+                    let model = (-x[0] * t as f64).exp();
+                    let (e, slope) = (model - y, -(t as f64) * model);
+                    sums.cost += e * e;
+                    sums.gradient[0] += slope * e;
+                    sums.hessian[0] += slope * slope;
+                }
+                sums
+            }
+        }
+        let half = Decay((0..5).map(|t| 0.5f64.powi(t)).collect());
+        let found = minimise(&half, &[0.1], &SearchSettings::default(), &mut crate::progress::unwatched).unwrap();
+        assert!((found.x[0] - 2f64.ln()).abs() < 1e-9);
     }
 }

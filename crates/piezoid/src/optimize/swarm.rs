@@ -427,7 +427,8 @@ mod tests {
 
     #[test]
     fn how_it_ended_is_told() {
-        let reason = |settings| settings.minimise(&rosenbrock, bounds(2), &mut unwatched).unwrap().reason;
+        let reason =
+            |settings: SwarmSettings| settings.minimise(&rosenbrock, bounds(2), &mut unwatched).unwrap().reason;
         let settings = SwarmSettings { iterations: 300, ..SwarmSettings::default() };
         assert_eq!(reason(settings.clone()), Reason::Iterations);
         assert_eq!(reason(SwarmSettings { threshold: Some(1.0), ..settings.clone() }), Reason::Threshold);

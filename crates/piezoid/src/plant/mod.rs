@@ -25,7 +25,7 @@ mod preisach;
 mod presets;
 mod saturation;
 mod sensor;
-mod spec;
+pub(crate) mod spec;
 
 pub use presets::{PLANTS, Preset};
 pub use saturation::Saturation;
@@ -215,6 +215,7 @@ impl System for Plant {
 
 #[cfg(test)]
 mod tests {
+    use super::spec::{DriverSpec, SensorSpec};
     use super::*;
     use crate::testing::assert_close;
     use std::f64::consts::TAU;

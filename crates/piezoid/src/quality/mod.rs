@@ -140,16 +140,6 @@ impl Inspection {
 }
 
 /// Looks a record over.
-///
-/// ```
-/// use piezoid::{Record, quality::{Defect, Need, inspect}};
-/// let u: Vec<f64> = (0..800).map(|t| (f64::from(t) * 0.02).sin()).collect();
-/// let mut y: Vec<f64> = u.iter().map(|u| 33.0 * u).collect();
-/// y[300] += 20.0;
-/// let seen = inspect(&Record::new(5e-4, u, y)?, &Need::default());
-/// assert_eq!((seen.findings[0].defect, seen.masked(), seen.usable[300]), (Defect::Outliers, 1, false));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
 pub(crate) fn inspect(record: &Record, need: &Need) -> Inspection {
     let mut seen = Inspection { findings: Vec::new(), usable: vec![true; record.len()] };
     seen.findings.extend(unfit(record, need));

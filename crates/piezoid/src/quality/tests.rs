@@ -1,22 +1,18 @@
 use super::*;
 use crate::excitation::{EXCITATIONS, Prbs, Sine};
-use crate::plant::{PLANTS, Plant, Preset};
+use crate::plant::{PLANTS, Plant};
 
 const TS: f64 = 5e-4;
 
 fn drive(excitation: &crate::excitation::Excitation, amplitude: f64) -> Vec<f64> {
-    let values: Vec<(&str, f64)> = excitation
-        .parameters
-        .iter()
-        .filter_map(|p| match p.name {
-            "amplitude" => Some(("amplitude", amplitude)),
-            "frequency-start" | "frequency-low" => Some((p.name, 3.0)),
-            "frequency-end" | "frequency-high" => Some((p.name, 200.0)),
-            _ if p.default.is_none() => Some((p.name, 7.0)),
-            _ => None,
-        })
-        .collect();
-    excitation.samples(TS, 2.0, &values).unwrap()
+    let value = |row: crate::OptionRow| match row.name {
+        "amplitude" => Some(("amplitude", amplitude)),
+        "frequency_start" | "frequency_low" => Some((row.name, 3.0)),
+        "frequency_end" | "frequency_high" => Some((row.name, 200.0)),
+        name if row.required => Some((name, 7.0)),
+        _ => None,
+    };
+    excitation.samples(TS, 2.0, (excitation.rows)().into_iter().filter_map(value).collect()).unwrap()
 }
 
 fn run(plant: &str, u: &[f64]) -> crate::plant::PlantRun {
@@ -192,4 +188,13 @@ fn noise_alone_is_no_outlier() {
     let u = sine(28.0, 7.0, 40_000);
     let y = u.iter().map(|u| 33.0 * u + 30.0 * noise()).collect();
     assert_eq!(found(&Record::new(TS, u, y).unwrap()), []);
+}
+
+#[test]
+fn a_jump_of_one_sample_is_masked() {
+    let u: Vec<f64> = (0..800).map(|t| (f64::from(t) * 0.02).sin()).collect();
+    let mut y: Vec<f64> = u.iter().map(|u| 33.0 * u).collect();
+    y[300] += 20.0;
+    let seen = inspect(&Record::new(5e-4, u, y).unwrap(), &Need::default());
+    assert_eq!((seen.findings[0].defect, seen.masked(), seen.usable[300]), (Defect::Outliers, 1, false));
 }

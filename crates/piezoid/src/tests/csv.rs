@@ -23,7 +23,7 @@ fn the_reference_of_the_measured_test_file_is_not_its_output() {
     let Some(bytes) = super::measured_data::measured("picma-p885/test_am_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts(), record.y()[1]), (14155, 0.005, -119.527853));
-    let reference = Selection { output: Some("yref_um".into()), ..Selection::default() };
+    let reference = Selection { output_col: Some("yref_um".into()), ..Selection::default() };
     let reference = Table::parse(&bytes).unwrap().record(&reference).unwrap();
     assert_eq!((reference.y()[1], reference.units().y.as_str()), (0.628215, "um"));
 }
@@ -38,8 +38,8 @@ fn ask(bytes: &[u8]) {
     let selections = [
         Selection::default(),
         Selection { ts: Some(1e-3), ..Selection::default() },
-        Selection { input: first.clone(), time: first.clone(), ..Selection::default() },
-        Selection { output: first, ts: Some(f64::NAN), ..Selection::default() },
+        Selection { input_col: first.clone(), time_col: first.clone(), ..Selection::default() },
+        Selection { output_col: first, ts: Some(f64::NAN), ..Selection::default() },
     ];
     for selection in &selections {
         for refused in [table.record(selection).err(), table.input(selection).err()].into_iter().flatten() {

@@ -1,6 +1,6 @@
 //! Excitations against the numbers of scipy; `golden/*.py` writes them.
 
-use crate::excitation::{Chirp, Prbs, Sweep};
+use crate::excitation::{Chirp, Prbs};
 use serde_json::Value;
 
 fn rows(json: &str) -> Vec<Value> {
@@ -40,7 +40,7 @@ fn chirp_is_scipys_chirp() {
         let chirp = Chirp {
             frequency_start: number("start"),
             frequency_end: number("end"),
-            sweep: if row["method"] == "linear" { Sweep::Linear } else { Sweep::Logarithmic },
+            logarithmic: row["method"] != "linear",
             ..Chirp::default()
         };
         let u = chirp.samples(5e-4, expected.len()).expect("a sweep that scipy makes");

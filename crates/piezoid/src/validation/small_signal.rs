@@ -265,7 +265,7 @@ mod tests {
     use super::*;
     use crate::excitation::{Multisine, Prbs, RisingSine, Sine};
     use crate::linear::Arx;
-    use crate::plant::{Plant, Preset};
+    use crate::plant::Plant;
     use crate::system::System;
     use crate::testing::assert_close;
     use rand::SeedableRng;

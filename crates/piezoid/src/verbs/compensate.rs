@@ -1,0 +1,100 @@
+//! The voltage for a requested displacement.
+
+use super::File;
+use crate::compensation::shaping::Shaping;
+use crate::compensation::{Compensated, FeedForward, How};
+use crate::error::Error;
+use crate::excitation::LimitOptions;
+use crate::formats::{Selection, Table};
+use crate::hammerstein::Model;
+use crate::options::{OptionRow, Values, options};
+use crate::record::Units;
+use crate::system::System;
+use crate::validation::Metrics;
+use serde_json::{Value, json};
+
+options! {
+    /// How to compensate.
+    pub struct CompensateOptions {
+        /// Come as close as the limits allow instead of refusing.
+        clip: bool = false, OptionRow::new(Values::Switch);
+        /// Correct, this many times at most, what the model's free run leaves.
+        sweeps: usize = 0, OptionRow::new(Values::Whole(0, u64::MAX));
+    } with limits: LimitOptions with shape: Shaping
+}
+
+/// A voltage, and how near the model says the displacement comes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compensation {
+    /// Sampling period [s].
+    pub ts: f64,
+    /// Units of voltage and displacement.
+    pub units: Units,
+    /// The requested reference.
+    pub requested: Vec<f64>,
+    /// The same, shaped.
+    pub shaped: Vec<f64>,
+    /// The voltage, and what the model makes of it.
+    pub made: Compensated,
+    /// The lowest and the highest displacement that can be held.
+    pub reach: (f64, f64),
+}
+
+impl CompensateOptions {
+    /// What compensation may use.
+    ///
+    /// # Errors
+    /// As [`LimitOptions::limits`].
+    pub fn how(&self) -> Result<How, Error> {
+        let limits = self.limits.limits()?.unwrap_or_default();
+        Ok(How { limits, clip: self.clip, sweeps: self.sweeps, ..How::default() })
+    }
+
+    /// The voltage for the reference `r` [output unit].
+    ///
+    /// # Errors
+    /// Limits without sense, a model without an inverse, and a reference that cannot be shaped or reached.
+    pub fn of(&self, model: &Model, r: Vec<f64>) -> Result<Compensation, Error> {
+        let inverse = FeedForward::new(model, self.how()?)?;
+        let shaped = self.shape.of(model, r.clone())?;
+        let made = inverse.whole(&shaped)?;
+        let (ts, units, reach) = (model.ts(), model.units().clone(), inverse.reach());
+        Ok(Compensation { ts, units, requested: r, shaped, made, reach })
+    }
+
+    /// The same for the model and the reference in files.
+    ///
+    /// # Errors
+    /// As [`CompensateOptions::of`], and files without a model or a reference.
+    pub fn run(&self, model: &File, reference: &File, columns: &Selection) -> Result<Compensation, Error> {
+        let model = model.model()?;
+        self.of(&model, reference.reference(columns, &model)?)
+    }
+}
+
+impl Compensation {
+    /// The free run against the shaped reference, and against the requested one where that is another.
+    pub fn metrics(&self) -> (Metrics, Option<Metrics>) {
+        let of = |r: &[f64]| Metrics::of(r, &self.made.reached);
+        (of(&self.shaped), (self.shaped != self.requested).then(|| of(&self.requested)))
+    }
+
+    /// The figures as a document.
+    pub fn to_json(&self) -> Value {
+        let ((metrics, requested), made) = (self.metrics(), &self.made);
+        json!({
+            "unit": self.units.y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
+            "rms_pp_percent": metrics.rms_pp_percent, "clipped": made.clipped, "reach": self.reach,
+            "usage": made.usage, "notes": made.notes, "asked": requested,
+        })
+    }
+
+    /// Voltage and shaped reference as a file.
+    ///
+    /// # Errors
+    /// As [`csv::write`].
+    pub fn to_csv(&self) -> Result<String, Error> {
+        let (u, r) = (format!("u_{}", self.units.u), format!("r_{}", self.units.y));
+        Table::write(self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])
+    }
+}

@@ -1,0 +1,282 @@
+//! Schemes of control along references, on a simulated actuator.
+
+use super::File;
+use crate::compensation::{FeedForward, How};
+use crate::control::{
+    Attempt, ClosedLoopRun, Comparison, ControlLoop, Drive, MarginTarget, NamedReference, Reference, Scheme, Tolerance,
+};
+use crate::error::Error;
+use crate::excitation::LimitOptions;
+use crate::formats::{Selection, Table};
+use crate::hammerstein::Model;
+use crate::number::{round, short};
+use crate::options::{OptionRow, Values, options};
+use crate::plant::Spec;
+use crate::progress::Progress;
+use crate::record::Units;
+use crate::system::System;
+
+/// What is compared where nothing is named.
+const SCHEMES: [&str; 6] =
+    ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
+const ALONG: [&str; 10] = [
+    "sine:1",
+    "sine:5",
+    "sine:20",
+    "sine:40",
+    "triangle:1",
+    "triangle:5",
+    "triangle:20",
+    "triangle:40",
+    "staircase:1",
+    "random:20",
+];
+
+/// Frequency where none is given [Hz].
+const FREQUENCY: f64 = 5.0;
+
+/// The height of a named reference, as a share of what the model can hold.
+const SHARE: f64 = 0.8;
+
+/// Its length: at least this long, and this many periods.
+const SECONDS: f64 = 1.0;
+const PERIODS: f64 = 4.0;
+
+/// Its length at most [samples].
+const LONGEST: f64 = 1e6;
+
+const COUNT: Values = Values::Whole(0, u64::MAX);
+const PERCENT: Values = Values::Number { least: 0.0, open: false, below: 100.0 };
+
+options! {
+    /// What controllers are tuned to.
+    #[derive(Copy)]
+    pub struct TuneOptions {
+        /// Samples by which readings come late; controllers are tuned for it.
+        late: usize = 0, OptionRow::new(Values::Whole(0, ControlLoop::LATEST as u64));
+        /// Gain margin to tune to [dB].
+        gain_margin: f64 = MarginTarget::default().gain_db, OptionRow::positive("dB");
+        /// Phase margin to tune to [degrees].
+        phase_margin: f64 = MarginTarget::default().phase_deg, OptionRow::positive("degrees");
+    }
+}
+
+impl TuneOptions {
+    /// `scheme` for `model`, tuned.
+    ///
+    /// # Errors
+    /// As [`Drive::new`].
+    pub fn drive(&self, scheme: Scheme, model: &Model, how: How) -> Result<Drive, Error> {
+        let target =
+            MarginTarget { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..MarginTarget::default() };
+        Drive::new(scheme, model, how, self.late, &target)
+    }
+}
+
+options! {
+    /// What to compare, along what.
+    pub struct ControlOptions {
+        /// What to compare, such as feed-forward+pi.
+        controller: Vec<String> = Vec::new(), OptionRow::new(Values::Texts("NAME")).absent("six schemes");
+        /// What to follow: files, or names such as sine:5.
+        reference: Vec<String> = Vec::new(), OptionRow::new(Values::Texts("FILE|NAME[:HZ]")).absent("ten");
+        /// Peak of named references, in the model's output unit.
+        amplitude: Option<f64> = None, OptionRow::positive("").absent("0.8 of what it can hold");
+        /// Samples of the reference that are known ahead.
+        preview: Option<usize> = None, OptionRow::new(COUNT).absent("all");
+        /// Noise of the sensor, rms in the model's output unit.
+        noise: Option<f64> = None, OptionRow::not_negative("").absent("the plant's own");
+        /// Let feed-forward come as close as the limits allow instead of refusing.
+        clip: bool = false, OptionRow::new(Values::Switch);
+        /// Also try plants whose values lie within this many percent of these, along the first reference.
+        tolerance: Option<f64> = None, OptionRow { unit: "%", ..OptionRow::new(PERCENT) };
+        /// How many.
+        draws: usize = 200, OptionRow::new(Values::Whole(1, u64::MAX)).requires("tolerance");
+        /// Seed of the noise and of the draws.
+        seed: u64 = 1, OptionRow::new(COUNT);
+    } with limits: LimitOptions with tuning: TuneOptions
+}
+
+impl ControlOptions {
+    /// The references that are files.
+    pub fn files(&self) -> impl Iterator<Item = &str> {
+        self.reference.iter().map(String::as_str).filter(|name| named(name).is_none())
+    }
+
+    /// Each scheme along each reference on a plant. A reference that is no name is one of the `files`.
+    ///
+    /// # Errors
+    /// Names that there are not, a file that holds no reference or is not there, and what [`ControlOptions::along`] refuses.
+    pub fn run(
+        &self,
+        (plant, spec): (&str, &Spec),
+        model: &File,
+        files: &[File],
+        columns: &Selection,
+        progress: &mut Progress,
+    ) -> Result<Comparison, Error> {
+        self.schemes()?;
+        let (file, model, mut spec) = (model, model.model()?, spec.clone());
+        let how = self.how()?;
+        if let Some(noise) = self.noise {
+            let unit = &model.units().y;
+            let none = || Error::Content(format!("its output is in {unit}, which is no length: leave the noise out"));
+            spec.sensor.noise_rms_m =
+                noise * Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
+        }
+        let names: Vec<&str> = match self.reference.is_empty() {
+            true => ALONG.to_vec(),
+            false => self.reference.iter().map(String::as_str).collect(),
+        };
+        let wanted = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
+            (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, how),
+            (None, Some(file)) => Ok(NamedReference::new(file.short(), model.ts(), file.reference(columns, &model)?)),
+            (None, None) => {
+                Err(Reference::find(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
+            }
+        };
+        let wanted = names.into_iter().map(wanted).collect::<Result<_, _>>()?;
+        self.along((plant, &spec), &model, wanted, progress)
+    }
+
+    /// The same along references that are known.
+    ///
+    /// # Errors
+    /// As [`compare`], and what cannot be tuned or reached.
+    pub fn along(
+        &self,
+        plant: (&str, &Spec),
+        model: &Model,
+        wanted: Vec<NamedReference>,
+        progress: &mut Progress,
+    ) -> Result<Comparison, Error> {
+        let (how, mut drives, mut notes) = (self.how()?, Vec::new(), Vec::new());
+        for scheme in self.schemes()? {
+            match self.tuning.drive(scheme, model, how) {
+                // Of the usual ones, those that the model gives.
+                Err(e) if self.controller.is_empty() && scheme.law.is_some() => {
+                    notes.push(format!("{} is left out: {e}", scheme.name()));
+                }
+                Err(e @ Error::Parameter { .. }) => return Err(e),
+                made => {
+                    let mut drive = made.map_err(|e| e.of(&scheme.name()))?;
+                    drive.ahead = self.preview.unwrap_or(usize::MAX);
+                    drives.push(drive);
+                }
+            }
+        }
+        for NamedReference { name, r, .. } in &wanted {
+            drives.first().map_or(Ok(()), |drive| drive.check(r)).map_err(|e| e.of(name))?;
+        }
+        let share = |percent: f64| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed };
+        let mut compared =
+            Comparison::run(plant, drives, wanted, self.seed, self.tolerance.map(share).as_ref(), progress)?;
+        compared.notes = notes;
+        Ok(compared)
+    }
+
+    fn how(&self) -> Result<How, Error> {
+        Ok(How { limits: self.limits.limits()?.unwrap_or_default(), clip: self.clip, ..How::default() })
+    }
+
+    fn schemes(&self) -> Result<Vec<Scheme>, Error> {
+        match self.controller.is_empty() {
+            true => SCHEMES.iter().map(|name| Scheme::named(name)).collect(),
+            false => self.controller.iter().map(|name| Scheme::named(name)).collect(),
+        }
+    }
+
+    /// A named reference.
+    fn repeated(
+        &self,
+        name: &str,
+        kind: &Reference,
+        hz: f64,
+        model: &Model,
+        how: How,
+    ) -> Result<NamedReference, Error> {
+        let (peak, ts) = (self.amplitude.map_or_else(|| held(model, how), Ok)?, model.ts());
+        let n = (SECONDS.max(PERIODS / hz) / ts).round();
+        if n > LONGEST {
+            let least = short(PERIODS / (LONGEST * ts));
+            let rule = format!("four periods are {n} samples: choose {least} Hz or more");
+            return Err(Error::parameter("reference", name, rule));
+        }
+        let r = (kind.samples)(ts, n as usize, peak, hz)?;
+        Ok(NamedReference::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
+    }
+}
+
+impl Comparison {
+    /// The first run as a record, with the reference.
+    ///
+    /// # Errors
+    /// There is none, and as [`csv::write`].
+    pub fn to_csv(&self) -> Result<String, Error> {
+        let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
+        let Some((drive, Attempt { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
+            return Err(Error::Content("there is no run: nothing was followed".into()));
+        };
+        let (ts, units) = (drive.model().ts(), drive.model().units());
+        let names = [format!("u_{}", units.u), format!("y_{}", units.y), format!("r_{}", units.y)];
+        Table::write(ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
+    }
+
+    /// What its reader should know, one sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut told = self.notes.clone();
+        if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
+            told.push(format!(
+                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it on a PRBS too for \
+                 a faster one",
+                short(hz)
+            ));
+        }
+        for d in &self.driven {
+            for (wanted, attempt) in self.wanted.iter().zip(&d.attempts) {
+                let along = &wanted.name;
+                match attempt {
+                    Err(error) => told.push(format!("{}, {along}: {error}", d.name())),
+                    Ok(Attempt { fed, run, .. }) => {
+                        // A feed-forward says the same under every controller.
+                        for note in &fed.notes {
+                            let note = format!("{}, {along}: {note}", d.drive.scheme.feed.name);
+                            if !told.contains(&note) {
+                                told.push(note);
+                            }
+                        }
+                        if run.limited > 0 {
+                            let n = run.u.len();
+                            told.push(format!("{}, {along}: {} of {n} voltages are at a limit", d.name(), run.limited));
+                        }
+                    }
+                }
+            }
+        }
+        told
+    }
+}
+
+/// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.
+fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
+    let (name, hz) = text.split_once(':').map_or((text, None), |(name, hz)| (name, Some(hz)));
+    let kind = Reference::find(name).ok()?;
+    let hz = hz.map_or(Ok(FREQUENCY), |hz| {
+        let hz = hz.parse().ok().filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
+        hz.ok_or_else(|| Error::parameter("reference", text, "the frequency must be a positive number of hertz"))
+    });
+    Some((kind, hz))
+}
+
+/// The peak of named references: 0.8 of what can be held to both sides of 0.
+fn held(model: &Model, how: How) -> Result<f64, Error> {
+    let (low, high) = FeedForward::new(model, how)?.reach();
+    let both = high.min(-low);
+    if both > 0.0 {
+        return Ok(SHARE * both);
+    }
+    let (low, high, unit) = (round(low), round(high), &model.units().y);
+    Err(Error::Content(format!(
+        "the model holds {low} to {high} {unit}, and named references go to both sides of 0: give a file or an amplitude"
+    )))
+}

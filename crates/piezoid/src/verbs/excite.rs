@@ -1,0 +1,65 @@
+//! A drive signal within the limits of a driver.
+
+use crate::error::Error;
+use crate::excitation::{Excitation, LimitOptions, Usage};
+use crate::formats::Table;
+use crate::options::{OptionRow, Values, options};
+use serde_json::Value;
+
+options! {
+    /// What every kind of drive signal takes.
+    pub struct ExciteOptions {
+        /// Sampling period.
+        ts: f64 = 5e-4, OptionRow::positive("s").required();
+        /// Length of the signal.
+        duration: f64 = 1.0, OptionRow::positive("s").required();
+        /// Clip to the driver's limits instead of refusing.
+        clip: bool = false, OptionRow::new(Values::Switch);
+    } with limits: LimitOptions
+}
+
+/// A drive signal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excited {
+    /// Sampling period [s].
+    pub ts: f64,
+    /// The voltages [V].
+    pub u: Vec<f64>,
+    /// What they use of the limits, where there are any.
+    pub usage: Option<Usage>,
+    /// Samples that were clipped.
+    pub clipped: usize,
+}
+
+impl ExciteOptions {
+    /// The signal of this kind, its own options `given` by their names.
+    ///
+    /// # Errors
+    /// Options that make no sense, and a signal beyond the limits that is not to be clipped.
+    pub fn run(&self, kind: &Excitation, given: Value) -> Result<Excited, Error> {
+        let mut u = kind.samples(self.ts, self.duration, given)?;
+        let Some(limits) = self.limits.limits()? else {
+            if self.clip {
+                return Err(Error::parameter("clip", true, "is for limits: name a driver, or leave it out"));
+            }
+            return Ok(Excited { ts: self.ts, u, usage: None, clipped: 0 });
+        };
+        let mut clipped = 0;
+        if self.clip {
+            let within = limits.clip(&u, self.ts)?;
+            clipped = u.iter().zip(&within).filter(|(u, within)| u != within).count();
+            u = within;
+        }
+        Ok(Excited { ts: self.ts, usage: Some(limits.refuse(&u, self.ts)?), u, clipped })
+    }
+}
+
+impl Excited {
+    /// The signal as a file.
+    ///
+    /// # Errors
+    /// As [`csv::write`].
+    pub fn to_csv(&self) -> Result<String, Error> {
+        Table::write(self.ts, &[("u_V", &self.u)])
+    }
+}

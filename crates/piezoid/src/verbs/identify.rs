@@ -1,0 +1,132 @@
+//! From records in files to a model with its figures.
+
+use super::{Compared, File};
+use crate::error::Error;
+use crate::formats::Selection;
+use crate::hammerstein::{HiddenLoop, Identified, Model};
+use crate::identification::{IdentifyOptions, Method, Records, identify_watched};
+use crate::linear::{Arx, PoleShare};
+use crate::progress::Progress;
+use crate::validation::{Linearity, Offset, ValidateOptions};
+use serde_json::{Value, json};
+
+/// A model, what was found on the way, and how it meets its training data.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// What was found.
+    pub found: Identified,
+    /// The model, which knows how it was made.
+    pub model: Model,
+    /// Its free run over the large-signal records.
+    pub training: Vec<Compared>,
+    /// How linear each small-signal record is; none where a record cannot tell.
+    pub linearity: Vec<Option<Linearity>>,
+}
+
+impl IdentifyOptions {
+    /// Identifies a model from the records in files. `command` is how the model says it was made.
+    ///
+    /// # Errors
+    /// Files without records, and what [`identify`](crate::identify) refuses.
+    pub fn run(
+        &self,
+        (small, large): (&[File], &[File]),
+        columns: &Selection,
+        command: &str,
+        progress: &mut Progress,
+    ) -> Result<Identification, Error> {
+        self.check()?;
+        let read = |files: &[File]| files.iter().map(|file| file.record(columns)).collect::<Result<Vec<_>, _>>();
+        let (small_signal_records, records) = (read(small)?, read(large)?);
+        let both = Records { small_signal: &small_signal_records, large_signal: &records };
+        let found = identify_watched(both, self, progress)?;
+        // The joint method gives each record an offset of its own.
+        let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
+        let options = ValidateOptions { offset, ..ValidateOptions::default() };
+        let compare = |(file, record): (&File, &crate::Record)| {
+            let record = record.output_in(&found.model.units().y)?;
+            let validation = found.model.validate_with(&record, &options)?;
+            Ok(Compared { name: file.name.clone(), record, validation })
+        };
+        let training = large.iter().zip(&records).map(compare).collect::<Result<_, Error>>()?;
+        let origins = small.iter().chain(large).map(File::origin).collect();
+        let model = found.model.clone().with_provenance(self.provenance(&found, command, origins));
+        let linearity = small_signal_records.iter().map(|record| Linearity::of(record).ok()).collect();
+        Ok(Identification { found, model, training, linearity })
+    }
+
+    /// How a model was made, for its file: by which command, from which files. A report needs the operators that were tried
+    /// and the errors of the parameters too: the model alone does not tell them.
+    pub fn provenance(&self, found: &Identified, command: &str, files: Value) -> Value {
+        let version = env!("CARGO_PKG_VERSION");
+        let mut made = json!({"command": command, "version": version, "files": files, "seed": self.seed});
+        for (name, known) in [("trials", json!(found.trials)), ("parameters", json!(found.parameters))] {
+            if known != json!([]) {
+                made[name] = known;
+            }
+        }
+        made
+    }
+}
+
+impl Identification {
+    /// What was found as a document.
+    pub fn to_json(&self) -> Value {
+        let (found, arx) = (&self.found, self.found.model.linear());
+        let each = |l: &HiddenLoop| {
+            json!({
+                "frequency_hz": l.frequency_hz,
+                "loop_width_percent": 100.0 * l.found.branches.width(),
+                "ascending_below": l.found.ascending_below,
+                "agreement": l.found.agreement,
+            })
+        };
+        json!({
+            "linear": {
+                "a": arx.a(),
+                "b": arx.b(),
+                "poles": arx.poles(),
+                "zeros": arx.zeros(),
+                "reading": reading(arx),
+                "noise_gain": arx.noise_gain(),
+                "reason": found.linear.reason,
+                "residuals": found.linear.fit.as_ref().map(|f| f.residuals),
+                "offsets": found.linear.fit.as_ref().map(|f| &f.offsets),
+                "convergence": found.linear.fit.as_ref().map(|f| &f.history),
+            },
+            "operator": found.model.hysteresis().operator().name,
+            "loops": found.loops.iter().map(each).collect::<Vec<_>>(),
+            "trials": found.trials,
+            "parameters": found.parameters,
+            "creep": found.model.creep().lags(),
+            "training": self.training.iter().map(Compared::to_json).collect::<Vec<_>>(),
+            "notes": found.notes,
+            "linearity": self.linearity,
+        })
+    }
+}
+
+/// The linear block read as mechanics; null of one without poles.
+fn reading(arx: &Arx) -> Value {
+    let reading = arx.reading();
+    let pole = |p: &PoleShare| {
+        let unit = p.oscillator(1.0);
+        json!({
+            "kind": p.kind(),
+            "hz": p.pole.hz,
+            "damping": p.pole.damping,
+            "share_percent": 100.0 * p.share,
+            "mass_per_stiffness": unit.map(|o| o.mass),
+            "damper_per_stiffness": unit.map(|o| o.damper),
+        })
+    };
+    match reading.poles.is_empty() {
+        true => Value::Null,
+        false => json!({
+            "gain": reading.gain,
+            "delay_s": reading.delay,
+            "poles": reading.poles.iter().map(pole).collect::<Vec<_>>(),
+            "residual_percent": 100.0 * reading.residual,
+        }),
+    }
+}

@@ -1,0 +1,113 @@
+//! Verbs: from options and named bytes to a result, and from that to bytes again. Front ends are thin around them: they
+//! read files, call, and write files.
+
+mod compensate;
+mod control;
+mod excite;
+mod identify;
+mod simulate;
+mod validate;
+
+pub use compensate::{CompensateOptions, Compensation};
+pub use control::{ControlOptions, TuneOptions};
+pub use excite::{ExciteOptions, Excited};
+pub use identify::Identification;
+pub use simulate::{SimulateOptions, Simulated};
+pub use validate::{Compared, Validated};
+
+use crate::error::Error;
+use crate::formats::{Selection, Signal, Table};
+use crate::hammerstein::Model;
+use crate::record::{Record, Units};
+use crate::system::System;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+/// What a verb reads or writes: bytes with a name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// What it is called, with `/` between folders; what errors about it begin with.
+    pub name: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+impl File {
+    /// A file of this name.
+    pub fn new(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
+        File { name: name.into(), bytes: bytes.into() }
+    }
+
+    /// Its name without folders: the same work gives the same bytes wherever it is done.
+    pub fn short(&self) -> &str {
+        short(&self.name)
+    }
+
+    /// Its text.
+    ///
+    /// # Errors
+    /// It is none.
+    pub fn text(&self) -> Result<&str, Error> {
+        let none = |_| Error::Content("this is not a text file (it is not UTF-8)".into()).of(&self.name);
+        std::str::from_utf8(&self.bytes).map_err(none)
+    }
+
+    /// The record in it.
+    ///
+    /// # Errors
+    /// It holds none, or not the columns that are meant.
+    pub fn record(&self, columns: &Selection) -> Result<Record, Error> {
+        Table::read(&self.name, &self.bytes).and_then(|table| table.record(columns)).map_err(|e| e.of(&self.name))
+    }
+
+    /// The input in it, which may hold nothing else.
+    ///
+    /// # Errors
+    /// As [`File::record`].
+    pub fn input(&self, columns: &Selection) -> Result<Signal, Error> {
+        Table::read(&self.name, &self.bytes).and_then(|table| table.input(columns)).map_err(|e| e.of(&self.name))
+    }
+
+    /// The reference in it, which may hold nothing else, in the unit of the model's output.
+    ///
+    /// # Errors
+    /// As [`File::record`]; one that is sampled otherwise than the model, or in a unit that cannot be converted.
+    pub fn reference(&self, columns: &Selection, model: &Model) -> Result<Vec<f64>, Error> {
+        let read = || {
+            let Signal { ts, samples, unit } = Table::read(&self.name, &self.bytes)?.reference(columns)?;
+            Record::same_sampling("the model", model.ts(), "the reference", ts)?;
+            let (what, wanted) = ("the reference".into(), &model.units().y);
+            let factor = Units::factor(&unit, wanted);
+            let factor = factor.ok_or_else(|| Error::Units { what, found: unit, wanted: wanted.clone() })?;
+            Ok(samples.iter().map(|r| r * factor).collect())
+        };
+        read().map_err(|e: Error| e.of(&self.name))
+    }
+
+    /// The model in it.
+    ///
+    /// # Errors
+    /// It holds none.
+    pub fn model(&self) -> Result<Model, Error> {
+        let known = |e| Error::Content(format!("{e}; a model is what `piezoid identify` writes")).of(&self.name);
+        Model::from_json(self.text()?).map_err(known)
+    }
+
+    /// Its name and hash, as results tell where they come from.
+    fn origin(&self) -> Value {
+        let hex: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        json!({"file": self.short(), "sha256": hex})
+    }
+}
+
+/// A name without folders.
+fn short(name: &str) -> &str {
+    name.rsplit(['/', '\\']).next().unwrap_or(name)
+}
+
+/// Adds the members of one object to another.
+fn merge(object: &mut Value, more: Value) {
+    if let (Value::Object(object), Value::Object(more)) = (object, more) {
+        object.extend(more);
+    }
+}

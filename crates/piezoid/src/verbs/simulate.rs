@@ -1,0 +1,99 @@
+//! A plant or a model on a drive signal.
+
+use super::File;
+use crate::error::Error;
+use crate::formats::{Selection, Signal, Table};
+use crate::hammerstein::InitialCondition;
+use crate::options::{OptionRow, Values, options};
+use crate::plant::{Plant, Spec};
+use crate::record::{Record, Units};
+use crate::system::System;
+
+const BEGINNINGS: Values = Values::Choice(&[
+    ("rest", "rest, and a jump to the first input"),
+    ("settled", "the first input, which had stood for long"),
+    ("motion", "the same as in the record"),
+]);
+
+options! {
+    /// How to simulate.
+    #[derive(Copy)]
+    pub struct SimulateOptions {
+        /// What came before: rest; the first input, which had stood for long; or the same as in the record.
+        begin: InitialCondition = InitialCondition::Rest, OptionRow::new(BEGINNINGS);
+        /// Seed of the plant's noise.
+        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+    }
+}
+
+/// An input and the answer to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    /// Sampling period [s].
+    pub ts: f64,
+    /// The input.
+    pub u: Vec<f64>,
+    /// The answer.
+    pub y: Vec<f64>,
+    /// Their units.
+    pub units: Units,
+    /// Which limits were reached, in words; empty where none was.
+    pub reached: String,
+}
+
+impl SimulateOptions {
+    /// What a plant answers [um] to the input in a file [V].
+    ///
+    /// # Errors
+    /// A file without an input, and a plant that cannot be sampled so.
+    pub fn plant(&self, plant: &Spec, input: &File, columns: &Selection) -> Result<Simulated, Error> {
+        let Signal { ts, samples: u, .. } = input.input(columns)?;
+        let plant = Plant::new(plant, ts)?.with_seed(self.seed);
+        let settled = || plant.settled(u.first().copied().unwrap_or_default());
+        let mut x = if self.begin == InitialCondition::Rest { plant.initial() } else { settled() };
+        if self.begin == InitialCondition::Motion {
+            plant.resume(&mut x, &u);
+        }
+        let y = plant.resume(&mut x, &u).iter().map(|y| y * 1e6).collect();
+        let saturation = plant.saturation(&x);
+        let reached = if saturation.any() { saturation.to_string() } else { String::new() };
+        Simulated { ts, u, y, units: Units::default(), reached }.bounded()
+    }
+
+    /// What a model answers to the input in a file.
+    ///
+    /// # Errors
+    /// Files without an input or a model, and an input of another unit or sampling.
+    pub fn model(&self, model: &File, input: &File, columns: &Selection) -> Result<Simulated, Error> {
+        let Signal { ts, samples: u, unit } = input.input(columns)?;
+        let model = model.model()?;
+        let units = model.units().clone();
+        if unit != units.u {
+            let (what, wanted) = ("the input".into(), units.u);
+            return Err(Error::Units { what, found: unit, wanted }.of(&input.name));
+        }
+        Record::same_sampling("the model", model.ts(), "the input", ts).map_err(|e| e.of(&input.name))?;
+        let mut x = model.before(&u, self.begin);
+        let y = model.resume(&mut x, &u);
+        Simulated { ts, u, y, units, reached: String::new() }.bounded()
+    }
+}
+
+impl Simulated {
+    /// Refuses an answer without bounds.
+    fn bounded(self) -> Result<Self, Error> {
+        let Some(k) = self.y.iter().position(|y| !y.is_finite()) else { return Ok(self) };
+        let time = k as f64 * self.ts;
+        let why = "the model is unstable, or the input far too large";
+        Err(Error::Content(format!("the answer grows beyond all numbers at {time} s: {why}")))
+    }
+
+    /// Input and answer as a file.
+    ///
+    /// # Errors
+    /// As [`csv::write`].
+    pub fn to_csv(&self) -> Result<String, Error> {
+        let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
+        Table::write(self.ts, &[(&u, &self.u), (&y, &self.y)])
+    }
+}

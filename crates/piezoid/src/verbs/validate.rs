@@ -1,0 +1,106 @@
+//! A model against records in files.
+
+use super::{File, merge, short};
+use crate::error::Error;
+use crate::formats::Selection;
+use crate::hammerstein::Model;
+use crate::number::round;
+use crate::record::Record;
+use crate::validation::{Bin, Metrics, ValidateOptions, Validation};
+use serde_json::{Value, json};
+
+/// A record and the model's free run beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// What the record is called: its file.
+    pub name: String,
+    /// The record.
+    pub record: Record,
+    /// The model's run.
+    pub validation: Validation,
+}
+
+/// A model beside records, all in one unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validated {
+    /// Record by record.
+    pub files: Vec<Compared>,
+}
+
+impl ValidateOptions {
+    /// Compares a model with the records in files, in the unit of the first.
+    ///
+    /// # Errors
+    /// Files without records, and what [`validate`] refuses.
+    pub fn run(&self, model: &Model, data: &[File], columns: &Selection) -> Result<Validated, Error> {
+        let mut unit = None;
+        let mut compare = |file: &File| {
+            let record = file.record(columns)?;
+            let unit = unit.get_or_insert_with(|| record.units().y.clone());
+            let compared = || {
+                let record = record.output_in(unit)?;
+                if self.skip >= record.duration() {
+                    let duration = round(record.duration());
+                    let rule = format!("leaves nothing of this record, which lasts {duration} s: skip less");
+                    return Err(Error::parameter("skip", self.skip, rule));
+                }
+                let validation = model.validate_with(&record, self)?;
+                Ok(Compared { name: file.name.clone(), record, validation })
+            };
+            compared().map_err(|e| e.of(&file.name))
+        };
+        Ok(Validated { files: data.iter().map(&mut compare).collect::<Result<_, _>>()? })
+    }
+}
+
+impl Compared {
+    /// The name of its file without folders.
+    pub fn short(&self) -> &str {
+        short(&self.name)
+    }
+
+    /// All about it as a document.
+    pub fn to_json(&self) -> Value {
+        let v = &self.validation;
+        let mut object = json!({"file": self.name, "unit": self.record.units().y, "beginning": v.beginning});
+        merge(&mut object, json!(v.metrics));
+        merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
+        merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
+        merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
+        object
+    }
+}
+
+impl Validated {
+    /// The figures of all records together.
+    pub fn total(&self) -> Metrics {
+        Metrics::total(&self.files.iter().map(|c| c.validation.metrics).collect::<Vec<_>>())
+    }
+
+    /// The bins of all records by frequency and by amplitude.
+    pub fn bins(&self) -> [Vec<Bin>; 2] {
+        [
+            Bin::merged(self.files.iter().flat_map(|c| &c.validation.by_frequency)),
+            Bin::merged(self.files.iter().flat_map(|c| &c.validation.by_amplitude)),
+        ]
+    }
+
+    /// What none of the records can tell.
+    pub fn unproven(&self) -> Vec<String> {
+        let Some((first, others)) = self.files.split_first() else { return Vec::new() };
+        let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
+        let by_all = |text: &&String| {
+            others.iter().all(|c| c.validation.unproven.iter().any(|other| subject(other) == subject(text)))
+        };
+        first.validation.unproven.iter().filter(by_all).cloned().collect()
+    }
+
+    /// All figures as a document.
+    pub fn to_json(&self) -> Value {
+        let mut total = json!(self.total());
+        let [by_frequency, by_amplitude] = self.bins();
+        merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
+        merge(&mut total, json!({"unproven": self.unproven()}));
+        json!({"files": self.files.iter().map(Compared::to_json).collect::<Vec<_>>(), "total": total})
+    }
+}
