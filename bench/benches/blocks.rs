@@ -3,18 +3,18 @@
 #![allow(missing_docs)] // criterion's macros make public items of their own
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use piezoid::compensation::{Causal, FeedForward, How};
+use piezoid::compensation::{Causal, FeedForward, FeedForwardSettings};
 use piezoid::control::predictive::{self, Predictive, Solver};
 use piezoid::control::{Controller, ControllerInput};
 use piezoid::creep::Creep;
 use piezoid::driver::DriverModel;
 use piezoid::excitation::{Prbs, Sine};
 use piezoid::hammerstein::Model;
-use piezoid::hysteresis::{Basis, BasisDesign, Branches, Hysteresis, OPERATORS, Operator, Reading, TwoBranch};
+use piezoid::hysteresis::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, OPERATORS, Operator, TwoBranch};
 use piezoid::linear::{AbsoluteError, Arx, Estimator, Orders, Regression};
 use piezoid::optimize::swarm::{Cost, SwarmSettings};
 use piezoid::plant::{Plant, Preset};
-use piezoid::progress::unwatched;
+use piezoid::progress::silent;
 use piezoid::{Error, Record, System};
 use piezoid_report::study::Study;
 use serde_json::{Map, Value};
@@ -61,7 +61,7 @@ fn estimators(c: &mut Criterion) {
     for name in ["swarm", "least-squares", "least-absolute"] {
         let Ok(by) = Estimator::find(name) else { continue };
         group.bench_function(name, |b| {
-            b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut unwatched));
+            b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut silent));
         });
     }
     group.finish();
@@ -182,12 +182,14 @@ fn feed_forward(c: &mut Criterion) {
     let mut group = c.benchmark_group("feed-forward");
     group.throughput(Throughput::Elements(r.len() as u64));
     for (name, model) in [("plays", Ok(plain)), ("plays and creep", creep)] {
-        let Ok((model, whole)) = model.and_then(|m| Ok((m.clone(), FeedForward::new(&m, How::default())?))) else {
+        let Ok((model, whole)) =
+            model.and_then(|m| Ok((m.clone(), FeedForward::new(&m, FeedForwardSettings::default())?)))
+        else {
             continue;
         };
         let r: Vec<f64> = r.iter().map(|r| 0.8 / 30.0 * whole.reach().1 * r).collect();
         for late in [1, 16] {
-            let Ok(causal) = Causal::new(&model, How::default(), late) else { continue };
+            let Ok(causal) = Causal::new(&model, FeedForwardSettings::default(), late) else { continue };
             group.bench_function(format!("{name}, {late} late"), |b| b.iter(|| causal.simulate(black_box(&r))));
         }
         group.bench_function(format!("{name}, whole"), |b| b.iter(|| whole.whole(black_box(&r))));
@@ -254,7 +256,7 @@ fn arx() -> Result<Arx, Error> {
 fn two_branch() -> Result<TwoBranch, Error> {
     let u: Vec<f64> = (0..17).map(|k| 3.75 * f64::from(k) - 30.0).collect();
     let z = |side: f64| u.iter().map(|u| u + side * (1.0 - u * u / 900.0)).collect();
-    TwoBranch::new(TS, Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?, Reading::Held)
+    TwoBranch::new(TS, Branches::new((u.clone(), z(-1.0)), (u.clone(), z(1.0)))?, HeldInput::Held)
 }
 
 type Named = (String, Arc<dyn System>);
@@ -297,10 +299,8 @@ fn study(c: &mut Criterion) {
     let mut group = c.benchmark_group("study");
     group.sample_size(10);
     let whole = |names: &[&str]| -> Result<usize, Error> {
-        let studies = names
-            .iter()
-            .map(|name| Study::run(Preset::find(name)?, 1, &mut unwatched))
-            .collect::<Result<Vec<_>, _>>()?;
+        let studies =
+            names.iter().map(|name| Study::run(Preset::find(name)?, 1, &mut silent)).collect::<Result<Vec<_>, _>>()?;
         let drawn: usize = studies.iter().flat_map(Study::figures).map(|(_, figure)| figure.svg().len()).sum();
         Ok(drawn + Study::page(&studies).html().len())
     };

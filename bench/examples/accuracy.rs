@@ -42,25 +42,25 @@ const AMPLITUDE: f64 = 28.0;
 const REACH: f64 = 1200.0;
 
 /// The input of a validation record, from frequency [Hz], amplitude [V] and number of samples.
-type Drive = fn(f64, f64, usize) -> Result<Vec<f64>, Error>;
+type DriveSignal = fn(f64, f64, usize) -> Result<Vec<f64>, Error>;
 
 /// A kind of validation record.
-pub(crate) struct Kind {
+pub(crate) struct RecordKind {
     pub(crate) name: &'static str,
-    drive: Drive,
+    drive: DriveSignal,
 }
 
 /// All kinds; the training data hold none of them.
-pub(crate) static KINDS: [Kind; 3] = [
-    Kind {
+pub(crate) static KINDS: [RecordKind; 3] = [
+    RecordKind {
         name: "staircase",
         drive: |frequency, amplitude, n| Staircase { amplitude, frequency, ..Staircase::default() }.samples(TS, n),
     },
-    Kind {
+    RecordKind {
         name: "modulated sine",
         drive: |hz, amplitude, n| Ok((0..n).map(|t| modulated(hz, amplitude, t)).collect()),
     },
-    Kind {
+    RecordKind {
         name: "multisine",
         drive: |hz, amplitude, n| {
             let random = Multisine { seed: 1, ..Multisine::default() };
@@ -114,7 +114,7 @@ impl Twin {
     }
 
     /// A training record for each frequency.
-    fn sines(&self, drive: Drive) -> Result<Vec<Record>, Error> {
+    fn sines(&self, drive: DriveSignal) -> Result<Vec<Record>, Error> {
         let record = |(hz, s)| self.measure(|amplitude| drive(hz, amplitude, (s / TS) as usize), hz);
         SEEN.into_iter().map(record).collect()
     }
@@ -136,7 +136,7 @@ impl Twin {
     }
 
     /// A validation record.
-    pub(crate) fn validation(&self, kind: &Kind, hz: f64) -> Result<Record, Error> {
+    pub(crate) fn validation(&self, kind: &RecordKind, hz: f64) -> Result<Record, Error> {
         let n = (DURATION.max(CYCLES / hz) / TS) as usize;
         self.measure(|amplitude| (kind.drive)(hz, amplitude, n), 1000.0 + hz)
     }
@@ -156,16 +156,20 @@ pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
 }
 
 /// A method of identification.
-struct Way {
+struct IdentificationMethod {
     name: &'static str,
     role: Role,
     identify: fn(&Twin) -> Result<Identified, Error>,
 }
 
 /// The paper's method, then the joint one.
-static WAYS: [Way; 4] = [
-    Way { name: "paper", role: Role::Descending, identify: |twin| twin.paper(IdentifyOptions::default()) },
-    Way {
+static WAYS: [IdentificationMethod; 4] = [
+    IdentificationMethod {
+        name: "paper",
+        role: Role::Descending,
+        identify: |twin| twin.paper(IdentifyOptions::default()),
+    },
+    IdentificationMethod {
         name: "paper, best settings",
         role: Role::Muted,
         identify: |twin| {
@@ -173,15 +177,19 @@ static WAYS: [Way; 4] = [
             twin.paper(IdentifyOptions { order, estimator, split, ..IdentifyOptions::default() })
         },
     },
-    Way { name: "joint, driver unknown", role: Role::Accent5, identify: |twin| twin.joint("auto", false) },
-    Way { name: "joint, driver given", role: Role::Model, identify: |twin| twin.joint("auto", true) },
+    IdentificationMethod {
+        name: "joint, driver unknown",
+        role: Role::Accent5,
+        identify: |twin| twin.joint("auto", false),
+    },
+    IdentificationMethod { name: "joint, driver given", role: Role::Model, identify: |twin| twin.joint("auto", true) },
 ];
 const PAPER: std::ops::Range<usize> = 0..2;
 
 /// The errors of one method on one twin.
 struct Outcome {
     twin: &'static str,
-    way: &'static Way,
+    way: &'static IdentificationMethod,
     operator: &'static str,
     /// By kind, then by frequency [% rms of peak-to-peak]; infinite where the run diverged.
     errors: Vec<Vec<f64>>,
@@ -198,7 +206,7 @@ fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     let twin = Twin::new(name)?;
     let of_kind = |kind| VALIDATION.into_iter().map(|hz| twin.validation(kind, hz)).collect::<Result<Vec<_>, _>>();
     let records = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
-    let outcome = |way: &'static Way| {
+    let outcome = |way: &'static IdentificationMethod| {
         let model = (way.identify)(&twin)?.model;
         let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
         let errors: Vec<Vec<f64>> = records.iter().map(|of_kind| of_kind.iter().map(left).collect()).collect();
@@ -210,7 +218,7 @@ fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
 
 /// How many times smaller the joint errors are than the paper's, by kind and frequency.
 fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'static str, f64, f64)> + 'a {
-    let of_kind = |((kind, p), j): ((&'static Kind, &'a Vec<f64>), &'a Vec<f64>)| {
+    let of_kind = |((kind, p), j): ((&'static RecordKind, &'a Vec<f64>), &'a Vec<f64>)| {
         VALIDATION.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
     };
     KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)

@@ -12,13 +12,13 @@ pub(crate) mod accuracy;
 
 use accuracy::page::{self, cell, row};
 use accuracy::{TS, TWINS, Twin};
-use piezoid::compensation::How;
+use piezoid::compensation::FeedForwardSettings;
 use piezoid::control::{
-    CONTROLLERS, Comparison, Drive, MarginTarget, NamedReference, Reference, Scheme, SchemeResult, Tolerance,
+    CONTROLLERS, Comparison, MarginTarget, NamedReference, Reference, Scheme, SchemeResult, Tolerance, TunedScheme,
 };
 use piezoid::excitation::Limits;
 use piezoid::plant::Preset;
-use piezoid::progress::unwatched;
+use piezoid::progress::silent;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
 
@@ -57,10 +57,15 @@ pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
 }
 
 /// A scheme for a model, with this many samples of its reference known ahead.
-pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<Drive, Error> {
+pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<TunedScheme, Error> {
     let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-    let mut drive =
-        Drive::new(Scheme::named(name)?, model, How { limits, ..How::default() }, 0, &MarginTarget::default())?;
+    let mut drive = TunedScheme::new(
+        Scheme::named(name)?,
+        model,
+        FeedForwardSettings { limits, ..FeedForwardSettings::default() },
+        0,
+        &MarginTarget::default(),
+    )?;
     drive.ahead = ahead;
     Ok(drive)
 }
@@ -68,18 +73,18 @@ pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<Drive, Er
 /// Drives on a twin along these references.
 pub(crate) fn compared(
     twin: &'static str,
-    drives: Vec<Drive>,
+    drives: Vec<TunedScheme>,
     paths: &[(&str, f64)],
     tolerance: Option<&Tolerance>,
 ) -> Result<Comparison, Error> {
     let plant = Preset::find(twin)?;
     let paths = paths.iter().copied().map(wanted).collect::<Result<Vec<_>, _>>()?;
-    Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut unwatched)
+    Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut silent)
 }
 
 /// The rms error along each reference [% of its height]; infinite where the reference was refused.
 pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
-    let percent = |a: &Result<piezoid::control::Attempt, Error>| {
+    let percent = |a: &Result<piezoid::control::ReferenceResult, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
     };
     driven.attempts.iter().map(percent).collect()
@@ -99,7 +104,7 @@ fn code(name: impl std::fmt::Display) -> String {
 }
 
 /// The margins of every feedback loop with a law.
-fn margins(drives: &[Drive]) -> String {
+fn margins(drives: &[TunedScheme]) -> String {
     let titles =
         ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "least bandwidth [Hz]"];
     let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));

@@ -7,7 +7,7 @@ use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{Wanted, Whole};
+use piezoid_export::{ExportRequest, ExportedProgram};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let driven = ("driven", model("prandtl-ishlinskii", Some(driver)));
     for (name, model) in OPERATORS.iter().map(|o| (o.name, model(o.name, None))).chain([driven]) {
         let model = model?;
-        let whole = Whole::new(&Wanted::new(&model, "m"))?;
+        let whole = ExportedProgram::new(&ExportRequest::new(&model, "m"))?;
         let document: Value = serde_json::from_str(&model.to_json())?;
         let mut vectors = json!({"model": document});
         for entry in &whole.entries {

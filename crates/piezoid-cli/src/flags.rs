@@ -4,7 +4,7 @@ use crate::values::Misused;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMatches};
-use piezoid::{Error, OptionRow, Options, Values};
+use piezoid::{Error, OptionKind, OptionRow, Options};
 use serde_json::{Map, Value};
 
 /// The options `O`, read from flags. A switch that is on unless told otherwise is the flag `--no-NAME`.
@@ -35,15 +35,15 @@ impl<O: Options> FromArgMatches for Flags<O> {
 
 /// Whether the flag turns off what is on.
 fn turns_off(row: &OptionRow) -> bool {
-    row.values == Values::Switch && (row.default)() == Value::Bool(true)
+    row.values == OptionKind::Switch && (row.default)() == Value::Bool(true)
 }
 
 /// The flag of an option.
 pub(crate) fn argument(row: &OptionRow) -> Arg {
     let (default, off, name) = (row.usual(), turns_off(row), row.name.replace('_', "-"));
     let help = match (row.values, row.help.split_at_checked(1)) {
-        (Values::Switch, Some((first, rest))) if off => format!("Do not {}{rest}", first.to_lowercase()),
-        (Values::Switch, _) => row.help.into(),
+        (OptionKind::Switch, Some((first, rest))) if off => format!("Do not {}{rest}", first.to_lowercase()),
+        (OptionKind::Switch, _) => row.help.into(),
         _ if default.is_empty() => row.help.into(),
         _ => format!("{} [default: {default}]", row.help),
     };
@@ -61,13 +61,13 @@ pub(crate) fn argument(row: &OptionRow) -> Arg {
     let several =
         |count: clap::builder::ValueRange| argument.clone().num_args(count).value_parser(ValueParser::new(parsed));
     match row.values {
-        Values::Switch => argument.action(ArgAction::SetTrue),
-        Values::Choice(known) => {
+        OptionKind::Switch => argument.action(ArgAction::SetTrue),
+        OptionKind::Choice(known) => {
             let known = known.iter().map(|(name, meaning)| PossibleValue::new(*name).help(*meaning));
             argument.value_parser(PossibleValuesParser::new(known).map(Value::from))
         }
-        Values::Texts(_) => several((1..).into()),
-        Values::Pair => several(2.into()).value_names(["LOW", "HIGH"]).allow_negative_numbers(true),
+        OptionKind::Texts(_) => several((1..).into()),
+        OptionKind::Pair => several(2.into()).value_names(["LOW", "HIGH"]).allow_negative_numbers(true),
         _ => several(1.into()).allow_negative_numbers(true),
     }
 }
@@ -75,9 +75,9 @@ pub(crate) fn argument(row: &OptionRow) -> Arg {
 /// What stands for a value in the help.
 pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
     match (row.values, row.unit) {
-        (Values::Text(placeholder) | Values::Texts(placeholder), _) => placeholder,
-        (Values::Whole(..), _) => "N",
-        (Values::Choice(_), _) => "NAME",
+        (OptionKind::Text(placeholder) | OptionKind::Texts(placeholder), _) => placeholder,
+        (OptionKind::Integer(..), _) => "N",
+        (OptionKind::Choice(_), _) => "NAME",
         (_, "") => "NUMBER",
         (_, "s") => "SECONDS",
         (_, "F") => "FARAD",
@@ -91,8 +91,8 @@ pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
 /// What flags were set to.
 pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
     let value = |row: &OptionRow| match row.values {
-        Values::Switch => matches.get_flag(row.name).then(|| Value::Bool(!turns_off(row))),
-        Values::Pair | Values::Texts(_) => Some(matches.get_many::<Value>(row.name)?.cloned().collect()),
+        OptionKind::Switch => matches.get_flag(row.name).then(|| Value::Bool(!turns_off(row))),
+        OptionKind::Pair | OptionKind::Texts(_) => Some(matches.get_many::<Value>(row.name)?.cloned().collect()),
         _ => matches.get_one::<Value>(row.name).cloned(),
     };
     Value::Object(rows.iter().filter_map(|row| Some((row.name.into(), value(row)?))).collect::<Map<_, _>>())

@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::layout::{capitalised, table};
 use piezoid::number::{round, short as number};
-use piezoid::validation::{Bin, Loops, Metrics, Source};
+use piezoid::validation::{Bin, LoopComparison, Metrics, Source};
 use piezoid::{Compared, Validated};
 
 /// The most bands shown unless all are asked for, and how many of the worst are shown in their place.
@@ -12,18 +12,18 @@ const WORST: usize = 8;
 
 /// Everything that is worth a look; with `full` everything there is.
 pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> String {
-    let proven = &validated.files[..];
-    let Some(first) = proven.first() else { return String::new() };
+    let compared = &validated.files[..];
+    let Some(first) = compared.first() else { return String::new() };
     let (units, room) = (first.record.units(), console.room());
     let [by_frequency, by_amplitude] = validated.bins();
     let amplitude = format!("amplitude [{}]", units.u);
     [
-        figures(proven, &validated.total(), &units.y, room),
+        figures(compared, &validated.total(), &units.y, room),
         bins("f [Hz]", &by_frequency, &units.y, full, console),
         bins(&amplitude, &by_amplitude, &units.y, full, console),
-        loops(proven, full, console),
-        residuals(proven, full, console),
-        open(&validated.unproven(), console),
+        loops(compared, full, console),
+        residuals(compared, full, console),
+        open(&validated.not_covered(), console),
     ]
     .into_iter()
     .filter(|part| !part.is_empty())
@@ -31,12 +31,12 @@ pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> Strin
     .join("\n")
 }
 
-fn figures(proven: &[Compared], total: &Metrics, unit: &str, room: Option<usize>) -> String {
+fn figures(compared: &[Compared], total: &Metrics, unit: &str, room: Option<usize>) -> String {
     let row = |name: &str, m: &Metrics| {
         let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent];
         [name.to_string(), m.n.to_string()].into_iter().chain(figures.map(number)).collect::<Vec<_>>()
     };
-    let mut rows: Vec<_> = proven.iter().map(|p| row(&p.name, &p.validation.metrics)).collect();
+    let mut rows: Vec<_> = compared.iter().map(|p| row(&p.name, &p.validation.metrics)).collect();
     if rows.len() > 1 {
         rows.push(row("total", total));
     }
@@ -78,19 +78,19 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
 }
 
 /// The largest loops of each record; all of them, and all of their figures, with `full`.
-fn loops(proven: &[Compared], full: bool, console: &Console) -> String {
+fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     let largest = |p: &Compared| {
         let most = p.validation.loops.iter().map(|l| l.amplitude).fold(0.0, f64::max);
         p.validation.loops.iter().filter(move |l| full || l.amplitude == most).copied().collect::<Vec<_>>()
     };
-    let rows: Vec<(&str, Loops)> =
-        proven.iter().flat_map(|p| largest(p).into_iter().map(move |l| (p.name.as_str(), l))).collect();
-    let Some(unit) = proven.first().filter(|_| !rows.is_empty()).map(|p| p.record.units()) else {
+    let rows: Vec<(&str, LoopComparison)> =
+        compared.iter().flat_map(|p| largest(p).into_iter().map(move |l| (p.name.as_str(), l))).collect();
+    let Some(unit) = compared.first().filter(|_| !rows.is_empty()).map(|p| p.record.units()) else {
         return String::new();
     };
     let pair = |measured: f64, model: f64| [number(measured), number(model)];
     let amplitude = format!("[{}]", unit.u);
-    let widths = |(file, l): &(&str, Loops)| {
+    let widths = |(file, l): &(&str, LoopComparison)| {
         let [width, closure, slope] = [
             pair(l.measured.width_percent, l.model.width_percent),
             pair(l.measured.closure_percent, l.model.closure_percent),
@@ -110,7 +110,7 @@ fn loops(proven: &[Compared], full: bool, console: &Console) -> String {
     }
     let mut text = table(&header, &rows.iter().map(widths).collect::<Vec<_>>(), console.room());
     if full {
-        let more = |(file, l): &(&str, Loops)| {
+        let more = |(file, l): &(&str, LoopComparison)| {
             let [area, reversals] =
                 [pair(l.measured.area, l.model.area), pair(l.measured.reversals, l.model.reversals)];
             let known = |s: Option<f64>| s.map_or("-".into(), number);
@@ -125,8 +125,8 @@ fn loops(proven: &[Compared], full: bool, console: &Console) -> String {
 }
 
 /// The noise floor, and whether what is left is noise.
-fn residuals(proven: &[Compared], full: bool, console: &Console) -> String {
-    let tested = proven.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
+fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
+    let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
     let row = |p: &Compared| {
         let (floor, whiteness) = (&p.validation.floor, &p.validation.whiteness);
@@ -135,16 +135,16 @@ fn residuals(proven: &[Compared], full: bool, console: &Console) -> String {
             floor.map_or("-".into(), |f| number(f.rms)),
             floor.map_or("-".into(), |f| number(f.error_over_floor)),
             whiteness.as_ref().map_or("-".into(), |w| word(w.is_white())),
-            whiteness.as_ref().map_or("-".into(), |w| word(w.follows_input())),
+            whiteness.as_ref().map_or("-".into(), |w| word(w.correlates_with_input())),
         ]
     };
     let rows: Vec<_> = tested.map(row).collect();
-    let Some(unit) = proven.first().filter(|_| !rows.is_empty()).map(|p| p.record.units().y.clone()) else {
+    let Some(unit) = compared.first().filter(|_| !rows.is_empty()).map(|p| p.record.units().y.clone()) else {
         return String::new();
     };
     let floor = format!("floor [{unit}]");
     let mut text = table(&["what is left", &floor, "rmse/floor", "white", "follows u"], &rows, console.room());
-    for p in proven.iter().filter(|_| full) {
+    for p in compared.iter().filter(|_| full) {
         for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
             text += &console.paragraph(&format!("{}: {said}.", p.name), "  ");
         }
@@ -152,7 +152,7 @@ fn residuals(proven: &[Compared], full: bool, console: &Console) -> String {
     text
 }
 
-fn open(unproven: &[String], console: &Console) -> String {
+fn open(not_covered: &[String], console: &Console) -> String {
     let line = |text: &String| console.paragraph(&format!("Not shown by any of these records: {text}."), "  ");
-    capitalised(&unproven.iter().map(line).collect::<String>())
+    capitalised(&not_covered.iter().map(line).collect::<String>())
 }

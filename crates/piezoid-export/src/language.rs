@@ -1,6 +1,6 @@
 //! Printing functions in any language: the walk is the same, the words are a [`Language`]'s.
 
-use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Program, Step};
+use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Program, Statement};
 
 /// The words of a language. Lines come without their indentation.
 pub(super) trait Language {
@@ -24,13 +24,13 @@ pub(super) trait Language {
     }
 
     /// A constant of `block`, or that of this number in a table.
-    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String;
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String;
 
     /// A number in a state or room, or a state within another.
-    fn place(&self, place: &Place, words: &Words) -> String;
+    fn place(&self, place: &Place, printer: &Printer) -> String;
 
     /// What a function gives.
-    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String;
+    fn call(&self, name: &str, arguments: &[Expr], printer: &Printer) -> String;
 
     /// A whole number as a real one.
     fn to_real(&self, value: String) -> String;
@@ -47,24 +47,24 @@ pub(super) trait Language {
     fn note(&self, text: &str) -> String;
 
     /// New names for what an expression gives.
-    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String>;
+    fn fresh(&self, names: &[String], value: &Expr, printer: &Printer) -> Vec<String>;
 
     /// A copy of a state, or zeros instead.
-    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String>;
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, printer: &Printer) -> Vec<String>;
 
     /// Room for `n` zeros.
     fn room(&self, name: &str, n: usize) -> Vec<String>;
 
     /// A new value for what stands at a place.
-    fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
-        format!("{} {} {};", self.place(place, words), self.keywords().set, words.expr(value))
+    fn assign(&self, place: &Place, value: &Expr, printer: &Printer) -> String {
+        format!("{} {} {};", self.place(place, printer), self.keywords().set, printer.expr(value))
     }
 
     /// A call for what it changes.
-    fn done(&self, call: &Expr, words: &Words) -> String;
+    fn done(&self, call: &Expr, printer: &Printer) -> String;
 
     /// The beginning of a loop over whole numbers.
-    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String;
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, printer: &Printer) -> String;
 }
 
 /// What conditions, loops and operators are called; `?` stands for a condition.
@@ -102,13 +102,13 @@ impl Keywords {
 }
 
 /// A function on its way into a language.
-pub(super) struct Words<'w> {
+pub(super) struct Printer<'w> {
     pub(super) program: &'w Program,
     pub(super) function: &'w Function,
     pub(super) language: &'w dyn Language,
 }
 
-impl Words<'_> {
+impl Printer<'_> {
     /// Whether a call gives something, which then nobody takes.
     pub(super) fn gives(&self, call: &Expr) -> bool {
         match call {
@@ -118,7 +118,7 @@ impl Words<'_> {
     }
 
     /// The steps, one line each, `depth` levels deep.
-    pub(super) fn steps(&self, steps: &[Step], depth: usize) -> String {
+    pub(super) fn steps(&self, steps: &[Statement], depth: usize) -> String {
         let indent = INDENT.repeat(depth);
         let mut out = String::new();
         for line in steps.iter().flat_map(|step| self.step(step)) {
@@ -129,44 +129,44 @@ impl Words<'_> {
         out
     }
 
-    fn step(&self, step: &Step) -> Vec<String> {
+    fn step(&self, step: &Statement) -> Vec<String> {
         let l = self.language;
         match step {
-            Step::Note(text) => vec![l.note(text)],
-            Step::Let(names, value) => l.fresh(names, value, self),
-            Step::Copy { name, of, block, zero } => l.copy(name, of, block, *zero, self),
-            Step::Room(name, n) => l.room(name, *n),
-            Step::Set(place, value) => vec![l.assign(place, value, self)],
-            Step::Do(call) => vec![l.done(call, self)],
-            Step::If(..) => self.choice(step, false),
-            Step::For { from: Expr::Whole(from), to: Expr::Whole(to), .. } if from >= to => Vec::new(),
-            Step::For { name, from, to, down, steps } => {
+            Statement::Note(text) => vec![l.note(text)],
+            Statement::Let(names, value) => l.fresh(names, value, self),
+            Statement::Copy { name, of, block, zero } => l.copy(name, of, block, *zero, self),
+            Statement::Array(name, n) => l.room(name, *n),
+            Statement::Set(place, value) => vec![l.assign(place, value, self)],
+            Statement::Do(call) => vec![l.done(call, self)],
+            Statement::If(..) => self.choice(step, false),
+            Statement::For { from: Expr::Integer(from), to: Expr::Integer(to), .. } if from >= to => Vec::new(),
+            Statement::For { name, from, to, down, steps } => {
                 self.around(l.counting(name, from, to, *down, self), steps, l.keywords().ends[1])
             }
-            Step::While(holds, steps) => {
+            Statement::While(holds, steps) => {
                 let Keywords { repeat, ends, .. } = l.keywords();
                 self.around(repeat.replacen('?', &self.expr(holds), 1), steps, ends[2])
             }
         }
     }
 
-    fn choice(&self, step: &Step, chained: bool) -> Vec<String> {
-        let (Step::If(holds, yes, no), words) = (step, self.language.keywords()) else { return Vec::new() };
-        let begin = if chained { words.other_choice } else { words.choice }.replacen('?', &self.expr(holds), 1);
+    fn choice(&self, step: &Statement, chained: bool) -> Vec<String> {
+        let (Statement::If(holds, yes, no), printer) = (step, self.language.keywords()) else { return Vec::new() };
+        let begin = if chained { printer.other_choice } else { printer.choice }.replacen('?', &self.expr(holds), 1);
         let rest = match &no[..] {
-            [] if chained => words.nothing.iter().chain([&words.ends[0]]).map(|line| (*line).into()).collect(),
-            [] => vec![words.ends[0].into()],
-            [next @ Step::If(..)] => self.choice(next, true),
-            no => self.around(words.otherwise.into(), no, words.ends[0]),
+            [] if chained => printer.nothing.iter().chain([&printer.ends[0]]).map(|line| (*line).into()).collect(),
+            [] => vec![printer.ends[0].into()],
+            [next @ Statement::If(..)] => self.choice(next, true),
+            no => self.around(printer.otherwise.into(), no, printer.ends[0]),
         };
         [self.inner(begin, yes), rest].concat()
     }
 
-    fn around(&self, begin: String, steps: &[Step], end: &str) -> Vec<String> {
+    fn around(&self, begin: String, steps: &[Statement], end: &str) -> Vec<String> {
         [self.inner(begin, steps), vec![end.into()]].concat()
     }
 
-    fn inner(&self, begin: String, steps: &[Step]) -> Vec<String> {
+    fn inner(&self, begin: String, steps: &[Statement]) -> Vec<String> {
         let inner = steps.iter().flat_map(|step| self.step(step)).map(|line| format!("{INDENT}{line}"));
         std::iter::once(begin).chain(inner).collect()
     }
@@ -192,7 +192,7 @@ impl Words<'_> {
         match expr {
             Expr::Real(value) if value.is_sign_negative() && tightly > 0 => format!("({})", l.real(*value)),
             Expr::Real(value) => l.real(*value),
-            Expr::Whole(value) => l.whole(*value),
+            Expr::Integer(value) => l.whole(*value),
             Expr::Limit(limit) => l.limit(*limit),
             Expr::Variable(name, _) => l.place(&Place { root: name.clone(), path: Vec::new(), index: None }, self),
             Expr::Constant(block, name, index) => {
@@ -233,8 +233,8 @@ impl Words<'_> {
 /// `expr` less one.
 pub(super) fn less_one(expr: &Expr) -> Expr {
     match expr {
-        Expr::Whole(n) => Expr::Whole(n.saturating_sub(1)),
-        expr => Expr::Binary(Op::Subtract, Box::new(expr.clone()), Box::new(Expr::Whole(1))),
+        Expr::Integer(n) => Expr::Integer(n.saturating_sub(1)),
+        expr => Expr::Binary(Op::Subtract, Box::new(expr.clone()), Box::new(Expr::Integer(1))),
     }
 }
 

@@ -4,6 +4,7 @@
 //! order, same bits. Nothing that is written holds a date or a path.
 
 mod c;
+mod exported;
 mod fixed;
 mod fmu;
 mod language;
@@ -16,16 +17,15 @@ mod template;
 mod testing;
 mod vectors;
 mod waveform;
-mod whole;
 
+pub use exported::{Entry, ExportedProgram, Port};
 pub use vectors::Vectors;
-pub use whole::{Entry, Signal, Whole};
 
-use piezoid::compensation::How;
-use piezoid::control::{Controller, Drive, Law, Scheme};
+use piezoid::compensation::FeedForwardSettings;
+use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
-use piezoid::{File, Model, OptionRow, Options, TuneOptions, Values, options};
+use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions, options};
 
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
@@ -33,21 +33,21 @@ options! {
         /// What functions, types and files are called after.
         name: String = "piezo_model".into(), OptionRow::new(NAME);
         /// Numbers of single precision.
-        float: bool = false, OptionRow::new(Values::Switch);
+        float: bool = false, OptionRow::new(OptionKind::Switch);
         /// Samples of the reference that the feed-forward is given ahead of time.
-        preview: usize = 0, OptionRow::new(Values::Whole(0, u64::MAX));
+        preview: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not predictive.
         controller: Option<String> = None, OptionRow::new(NAME);
         /// Come as close to it as the limits allow instead of refusing.
-        clip: bool = false, OptionRow::new(Values::Switch).requires("reference").group(WAVEFORMS);
+        clip: bool = false, OptionRow::new(OptionKind::Switch).requires("reference").group(WAVEFORMS);
         /// Servo cycle of the GCS controller.
         servo_cycle: f64 = 5e-5, OptionRow::positive("s").requires("reference").group(WAVEFORMS);
         /// The voltages that are 0 % and 100 % for the NV200 amplifier: what it answers to avmin and avmax.
-        range: Option<(f64, f64)> = None, OptionRow::new(Values::Pair).requires("reference").group(WAVEFORMS);
+        range: Option<(f64, f64)> = None, OptionRow::new(OptionKind::Pair).requires("reference").group(WAVEFORMS);
     } with limits: LimitOptions with tuning: TuneOptions
 }
 
-const NAME: Values = Values::Text("NAME");
+const NAME: OptionKind = OptionKind::Text("NAME");
 const WAVEFORMS: &str = "Waveforms";
 
 impl ExportOptions {
@@ -62,17 +62,21 @@ impl ExportOptions {
         model: &Model,
         reference: Option<&[f64]>,
         compiler: Option<Compiler>,
-    ) -> Result<Made, Error> {
-        let target = self::target(target)?;
+    ) -> Result<Exported, Error> {
+        let target = ExportTarget::find(target)?;
         self.fit(target, reference.is_some())?;
-        let how = How { limits: self.limits.limits()?.unwrap_or_default(), clip: self.clip, ..How::default() };
-        let drive = self.controller.as_deref().map(|name| self.tuned(name, model, how)).transpose()?;
-        let controller = drive.as_ref().map(Drive::controller);
-        (target.make)(&Wanted { model, options: self.clone(), how, controller, reference, compiler })
+        let settings = FeedForwardSettings {
+            limits: self.limits.limits()?.unwrap_or_default(),
+            clip: self.clip,
+            ..FeedForwardSettings::default()
+        };
+        let drive = self.controller.as_deref().map(|name| self.tuned(name, model, settings)).transpose()?;
+        let controller = drive.as_ref().map(TunedScheme::controller);
+        (target.make)(&ExportRequest { model, options: self.clone(), settings, controller, reference, compiler })
     }
 
     /// Refuses what would count for nothing.
-    fn fit(&self, target: &Target, is_followed: bool) -> Result<(), Error> {
+    fn fit(&self, target: &ExportTarget, is_followed: bool) -> Result<(), Error> {
         let given = self.changed().into_iter().map(|(row, value)| (row.name, value));
         for (name, value) in given.chain(is_followed.then(|| ("reference", "given".into()))) {
             let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
@@ -90,26 +94,26 @@ impl ExportOptions {
     }
 
     /// The controller of this name for the model.
-    fn tuned(&self, name: &str, model: &Model, how: How) -> Result<Drive, Error> {
-        let law = Law::find(name)?;
+    fn tuned(&self, name: &str, model: &Model, settings: FeedForwardSettings) -> Result<TunedScheme, Error> {
+        let law = ControllerKind::find(name)?;
         // What takes no feed-forward plans for itself.
-        if !law.fed {
+        if !law.uses_feed_forward {
             let rule = "plans anew in every sample, which is no law to export: take one with a law, such as pi";
             return Err(Error::parameter("controller", name, rule));
         }
-        self.tuning.drive(Scheme { law: Some(law), ..Scheme::named("gain")? }, model, how)
+        self.tuning.drive(Scheme { law: Some(law), ..Scheme::named("gain")? }, model, settings)
     }
 }
 
 /// What to export.
 #[derive(Debug, Clone)]
-pub struct Wanted<'w> {
+pub struct ExportRequest<'w> {
     /// The model.
     pub model: &'w Model,
     /// How.
     pub options: ExportOptions,
     /// Limits of the feed-forward.
-    pub how: How,
+    pub settings: FeedForwardSettings,
     /// The controller to go with it, if any.
     pub controller: Option<&'w dyn Controller>,
     /// The wanted displacement, for targets that are a table of voltages [output unit]; others do without.
@@ -118,11 +122,18 @@ pub struct Wanted<'w> {
     pub compiler: Option<Compiler>,
 }
 
-impl<'w> Wanted<'w> {
+impl<'w> ExportRequest<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
     pub fn new(model: &'w Model, name: &str) -> Self {
         let options = ExportOptions { name: name.into(), ..ExportOptions::default() };
-        Wanted { model, options, how: How::default(), controller: None, reference: None, compiler: None }
+        ExportRequest {
+            model,
+            options,
+            settings: FeedForwardSettings::default(),
+            controller: None,
+            reference: None,
+            compiler: None,
+        }
     }
 
     /// The same in single precision, or not.
@@ -148,7 +159,7 @@ pub struct Compiler {
 
 /// What a target made.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Made {
+pub struct Exported {
     /// The files.
     pub files: Vec<File>,
     /// What is worth knowing, one sentence each.
@@ -157,7 +168,7 @@ pub struct Made {
 
 /// One kind of export: a row of [`TARGETS`].
 #[derive(Clone, Copy)]
-pub struct Target {
+pub struct ExportTarget {
     /// As users write it.
     pub name: &'static str,
     /// One line.
@@ -167,12 +178,34 @@ pub struct Target {
     /// Which it takes of the options that not all targets take; `reference` is what it follows.
     pub takes: &'static [&'static str],
     /// Makes the files.
-    pub make: fn(&Wanted) -> Result<Made, Error>,
+    pub make: fn(&ExportRequest) -> Result<Exported, Error>,
 }
 
-impl std::fmt::Debug for Target {
+impl std::fmt::Debug for ExportTarget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Target").field(&self.name).finish()
+    }
+}
+
+impl ExportTarget {
+    /// The target called `name`.
+    ///
+    /// ```
+    /// use piezoid_export::{ExportRequest, ExportTarget};
+    /// use piezoid::{Model, hysteresis::Operator, linear::Arx};
+    /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
+    /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
+    /// let made = (ExportTarget::find("c")?.make)(&ExportRequest::new(&model, "bender"))?;
+    /// assert_eq!(made.files[0].name, "bender.h");
+    /// assert!(ExportTarget::find("cpp").unwrap_err().to_string().contains("known are c"));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        let known = || TARGETS.iter().map(|t| t.name);
+        TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
     }
 }
 
@@ -180,7 +213,7 @@ impl std::fmt::Debug for Target {
 const CODE: &[&str] = &["float", "preview", "controller", "late", "gain_margin", "phase_margin"];
 
 /// The targets there are.
-pub static TARGETS: &[Target] =
+pub static TARGETS: &[ExportTarget] =
     &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET, waveform::TARGET, fixed::TARGET];
 
 /// Export as a method of a model.
@@ -198,33 +231,13 @@ pub trait Export {
     ///
     /// # Errors
     /// No such target, a name that its language has no room for, a model that it cannot hold.
-    fn export(&self, target: &str, name: &str) -> Result<Made, Error>;
+    fn export(&self, target: &str, name: &str) -> Result<Exported, Error>;
 }
 
 impl Export for Model {
-    fn export(&self, target: &str, name: &str) -> Result<Made, Error> {
-        (self::target(target)?.make)(&Wanted::new(self, name))
+    fn export(&self, target: &str, name: &str) -> Result<Exported, Error> {
+        (ExportTarget::find(target)?.make)(&ExportRequest::new(self, name))
     }
-}
-
-/// The target called `name`.
-///
-/// ```
-/// use piezoid_export::{Wanted, target};
-/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
-/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
-/// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
-/// let made = (target("c")?.make)(&Wanted::new(&model, "bender"))?;
-/// assert_eq!(made.files[0].name, "bender.h");
-/// assert!(target("cpp").unwrap_err().to_string().contains("known are c"));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn target(name: &str) -> Result<&'static Target, Error> {
-    let known = || TARGETS.iter().map(|t| t.name);
-    TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
 }
 
 /// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of their words.

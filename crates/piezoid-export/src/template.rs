@@ -5,8 +5,8 @@
 //! Filters: `short`, `round` and `exact` print a number, `titled` begins a text with a capital, `line` puts it in one line, `quoted`
 //! in quotes of MATLAB; `c`, `st` and `plain` take out what would end a comment of C or structured text, or mean something to printf.
 
-use super::Wanted;
-use super::whole::{Entry, Signal, Whole};
+use super::ExportRequest;
+use super::exported::{Entry, ExportedProgram, Port};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Output, State, UndefinedBehavior};
 pub(super) use minijinja::{Value, context};
@@ -69,16 +69,20 @@ pub(super) fn render((path, text): Template, context: Value) -> Result<String, E
 }
 
 /// What every template is told: the model, and what is called from outside, with its vectors as `table` prints numbers.
-pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> String) -> Value {
-    let (model, name) = (wanted.model, wanted.name());
-    let signal = |signal: &Signal, values: &[f64]| {
-        let Signal { name, unit, about } = signal;
+pub(super) fn template_context(
+    request: &ExportRequest,
+    whole: &ExportedProgram,
+    table: &dyn Fn(&[f64]) -> String,
+) -> Value {
+    let (model, name) = (request.model, request.name());
+    let signal = |signal: &Port, values: &[f64]| {
+        let Port { name, unit, about } = signal;
         context! { name => *name, unit, about => *about, values => table(values) }
     };
     let entry = |entry: &Entry| {
         let (vectors, mean) = (&entry.vectors, entry.vectors.mean);
         let input =
-            |(k, input): (usize, &Signal)| signal(input, &vectors.inputs.iter().map(|row| row[k]).collect::<Vec<_>>());
+            |(k, input): (usize, &Port)| signal(input, &vectors.inputs.iter().map(|row| row[k]).collect::<Vec<_>>());
         context! {
             step => entry.step, reset => entry.reset, state => entry.state, about => &entry.about,
             kind => entry.kind(), called => entry.called(), named => entry.named(name),
@@ -91,7 +95,7 @@ pub(super) fn told(wanted: &Wanted, whole: &Whole, table: &dyn Fn(&[f64]) -> Str
     let mut called = Vec::new();
     whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
     context! {
-        called, name, upper => name.to_uppercase(), single => wanted.options.float, ts => model.ts(), preview => wanted.options.preview,
+        called, name, upper => name.to_uppercase(), single => request.options.float, ts => model.ts(), preview => request.options.preview,
         hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
         order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
         entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),

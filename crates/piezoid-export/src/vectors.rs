@@ -1,7 +1,7 @@
 //! Numbers to prove exported code by: inputs, what each entry answers, and what that takes.
 
-use super::Wanted;
-use super::whole::{Entry, Whole};
+use super::ExportRequest;
+use super::exported::{Entry, ExportedProgram};
 use piezoid::compensation::Causal;
 use piezoid::error::Error;
 use piezoid::program::{Counts, Machine};
@@ -34,8 +34,8 @@ const THROUGH: usize = 81;
 const BEGUN: usize = 60;
 
 /// What each entry answers to inputs within what the model knows; in single precision, what that gives.
-pub(super) fn of(whole: &Whole, wanted: &Wanted) -> Result<Vec<Vectors>, Error> {
-    let model = wanted.model;
+pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec<Vectors>, Error> {
+    let model = request.model;
     let u = inputs(model.known_inputs().unwrap_or((-1.0, 1.0)));
     let y = model.simulate(&u);
     let inputs = |entry: &Entry| match entry.step {
@@ -45,13 +45,13 @@ pub(super) fn of(whole: &Whole, wanted: &Wanted) -> Result<Vec<Vectors>, Error> 
         _ => y.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
     };
     let of = |entry: &Entry| {
-        let missed = if entry.step == "ff_step" { missed(wanted, &y) } else { None };
-        Ok(Vectors { missed, ..answers(whole, entry, inputs(entry), wanted.options.float)? })
+        let missed = if entry.step == "ff_step" { missed(request, &y) } else { None };
+        Ok(Vectors { missed, ..answers(whole, entry, inputs(entry), request.options.float)? })
     };
     whole.entries.iter().map(of).collect()
 }
 
-fn answers(whole: &Whole, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
+fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
     let run = |single: bool| {
         let mut machine = Machine::new(&whole.program, entry.state, single);
         let (mut outputs, mut most, mut before) = (Vec::with_capacity(inputs.len()), 0, 0);
@@ -96,10 +96,10 @@ fn answers(whole: &Whole, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) ->
 const USELESS: f64 = 1e-2;
 
 /// What the model leaves of the reference `r` behind the feed-forward, rms over its height, where it wanders.
-fn missed(wanted: &Wanted, r: &[f64]) -> Option<f64> {
-    let causal = Causal::new(wanted.model, wanted.how, wanted.options.preview).ok()?;
-    let y = wanted.model.simulate(&causal.simulate(r));
-    let pairs = || r.iter().zip(y.iter().skip(wanted.options.preview)).take(WANDERING).skip(BEGUN);
+fn missed(request: &ExportRequest, r: &[f64]) -> Option<f64> {
+    let causal = Causal::new(request.model, request.settings, request.options.preview).ok()?;
+    let y = request.model.simulate(&causal.simulate(r));
+    let pairs = || r.iter().zip(y.iter().skip(request.options.preview)).take(WANDERING).skip(BEGUN);
     let (low, high) = ends(pairs().map(|(r, _)| *r));
     let mean = pairs().map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / pairs().count() as f64;
     Some(mean.sqrt() / (high - low))

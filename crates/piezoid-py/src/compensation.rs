@@ -7,8 +7,8 @@ use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::PyArray1;
 use piezoid::System;
-use piezoid::compensation::{Causal, Compensated, How, shaping};
-use piezoid::excitation::{Driver, Limits};
+use piezoid::compensation::{Causal, Compensated, FeedForwardSettings, shaping};
+use piezoid::excitation::{Amplifier, Limits};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
@@ -26,7 +26,7 @@ pub(crate) fn given<'py, T: FromPyObjectOwned<'py>>(settings: &Bound<'py, PyDict
 pub(crate) fn limits(settings: &Bound<'_, PyDict>) -> PyResult<Limits> {
     let capacitance = given(settings, "capacitance")?;
     let mut limits = match given::<String>(settings, "driver")? {
-        Some(name) => Driver::find(&name).and_then(|driver| driver.loaded(capacitance)).map_err(raised)?,
+        Some(name) => Amplifier::find(&name).and_then(|driver| driver.loaded(capacitance)).map_err(raised)?,
         None => Limits { capacitance, ..Limits::default() },
     };
     limits.low = given(settings, "low")?.or(limits.low);
@@ -38,13 +38,13 @@ pub(crate) fn limits(settings: &Bound<'_, PyDict>) -> PyResult<Limits> {
 }
 
 /// What compensation may use.
-pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<How> {
+pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
     let (clip, sweeps) = (given(settings, "clip")?.unwrap_or(false), given(settings, "sweeps")?.unwrap_or(0));
-    Ok(How { limits: limits(settings)?, clip, sweeps, ..How::default() })
+    Ok(FeedForwardSettings { limits: limits(settings)?, clip, sweeps, ..FeedForwardSettings::default() })
 }
 
 /// A voltage, what the model makes of it, and the rest as a document.
-pub(crate) type Made = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
+pub(crate) type CompensationTuple = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
 
 /// The voltage for a reference.
 pub(crate) fn compensated(
@@ -52,7 +52,7 @@ pub(crate) fn compensated(
     model: &piezoid::Model,
     reference: &Bound<'_, PyAny>,
     settings: &Bound<'_, PyDict>,
-) -> PyResult<Made> {
+) -> PyResult<CompensationTuple> {
     let (read, how) = (samples("reference", reference)?, how(settings)?);
     let shape = shaping::Shaping {
         smooth: given(settings, "smooth")?,
@@ -75,7 +75,7 @@ pub(crate) struct FeedForward {
 }
 
 impl FeedForward {
-    pub(crate) fn new(model: &piezoid::Model, how: How, late: usize) -> PyResult<Self> {
+    pub(crate) fn new(model: &piezoid::Model, how: FeedForwardSettings, late: usize) -> PyResult<Self> {
         let causal = Causal::new(model, how, late).map_err(raised)?;
         let state = Mutex::new(causal.initial());
         Ok(FeedForward { causal, state })

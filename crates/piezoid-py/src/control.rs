@@ -8,7 +8,7 @@ use crate::plant::Plant;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
 use piezoid::System;
-use piezoid::control::{Comparison, Drive, MarginTarget, NamedReference, Reference, Scheme, Tolerance};
+use piezoid::control::{Comparison, MarginTarget, NamedReference, Reference, Scheme, Tolerance, TunedScheme};
 use piezoid_report::report;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -67,7 +67,7 @@ pub(crate) fn control(
     let (name, spec) = (plant.0, plant.1.get().spec.clone());
     let compared = watched(py, progress, |progress| {
         let drive = |scheme: Scheme| {
-            let mut drive = Drive::new(scheme, &model, how, tuning.0, &target)?;
+            let mut drive = TunedScheme::new(scheme, &model, how, tuning.0, &target)?;
             drive.ahead = preview.unwrap_or(usize::MAX);
             wanted.iter().try_for_each(|w| drive.check(&w.r))?;
             Ok(drive)
@@ -88,7 +88,7 @@ pub(crate) fn control(
                     run.set_item("y", array(py, attempt.run.y.clone()))?;
                     run.set_item("r", array(py, attempt.run.r.clone()))?;
                     run.set_item("percent_of_stroke", attempt.tracking.percent_of_stroke)?;
-                    run.set_item("notes", attempt.fed.notes.clone())?;
+                    run.set_item("notes", attempt.feed_forward.notes.clone())?;
                 }
             }
             runs.append(run)?;

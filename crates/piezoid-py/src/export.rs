@@ -5,15 +5,15 @@ use crate::control::{Tuning, target};
 use crate::error::{raised, refused};
 use crate::model::Model;
 use crate::samples::{samples, slice};
-use piezoid::control::{Drive, Law, Scheme};
-use piezoid_export::{Playback, Wanted, target as chosen};
+use piezoid::control::{Law, Scheme, TunedScheme};
+use piezoid_export::{ExportRequest, Playback, target as chosen};
 use piezoid_host::{compiler, files};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 
 /// Files by their paths, and notes.
-type Made = (Vec<(String, Py<PyBytes>)>, Vec<String>);
+type ExportTuple = (Vec<(String, Py<PyBytes>)>, Vec<String>);
 
 /// Writes a file, which is whole or not there.
 #[pyfunction]
@@ -35,7 +35,7 @@ pub(crate) fn export(
     reference: Option<Bound<'_, PyAny>>,
     playback: (Option<f64>, Option<(f64, f64)>),
     folder: Option<PathBuf>,
-) -> PyResult<Made> {
+) -> PyResult<ExportTuple> {
     let (model, how, (single, preview, law)) = (inner(model), how(settings)?, options);
     let chosen = chosen(target_name).map_err(raised)?;
     let given = [
@@ -47,10 +47,10 @@ pub(crate) fn export(
     if law.is_none() && (tuning.0 > 0 || tuning.1.or(tuning.2).is_some()) {
         return Err(refused("late, gain_margin and phase_margin are of a controller: name one with controller="));
     }
-    if (playback.0.is_some() || playback.1.is_some()) && !chosen.heeds.contains(&"reference") {
+    if (playback.0.is_some() || playback.1.is_some()) && !chosen.accepts.contains(&"reference") {
         return Err(refused(&format!("servo_cycle and range are not for the target {target_name}")));
     }
-    if let Some((option, _)) = given.iter().find(|(option, given)| *given && !chosen.heeds.contains(option)) {
+    if let Some((option, _)) = given.iter().find(|(option, given)| *given && !chosen.accepts.contains(option)) {
         return Err(refused(&format!("--{option} is not for the target {target_name}")));
     }
     let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
@@ -64,19 +64,19 @@ pub(crate) fn export(
                 None => None,
                 Some(name) => {
                     let scheme = Scheme { law: Some(Law::find(name)?), ..Scheme::named("gain")? };
-                    Some(Drive::new(scheme, &model, how, tuning.0, &target)?)
+                    Some(TunedScheme::new(scheme, &model, how, tuning.0, &target)?)
                 }
             };
-            let controller = drive.as_ref().map(Drive::controller);
-            let wanted = Wanted {
+            let controller = drive.as_ref().map(TunedScheme::controller);
+            let wanted = ExportRequest {
                 single,
-                how,
+                settings: how,
                 preview,
                 controller,
                 reference,
                 playback,
                 compiler: compiler::here(),
-                ..Wanted::new(&model, name)
+                ..ExportRequest::new(&model, name)
             };
             let made = (chosen.make)(&wanted)?;
             folder.iter().try_for_each(|folder| files::write_all(folder, &made.files))?;

@@ -7,7 +7,7 @@ use crate::record::Record;
 use crate::watch::watched;
 use piezoid::hammerstein::Identified;
 use piezoid::optimize::swarm::GlobalBest;
-use piezoid::{IdentifyOptions, Records, identify_watched};
+use piezoid::{IdentifyOptions, Records, identify_with_progress};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -25,7 +25,7 @@ pub(crate) fn identify(
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, large) = (own(&records.0), own(&records.1));
     let records = Records { small_signal: &small, large_signal: &large };
-    let found: Identified = watched(py, progress, |progress| identify_watched(records, &options, progress))?;
+    let found: Identified = watched(py, progress, |progress| identify_with_progress(records, &options, progress))?;
     let mut made: Value = serde_json::from_str(provenance).map_err(|e| refused(&e.to_string()))?;
     for (name, known) in
         [("trials", json!(found.trials)), ("parameters", json!(found.parameters)), ("notes", json!(found.notes))]

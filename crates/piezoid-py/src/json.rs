@@ -1,7 +1,7 @@
 //! Documents of the library as Python's own objects.
 
 use crate::error::raised;
-use piezoid::{OptionRow, Options, Values};
+use piezoid::{OptionKind, OptionRow, Options};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyList, PyString};
@@ -64,7 +64,7 @@ pub(crate) fn rows<O: Options>(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let usual = serde_json::to_value(O::default()).unwrap_or_default();
     let row = |row: OptionRow| {
         let choices: Vec<&str> = match row.values {
-            Values::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
+            OptionKind::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
             _ => Vec::new(),
         };
         json!({"name": row.name, "default": usual[row.name], "unit": row.unit, "choices": choices, "help": row.help})

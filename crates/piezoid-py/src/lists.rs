@@ -4,7 +4,7 @@ use crate::error::{raised, refused};
 use crate::json::object;
 use crate::samples::array;
 use numpy::PyArray1;
-use piezoid::control::{CONTROLLERS, FEEDS, REFERENCES};
+use piezoid::control::{CONTROLLERS, FEED_FORWARDS, REFERENCES};
 use piezoid::excitation::{DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
@@ -29,7 +29,7 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
             json!({"minor_loops": o.minor_loops, "rate_independent": o.rate_independent, "wipes_out": o.wipes_out});
         row
     };
-    let feeds = FEEDS.iter().map(|f| row(f.name, f.summary, f.reference));
+    let feeds = FEED_FORWARDS.iter().map(|f| row(f.name, f.summary, f.reference));
     let controllers: Vec<Value> =
         feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect();
     let all = json!({

@@ -1,6 +1,6 @@
 //! Models: from a voltage to a displacement, and back.
 
-use crate::compensation::{FeedForward, Made, compensated, how};
+use crate::compensation::{CompensationTuple, FeedForward, compensated, how};
 use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::record::Record;
@@ -101,14 +101,14 @@ impl Model {
     fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Py<PyArray1<f64>>> {
         let given = samples("u", u)?;
         let u = finite("u", slice(&given)?)?;
-        let beginning = match begin {
+        let initial_condition = match begin {
             "rest" => InitialCondition::Rest,
             "settled" => InitialCondition::Settled,
             "motion" => InitialCondition::Motion,
             "likely" => InitialCondition::of(u)[0],
             _ => return Err(refused(&format!("begin = {begin}: must be rest, settled, motion or likely"))),
         };
-        let mut x = py.detach(|| self.model.before(u, beginning));
+        let mut x = py.detach(|| self.model.before(u, initial_condition));
         let y = in_pieces(py, u, |u| self.model.resume(&mut x, u))?;
         Ok(array(py, y).unbind())
     }
@@ -139,9 +139,9 @@ impl Model {
         let options: ValidateOptions = options(given)?;
         let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
-            "unit": record.record.units().y, "start": v.start, "beginning": v.beginning, "taken_off": v.taken_off,
+            "unit": record.record.units().y, "start": v.start, "beginning": v.initial_condition, "taken_off": v.taken_off,
             "metrics": v.metrics, "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
-            "whiteness": v.whiteness, "floor": v.floor, "remarks": v.remarks, "unproven": v.unproven,
+            "whiteness": v.whiteness, "floor": v.floor, "remarks": v.remarks, "unproven": v.not_covered,
         });
         Ok((object(py, &figures)?, array(py, v.simulated).unbind()))
     }
@@ -155,7 +155,7 @@ impl Model {
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
         settings: &Bound<'_, PyDict>,
-    ) -> PyResult<Made> {
+    ) -> PyResult<CompensationTuple> {
         compensated(py, &self.model, reference, settings)
     }
 

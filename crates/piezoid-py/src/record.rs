@@ -4,7 +4,7 @@ use crate::error::{raised, refused};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
 use piezoid::Units;
-use piezoid::formats::{Channel, Selection, Signal, Table};
+use piezoid::formats::{Channel, ColumnSelection, Signal, Table};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -86,9 +86,9 @@ impl Record {
 type Column<'py> = (String, Bound<'py, PyAny>);
 
 /// What columns are meant, by the words of the command line.
-fn selection(ts: Option<f64>, columns: (Option<String>, Option<String>, Option<String>)) -> Selection {
+fn selection(ts: Option<f64>, columns: (Option<String>, Option<String>, Option<String>)) -> ColumnSelection {
     let (input, output, time) = columns;
-    Selection { ts, input, output, time }
+    ColumnSelection { ts, input, output, time }
 }
 
 /// The named channels of a file, or of arrays.

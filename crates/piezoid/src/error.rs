@@ -225,6 +225,7 @@ pub(crate) fn row<T>(
 }
 
 /// Refuses a setting that is not a positive finite number.
+#[doc(hidden)]
 pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
@@ -234,6 +235,7 @@ pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
 }
 
 /// Refuses a series with a sample that is not finite.
+#[doc(hidden)]
 pub fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
     match samples.iter().position(|v| !v.is_finite()) {
         None => Ok(()),

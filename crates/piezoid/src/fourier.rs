@@ -16,9 +16,9 @@ pub(crate) const LINE: usize = 8;
 /// The power of `x` in each bin from 0 to n / 2, of what the mean leaves. The window (Harris 1978, four terms,
 /// doi:10.1109/PROC.1978.10837) makes a line eight bins wide with nothing beside it, and sees the middle of `x` best.
 pub(crate) fn power(x: &[f64]) -> Vec<f64> {
-    let turn = |t: usize| std::f64::consts::TAU * (t as f64 + 0.5) / x.len() as f64;
+    let angle = |t: usize| std::f64::consts::TAU * (t as f64 + 0.5) / x.len() as f64;
     weighted(x, |t| {
-        0.35875 - 0.48829 * turn(t).cos() + 0.14128 * (2.0 * turn(t)).cos() - 0.01168 * (3.0 * turn(t)).cos()
+        0.35875 - 0.48829 * angle(t).cos() + 0.14128 * (2.0 * angle(t)).cos() - 0.01168 * (3.0 * angle(t)).cos()
     })
 }
 

@@ -3,13 +3,13 @@
 use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::excitation;
-use crate::hammerstein::{Identified, Joint, Paper, identify_joint, identify_paper};
-use crate::hysteresis::{Reading, Split};
+use crate::hammerstein::{Identified, JointOptions, PaperOptions, identify_joint, identify_paper};
+use crate::hysteresis::{HeldInput, Split};
 use crate::linear;
 use crate::optimize::swarm::{self, GlobalBest};
-use crate::options::{OptionRow, Options, Values, options};
+use crate::options::{OptionKind, OptionRow, Options, options};
 use crate::plant::Spec;
-use crate::progress::{Progress, unwatched};
+use crate::progress::{Progress, silent};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 
@@ -24,28 +24,28 @@ pub enum Method {
     Paper,
 }
 
-const METHODS: Values = Values::Choice(&[
+const METHODS: OptionKind = OptionKind::Choice(&[
     ("joint", "all parts together, by the error of the free run"),
     ("paper", "the paper's six steps"),
 ]);
 
-const SPLITS: Values = Values::Choice(&[
+const SPLITS: OptionKind = OptionKind::Choice(&[
     ("line", "by the side of the line through the reversals, as in the paper"),
     ("direction", "by the direction of the input"),
 ]);
 
-const READINGS: Values = Values::Choice(&[
+const READINGS: OptionKind = OptionKind::Choice(&[
     ("held", "that of the last movement"),
     ("printed", "the descending one, by the \"otherwise\" of the paper's rule"),
 ]);
 
-const BESTS: Values = Values::Choice(&[
+const BESTS: OptionKind = OptionKind::Choice(&[
     ("ever", "the best that any particle has ever had"),
     ("current", "the best of the current positions: equation (4) as printed"),
 ]);
 
-const NAME: Values = Values::Text("NAME");
-const COUNT: Values = Values::Whole(1, u64::MAX);
+const NAME: OptionKind = OptionKind::Text("NAME");
+const COUNT: OptionKind = OptionKind::Integer(1, u64::MAX);
 const JOINT: &str = "Joint method";
 const PAPER: &str = "Paper's method";
 
@@ -64,13 +64,13 @@ options! {
         /// that predicts held-out parts as well as the best is taken. The paper's method has its own branches.
         operator: String = "auto".into(), OptionRow::new(NAME);
         /// Order of the linear block.
-        order: Option<usize> = None, OptionRow::new(Values::Whole(0, 12)).absent("chosen; 2 by the paper's method");
+        order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
         /// Seed of the swarm.
-        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+        seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// Thresholds, levels or knots of the operator.
-        elements: Option<usize> = None, OptionRow::new(Values::Whole(1, 1000)).absent("the operator's own number").group(JOINT);
+        elements: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 1000)).absent("the operator's own number").group(JOINT);
         /// Look for creep.
-        creep: bool = true, OptionRow::new(Values::Switch).group(JOINT);
+        creep: bool = true, OptionRow::new(OptionKind::Switch).group(JOINT);
         /// The driver that the records were taken with, where its limits matter (see `piezoid drivers`).
         driver: Option<String> = None, OptionRow::new(NAME).group(JOINT);
         /// Capacitance of the load, for the driver's current limit.
@@ -86,7 +86,7 @@ options! {
         /// Averages on each branch, between the reversals.
         bins: Option<usize> = None, OptionRow::new(COUNT).absent("16").group(PAPER);
         /// Which branch is read while the input is held.
-        reading: Option<Reading> = None, OptionRow::new(READINGS).absent("held").group(PAPER);
+        reading: Option<HeldInput> = None, OptionRow::new(READINGS).absent("held").group(PAPER);
         /// Particles of the swarm.
         particles: Option<usize> = None, OptionRow::new(COUNT).absent("50").group(PAPER);
         /// Iterations of the swarm.
@@ -132,14 +132,14 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 /// No record, records of different sampling periods or of units that cannot be converted, records that nothing can be
 /// identified from; options of the other method, and names that there are not.
 pub fn identify<'r>(records: impl Into<Records<'r>>, options: &IdentifyOptions) -> Result<Identified, Error> {
-    identify_watched(records, options, &mut unwatched)
+    identify_with_progress(records, options, &mut silent)
 }
 
 /// As [`identify`], with its progress told; this can cancel it.
 ///
 /// # Errors
 /// As [`identify`], and [`Error::Cancelled`].
-pub fn identify_watched<'r>(
+pub fn identify_with_progress<'r>(
     records: impl Into<Records<'r>>,
     options: &IdentifyOptions,
     progress: &mut Progress,
@@ -168,7 +168,7 @@ impl IdentifyOptions {
         if self.operator != "auto" {
             crate::hysteresis::Operator::list(&self.operator)?;
         }
-        self.belong()?;
+        self.check_method()?;
         match self.method {
             Method::Joint => self.joint().map(drop),
             Method::Paper => self.paper().map(drop),
@@ -176,7 +176,7 @@ impl IdentifyOptions {
     }
 
     /// Refuses options of the other method.
-    fn belong(&self) -> Result<(), Error> {
+    fn check_method(&self) -> Result<(), Error> {
         let (of, other) = match self.method {
             Method::Joint => (PAPER, "paper"),
             Method::Paper => (JOINT, "joint"),
@@ -190,8 +190,8 @@ impl IdentifyOptions {
         }
     }
 
-    fn joint(&self) -> Result<Joint, Error> {
-        Ok(Joint {
+    fn joint(&self) -> Result<JointOptions, Error> {
+        Ok(JointOptions {
             operator: self.operator.clone(),
             order: self.order,
             elements: self.elements,
@@ -204,7 +204,7 @@ impl IdentifyOptions {
     /// The driver as a block, where anything is known of it.
     fn driver(&self) -> Result<Option<DriverModel>, Error> {
         let limits = match &self.driver {
-            Some(name) => excitation::Driver::find(name)?.loaded(self.capacitance)?,
+            Some(name) => excitation::Amplifier::find(name)?.loaded(self.capacitance)?,
             None => excitation::Limits::default(),
         };
         let slew = self.driver_slew.into_iter().chain(Some(limits.fastest()).filter(|slew| slew.is_finite()));
@@ -215,15 +215,15 @@ impl IdentifyOptions {
         }
     }
 
-    fn paper(&self) -> Result<Paper, Error> {
-        let usual = Paper::default();
+    fn paper(&self) -> Result<PaperOptions, Error> {
+        let usual = PaperOptions::default();
         let order = self.order.unwrap_or(usual.order);
         if order == 0 {
             return Err(Error::parameter("order", order, "must be at least 1 by the paper's method"));
         }
         let estimator = self.estimator.clone().unwrap_or(usual.estimator);
         linear::Estimator::find(&estimator)?;
-        Ok(Paper {
+        Ok(PaperOptions {
             order,
             estimator,
             operator: self.operator.clone(),
@@ -252,7 +252,7 @@ mod tests {
     fn every_choice_is_read_and_every_default_is_one_of_its_values() {
         let usual = serde_json::to_value(IdentifyOptions::default()).unwrap();
         for row in IdentifyOptions::rows() {
-            if let Values::Choice(known) = row.values {
+            if let OptionKind::Choice(known) = row.values {
                 for (name, _) in known {
                     let options = IdentifyOptions::from_json(json!({ row.name: name })).unwrap();
                     assert_eq!(serde_json::to_value(options).unwrap()[row.name], *name);
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn the_defaults_that_are_told_of_the_papers_method_are_those_it_has() {
-        let usual = Paper::default();
+        let usual = PaperOptions::default();
         let told = |name: &str| IdentifyOptions::rows().iter().find(|row| row.name == name).unwrap().usual();
         assert_eq!([told("bins"), told("particles")], [usual.bins, usual.swarm.particles].map(|n| n.to_string()));
         assert_eq!(told("iterations"), usual.swarm.iterations.to_string());

@@ -11,12 +11,12 @@ const FINENESS: usize = 2;
 pub(crate) struct Intervals {
     edges: Vec<f64>,
     cells_per_unit: f64,
-    cells: Vec<Cell>,
+    cells: Vec<Bucket>,
 }
 
 /// Some of the edges between the first and the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Cell {
+struct Bucket {
     /// How many lie in the cells before this one.
     before: usize,
     /// How many lie in this one.
@@ -31,7 +31,7 @@ impl Intervals {
         let (n, low, high) = (FINENESS * edges.len(), edges[0], edges[edges.len() - 1]);
         let cells_per_unit = n as f64 / (high - low);
         let mut intervals = Intervals { edges, cells_per_unit, cells: Vec::new() };
-        intervals.cells = vec![Cell { before: 0, within: 0, first: f64::NAN }; n];
+        intervals.cells = vec![Bucket { before: 0, within: 0, first: f64::NAN }; n];
         for i in 0..intervals.inner().len() {
             let edge = intervals.inner()[i];
             let k = intervals.cell(edge);
@@ -48,7 +48,7 @@ impl Intervals {
     /// The number of the interval that holds `u`, its lower edge included; the first or the last for what lies beyond.
     #[inline]
     pub(crate) fn of(&self, u: f64) -> usize {
-        let Cell { before, within, first } = self.cells[self.cell(u)];
+        let Bucket { before, within, first } = self.cells[self.cell(u)];
         if within < 2 {
             return before + usize::from(first <= u);
         }

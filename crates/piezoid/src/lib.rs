@@ -2,7 +2,7 @@
 //! machine that drives it.
 //!
 //! ```
-//! use piezoid::{IdentifyOptions, Record, formats::Selection, identify};
+//! use piezoid::{IdentifyOptions, Record, formats::ColumnSelection, identify};
 //! use piezoid_export::Export;
 //! # use piezoid::{excitation::RisingSine, plant::{Plant, Preset}};
 //! # let plant = Plant::named("pl140", 1e-3)?;
@@ -14,7 +14,7 @@
 //! # let (train, test) = (csv(4.0, 2000)?, csv(7.0, 1000)?);
 //! # let path: Vec<f64> = (0..1000).map(|t| 200.0 * (0.02 * f64::from(t)).sin()).collect();
 //! // Bytes of CSV files with the columns t_s, u_V and y_um.
-//! let (train, test) = (Record::from_csv(&train, &Selection::default())?, Record::from_csv(&test, &Selection::default())?);
+//! let (train, test) = (Record::from_csv(&train, &ColumnSelection::default())?, Record::from_csv(&test, &ColumnSelection::default())?);
 //! let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
 //! let model = identify(&[train], &options)?.model;
 //! println!("{} % of peak-to-peak", model.validate(&test)?.metrics.rms_pp_percent);
@@ -41,14 +41,17 @@ pub mod hysteresis;
 mod identification;
 mod intervals;
 pub mod linear;
+#[doc(hidden)]
 pub mod number;
 pub mod optimize;
 mod options;
 pub mod plant;
+#[doc(hidden)]
 pub mod program;
 pub mod progress;
 mod quality;
 pub mod record;
+#[doc(hidden)]
 pub mod series;
 mod spline;
 pub mod system;
@@ -62,8 +65,8 @@ pub mod waveform;
 
 pub use error::Error;
 pub use hammerstein::{Identified, Model};
-pub use identification::{IdentifyOptions, Method, Records, identify, identify_watched};
-pub use options::{OptionRow, Options, Values};
+pub use identification::{IdentifyOptions, Method, Records, identify, identify_with_progress};
+pub use options::{OptionKind, OptionRow, Options};
 pub use record::{Record, Units};
 pub use system::System;
 pub use verbs::{

@@ -11,13 +11,13 @@ use serde_json::Value;
 
 /// What an option can be.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Values {
+pub enum OptionKind {
     /// Yes or no.
     Switch,
     /// Yes or no, written 1 or 0.
     Bit,
     /// A whole number, from the first to the second.
-    Whole(u64, u64),
+    Integer(u64, u64),
     /// A number from `least` on, itself left out where `open`, and below `below`.
     Number {
         /// The least.
@@ -43,7 +43,7 @@ pub struct OptionRow {
     /// Name of the field, in lower case with underscores.
     pub name: &'static str,
     /// What it can be.
-    pub values: Values,
+    pub values: OptionKind,
     /// Unit of a number; empty without one.
     pub unit: &'static str,
     /// What it means.
@@ -62,7 +62,7 @@ pub struct OptionRow {
 
 impl OptionRow {
     /// An option that takes `values`; a table adds its name and its help.
-    pub const fn new(values: Values) -> Self {
+    pub const fn new(values: OptionKind) -> Self {
         let default = || Value::Null;
         OptionRow {
             name: "",
@@ -79,18 +79,18 @@ impl OptionRow {
 
     /// Any number in `unit`.
     pub const fn number(unit: &'static str) -> Self {
-        let any = Values::Number { least: f64::NEG_INFINITY, open: true, below: f64::INFINITY };
+        let any = OptionKind::Number { least: f64::NEG_INFINITY, open: true, below: f64::INFINITY };
         OptionRow { unit, ..OptionRow::new(any) }
     }
 
     /// A positive number in `unit`.
     pub const fn positive(unit: &'static str) -> Self {
-        OptionRow { unit, ..OptionRow::new(Values::Number { least: 0.0, open: true, below: f64::INFINITY }) }
+        OptionRow { unit, ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: f64::INFINITY }) }
     }
 
     /// A number in `unit` that is 0 or more.
     pub const fn not_negative(unit: &'static str) -> Self {
-        OptionRow { unit, ..OptionRow::new(Values::Number { least: 0.0, open: false, below: f64::INFINITY }) }
+        OptionRow { unit, ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: f64::INFINITY }) }
     }
 
     /// What holds where it has no value.
@@ -118,7 +118,7 @@ impl OptionRow {
         match (self.default)() {
             _ if self.required => String::new(),
             Value::Null => self.absent.into(),
-            Value::Bool(on) if self.values == Values::Bit => u8::from(on).to_string(),
+            Value::Bool(on) if self.values == OptionKind::Bit => u8::from(on).to_string(),
             Value::Array(several) if several.is_empty() => self.absent.into(),
             Value::String(text) => text,
             value => value.to_string().trim_end_matches(".0").into(),
@@ -128,12 +128,12 @@ impl OptionRow {
     /// What a value must be, in words.
     pub fn rule(&self) -> String {
         match self.values {
-            Values::Switch => "must be true or false".into(),
-            Values::Bit => "must be 0 (no) or 1 (yes)".into(),
-            Values::Pair => "must be two numbers".into(),
-            Values::Whole(least, u64::MAX) => format!("must be a whole number, {least} or more"),
-            Values::Whole(least, most) => format!("must be a whole number from {least} to {most}"),
-            Values::Number { least, open, below } => {
+            OptionKind::Switch => "must be true or false".into(),
+            OptionKind::Bit => "must be 0 (no) or 1 (yes)".into(),
+            OptionKind::Pair => "must be two numbers".into(),
+            OptionKind::Integer(least, u64::MAX) => format!("must be a whole number, {least} or more"),
+            OptionKind::Integer(least, most) => format!("must be a whole number from {least} to {most}"),
+            OptionKind::Number { least, open, below } => {
                 let number = match (least, open) {
                     _ if below.is_finite() => format!("a number from {least} to below {below}"),
                     (f64::NEG_INFINITY, _) => "a number".into(),
@@ -144,12 +144,12 @@ impl OptionRow {
                 let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
                 format!("must be {number}{unit}")
             }
-            Values::Choice(known) => {
+            OptionKind::Choice(known) => {
                 let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
                 format!("must be {}", names.join(" or "))
             }
-            Values::Text(_) => "must be a text".into(),
-            Values::Texts(_) => "must be one text or several".into(),
+            OptionKind::Text(_) => "must be a text".into(),
+            OptionKind::Texts(_) => "must be one text or several".into(),
         }
     }
 
@@ -159,13 +159,15 @@ impl OptionRow {
     /// [`Error::Parameter`] of a text that is no such value.
     pub fn parse(&self, text: &str) -> Result<Value, Error> {
         let read = match self.values {
-            Values::Choice(_) | Values::Text(_) | Values::Texts(_) => Some(Value::from(text)),
-            Values::Switch => text.parse::<bool>().map(Value::from).ok(),
-            Values::Bit | Values::Whole(..) => text.parse::<u64>().map(Value::from).ok().or_else(|| number(text)),
-            Values::Number { .. } | Values::Pair => number(text),
+            OptionKind::Choice(_) | OptionKind::Text(_) | OptionKind::Texts(_) => Some(Value::from(text)),
+            OptionKind::Switch => text.parse::<bool>().map(Value::from).ok(),
+            OptionKind::Bit | OptionKind::Integer(..) => {
+                text.parse::<u64>().map(Value::from).ok().or_else(|| number(text))
+            }
+            OptionKind::Number { .. } | OptionKind::Pair => number(text),
         };
         let value = read.ok_or_else(|| Error::parameter(self.name, text, self.rule()))?;
-        if let Values::Pair | Values::Texts(_) = self.values { Ok(value) } else { self.fit(value) }
+        if let OptionKind::Pair | OptionKind::Texts(_) = self.values { Ok(value) } else { self.fit(value) }
     }
 
     /// The value as the field takes it.
@@ -176,20 +178,26 @@ impl OptionRow {
         let whole = |value: &Value| value.as_u64().or_else(|| value.as_f64().and_then(exactly));
         let is_number = |value: &Value| value.as_f64().is_some_and(f64::is_finite);
         let fitted = match (self.values, &value) {
-            (Values::Switch | Values::Bit, Value::Bool(_)) => Some(value.clone()),
-            (Values::Bit, _) => whole(&value).filter(|n| *n < 2).map(|n| Value::Bool(n == 1)),
-            (Values::Whole(least, most), _) => whole(&value).filter(|n| (least..=most).contains(n)).map(Value::from),
-            (Values::Number { least, open, below }, _) => {
+            (OptionKind::Switch | OptionKind::Bit, Value::Bool(_)) => Some(value.clone()),
+            (OptionKind::Bit, _) => whole(&value).filter(|n| *n < 2).map(|n| Value::Bool(n == 1)),
+            (OptionKind::Integer(least, most), _) => {
+                whole(&value).filter(|n| (least..=most).contains(n)).map(Value::from)
+            }
+            (OptionKind::Number { least, open, below }, _) => {
                 let fits = |x: f64| x.is_finite() && x < below && (x > least || x == least && !open);
                 value.as_f64().is_some_and(fits).then(|| value.clone())
             }
-            (Values::Pair, Value::Array(two)) => (two.len() == 2 && two.iter().all(is_number)).then(|| value.clone()),
-            (Values::Choice(known), Value::String(text)) => {
+            (OptionKind::Pair, Value::Array(two)) => {
+                (two.len() == 2 && two.iter().all(is_number)).then(|| value.clone())
+            }
+            (OptionKind::Choice(known), Value::String(text)) => {
                 known.iter().any(|(name, _)| name == text).then(|| value.clone())
             }
-            (Values::Text(_), Value::String(_)) => Some(value.clone()),
-            (Values::Texts(_), Value::String(_)) => Some(Value::Array(vec![value.clone()])),
-            (Values::Texts(_), Value::Array(several)) => several.iter().all(Value::is_string).then(|| value.clone()),
+            (OptionKind::Text(_), Value::String(_)) => Some(value.clone()),
+            (OptionKind::Texts(_), Value::String(_)) => Some(Value::Array(vec![value.clone()])),
+            (OptionKind::Texts(_), Value::Array(several)) => {
+                several.iter().all(Value::is_string).then(|| value.clone())
+            }
             _ => None,
         };
         let shown = || value.as_str().map_or_else(|| value.to_string(), str::to_string);

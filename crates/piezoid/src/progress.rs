@@ -19,9 +19,9 @@ pub type Progress<'a> = dyn FnMut(Stage) -> ControlFlow<()> + 'a;
 /// For work nobody watches.
 ///
 /// ```
-/// # use piezoid::progress::{Stage, unwatched};
-/// assert!(unwatched(Stage { what: "anything", done: 1, total: 2 }).is_continue());
+/// # use piezoid::progress::{Stage, silent};
+/// assert!(silent(Stage { what: "anything", done: 1, total: 2 }).is_continue());
 /// ```
-pub fn unwatched(_: Stage) -> ControlFlow<()> {
+pub fn silent(_: Stage) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-use piezoid::formats::{FORMATS, Selection, Table};
+use piezoid::formats::{ColumnSelection, FORMATS, Table};
 use piezoid::{Error, Record};
 
 /// Files of one record: what reads them, and what each leaves out.
@@ -26,12 +26,12 @@ const MATLAB: &str = "lines (text), map (of shape 2 x 2), impedance (complex num
 const HDF5: &str = "cells (of class cell), empty (empty), map (of shape 2 x 2), sparse (a sparse matrix)";
 
 fn record(table: &Table) -> Result<Record, Error> {
-    table.record(&Selection::default())
+    table.record(&ColumnSelection::default())
 }
 
 /// What an error says of a channel that there is not.
 fn missing(table: &Table) -> String {
-    let asked = Selection { output_col: Some("no such channel".into()), ..Selection::default() };
+    let asked = ColumnSelection { output_col: Some("no such channel".into()), ..ColumnSelection::default() };
     table.record(&asked).expect_err("there is no such channel").to_string()
 }
 
@@ -86,7 +86,7 @@ fn other_types_and_names_are_there_to_choose() {
     ] {
         let (_, _, bytes, _) = FILES.iter().find(|(_, file, ..)| *file == name).expect("a file of the list");
         let table = Table::read(name, bytes).expect("a file that is read");
-        let selection = Selection { output_col: Some(channel.into()), ..Selection::default() };
+        let selection = ColumnSelection { output_col: Some(channel.into()), ..ColumnSelection::default() };
         assert_eq!(table.record(&selection).expect("a record").y(), wanted, "{name}: {channel}");
     }
 }

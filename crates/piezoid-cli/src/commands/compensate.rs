@@ -7,7 +7,7 @@ use crate::layout::table;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
 use piezoid::{CompensateOptions, Compensation};
@@ -45,7 +45,7 @@ pub(crate) struct Compensate {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<Selection>,
+    columns: Flags<ColumnSelection>,
 }
 
 impl Compensate {

@@ -8,8 +8,10 @@ use crate::layout::table;
 use crate::values::{Misused, apart};
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::control::{Attempt, ClosedLoopRun, Comparison, ControllerInput, Drive, NamedReference, Reference};
-use piezoid::formats::Selection;
+use piezoid::control::{
+    ClosedLoopRun, Comparison, ControllerInput, NamedReference, Reference, ReferenceResult, TunedScheme,
+};
+use piezoid::formats::ColumnSelection;
 use piezoid::number::{round, short as number};
 use piezoid::{ControlOptions, System};
 use std::hint::black_box;
@@ -54,7 +56,7 @@ pub(crate) struct Control {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<Selection>,
+    columns: Flags<ColumnSelection>,
 }
 
 impl Control {
@@ -107,7 +109,7 @@ fn steps(compared: &Comparison) -> impl Iterator<Item = String> + '_ {
 }
 
 /// The time of a step of the controller on the readings of a run: of the middle one, and of 99 of 100 at most.
-fn timed(drive: &Drive, run: &ClosedLoopRun) -> [Duration; 2] {
+fn timed(drive: &TunedScheme, run: &ClosedLoopRun) -> [Duration; 2] {
     let controller = drive.controller();
     let mut x = controller.initial();
     let mut took = |t: usize| {
@@ -135,7 +137,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         let row = |d: &piezoid::control::SchemeResult| {
             let figures = match &d.attempts[0] {
                 Err(_) => vec!["-".to_string(); 5],
-                Ok(Attempt { run, tracking: t, .. }) => {
+                Ok(ReferenceResult { run, tracking: t, .. }) => {
                     [t.percent_of_stroke, t.rms, t.max, t.effort, run.highest()].map(number).to_vec()
                 }
             };
@@ -147,7 +149,8 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         return table(&header, &rows, console.room());
     }
     let row = |(k, wanted): (usize, &NamedReference)| {
-        let figure = |a: &Result<Attempt, _>| a.as_ref().map_or("-".into(), |a| number(a.tracking.percent_of_stroke));
+        let figure =
+            |a: &Result<ReferenceResult, _>| a.as_ref().map_or("-".into(), |a| number(a.tracking.percent_of_stroke));
         let cells = compared.driven.iter().map(|d| figure(&d.attempts[k]));
         [wanted.name.clone()].into_iter().chain(cells).collect()
     };

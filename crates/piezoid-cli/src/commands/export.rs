@@ -6,7 +6,7 @@ use crate::flags::{Flags, failed};
 use crate::values::Misused;
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use piezoid_export::ExportOptions;
 use piezoid_host::{compiler, files as host};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ pub(crate) struct Export {
     #[arg(help_heading = "Waveforms")]
     reference: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<Selection>,
+    columns: Flags<ColumnSelection>,
     /// The folder to write to; made if it is not there.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -47,7 +47,7 @@ pub(crate) struct Export {
 impl Export {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let (options, columns) = (self.options.0, self.columns.0);
-        if self.reference.is_none() && columns != Selection::default() {
+        if self.reference.is_none() && columns != ColumnSelection::default() {
             bail!(Misused("options of data files are for a --reference".into()));
         }
         if self.output == Path::new("-") {

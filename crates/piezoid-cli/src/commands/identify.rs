@@ -8,7 +8,7 @@ use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::IdentifyOptions;
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -51,7 +51,7 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<Selection>,
+    columns: Flags<ColumnSelection>,
 }
 
 impl Identify {

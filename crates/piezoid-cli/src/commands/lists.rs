@@ -6,7 +6,7 @@ use crate::flags::failed;
 use crate::values::Misused;
 use anyhow::Result;
 use clap::Args;
-use piezoid::control::{CONTROLLERS, FEEDS};
+use piezoid::control::{CONTROLLERS, FEED_FORWARDS};
 use piezoid::excitation::{DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
@@ -35,7 +35,7 @@ pub(crate) fn drivers() -> Vec<Row> {
 }
 
 pub(crate) fn controllers() -> Vec<Row> {
-    let feeds = FEEDS.iter().map(|f| (f.name, f.summary, f.reference));
+    let feeds = FEED_FORWARDS.iter().map(|f| (f.name, f.summary, f.reference));
     feeds.chain(CONTROLLERS.iter().map(|c| (c.name, c.summary, c.reference))).collect()
 }
 

@@ -1,6 +1,6 @@
 //! `piezoid report`: a self-contained page on a model and how it meets records.
 
-use super::validate::Proof;
+use super::validate::ValidationFlags;
 use crate::console::Console;
 use crate::files;
 use crate::values::apart;
@@ -18,7 +18,7 @@ Example:
 #[command(override_usage = "piezoid report --model <FILE> --data <FILE>...\n           [OPTIONS] -o <FILE>")]
 pub(crate) struct Report {
     #[command(flatten)]
-    proof: Proof,
+    flags: ValidationFlags,
     /// The page to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -26,9 +26,9 @@ pub(crate) struct Report {
 
 impl Report {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        apart(&[Some(&self.output)], &self.proof.inputs())?;
+        apart(&[Some(&self.output)], &self.flags.inputs())?;
         files::ready(&[Some(&self.output)])?;
-        let (model, validated) = self.proof.run()?;
+        let (model, validated) = self.flags.run()?;
         files::write(&self.output, &report(&model, &validated).html(), console)
     }
 }

@@ -8,7 +8,7 @@ use crate::values::apart;
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::SimulateOptions;
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use piezoid::hammerstein::InitialCondition;
 use std::path::PathBuf;
 
@@ -47,7 +47,7 @@ pub(crate) struct Simulate {
     #[arg(long, conflicts_with = "begin")]
     settled: bool,
     #[command(flatten)]
-    columns: Flags<Selection>,
+    columns: Flags<ColumnSelection>,
 }
 
 impl Simulate {

@@ -7,7 +7,7 @@ use crate::tables;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use piezoid::validation::ValidateOptions;
 use piezoid::{Model, Validated};
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ white when a Ljung-Box test cannot tell it from noise; it goes with the input wh
 #[command(override_usage = "piezoid validate --model <FILE>\n           --data <FILE>... [OPTIONS]")]
 pub(crate) struct Validate {
     #[command(flatten)]
-    proof: Proof,
+    flags: ValidationFlags,
     /// Show all bands, all loops, and what the tests of the residuals mean.
     #[arg(long)]
     full: bool,
@@ -43,7 +43,7 @@ pub(crate) struct Validate {
 
 /// A model, records, and how to compare them.
 #[derive(Args)]
-pub(crate) struct Proof {
+pub(crate) struct ValidationFlags {
     /// The model file.
     #[arg(long, value_name = "FILE")]
     pub(crate) model: PathBuf,
@@ -53,10 +53,10 @@ pub(crate) struct Proof {
     #[command(flatten)]
     options: Flags<ValidateOptions>,
     #[command(flatten)]
-    columns: Flags<Selection>,
+    columns: Flags<ColumnSelection>,
 }
 
-impl Proof {
+impl ValidationFlags {
     /// The files that are read.
     pub(crate) fn inputs(&self) -> Vec<&PathBuf> {
         self.data.iter().chain([&self.model]).collect()
@@ -71,9 +71,9 @@ impl Proof {
 
 impl Validate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        apart(&[self.json.as_deref()], &self.proof.inputs())?;
+        apart(&[self.json.as_deref()], &self.flags.inputs())?;
         files::ready(&[self.json.as_deref()])?;
-        let (_, validated) = self.proof.run()?;
+        let (_, validated) = self.flags.run()?;
         if self.json.as_deref() != Some(std::path::Path::new("-")) {
             console.print(&tables::all(&validated, self.full, console))?;
         }

@@ -1,7 +1,7 @@
 //! C by two compilers, unoptimised and optimised, watched by sanitizers.
 
 use crate::{exported, models, run, self_tested, there};
-use piezoid_export::Wanted;
+use piezoid_export::ExportRequest;
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow -ffp-contract=off";
 
@@ -10,7 +10,7 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
     for (name, model) in models() {
         for single in [false, true] {
             let folder = tempfile::tempdir().unwrap();
-            exported("c", &Wanted::new(&model, &name).single(single), folder.path());
+            exported("c", &ExportRequest::new(&model, &name).single(single), folder.path());
             self_tested(folder.path(), &name, STRICT);
         }
     }
@@ -19,8 +19,8 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
 #[test]
 fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwards_within_a_few_of_them() {
     for (name, model) in models() {
-        let wanted = Wanted::new(&model, &name).single(true);
-        let whole = piezoid_export::Whole::new(&wanted).unwrap();
+        let wanted = ExportRequest::new(&model, &name).single(true);
+        let whole = piezoid_export::ExportedProgram::new(&wanted).unwrap();
         for entry in &whole.entries {
             let vectors = &entry.vectors;
             println!("{name} {}: {:.1e}", entry.step, vectors.off);
@@ -42,7 +42,7 @@ fn a_header_may_be_read_by_cpp() {
     let (name, model) = models().swap_remove(0);
     if there("g++") {
         let folder = tempfile::tempdir().unwrap();
-        exported("c", &Wanted::new(&model, &name), folder.path());
+        exported("c", &ExportRequest::new(&model, &name), folder.path());
         run(folder.path(), &format!("g++ -std=c++11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ {name}.h"));
     }
 }

@@ -4,7 +4,7 @@ use crate::{TS, exported, models, run, there};
 use piezoid::Model;
 use piezoid::hysteresis::{BasisDesign, Operator};
 use piezoid::linear::Arx;
-use piezoid_export::{Wanted, Whole};
+use piezoid_export::{ExportRequest, ExportedProgram};
 use std::path::Path;
 
 const BUILD: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -ffp-contract=off -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \
@@ -25,11 +25,11 @@ struct Taken {
 }
 
 /// Builds, runs the self-test on the board, and counts.
-fn on_the_board(wanted: &Wanted) -> Vec<Taken> {
+fn on_the_board(wanted: &ExportRequest) -> Vec<Taken> {
     let (name, folder) = (wanted.options.name, tempfile::tempdir().unwrap());
     exported("c", wanted, folder.path());
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/cortex");
-    std::fs::write(folder.path().join("count.c"), counting(name, &Whole::new(wanted).unwrap())).unwrap();
+    std::fs::write(folder.path().join("count.c"), counting(name, &ExportedProgram::new(wanted).unwrap())).unwrap();
     let [start, board] = ["start.c", "board.ld"].map(|file| here.join(file).display().to_string());
     run(folder.path(), &format!("{BUILD} -T {board} {name}.c count.c {start} -o firmware.elf"));
     run(folder.path(), &format!("{BUILD} -c {name}.c -o alone.o"));
@@ -47,7 +47,7 @@ fn on_the_board(wanted: &Wanted) -> Vec<Taken> {
 }
 
 /// A main that runs the self-test, and each entry once more under the clock.
-fn counting(name: &str, whole: &Whole) -> String {
+fn counting(name: &str, whole: &ExportedProgram) -> String {
     let mut body = String::new();
     for entry in &whole.entries {
         let inputs: String = entry.inputs.iter().map(|i| format!(", {}_{}[k]", entry.step, i.name)).collect();
@@ -74,7 +74,7 @@ fn every_operator_gives_the_bits_of_this_machine_and_what_a_step_takes_is_told()
     }
     println!("| model | step | flash [bytes] | instructions, mean | most |\n|---|---|--:|--:|--:|");
     for (name, model) in models() {
-        for taken in on_the_board(&Wanted::new(&model, &name).single(true)) {
+        for taken in on_the_board(&ExportRequest::new(&model, &name).single(true)) {
             println!("| {name} | `{}` | {} | {:.0} | {:.0} |", taken.step, taken.flash, taken.mean, taken.most);
         }
     }
@@ -87,7 +87,7 @@ fn the_papers_model_takes_600_instructions_at_most_and_a_feed_forward_of_15_play
     }
     let [papers, plays] = [papers_model(), fifteen_plays()];
     let step = |model: &Model, name: &str| {
-        let taken = on_the_board(&Wanted::new(model, "m").single(true));
+        let taken = on_the_board(&ExportRequest::new(model, "m").single(true));
         taken.into_iter().find(|t| t.step == name).unwrap()
     };
     let (model, feed_forward) = (step(&papers, "step"), step(&plays, "ff_step"));

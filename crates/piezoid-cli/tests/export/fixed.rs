@@ -2,7 +2,7 @@
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there};
 use piezoid::control::Pi;
-use piezoid_export::{Wanted, target};
+use piezoid_export::{ExportRequest, ExportTarget};
 use std::path::Path;
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow";
@@ -15,7 +15,7 @@ const REFUSED: &[&str] = &["preisach"];
 fn each(see: impl Fn(&str, &Path)) {
     for (name, model) in models().into_iter().filter(|(name, _)| !REFUSED.contains(&name.as_str())) {
         let folder = tempfile::tempdir().unwrap();
-        exported("fixed", &Wanted::new(&model, &name), folder.path());
+        exported("fixed", &ExportRequest::new(&model, &name), folder.path());
         see(&name, folder.path());
     }
 }
@@ -63,7 +63,8 @@ fn a_core_without_floating_point_needs_nothing_but_whole_numbers() {
 fn a_controller_counts_the_same_where_the_feed_forward_has_to_stay_behind() {
     let (model, pi) = (model("bouc-wen", None).unwrap(), Pi::new(TS, 0.05, 20.0, (-30.0, 30.0)).unwrap());
     let folder = tempfile::tempdir().unwrap();
-    let made = exported("fixed", &Wanted { controller: Some(&pi), ..Wanted::new(&model, "m") }, folder.path());
+    let made =
+        exported("fixed", &ExportRequest { controller: Some(&pi), ..ExportRequest::new(&model, "m") }, folder.path());
     assert!(made.notes.iter().any(|note| note.contains("no feed-forward")), "{:?}", made.notes);
     if there("gcc") {
         run(folder.path(), &format!("gcc {STRICT} m.c m_test.c -o self_test"));
@@ -76,7 +77,8 @@ fn a_controller_counts_the_same_where_the_feed_forward_has_to_stay_behind() {
 fn what_cannot_be_counted_is_refused_with_the_reason() {
     for name in REFUSED {
         let model = model(name, None).unwrap();
-        let error = (target("fixed").unwrap().make)(&Wanted::new(&model, name)).unwrap_err().to_string();
+        let error =
+            (ExportTarget::find("fixed").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
         assert!(error.contains("needs the largest floating-point number"), "{error}");
     }
 }

@@ -19,7 +19,7 @@ use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{Made, Wanted, target};
+use piezoid_export::{ExportRequest, ExportTarget, Exported};
 use skipped::skipped;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -45,8 +45,8 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
 }
 
 /// What `target` makes of a model, written into a folder.
-fn exported(target_name: &str, wanted: &Wanted, folder: &Path) -> Made {
-    let made = (target(target_name).unwrap().make)(wanted).unwrap();
+fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exported {
+    let made = (ExportTarget::find(target_name).unwrap().make)(wanted).unwrap();
     for File { path, bytes } in &made.files {
         let path = folder.join(path);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();

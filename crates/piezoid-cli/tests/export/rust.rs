@@ -1,7 +1,7 @@
 //! Modules of Rust, built by the compiler that is here: for every operator, in both precisions, with and without `std`.
 
 use crate::{exported, models, skipped, there};
-use piezoid_export::Wanted;
+use piezoid_export::ExportRequest;
 use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
@@ -13,7 +13,7 @@ fn modules() -> TempDir {
     for (name, model) in models() {
         for single in [false, true] {
             let name = if single { format!("{name}_single") } else { name.clone() };
-            exported("rust", &Wanted::new(&model, &name).single(single), folder.path());
+            exported("rust", &ExportRequest::new(&model, &name).single(single), folder.path());
             modules.push(format!("pub mod {name};\n"));
         }
     }

@@ -5,7 +5,7 @@ use piezoid::Model;
 use piezoid::control::Pi;
 use piezoid::linear::Arx;
 use piezoid::record::Units;
-use piezoid_export::{Wanted, Whole, target};
+use piezoid_export::{ExportRequest, ExportTarget, ExportedProgram};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -45,10 +45,11 @@ fn in_octave_the_class_gives_the_same_bits_for_every_operator_and_in_either_prec
         let folder = tempfile::tempdir().unwrap();
         let (mut script, mut expected) = (String::new(), String::new());
         for (name, model) in &models {
-            let wanted = Wanted { controller: Some(&controller), ..Wanted::new(model, name).single(single) };
+            let wanted =
+                ExportRequest { controller: Some(&controller), ..ExportRequest::new(model, name).single(single) };
             exported("simulink", &wanted, folder.path());
             script += &format!("{name}_test();\n");
-            for entry in Whole::new(&wanted).unwrap().entries {
+            for entry in ExportedProgram::new(&wanted).unwrap().entries {
                 let (prefix, unit) = (entry.step.trim_end_matches("step"), &entry.output.unit);
                 for (what, n) in [("simulate", 400), ("simulate of a row", 9), ("step", 40)] {
                     expected += &format!("{name}, {prefix}{what}: 0 of {n} differ, by 0 {unit} at most\n");
@@ -65,7 +66,7 @@ fn a_class_that_gives_other_numbers_fails_its_test() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    exported("simulink", &Wanted::new(&model("bouc-wen", None).unwrap(), "bender"), folder.path());
+    exported("simulink", &ExportRequest::new(&model("bouc-wen", None).unwrap(), "bender"), folder.path());
     let class = std::fs::read_to_string(folder.path().join("bender.m")).unwrap();
     let changed = class.replace("1.7424;", "1.7424000000000002;");
     assert_ne!(changed, class);
@@ -82,7 +83,7 @@ fn the_example_of_the_help_runs_and_signals_keep_their_shape() {
     let model = model("bouc-wen", None).unwrap();
     for (single, class) in [(false, "double"), (true, "single")] {
         let folder = tempfile::tempdir().unwrap();
-        exported("simulink", &Wanted::new(&model, "bender").single(single), folder.path());
+        exported("simulink", &ExportRequest::new(&model, "bender").single(single), folder.path());
         let help = std::fs::read_to_string(folder.path().join("bender.m")).unwrap();
         let (_, example) = help.split_once("Example:\n").unwrap();
         let lines = example.lines().map_while(|line| line.trim().strip_prefix('%'));
@@ -116,7 +117,7 @@ fn units_of_any_text_stay_text() {
     let folder = tempfile::tempdir().unwrap();
     let units = Units { u: "V".into(), y: "it's % */ \"um\" error('no')".into() };
     let model = model("bouc-wen", None).unwrap().with_units(units);
-    exported("simulink", &Wanted::new(&model, "bender"), folder.path());
+    exported("simulink", &ExportRequest::new(&model, "bender"), folder.path());
     let script = "bender_test();\nassert(bender().units.y, 'it''s % */ \"um\" error(''no'')');\n";
     let (said, well) = octave(folder.path(), script);
     assert!(well, "{said}");
@@ -129,7 +130,7 @@ fn the_s_functions_are_handed_to_mex_one_by_one_and_put_into_a_model_if_asked() 
     }
     let folder = tempfile::tempdir().unwrap();
     let (model, controller) = (model("bouc-wen", None).unwrap(), controller());
-    let wanted = Wanted { controller: Some(&controller), ..Wanted::new(&model, "bender") };
+    let wanted = ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, "bender") };
     exported("simulink", &wanted, folder.path());
     let mex = "function mex(varargin)\n    assert(cellfun(@(f) exist(f, 'file'), varargin(3:4)), [2, 2]);\nend\n";
     std::fs::write(folder.path().join("mex.m"), mex).unwrap();
@@ -170,9 +171,10 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
     for (name, model) in kinds() {
         for single in [false, true] {
             let folder = tempfile::tempdir().unwrap();
-            let wanted = Wanted { controller: Some(&controller), ..Wanted::new(&model, &name).single(single) };
+            let wanted =
+                ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, &name).single(single) };
             exported("simulink", &wanted, folder.path());
-            let whole = Whole::new(&wanted).unwrap();
+            let whole = ExportedProgram::new(&wanted).unwrap();
             for entry in &whole.entries {
                 let vectors = &entry.vectors;
                 let sfun = format!("{name}_{}sfun", entry.step.trim_end_matches("step"));
@@ -196,7 +198,8 @@ fn names_that_matlab_or_octave_has_taken_are_refused() {
         ("2fast", "must be a letter"),
         ("an_actuator_of_forty_one_characters_a_name", "must be a letter"),
     ] {
-        let error = (target("simulink").unwrap().make)(&Wanted::new(&model, name)).unwrap_err().to_string();
+        let error =
+            (ExportTarget::find("simulink").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
         assert!(error.contains(name) && error.contains(says), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::structured_text::{Library, Value};
 use crate::{exported, models, there};
-use piezoid_export::{Wanted, target};
+use piezoid_export::{ExportRequest, ExportTarget};
 use std::process::Command;
 
 #[test]
@@ -10,7 +10,8 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
     let mut tried = 0;
     for (name, model) in models() {
         for single in [false, true] {
-            let made = (target("st").unwrap().make)(&Wanted::new(&model, &name).single(single)).unwrap();
+            let made =
+                (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name).single(single)).unwrap();
             let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
             let library = Library::read(&texts.collect::<String>(), single);
             let mut program = library.instance(&format!("{name}_test"));
@@ -30,7 +31,7 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
 #[test]
 fn a_sample_that_differs_is_found() {
     let (name, model) = models().swap_remove(0);
-    let made = (target("st").unwrap().make)(&Wanted::new(&model, &name)).unwrap();
+    let made = (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
     let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
     let text = texts.collect::<String>().replace("offset : LREAL := 2.0", "offset : LREAL := 2.0000001");
     let library = Library::read(&text, false);
@@ -49,7 +50,7 @@ fn the_grammar_of_twincat_takes_the_library() {
     // Of long tables it takes minutes and gigabytes.
     let brief = ["proportional", "prandtl_ishlinskii", "bouc_wen", "duhem", "driven_plays"];
     for (name, model) in models().into_iter().filter(|(name, _)| brief.contains(&name.as_str())) {
-        exported("st", &Wanted::new(&model, &name), folder.path());
+        exported("st", &ExportRequest::new(&model, &name), folder.path());
         let file = format!("{name}.st");
         let output = Command::new("blark").args(["parse", &file]).current_dir(folder.path()).output().unwrap();
         let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();

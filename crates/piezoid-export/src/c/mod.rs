@@ -3,38 +3,38 @@
 //! Every function is static but those of the interface; states are structs, which the caller owns; tables are constant. Arithmetic is
 //! that of the model here, in the same order, so that in double precision and without contraction the bits are the same.
 
-mod inside;
+mod body;
 
+use super::exported::{Entry, ExportedProgram, state_of};
 use super::fixed::{Fixed, PLAIN};
-use super::language::{Language, Words};
-use super::template::{Value, blocks, context, render, template, told};
-use super::whole::{Entry, Whole, state_of};
-use super::{CODE, File, Made, Target, Wanted, named};
+use super::language::{Language, Printer};
+use super::template::{Value, blocks, context, render, template, template_context};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
-use piezoid::program::{Argument, Block, Constant, Field, Function, Holds, Kind};
+use piezoid::program::{Argument, Block, Constant, Field, FieldValue, Function, ValueType};
 use piezoid::system::System;
 use std::collections::BTreeMap;
 
-pub(super) const TARGET: Target = Target {
+pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "c",
     summary: "a header and a source file in C99, in double or single precision, with a self-test",
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
     takes: CODE,
-    make: |wanted| {
-        let whole = checked(wanted)?;
+    make: |request| {
+        let whole = checked(request)?;
         let mut notes = whole.notes.clone();
-        if wanted.name().len() > TOLD_APART {
+        if request.name().len() > TOLD_APART {
             notes.push(format!("C99 promises to tell names apart by 31 letters, which one of more than {TOLD_APART} may leave too few of"));
         }
-        let c = C::of(&whole, wanted);
-        let bytes = if wanted.options.float { 4 } else { 8 };
+        let c = C::of(&whole, request);
+        let bytes = if request.options.float { 4 } else { 8 };
         let tables = whole.program.blocks.iter().flat_map(|b| &b.constants).map(|c| c.values.len());
         let page = context! {
             bytes => whole.entries.iter().map(|e| (e.state, whole.program.order(e.state) * bytes)).collect::<BTreeMap<_, _>>(),
             constants => tables.sum::<usize>() * bytes,
-            ..c.told()
+            ..c.template_context()
         };
-        Ok(Made { files: c.files(render(template!("c/readme.md.j2"), page)?)?, notes })
+        Ok(Exported { files: c.files(render(template!("c/readme.md.j2"), page)?)?, notes })
     },
 };
 
@@ -47,41 +47,41 @@ const RESERVED: &str = "auto break case char const continue default do double el
     main stdio math";
 
 /// What is exported, under a name that C has not taken.
-pub(super) fn checked(wanted: &Wanted) -> Result<Whole, Error> {
-    named(wanted.name(), RESERVED)?;
-    Whole::new(wanted)
+pub(super) fn checked(request: &ExportRequest) -> Result<ExportedProgram, Error> {
+    named(request.name(), RESERVED)?;
+    ExportedProgram::new(request)
 }
 
 /// The language.
 pub(super) struct C<'c> {
-    pub(super) whole: &'c Whole,
-    pub(super) wanted: &'c Wanted<'c>,
+    pub(super) whole: &'c ExportedProgram,
+    pub(super) request: &'c ExportRequest<'c>,
     /// How numbers are counted, where they are not floating.
     pub(super) counts: Option<&'c Fixed>,
 }
 
 impl<'c> C<'c> {
-    pub(super) fn of(whole: &'c Whole, wanted: &'c Wanted) -> Self {
-        C { whole, wanted, counts: None }
+    pub(super) fn of(whole: &'c ExportedProgram, request: &'c ExportRequest) -> Self {
+        C { whole, request, counts: None }
     }
 }
 
 impl C<'_> {
     /// Header, source and self-test, and the page that goes with them.
     pub(super) fn files(&self, readme: String) -> Result<Vec<File>, Error> {
-        let name = self.wanted.name();
+        let name = self.request.name();
         Ok(vec![
             File::new(format!("{name}.h"), self.header()?),
             File::new(format!("{name}.c"), self.source()?),
-            File::new(format!("{name}_test.c"), render(template!("c/test.c.j2"), self.told())?),
+            File::new(format!("{name}_test.c"), render(template!("c/test.c.j2"), self.template_context())?),
             File::new(format!("{name}.md"), readme),
         ])
     }
 
     /// What templates are told.
-    pub(super) fn told(&self) -> Value {
-        let all = told(self.wanted, self.whole, &|values| self.numbers(values));
-        let counts = self.counts.map_or(context!(), Fixed::told);
+    pub(super) fn template_context(&self) -> Value {
+        let all = template_context(self.request, self.whole, &|values| self.numbers(values));
+        let counts = self.counts.map_or(context!(), Fixed::template_context);
         let own = context! { number => self.number(), zero => self.real(0.0), counts => self.counts.is_some() };
         context! { ..own, ..counts, ..all }
     }
@@ -89,17 +89,17 @@ impl C<'_> {
     /// The header: types and functions that are called from outside.
     pub(super) fn header(&self) -> Result<String, Error> {
         let declared = |block: &Block, field: &Field| match (&field.holds, self.held(block, field)) {
-            (Holds::Number(_), number) => format!("{number} {}", field.name),
-            (Holds::Numbers(values), number) => format!("{number} {}[{}]", field.name, values.len()),
-            (Holds::Block(inner), _) => format!("{} {}", self.state(inner), field.name),
+            (FieldValue::Number(_), number) => format!("{number} {}", field.name),
+            (FieldValue::Numbers(values), number) => format!("{number} {}[{}]", field.name, values.len()),
+            (FieldValue::Block(inner), _) => format!("{} {}", self.state(inner), field.name),
         };
         let state = |block: &&Block| {
             let fields: Value = block.fields.iter().map(|field| declared(block, field)).collect();
             context! { about => &block.about, type => self.state(&block.name), fields }
         };
         let states: Value = self.whole.states().iter().map(state).collect();
-        let period = self.real(self.wanted.model.ts());
-        render(template!("c/header.h.j2"), context! { period, states, ..self.told() })
+        let period = self.real(self.request.model.ts());
+        render(template!("c/header.h.j2"), context! { period, states, ..self.template_context() })
     }
 
     /// The source: constants and functions.
@@ -113,7 +113,7 @@ impl C<'_> {
         let context = context! {
             blocks => blocks(&self.whole.program).map(block).collect::<Value>(),
             rest => self.whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
-            ..self.told()
+            ..self.template_context()
         };
         Ok(render(template!("c/source.c.j2"), context)?.trim_end().lines().map(broken).collect())
     }
@@ -129,21 +129,21 @@ impl C<'_> {
         let number = self.number_in(function);
         let outside = self.whole.entries.iter().any(|entry| entry.step == function.name);
         let takes = |p: &Argument| match &p.kind {
-            Kind::Whole => format!("int {}", p.name),
-            Kind::Part(block) => {
+            ValueType::Integer => format!("int {}", p.name),
+            ValueType::Part(block) => {
                 format!("{}{} *{}", if p.changed || outside { "" } else { "const " }, self.state(block), p.name)
             }
             _ => format!("{number} {}", p.name),
         };
-        let words = Words { program: &self.whole.program, function, language: self };
-        let mut returns = function.returns.iter().map(|expr| words.expr(expr));
+        let printer = Printer { program: &self.whole.program, function, language: self };
+        let mut returns = function.returns.iter().map(|expr| printer.expr(expr));
         let first = returns.next();
         let also: Vec<String> = returns.collect();
         let takes = function.takes.iter().map(takes).chain(also.iter().map(|_| format!("{number} *also")));
         context! {
             name => &function.name, static => !outside, gives => if first.is_some() { number } else { "void" },
             about => if function.about.is_empty() { String::new() } else { comment(&function.about) },
-            takes => takes.collect::<Vec<_>>().join(", "), steps => words.steps(&function.steps, 1),
+            takes => takes.collect::<Vec<_>>().join(", "), steps => printer.steps(&function.steps, 1),
             also, returns => first.into_iter().collect::<Value>(),
         }
     }
@@ -152,14 +152,14 @@ impl C<'_> {
     fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
         let real = |value: f64| self.real(if zero { 0.0 } else { value });
         let line = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
-            (Holds::Block(inner), name) => self.rest(inner, &format!("{name}."), zero),
-            (Holds::Number(value), name) => vec![format!("{name} = {};", real(*value))],
+            (FieldValue::Block(inner), name) => self.rest(inner, &format!("{name}."), zero),
+            (FieldValue::Number(value), name) => vec![format!("{name} = {};", real(*value))],
             // All alike are set in a loop.
-            (Holds::Numbers(v), name) if zero || v.iter().all(|w| w.to_bits() == v[0].to_bits()) => {
+            (FieldValue::Numbers(v), name) if zero || v.iter().all(|w| w.to_bits() == v[0].to_bits()) => {
                 let set = format!("    {name}[k] = {};", real(v[0]));
                 vec![format!("for (int k = 0; k < {}; k++) {{", v.len()), set, "}".into()]
             }
-            (Holds::Numbers(values), name) => {
+            (FieldValue::Numbers(values), name) => {
                 values.iter().enumerate().map(|(k, v)| format!("{name}[{k}] = {};", real(*v))).collect()
             }
         };
@@ -167,7 +167,7 @@ impl C<'_> {
     }
 
     fn number(&self) -> &'static str {
-        match (self.counts, self.wanted.options.float) {
+        match (self.counts, self.request.options.float) {
             (Some(_), _) => "int32_t",
             (None, true) => "float",
             (None, false) => "double",
@@ -193,7 +193,7 @@ impl C<'_> {
 
     /// A name of this file, which no other file has.
     pub(super) fn own(&self, name: &str) -> String {
-        format!("{}_{name}", self.wanted.name())
+        format!("{}_{name}", self.request.name())
     }
 
     /// The type of the state of a block.

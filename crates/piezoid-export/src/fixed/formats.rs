@@ -1,6 +1,6 @@
 //! How much a count is worth: a power of two for every number a program names, by the largest it ever holds.
 
-use piezoid::program::{Expr, Function, Holds, Kind, Machine, Op, Place, Program, Step};
+use piezoid::program::{Expr, FieldValue, Function, Machine, Op, Place, Program, Statement, ValueType};
 use std::collections::HashMap;
 
 /// A number with a name, or what a function gives.
@@ -55,9 +55,9 @@ impl Formats {
         for block in &program.blocks {
             for field in &block.fields {
                 let at_rest = match &field.holds {
-                    Holds::Number(v) => v.abs(),
-                    Holds::Numbers(values) => values.iter().fold(0.0, |most, v| v.abs().max(most)),
-                    Holds::Block(_) => continue,
+                    FieldValue::Number(v) => v.abs(),
+                    FieldValue::Numbers(values) => values.iter().fold(0.0, |most, v| v.abs().max(most)),
+                    FieldValue::Block(_) => continue,
                 };
                 formats.raise(Key::Field(block.name.clone(), field.name.clone()), at_rest);
             }
@@ -74,8 +74,8 @@ impl Formats {
         for (k, expr) in function.returns.iter().enumerate() {
             self.raise(Key::Gives(function.name.clone(), k), self.seen(expr));
         }
-        let mut steps = |step: &Step| match step {
-            Step::Let(names, Expr::Call(called, _)) if names.len() > 1 => {
+        let mut steps = |step: &Statement| match step {
+            Statement::Let(names, Expr::Call(called, _)) if names.len() > 1 => {
                 for (k, name) in names.iter().enumerate() {
                     let (inside, outside) = (Key::Gives(called.clone(), k), local(name));
                     let most = self.most(&inside).max(self.most(&outside));
@@ -83,8 +83,8 @@ impl Formats {
                     self.raise(outside, most);
                 }
             }
-            Step::Let(names, expr) if !expr.whole() => self.raise(local(&names[0]), self.seen(expr)),
-            Step::Set(place, expr) if !expr.whole() => {
+            Statement::Let(names, expr) if !expr.whole() => self.raise(local(&names[0]), self.seen(expr)),
+            Statement::Set(place, expr) if !expr.whole() => {
                 self.raise(key(program, function, place), self.seen(expr));
             }
             _ => {}
@@ -93,7 +93,7 @@ impl Formats {
         function.expressions(&mut |expr| {
             let Expr::Call(name, arguments) = expr else { return };
             for (takes, given) in program.function(name).iter().flat_map(|f| f.takes.iter().zip(arguments)) {
-                if takes.kind == Kind::Real {
+                if takes.kind == ValueType::Real {
                     self.raise(Key::Local(name.clone(), takes.name.clone()), self.seen(given));
                 }
             }
@@ -138,20 +138,20 @@ pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key 
     };
     let mut block = None;
     for takes in function.takes.iter().filter(|p| p.name == place.root) {
-        if let Kind::Part(of) = &takes.kind {
+        if let ValueType::Part(of) = &takes.kind {
             block = Some(of);
         }
     }
     function.steps.iter().for_each(|step| {
         step.all(&mut |step| match step {
-            Step::Copy { name, block: of, .. } if *name == place.root => block = Some(of),
+            Statement::Copy { name, block: of, .. } if *name == place.root => block = Some(of),
             _ => {}
         });
     });
     let mut block = block.map_or("", String::as_str);
     for name in path {
         let field = program.block(block).and_then(|b| b.fields.iter().find(|f| f.name == *name));
-        if let Some(Holds::Block(inner)) = field.map(|f| &f.holds) {
+        if let Some(FieldValue::Block(inner)) = field.map(|f| &f.holds) {
             block = inner;
         }
     }
@@ -162,8 +162,8 @@ pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key 
 pub(crate) fn adding(program: &Program) -> Vec<(String, String)> {
     let mut long = Vec::new();
     for function in &program.functions {
-        let mut look = |step: &Step| {
-            if let Step::Set(place, Expr::Binary(Op::Add, left, _)) = step
+        let mut look = |step: &Statement| {
+            if let Statement::Set(place, Expr::Binary(Op::Add, left, _)) = step
                 && **left == Expr::At(place.clone())
                 && let Key::Field(block, field) = key(program, function, place)
             {
@@ -180,9 +180,9 @@ pub(crate) fn fields(program: &Program, block: &str) -> Vec<(String, String)> {
     let fields = program.block(block).map_or(&[][..], |b| &b.fields);
     let own = |name: &str| (block.to_owned(), name.to_owned());
     let each = fields.iter().flat_map(|field| match &field.holds {
-        Holds::Number(_) => vec![own(&field.name)],
-        Holds::Numbers(values) => vec![own(&field.name); values.len()],
-        Holds::Block(inner) => self::fields(program, inner),
+        FieldValue::Number(_) => vec![own(&field.name)],
+        FieldValue::Numbers(values) => vec![own(&field.name); values.len()],
+        FieldValue::Block(inner) => self::fields(program, inner),
     });
     each.collect()
 }

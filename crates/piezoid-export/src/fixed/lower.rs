@@ -13,7 +13,7 @@
 use super::formats::{Formats, Key, MORE, PLAIN, above, fitting, key};
 use super::number::{NARROW, Number, WIDE, WIDEST, aligned, binary, call, counts, power, sum};
 use piezoid::error::Error;
-use piezoid::program::{Block, Expr, Function, Holds, Kind, Limit, Op, Place, Program, Step};
+use piezoid::program::{Block, Expr, FieldValue, Function, Limit, Op, Place, Program, Statement, ValueType};
 
 /// Whether something holds.
 #[derive(Debug)]
@@ -48,9 +48,9 @@ fn in_counts(block: &Block, formats: &Formats) -> Block {
     for field in &mut block.fields {
         let exponent = formats.exponent(&Key::Field(block.name.clone(), field.name.clone()));
         match &mut field.holds {
-            Holds::Number(v) => *v = counts(*v, exponent),
-            Holds::Numbers(values) => values.iter_mut().for_each(|v| *v = counts(*v, exponent)),
-            Holds::Block(_) => {}
+            FieldValue::Number(v) => *v = counts(*v, exponent),
+            FieldValue::Numbers(values) => values.iter_mut().for_each(|v| *v = counts(*v, exponent)),
+            FieldValue::Block(_) => {}
         }
     }
     block
@@ -73,7 +73,7 @@ impl Lowering<'_> {
         Ok(Function { steps: self.steps(&f.steps)?, returns: returns.collect::<Result<_, _>>()?, ..f.clone() })
     }
 
-    fn steps(&self, steps: &[Step]) -> Result<Vec<Step>, Error> {
+    fn steps(&self, steps: &[Statement]) -> Result<Vec<Statement>, Error> {
         let mut out = Vec::new();
         for step in steps {
             out.extend(self.step(step)?);
@@ -81,30 +81,30 @@ impl Lowering<'_> {
         Ok(out)
     }
 
-    fn step(&self, step: &Step) -> Result<Vec<Step>, Error> {
+    fn step(&self, step: &Statement) -> Result<Vec<Statement>, Error> {
         Ok(vec![match step {
-            Step::Note(_) | Step::Copy { .. } | Step::Room(..) => step.clone(),
-            Step::Let(names, Expr::Call(called, given)) if names.len() > 1 => {
-                Step::Let(names.clone(), call(called, self.arguments(called, given)?))
+            Statement::Note(_) | Statement::Copy { .. } | Statement::Array(..) => step.clone(),
+            Statement::Let(names, Expr::Call(called, given)) if names.len() > 1 => {
+                Statement::Let(names.clone(), call(called, self.arguments(called, given)?))
             }
-            Step::Let(names, expr) => Step::Let(names.clone(), self.assigned(expr, &self.local(&names[0]))?),
-            Step::Set(place, expr) => Step::Set(self.place(place)?, self.assigned(expr, &self.key(place))?),
-            Step::Do(Expr::Call(called, given)) => Step::Do(call(called, self.arguments(called, given)?)),
-            Step::Do(_) => return Ok(Vec::new()),
-            Step::If(holds, yes, no) => match self.holds(holds)? {
+            Statement::Let(names, expr) => Statement::Let(names.clone(), self.assigned(expr, &self.local(&names[0]))?),
+            Statement::Set(place, expr) => Statement::Set(self.place(place)?, self.assigned(expr, &self.key(place))?),
+            Statement::Do(Expr::Call(called, given)) => Statement::Do(call(called, self.arguments(called, given)?)),
+            Statement::Do(_) => return Ok(Vec::new()),
+            Statement::If(holds, yes, no) => match self.holds(holds)? {
                 Condition::Always => return self.steps(yes),
-                Condition::If(holds) => Step::If(holds, self.steps(yes)?, self.steps(no)?),
+                Condition::If(holds) => Statement::If(holds, self.steps(yes)?, self.steps(no)?),
             },
-            Step::For { name, from, to, down, steps } => Step::For {
+            Statement::For { name, from, to, down, steps } => Statement::For {
                 name: name.clone(),
                 from: self.whole(from)?,
                 to: self.whole(to)?,
                 down: *down,
                 steps: self.steps(steps)?,
             },
-            Step::While(holds, steps) => match self.holds(holds)? {
+            Statement::While(holds, steps) => match self.holds(holds)? {
                 Condition::Always => return unsuited(format!("`{}` would not end", self.function.name)),
-                Condition::If(holds) => Step::While(holds, self.steps(steps)?),
+                Condition::If(holds) => Statement::While(holds, self.steps(steps)?),
             },
         }])
     }
@@ -125,8 +125,8 @@ impl Lowering<'_> {
     fn arguments(&self, called: &str, given: &[Expr]) -> Result<Vec<Expr>, Error> {
         let takes = self.program.function(called).map_or(&[][..], |f| &f.takes);
         let argument = |(takes, given): (&piezoid::program::Argument, &Expr)| match takes.kind {
-            Kind::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
-            Kind::Whole => self.whole(given),
+            ValueType::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
+            ValueType::Integer => self.whole(given),
             _ => Ok(given.clone()),
         };
         takes.iter().zip(given).map(argument).collect()
@@ -218,7 +218,7 @@ impl Lowering<'_> {
                     _ => sum(*op, left, right),
                 }
             }
-            Expr::Real(_) | Expr::Whole(_) | Expr::Part(_) => return unsuited(format!("{expr:?} is no real number")),
+            Expr::Real(_) | Expr::Integer(_) | Expr::Part(_) => return unsuited(format!("{expr:?} is no real number")),
         })
     }
 
@@ -249,7 +249,7 @@ impl Lowering<'_> {
         let (a, b) = (self.factor(left)?, self.factor(right)?);
         let exponent = a.exponent + b.exponent;
         let n = wanted.map_or(0, |wanted| wanted - exponent).clamp(WIDEST - WIDE, WIDEST - 1);
-        let product = call("product", vec![a.expr, b.expr, Expr::Whole(n.unsigned_abs() as usize)]);
+        let product = call("product", vec![a.expr, b.expr, Expr::Integer(n.unsigned_abs() as usize)]);
         Ok(Number::computed(product, exponent + n, WIDEST - n + 1))
     }
 
@@ -261,7 +261,7 @@ impl Lowering<'_> {
         let difference = a.exponent - b.exponent;
         let exponent = self.formats.given(expr).or(wanted).unwrap_or(difference);
         let n = (difference - exponent).clamp(0, WIDEST - NARROW);
-        let quotient = call("quotient", vec![a.expr, b.expr, Expr::Whole(n.unsigned_abs() as usize)]);
+        let quotient = call("quotient", vec![a.expr, b.expr, Expr::Integer(n.unsigned_abs() as usize)]);
         Ok(Number::named(quotient, difference - n))
     }
 
@@ -361,7 +361,7 @@ mod tests {
         let text = "fn sum(x: sum, u) { if magnitude(u) <= most { x.total = u; } return x.total; }";
         let (_, _, counted) = both(text, &[1.0]);
         let step = &counted.function("sum").unwrap().steps[0];
-        assert!(matches!(step, Step::Set(..)), "{step:?}");
+        assert!(matches!(step, Statement::Set(..)), "{step:?}");
         let block = Block::new("sum", "").number("total", 0.0).text("fn sum(x: sum, u) { return u * least; }");
         let program = Program::new(vec![block]).unwrap();
         let error = lowered(&program, &Formats::of(&program, &[])).unwrap_err().to_string();

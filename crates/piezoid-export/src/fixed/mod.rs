@@ -10,41 +10,41 @@
 //!
 //! It does not do: Newton's method, so that there is a feed-forward only where the inverse of the hysteresis is closed.
 
+mod excursion;
 mod formats;
-mod journey;
 mod lower;
 mod number;
 
 pub(super) use formats::PLAIN;
 
 use super::c::{C, checked};
+use super::exported::{Entry, ExportedProgram, Port};
 use super::template::{Value, context, render, template};
 use super::vectors::Vectors;
-use super::whole::{Entry, Signal, Whole};
-use super::{Made, Target, Wanted};
+use super::{ExportRequest, ExportTarget, Exported};
+use excursion::{PART, TestInputs, test_inputs};
 use formats::{Formats, Key, fields};
-use journey::{Journeys, PART, journeys};
 use lower::lowered;
 use number::counts;
 use piezoid::error::Error;
 use piezoid::number::short;
-use piezoid::program::{Holds, Machine};
+use piezoid::program::{FieldValue, Machine};
 use piezoid::series::ends;
 use piezoid::system::System;
 use std::collections::BTreeMap;
 
-pub(super) const TARGET: Target = Target {
+pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "fixed",
     summary: "a header and a source file in C99 that count in whole numbers, with a self-test and the error",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
     takes: &["preview", "controller", "late", "gain_margin", "phase_margin"],
-    make: |wanted| {
-        let fixed = Fixed::new(checked(wanted)?, wanted)?;
-        let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, wanted) };
+    make: |request| {
+        let fixed = Fixed::new(checked(request)?, request)?;
+        let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, request) };
         let bytes: BTreeMap<_, _> = fixed.whole.entries.iter().map(|e| (e.state, fixed.bytes(e.state))).collect();
-        let page = context! { bytes, every => format!("{} s", wanted.model.ts()), ..c.told() };
+        let page = context! { bytes, every => format!("{} s", request.model.ts()), ..c.template_context() };
         let files = c.files(render(template!("fixed/readme.md.j2"), page)?)?;
-        Ok(Made { files, notes: fixed.whole.notes })
+        Ok(Exported { files, notes: fixed.whole.notes })
     },
 };
 
@@ -53,13 +53,13 @@ const MOST: f64 = 1e-4;
 
 /// What is exported, in counts.
 pub(super) struct Fixed {
-    whole: Whole,
+    whole: ExportedProgram,
     formats: Formats,
-    proofs: Vec<Proof>,
+    errors: Vec<CountingError>,
 }
 
 /// How far off counts are.
-struct Proof {
+struct CountingError {
     /// Root of the mean square of the difference to double precision, over the stroke.
     rms: f64,
     /// The largest difference, over the stroke.
@@ -67,14 +67,14 @@ struct Proof {
 }
 
 impl Fixed {
-    fn new(mut whole: Whole, wanted: &Wanted) -> Result<Self, Error> {
+    fn new(mut whole: ExportedProgram, request: &ExportRequest) -> Result<Self, Error> {
         closed_alone(&mut whole);
         loop {
-            let (k, because) = match Fixed::of(&whole, wanted) {
-                Ok(fixed) => match fixed.proofs.iter().position(|p| p.rms.is_nan() || p.most > MOST) {
+            let (k, because) = match Fixed::of(&whole, request) {
+                Ok(fixed) => match fixed.errors.iter().position(|p| p.rms.is_nan() || p.most > MOST) {
                     None => return Ok(fixed),
                     Some(k) => {
-                        let (step, off) = (whole.entries[k].step, short(fixed.proofs[k].most));
+                        let (step, off) = (whole.entries[k].step, short(fixed.errors[k].most));
                         (k, format!("counts of 32 bits move `{step}` by {off} of its stroke, more than {MOST:e}"))
                     }
                 },
@@ -90,20 +90,20 @@ impl Fixed {
         }
     }
 
-    fn of(whole: &Whole, wanted: &Wanted) -> Result<Self, Error> {
-        let journeys = journeys(whole, wanted);
+    fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Self, Error> {
+        let test_inputs = test_inputs(whole, request);
         let (mut machines, mut exact) = (Vec::new(), Vec::new());
-        for (entry, Journeys { starts, inputs }) in whole.entries.iter().zip(&journeys) {
+        for (entry, TestInputs { starts, inputs }) in whole.entries.iter().zip(&test_inputs) {
             let mut machine = Machine::new(&whole.program, entry.state, false).watched();
             let outputs = starts.iter().map(|start| run(&mut machine, entry, start, inputs));
             exact.push(outputs.collect::<Result<Vec<_>, _>>()?);
             machines.push(machine);
         }
         let mut formats = Formats::of(&whole.program, &machines);
-        formats.join(whole, &journeys);
-        let mut counted = Whole { program: lowered(&whole.program, &formats)?, ..whole.clone() };
-        let mut proofs = Vec::new();
-        for (k, (Journeys { starts, inputs }, exact)) in journeys.iter().zip(exact).enumerate() {
+        formats.join(whole, &test_inputs);
+        let mut counted = ExportedProgram { program: lowered(&whole.program, &formats)?, ..whole.clone() };
+        let mut errors = Vec::new();
+        for (k, (TestInputs { starts, inputs }, exact)) in test_inputs.iter().zip(exact).enumerate() {
             let entry = &whole.entries[k];
             let mut machine = Machine::new(&counted.program, entry.state, false);
             let fields = fields(&whole.program, entry.state).into_iter();
@@ -116,9 +116,9 @@ impl Fixed {
             let (low, high) = ends(exact[0][..PART].iter().copied());
             // Of slow models the inputs leave the ends before they come there.
             let stroke = (high - low).max(exact[2][0] - exact[1][0]);
-            let (mut squares, mut most, journey) = (0.0, 0.0f64, rows(inputs));
+            let (mut squares, mut most, excursion) = (0.0, 0.0f64, rows(inputs));
             for (start, exact) in starts.iter().zip(&exact) {
-                for (n, v) in run(&mut machine, entry, &row(start, &state), &journey)?.iter().zip(exact) {
+                for (n, v) in run(&mut machine, entry, &row(start, &state), &excursion)?.iter().zip(exact) {
                     let off = (n * unit - v) / stroke;
                     squares += off * off;
                     most = most.max(off.abs());
@@ -129,7 +129,7 @@ impl Fixed {
             let at_rest = row(&starts[0], &state);
             let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
             counted.entries[k].vectors = Vectors { inputs, outputs, ..entry.vectors.clone() };
-            proofs.push(Proof { rms, most });
+            errors.push(CountingError { rms, most });
         }
         for entry in &mut counted.entries {
             let worth = |key: &Key, unit: &str| format!("2^{} {unit}", formats.exponent(key));
@@ -138,7 +138,7 @@ impl Fixed {
             }
             entry.output.unit = worth(&gives(entry), &entry.output.unit);
         }
-        Ok(Fixed { whole: counted, formats, proofs })
+        Ok(Fixed { whole: counted, formats, errors })
     }
 
     /// Whether a field has 64 bits.
@@ -150,7 +150,7 @@ impl Fixed {
     fn ports(&self) -> Vec<(&'static str, i32, String)> {
         let mut ports = Vec::new();
         for entry in &self.whole.entries {
-            let input = |i: &Signal| (i.name, -self.formats.exponent(&outside(entry, i.name)), i.unit.clone());
+            let input = |i: &Port| (i.name, -self.formats.exponent(&outside(entry, i.name)), i.unit.clone());
             ports.extend(entry.inputs.iter().map(input));
             ports.push((entry.output.name, -self.formats.exponent(&gives(entry)), entry.output.unit.clone()));
         }
@@ -160,14 +160,13 @@ impl Fixed {
     }
 
     /// What templates are told of counts: what each is worth, and how far off they are.
-    pub(super) fn told(&self) -> Value {
-        let error =
-            |(entry, proof): (&Entry, &Proof)| context! { step => entry.step, rms => proof.rms, most => proof.most };
+    pub(super) fn template_context(&self) -> Value {
+        let error = |(entry, proof): (&Entry, &CountingError)| context! { step => entry.step, rms => proof.rms, most => proof.most };
         let port = |(name, bits, worth): (&'static str, i32, String)| {
             context! { name, bits, worth, end => 2f64.powi(31 - bits) }
         };
         context! {
-            errors => self.whole.entries.iter().zip(&self.proofs).map(error).collect::<Value>(),
+            errors => self.whole.entries.iter().zip(&self.errors).map(error).collect::<Value>(),
             ports => self.ports().into_iter().map(port).collect::<Value>(), most => format!("{MOST:e}"),
         }
     }
@@ -177,9 +176,9 @@ impl Fixed {
         let fields = self.whole.program.block(block).map_or(&[][..], |b| &b.fields);
         let size = |field: &str| if self.formats.is_long(block, field) { 8 } else { 4 };
         let held = fields.iter().map(|f| match &f.holds {
-            Holds::Number(_) => size(&f.name),
-            Holds::Numbers(values) => size(&f.name) * values.len(),
-            Holds::Block(inner) => self.bytes(inner),
+            FieldValue::Number(_) => size(&f.name),
+            FieldValue::Numbers(values) => size(&f.name) * values.len(),
+            FieldValue::Block(inner) => self.bytes(inner),
         });
         held.sum()
     }
@@ -202,7 +201,7 @@ fn outside(entry: &Entry, input: &str) -> Key {
 }
 
 /// Leaves the closed inverse alone, or the feed-forward out if there is none: Newton's method needs floating point.
-fn closed_alone(whole: &mut Whole) {
+fn closed_alone(whole: &mut ExportedProgram) {
     let closed = whole.program.function("hysteresis_closed").is_some();
     let inverse = whole.program.functions.iter_mut().find(|f| f.name == "hysteresis_inverse");
     if let (true, Some(inverse)) = (closed, inverse) {
@@ -219,25 +218,25 @@ fn closed_alone(whole: &mut Whole) {
 
 const FEED_FORWARD: &str = "ff_step";
 
-fn feed_forward(whole: &Whole) -> Option<usize> {
+fn feed_forward(whole: &ExportedProgram) -> Option<usize> {
     whole.entries.iter().position(|entry| entry.step == FEED_FORWARD)
 }
 
-fn leave_out(whole: &mut Whole, k: usize) {
+fn leave_out(whole: &mut ExportedProgram, k: usize) {
     whole.entries.remove(k);
     keep(whole);
 }
 
-fn keep(whole: &mut Whole) {
+fn keep(whole: &mut ExportedProgram) {
     let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).chain(["clamp"]).collect();
     whole.program.keep(&kept);
 }
 
 impl Formats {
     /// One format for all that has the unit of the input, and one for all that has that of the output.
-    fn join(&mut self, whole: &Whole, journeys: &[Journeys]) {
+    fn join(&mut self, whole: &ExportedProgram, test_inputs: &[TestInputs]) {
         let mut ports: Vec<(&str, Key, f64)> = Vec::new();
-        for (entry, Journeys { inputs, .. }) in whole.entries.iter().zip(journeys) {
+        for (entry, TestInputs { inputs, .. }) in whole.entries.iter().zip(test_inputs) {
             for (k, input) in entry.inputs.iter().enumerate() {
                 let most = inputs.iter().fold(0.0, |most: f64, row| most.max(row[k].abs()));
                 ports.push((&input.unit, outside(entry, input.name), most));

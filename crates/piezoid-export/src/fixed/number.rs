@@ -73,7 +73,7 @@ impl Number {
         let expr = match finer {
             0 => return self,
             _ if finer < -WIDEST => Expr::Real(0.0),
-            _ if finer < 0 => call("shift", vec![self.expr, Expr::Whole(finer.unsigned_abs() as usize)]),
+            _ if finer < 0 => call("shift", vec![self.expr, Expr::Integer(finer.unsigned_abs() as usize)]),
             _ if bits <= WIDE => binary(Op::Multiply, self.long(), Expr::Real(power(finer))),
             // What is held there is far beyond what it goes to.
             _ => {

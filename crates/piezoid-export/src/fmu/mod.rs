@@ -20,28 +20,28 @@
 mod variables;
 
 use super::c::{C, checked};
-use super::template::{Template, context, render, template, told};
-use super::whole::{Entry, Whole};
-use super::{CODE, File, Made, Target, Wanted, named};
+use super::exported::{Entry, ExportedProgram};
+use super::template::{Template, context, render, template, template_context};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
 use std::io::{Cursor, Write};
 use zip::write::{SimpleFileOptions, ZipWriter};
 use zip::{CompressionMethod, DateTime};
 
-pub(super) const FMI2: Target = Target {
+pub(super) const FMI2: ExportTarget = ExportTarget {
     name: "fmu2",
     summary: "co-simulation units of FMI 2.0, with C sources and, where there is a compiler, a shared library",
     reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
     takes: CODE,
-    make: |wanted| make(wanted, &VERSION_2),
+    make: |request| make(request, &VERSION_2),
 };
 
-pub(super) const FMI3: Target = Target {
+pub(super) const FMI3: ExportTarget = ExportTarget {
     name: "fmu3",
     summary: "co-simulation units of FMI 3.0, with C sources and, where there is a compiler, a shared library",
     reference: "Functional Mock-up Interface 3.0.2, https://fmi-standard.org",
     takes: CODE,
-    make: |wanted| make(wanted, &VERSION_3),
+    make: |request| make(request, &VERSION_3),
 };
 
 /// What differs between the versions of the standard.
@@ -82,10 +82,10 @@ const VERSION_3: Version = Version {
 
 /// One FMU on its way.
 struct Fmu<'f> {
-    wanted: &'f Wanted<'f>,
+    request: &'f ExportRequest<'f>,
     version: &'f Version,
     /// The program with one entry.
-    whole: Whole,
+    whole: ExportedProgram,
     /// What file, library and model are called.
     name: String,
 }
@@ -93,12 +93,12 @@ struct Fmu<'f> {
 /// Headers of C, which that of the model would stand before.
 const HEADERS: &str = "float stdbool stddef stdint stdio stdlib string";
 
-fn make(wanted: &Wanted, version: &Version) -> Result<Made, Error> {
-    named(wanted.name(), HEADERS)?;
-    let whole = checked(wanted)?;
-    let mut made = Made { files: Vec::new(), notes: whole.notes.clone() };
+fn make(request: &ExportRequest, version: &Version) -> Result<Exported, Error> {
+    named(request.name(), HEADERS)?;
+    let whole = checked(request)?;
+    let mut made = Exported { files: Vec::new(), notes: whole.notes.clone() };
     for entry in &whole.entries {
-        let fmu = Fmu::new(wanted, version, &whole, entry);
+        let fmu = Fmu::new(request, version, &whole, entry);
         let mut files = fmu.files()?;
         match fmu.library(&files) {
             Ok(library) => files.push(library),
@@ -116,34 +116,34 @@ const TOOL: &str = concat!("piezoid ", env!("CARGO_PKG_VERSION"));
 const SOURCES: &str = "sources/";
 
 impl<'f> Fmu<'f> {
-    fn new(wanted: &'f Wanted<'f>, version: &'f Version, all: &Whole, entry: &Entry) -> Self {
-        let mut whole = Whole { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
+    fn new(request: &'f ExportRequest<'f>, version: &'f Version, all: &ExportedProgram, entry: &Entry) -> Self {
+        let mut whole = ExportedProgram { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
         whole.program.keep(&[entry.step]);
-        Fmu { wanted, version, whole, name: entry.named(wanted.name()) }
+        Fmu { request, version, whole, name: entry.named(request.name()) }
     }
 
     /// All but the library.
     fn files(&self) -> Result<Vec<File>, Error> {
-        let (wanted, version, model) = (self.wanted, self.version, self.wanted.model);
+        let (request, version, model) = (self.request, self.version, self.request.model);
         let own = context! {
             fmu => &self.name, version => version.number, tool => TOOL, known => model.identified().map(|known| known.u),
         };
-        let variables = variables::told(wanted, &self.whole.program, &self.whole.entries[0]);
-        let told = context! { ..own, ..variables, ..told(wanted, &self.whole, &|_| String::new()) };
+        let variables = variables::template_context(request, &self.whole.program, &self.whole.entries[0]);
+        let told = context! { ..own, ..variables, ..template_context(request, &self.whole, &|_| String::new()) };
         let text = |template, token: &str| render(template, context! { token, ..told.clone() });
         // What is particular to this one, what all have in common, and the functions of the version.
         let wrapper = |token: &str| {
             let head = text(template!("fmu/wrapper.c.j2"), token)?;
             Ok([&head, include_str!("instance.c"), include_str!("kept.c"), version.functions].join("\n"))
         };
-        let c = C::of(&self.whole, wanted);
+        let c = C::of(&self.whole, request);
         let (header, source) = (c.header()?, c.source()?);
         let token = token(&(text(version.description, "")? + &header + &source + &wrapper("")?));
         let mut files = vec![
             File::new("modelDescription.xml", text(version.description, &token)?),
             File::new("documentation/index.html", text(template!("fmu/index.html.j2"), &token)?),
-            File::new(format!("{SOURCES}{}.h", wanted.name()), header),
-            File::new(format!("{SOURCES}{}.c", wanted.name()), source),
+            File::new(format!("{SOURCES}{}.h", request.name()), header),
+            File::new(format!("{SOURCES}{}.c", request.name()), source),
             File::new(format!("{SOURCES}{}_fmu.c", self.name), wrapper(&token)?),
         ];
         if let Some(build) = version.build {
@@ -155,7 +155,7 @@ impl<'f> Fmu<'f> {
     /// The library of the sources among these files.
     fn library(&self, files: &[File]) -> Result<File, Error> {
         let none = "no C compiler is at hand; who imports it has to compile them";
-        let compiler = self.wanted.compiler.ok_or_else(|| Error::Content(none.into()))?;
+        let compiler = self.request.compiler.ok_or_else(|| Error::Content(none.into()))?;
         let source = |file: &File| {
             let name = file.name.strip_prefix(SOURCES)?;
             Some(File { name: name.into(), bytes: file.bytes.clone() })
@@ -196,7 +196,7 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Compiler, target};
+    use super::super::{Compiler, ExportTarget};
     use super::*;
     use piezoid::hammerstein::Model;
     use piezoid::hysteresis::Operator;
@@ -211,8 +211,9 @@ mod tests {
         model.with_units(Units { u: "V".into(), y: unit.into() })
     }
 
-    fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Made {
-        (target(version).unwrap().make)(&Wanted { compiler, ..Wanted::new(model, "bender") }).unwrap()
+    fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
+        (ExportTarget::find(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") })
+            .unwrap()
     }
 
     fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
@@ -254,8 +255,8 @@ mod tests {
     #[test]
     fn the_same_model_gives_the_same_bytes_and_another_another_token() {
         let token = |version: &str, model: &Model, single: bool| {
-            let wanted = Wanted::new(model, "bender").single(single);
-            let made = (target(version).unwrap().make)(&wanted).unwrap();
+            let request = ExportRequest::new(model, "bender").single(single);
+            let made = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
             let xml = text(&made.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
@@ -302,7 +303,7 @@ mod tests {
     #[test]
     fn names_of_headers_are_refused() {
         let model = model("um");
-        let error = (target("fmu2").unwrap().make)(&Wanted::new(&model, "stdio")).unwrap_err();
+        let error = (ExportTarget::find("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
         assert!(error.to_string().contains("take another"), "{error}");
     }
 

@@ -1,23 +1,23 @@
 //! The variables of an FMU: what can be seen and set from outside, in the order of their value references.
 
-use crate::Wanted;
+use crate::ExportRequest;
+use crate::exported::Entry;
 use crate::template::{Value, context};
-use crate::whole::Entry;
-use piezoid::program::{Field, Holds, Program};
+use piezoid::program::{Field, FieldValue, Program};
 use piezoid::record::Units;
 use piezoid::system::System;
 
 /// `causality`, `variability` and `initial` in the words of both versions of the standard.
-type Role = [&'static str; 3];
+type Attributes = [&'static str; 3];
 
-const TIME: Role = ["independent", "continuous", ""];
+const TIME: Attributes = ["independent", "continuous", ""];
 /// Continuous, though it is held between samples: nothing continuous could be connected to it otherwise.
-const INPUT: Role = ["input", "continuous", ""];
-const PARAMETER: Role = ["parameter", "tunable", "exact"];
-const OUTPUT: Role = ["output", "discrete", "calculated"];
-const CONSTANT: Role = ["local", "constant", "exact"];
+const INPUT: Attributes = ["input", "continuous", ""];
+const PARAMETER: Attributes = ["parameter", "tunable", "exact"];
+const OUTPUT: Attributes = ["output", "discrete", "calculated"];
+const CONSTANT: Attributes = ["local", "constant", "exact"];
 /// Can be set before the first step.
-const STATE: Role = ["local", "discrete", "exact"];
+const STATE: Attributes = ["local", "discrete", "exact"];
 
 /// A part of a state: several numbers of one field.
 struct Part {
@@ -37,18 +37,18 @@ fn parts(program: &Program, block: &str, prefix: &str) -> Vec<Part> {
         vec![Part { path: format!("{prefix}{name}"), about: block.about.clone(), at_rest: at_rest.to_vec(), array }]
     };
     let parts = |field: &Field| match &field.holds {
-        Holds::Number(value) => part(&field.name, &[*value], false),
-        Holds::Numbers(values) => part(&field.name, values, true),
-        Holds::Block(inner) => parts(program, inner, &format!("{prefix}{}.", field.name)),
+        FieldValue::Number(value) => part(&field.name, &[*value], false),
+        FieldValue::Numbers(values) => part(&field.name, values, true),
+        FieldValue::Block(inner) => parts(program, inner, &format!("{prefix}{}.", field.name)),
     };
     block.fields.iter().flat_map(parts).collect()
 }
 
 /// What templates are told of an entry: its variables, which are time, inputs, their gains, their offsets, output and sampling
 /// period; the numbers and parts of its state; the units of them all.
-pub(super) fn told(wanted: &Wanted, program: &Program, entry: &Entry) -> Value {
+pub(super) fn template_context(request: &ExportRequest, program: &Program, entry: &Entry) -> Value {
     let mut count = 0;
-    let mut variable = |role: Role, name: &str, about: &str, unit: &str, start: Option<f64>| {
+    let mut variable = |role: Attributes, name: &str, about: &str, unit: &str, start: Option<f64>| {
         let [causality, variability, initial] = role;
         count += 1;
         context! { reference => count - 1, name, about, unit, start, causality, variability, initial }
@@ -65,12 +65,12 @@ pub(super) fn told(wanted: &Wanted, program: &Program, entry: &Entry) -> Value {
     }));
     let output = &entry.output;
     variables.push(variable(OUTPUT, output.name, output.about, &output.unit, None));
-    variables.push(variable(CONSTANT, "ts", "sampling period", "s", Some(wanted.model.ts())));
+    variables.push(variable(CONSTANT, "ts", "sampling period", "s", Some(request.model.ts())));
     let (mut states, mut places, mut first) = (Vec::new(), Vec::new(), 0);
     for Part { path, about, at_rest, array } in parts(program, entry.state, "") {
         for (k, at_rest) in at_rest.iter().enumerate() {
             let index = if array { format!("[{}]", k + 1) } else { String::new() };
-            let start = if wanted.options.float { f64::from(*at_rest as f32) } else { *at_rest };
+            let start = if request.options.float { f64::from(*at_rest as f32) } else { *at_rest };
             let (name, about) = (format!("state.{path}{index}"), format!("state of {about}"));
             states.push(variable(STATE, &name, &about, "", Some(start)));
         }

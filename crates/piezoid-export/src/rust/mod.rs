@@ -4,37 +4,37 @@
 //! Tables are arrays of known length and counted off within them, so that no index can fail. The module has its vectors as tests.
 //! Lines that `rustfmt` would break are left as they are and say so.
 
-mod inside;
+mod body;
 
 use super::c::{shortest, wrapped};
-use super::language::Words;
-use super::template::{Value, context, render, template, titled, told};
-use super::whole::{Entry, Whole};
-use super::{CODE, File, Made, Target, Wanted, named};
-use inside::Inside;
+use super::exported::{Entry, ExportedProgram};
+use super::language::Printer;
+use super::template::{Value, context, render, template, template_context, titled};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use body::RustBody;
 use piezoid::error::Error;
-use piezoid::program::{Block, Constant, Field, Function, Holds, Kind, Step};
+use piezoid::program::{Block, Constant, Field, FieldValue, Function, Statement, ValueType};
 use piezoid::system::System;
 use std::collections::BTreeMap;
 
-pub(super) const TARGET: Target = Target {
+pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "rust",
     summary: "a module in Rust for crates with and without std, in double or single precision, with its tests",
     reference: "The Rust Reference, editions 2021 and 2024; core alone",
     takes: CODE,
-    make: |wanted| {
-        named(wanted.name(), RESERVED)?;
-        if wanted.name().chars().any(|c| c.is_ascii_uppercase()) {
-            let name = format!("`{}`", wanted.name());
+    make: |request| {
+        named(request.name(), RESERVED)?;
+        if request.name().chars().any(|c| c.is_ascii_uppercase()) {
+            let name = format!("`{}`", request.name());
             return Err(Error::parameter("name", name, "must be in lower case for Rust: it is that of a module"));
         }
-        let whole = Whole::new(wanted)?;
-        let page = Rust { whole: &whole, single: wanted.options.float }.told(wanted);
+        let whole = ExportedProgram::new(request)?;
+        let page = Rust { whole: &whole, single: request.options.float }.template_context(request);
         let files = vec![
-            File::new(format!("{}.rs", wanted.name()), render(template!("rust/module.rs.j2"), page.clone())?),
-            File::new(format!("{}.md", wanted.name()), render(template!("rust/readme.md.j2"), page)?),
+            File::new(format!("{}.rs", request.name()), render(template!("rust/module.rs.j2"), page.clone())?),
+            File::new(format!("{}.md", request.name()), render(template!("rust/readme.md.j2"), page)?),
         ];
-        Ok(Made { files, notes: whole.notes })
+        Ok(Exported { files, notes: whole.notes })
     },
 };
 
@@ -51,13 +51,13 @@ const FIELDS: usize = 18;
 
 /// The language.
 struct Rust<'r> {
-    whole: &'r Whole,
+    whole: &'r ExportedProgram,
     single: bool,
 }
 
 impl Rust<'_> {
     /// What templates are told.
-    fn told(&self, wanted: &Wanted) -> Value {
+    fn template_context(&self, request: &ExportRequest) -> Value {
         let (program, entries) = (&self.whole.program, &self.whole.entries);
         let held = self.whole.states();
         let within = |b: &&Block| held.contains(b) && entries.iter().all(|entry| entry.state != b.name);
@@ -75,14 +75,14 @@ impl Rust<'_> {
             Some((e.step, self.function(&step, "pub fn", "    ")))
         };
         let own = context! {
-            number => self.number(), period => shortest(wanted.model.ts(), self.single),
+            number => self.number(), period => shortest(request.model.ts(), self.single),
             states => entries.iter().filter_map(state).collect::<BTreeMap<_, _>>(),
             steps => entries.iter().filter_map(step).collect::<BTreeMap<_, _>>(),
             blocks => program.blocks.iter().enumerate().filter_map(block).collect::<Value>(),
         };
         let table = |values: &[f64]| wrapped(&values.iter().map(|v| shortest(*v, self.single)).collect::<Vec<_>>());
         let table = |values: &[f64]| table(values).lines().map(|line| format!("    {line}\n")).collect();
-        context! { ..own, ..told(wanted, self.whole, &table) }
+        context! { ..own, ..template_context(request, self.whole, &table) }
     }
 
     /// The entry whose step this function is.
@@ -94,9 +94,9 @@ impl Rust<'_> {
     fn state(&self, block: &Block) -> Value {
         let number = self.number();
         let field = |field: &Field| match &field.holds {
-            Holds::Number(_) => format!("{}: {number}", field.name),
-            Holds::Numbers(values) => format!("{}: [{number}; {}]", field.name, values.len()),
-            Holds::Block(inner) => format!("{}: {}", field.name, type_of(inner)),
+            FieldValue::Number(_) => format!("{}: {number}", field.name),
+            FieldValue::Numbers(values) => format!("{}: [{number}; {}]", field.name, values.len()),
+            FieldValue::Block(inner) => format!("{}: {}", field.name, type_of(inner)),
         };
         context! {
             type => type_of(&block.name), about => &block.about, at_rest => self.literal(block, false, 2),
@@ -117,12 +117,12 @@ impl Rust<'_> {
         let value = |v: &f64| shortest(if zero { 0.0 } else { *v }, self.single);
         let field = |field: &Field| {
             let value = match &field.holds {
-                Holds::Number(v) => value(v),
-                Holds::Numbers(values) if zero || values.iter().all(|v| v.to_bits() == values[0].to_bits()) => {
+                FieldValue::Number(v) => value(v),
+                FieldValue::Numbers(values) if zero || values.iter().all(|v| v.to_bits() == values[0].to_bits()) => {
                     format!("[{}; {}]", value(&values[0]), values.len())
                 }
-                Holds::Numbers(values) => format!("[{}]", values.iter().map(value).collect::<Vec<_>>().join(", ")),
-                Holds::Block(inner) => format!("{}::{}", type_of(inner), if zero { "ZERO" } else { "REST" }),
+                FieldValue::Numbers(values) => format!("[{}]", values.iter().map(value).collect::<Vec<_>>().join(", ")),
+                FieldValue::Block(inner) => format!("{}::{}", type_of(inner), if zero { "ZERO" } else { "REST" }),
             };
             format!("{}: {value}", field.name)
         };
@@ -140,11 +140,12 @@ impl Rust<'_> {
         let program = &self.whole.program;
         let mut zeroed = false;
         for function in &program.functions {
-            let mut look =
-                |step: &Step| zeroed |= matches!(step, Step::Copy { block: of, zero: true, .. } if of == block);
+            let mut look = |step: &Statement| {
+                zeroed |= matches!(step, Statement::Copy { block: of, zero: true, .. } if of == block)
+            };
             function.steps.iter().for_each(|step| step.all(&mut look));
         }
-        let outer = |b: &&Block| b.fields.iter().any(|f| f.holds == Holds::Block(block.into()));
+        let outer = |b: &&Block| b.fields.iter().any(|f| f.holds == FieldValue::Block(block.into()));
         zeroed || program.blocks.iter().filter(outer).any(|b| self.zeroed(&b.name))
     }
 
@@ -170,13 +171,13 @@ impl Rust<'_> {
     /// A function, or the step of an entry.
     fn function(&self, function: &Function, begin: &str, indent: &str) -> String {
         let number = self.number();
-        let inside = Inside { rust: self, function, own: !indent.is_empty() };
+        let inside = RustBody { rust: self, function, own: !indent.is_empty() };
         let takes = function.takes.iter().enumerate().map(|(k, p)| match &p.kind {
-            Kind::Part(_) if k == 0 && inside.own => "&mut self".into(),
-            Kind::Part(block) => {
+            ValueType::Part(_) if k == 0 && inside.own => "&mut self".into(),
+            ValueType::Part(block) => {
                 format!("{}: &{}{}", inside.local(&p.name), if p.changed { "mut " } else { "" }, type_of(block))
             }
-            Kind::Whole => format!("{}: usize", inside.local(&p.name)),
+            ValueType::Integer => format!("{}: usize", inside.local(&p.name)),
             _ => format!("{}: {number}", inside.local(&p.name)),
         });
         let gives = match function.returns.len() {
@@ -184,12 +185,12 @@ impl Rust<'_> {
             1 => format!(" -> {number}"),
             n => format!(" -> ({})", vec![number; n].join(", ")),
         };
-        let words = Words { program: &self.whole.program, function, language: &inside };
+        let printer = Printer { program: &self.whole.program, function, language: &inside };
         let depth = 1 + usize::from(inside.own);
         let takes: Vec<String> = takes.collect();
         let mut out = format!("{indent}{begin} {}({}){gives} {{\n", function.name, takes.join(", "));
-        out += &words.steps(&function.steps, depth);
-        let returns: Vec<String> = function.returns.iter().map(|expr| words.expr(expr)).collect();
+        out += &printer.steps(&function.steps, depth);
+        let returns: Vec<String> = function.returns.iter().map(|expr| printer.expr(expr)).collect();
         out += &match &returns[..] {
             [] => String::new(),
             [one] => format!("{}{one}\n", "    ".repeat(depth)),
@@ -206,8 +207,8 @@ impl Rust<'_> {
 
 /// The struct of the state of a block.
 fn type_of(block: &str) -> String {
-    let words = block.strip_suffix("state").unwrap_or(block);
-    words.split('_').map(titled).chain(["State".into()]).collect()
+    let printer = block.strip_suffix("state").unwrap_or(block);
+    printer.split('_').map(titled).chain(["State".into()]).collect()
 }
 
 /// A constant of a block.

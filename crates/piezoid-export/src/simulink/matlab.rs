@@ -8,14 +8,14 @@
 //! Whole numbers are doubles, in single precision too. There every literal is told to be `single`, as MATLAB's are doubles, and
 //! two of them would meet in double precision.
 
-use super::alone::{Alone, fresh, known};
+use super::extract_calls::{CallExtractor, fresh, known};
 use crate::c::{shortest, wrapped};
-use crate::language::{Keywords, Language, Words, less_one};
-use crate::template::{Value, blocks, context, told};
-use crate::whole::{Entry, Whole};
-use crate::{Wanted, named};
+use crate::exported::{Entry, ExportedProgram};
+use crate::language::{Keywords, Language, Printer, less_one};
+use crate::template::{Value, blocks, context, template_context};
+use crate::{ExportRequest, named};
 use piezoid::error::Error;
-use piezoid::program::{Block, Constant, Expr, Field, Function, Holds, Kind, Op, Place, Program};
+use piezoid::program::{Block, Constant, Expr, Field, FieldValue, Function, Op, Place, Program, ValueType};
 use piezoid::series::ends;
 use std::collections::BTreeMap;
 
@@ -45,27 +45,31 @@ impl<'m> Matlab<'m> {
     ///
     /// # Errors
     /// Refuses a name that MATLAB or Octave has taken, and one that its functions would be too long with.
-    pub(super) fn of(whole: &Whole, wanted: &'m Wanted) -> Result<Self, Error> {
-        named(wanted.name(), &format!("{WORDS} {TAKEN}"))?;
+    pub(super) fn of(whole: &ExportedProgram, request: &'m ExportRequest) -> Result<Self, Error> {
+        named(request.name(), &format!("{WORDS} {TAKEN}"))?;
         let mut program = whole.program.clone();
         for function in &mut program.functions {
             // What is called from outside hands its state back even where that never changes.
             let outside = whole.entries.iter().any(|entry| entry.step == function.name);
-            function.takes.iter_mut().filter(|p| matches!(p.kind, Kind::Part(_))).for_each(|p| p.changed |= outside);
+            function
+                .takes
+                .iter_mut()
+                .filter(|p| matches!(p.kind, ValueType::Part(_)))
+                .for_each(|p| p.changed |= outside);
         }
-        program.functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
+        program.functions = program.functions.iter().map(|function| CallExtractor::of(function, &program)).collect();
         let constants = program.blocks.iter().map(|block| constants_of(&block.name).len());
         let added = program.functions.iter().map(|f| f.name.len()).chain(constants).max().unwrap_or(0) + 1;
-        if wanted.name().len() + added > LONGEST {
+        if request.name().len() + added > LONGEST {
             let rule =
                 format!("must be of {} characters at most: MATLAB knows {LONGEST} of a function", LONGEST - added);
-            return Err(Error::parameter("name", format!("`{}`", wanted.name()), rule));
+            return Err(Error::parameter("name", format!("`{}`", request.name()), rule));
         }
-        Ok(Matlab { program, name: wanted.name(), single: wanted.options.float })
+        Ok(Matlab { program, name: request.name(), single: request.options.float })
     }
 
     /// What templates are told.
-    pub(super) fn told(&self, whole: &Whole, wanted: &Wanted) -> Value {
+    pub(super) fn template_context(&self, whole: &ExportedProgram, request: &ExportRequest) -> Value {
         let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constant = |c: &Constant| match c.table {
                 false => format!("{} = {}", c.name, self.real(c.values[0])),
@@ -82,17 +86,17 @@ impl<'m> Matlab<'m> {
         let own = context! {
             number => if self.single { "single" } else { "double" },
             // Of what b0 = 0 is given, nothing shows in the same sample.
-            feedthrough => wanted.model.linear().b().first().is_some_and(|b0| *b0 != 0.0),
+            feedthrough => request.model.linear().b().first().is_some_and(|b0| *b0 != 0.0),
             middle => 0.5 * (low + high), half => 0.5 * (high - low),
             simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
             rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
             blocks => blocks(&self.program).map(block).collect::<Value>(),
         };
-        context! { ..own, ..told(wanted, whole, &|values| self.column(values, "    ")) }
+        context! { ..own, ..template_context(request, whole, &|values| self.column(values, "    ")) }
     }
 
     fn function(&self, function: &Function) -> String {
-        let words = Words { program: &self.program, function, language: self };
+        let printer = Printer { program: &self.program, function, language: self };
         let mut known = known(function);
         let mut gives: Vec<String> = function.takes.iter().filter(|p| p.changed).map(|p| p.name.clone()).collect();
         let mut last = String::new();
@@ -102,7 +106,7 @@ impl<'m> Matlab<'m> {
                 Expr::Variable(name, _) if !gives.contains(name) => gives.push(name.clone()),
                 expr => {
                     let name = fresh("result", &mut known);
-                    last += &format!("    {name} = {};\n", words.expr(expr));
+                    last += &format!("    {name} = {};\n", printer.expr(expr));
                     gives.push(name);
                 }
             }
@@ -118,18 +122,18 @@ impl<'m> Matlab<'m> {
                 "    persistent constants\n    if isempty(constants)\n        constants = {name}();\n    end\n"
             );
         }
-        out + &words.steps(&function.steps, 1) + &last + "end\n"
+        out + &printer.steps(&function.steps, 1) + &last + "end\n"
     }
 
     /// What puts the state of a block at rest, or makes it zero, line by line.
     fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
         let fields = self.program.block(block).map_or(&[][..], |b| &b.fields);
         let line = |field: &Field| match (&field.holds, format!("{prefix}.{}", field.name)) {
-            (Holds::Block(inner), name) => self.rest(inner, &name, zero),
-            (Holds::Number(_), name) if zero => vec![format!("{name} = {};", self.real(0.0))],
-            (Holds::Number(value), name) => vec![format!("{name} = {};", self.real(*value))],
-            (Holds::Numbers(_), name) if zero => vec![format!("{name}(:) = 0;")],
-            (Holds::Numbers(values), name) => match values.iter().all(|v| v.to_bits() == values[0].to_bits()) {
+            (FieldValue::Block(inner), name) => self.rest(inner, &name, zero),
+            (FieldValue::Number(_), name) if zero => vec![format!("{name} = {};", self.real(0.0))],
+            (FieldValue::Number(value), name) => vec![format!("{name} = {};", self.real(*value))],
+            (FieldValue::Numbers(_), name) if zero => vec![format!("{name}(:) = 0;")],
+            (FieldValue::Numbers(values), name) => match values.iter().all(|v| v.to_bits() == values[0].to_bits()) {
                 true if values[0].to_bits() == 0 => vec![format!("{name} = {};", self.zeros(values.len()))],
                 true => vec![format!("{name} = repmat({}, {}, 1);", self.real(values[0]), values.len())],
                 false => format!("{name} = {};", self.column(values, "")).lines().map(str::to_owned).collect(),
@@ -156,9 +160,9 @@ impl<'m> Matlab<'m> {
     }
 
     /// What a call hands back: the states that it changes, then these names.
-    fn targets(&self, function: &Function, arguments: &[Expr], names: &[String], words: &Words) -> Vec<String> {
+    fn targets(&self, function: &Function, arguments: &[Expr], names: &[String], printer: &Printer) -> Vec<String> {
         let changed = function.takes.iter().zip(arguments).filter(|(parameter, _)| parameter.changed);
-        changed.map(|(_, argument)| words.expr(argument)).chain(names.iter().cloned()).collect()
+        changed.map(|(_, argument)| printer.expr(argument)).chain(names.iter().cloned()).collect()
     }
 }
 
@@ -178,14 +182,14 @@ fn handed(names: &[String]) -> String {
 
 /// The number in MATLAB of what has the number `index` here.
 fn from_one(index: &Expr) -> Expr {
-    let sum = |left: &Expr, n: usize| Expr::Binary(Op::Add, Box::new(left.clone()), Box::new(Expr::Whole(n)));
+    let sum = |left: &Expr, n: usize| Expr::Binary(Op::Add, Box::new(left.clone()), Box::new(Expr::Integer(n)));
     match index {
-        Expr::Whole(n) => Expr::Whole(n + 1),
-        Expr::Binary(Op::Add, left, right) if matches!(**right, Expr::Whole(_)) => match **right {
-            Expr::Whole(n) => sum(left, n + 1),
+        Expr::Integer(n) => Expr::Integer(n + 1),
+        Expr::Binary(Op::Add, left, right) if matches!(**right, Expr::Integer(_)) => match **right {
+            Expr::Integer(n) => sum(left, n + 1),
             _ => sum(index, 1),
         },
-        Expr::Binary(Op::Subtract, left, right) if **right == Expr::Whole(1) => (**left).clone(),
+        Expr::Binary(Op::Subtract, left, right) if **right == Expr::Integer(1) => (**left).clone(),
         index => sum(index, 1),
     }
 }
@@ -216,20 +220,20 @@ impl Language for Matlab<'_> {
         if self.single { format!("single({text})") } else { text }
     }
 
-    fn constant(&self, _: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
-        let index = index.map_or(String::new(), |index| format!("({})", words.expr(&from_one(index))));
+    fn constant(&self, _: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String {
+        let index = index.map_or(String::new(), |index| format!("({})", printer.expr(&from_one(index))));
         format!("constants.{name}{index}")
     }
 
-    fn place(&self, place: &Place, words: &Words) -> String {
+    fn place(&self, place: &Place, printer: &Printer) -> String {
         let mut text = place.root.clone();
         place.path.iter().for_each(|field| text += &format!(".{field}"));
-        place.index.iter().for_each(|index| text += &format!("({})", words.expr(&from_one(index))));
+        place.index.iter().for_each(|index| text += &format!("({})", printer.expr(&from_one(index))));
         text
     }
 
-    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
-        let arguments: Vec<String> = arguments.iter().map(|a| words.expr(a)).collect();
+    fn call(&self, name: &str, arguments: &[Expr], printer: &Printer) -> String {
+        let arguments: Vec<String> = arguments.iter().map(|a| printer.expr(a)).collect();
         format!("{}({})", self.own(name), arguments.join(", "))
     }
 
@@ -254,18 +258,18 @@ impl Language for Matlab<'_> {
         format!("% {text}")
     }
 
-    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+    fn fresh(&self, names: &[String], value: &Expr, printer: &Printer) -> Vec<String> {
         let called = match value {
             Expr::Call(name, arguments) => self.program.function(name).map(|function| (function, arguments)),
             _ => None,
         };
         let names =
-            called.map_or(names.to_vec(), |(function, arguments)| self.targets(function, arguments, names, words));
-        vec![format!("{}{};", handed(&names), words.expr(value))]
+            called.map_or(names.to_vec(), |(function, arguments)| self.targets(function, arguments, names, printer));
+        vec![format!("{}{};", handed(&names), printer.expr(value))]
     }
 
-    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
-        let copy = format!("{name} = {};", self.place(of, words));
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, printer: &Printer) -> Vec<String> {
+        let copy = format!("{name} = {};", self.place(of, printer));
         let clear = if zero { self.rest(block, name, true) } else { Vec::new() };
         std::iter::once(copy).chain(clear).collect()
     }
@@ -274,14 +278,14 @@ impl Language for Matlab<'_> {
         vec![format!("{name} = {};", self.zeros(n))]
     }
 
-    fn done(&self, call: &Expr, words: &Words) -> String {
-        self.fresh(&[], call, words).concat()
+    fn done(&self, call: &Expr, printer: &Printer) -> String {
+        self.fresh(&[], call, printer).concat()
     }
 
-    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, printer: &Printer) -> String {
         let bound = |expr: &Expr| match expr {
-            Expr::Binary(..) => format!("({})", words.expr(expr)),
-            expr => words.expr(expr),
+            Expr::Binary(..) => format!("({})", printer.expr(expr)),
+            expr => printer.expr(expr),
         };
         let (first, last) = (bound(from), bound(&less_one(to)));
         if down { format!("for {name} = {last}:-1:{first}") } else { format!("for {name} = {first}:{last}") }
@@ -300,7 +304,7 @@ mod tests {
         let tank =
             Block::new("tank", "a tank").number("level", 0.0).numbers("past", vec![0.0; 3]).table("gain", &[0.5, -2.0]);
         let program = Program::new(vec![tank.text(text)]).unwrap();
-        let functions = program.functions.iter().map(|function| Alone::of(function, &program)).collect();
+        let functions = program.functions.iter().map(|function| CallExtractor::of(function, &program)).collect();
         let matlab = Matlab { program: Program { functions, ..program }, name: "my", single };
         matlab.program.functions.iter().map(|f| matlab.function(f)).collect()
     }
@@ -394,7 +398,7 @@ end
         for operator in OPERATORS {
             let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap();
             let model = Model::new((operator.example)(5e-4).unwrap(), linear, 2.0).unwrap();
-            let Ok(whole) = Whole::new(&Wanted::new(&model, "bender")) else { continue };
+            let Ok(whole) = ExportedProgram::new(&ExportRequest::new(&model, "bender")) else { continue };
             let fields =
                 whole.program.blocks.iter().flat_map(|block| block.fields.iter().map(|field| field.name.clone()));
             let constants =
@@ -410,11 +414,11 @@ end
     fn a_name_too_long_for_the_functions_is_refused_with_the_length_that_fits() {
         let plays = (piezoid::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
         let model = Model::new(plays, Arx::new(5e-4, vec![], vec![1.0]).unwrap(), 0.0).unwrap();
-        let mut whole = Whole::new(&Wanted::new(&model, "bender")).unwrap();
+        let mut whole = ExportedProgram::new(&ExportRequest::new(&model, "bender")).unwrap();
         let long = "fn a_function_of_a_name_that_is_too_long_for_matlab(v) { return v; }";
         whole.program.extend(long).unwrap();
-        let error = Matlab::of(&whole, &Wanted::new(&model, "fifteen_letters")).err().unwrap().to_string();
+        let error = Matlab::of(&whole, &ExportRequest::new(&model, "fifteen_letters")).err().unwrap().to_string();
         assert!(error.contains("must be of 14 characters at most"), "{error}");
-        assert!(Matlab::of(&whole, &Wanted::new(&model, "fourteen_chars")).is_ok());
+        assert!(Matlab::of(&whole, &ExportRequest::new(&model, "fourteen_chars")).is_ok());
     }
 }

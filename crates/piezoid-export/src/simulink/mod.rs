@@ -4,23 +4,23 @@
 //! There is no TLC file: Simulink Coder calls the S-function as it is. Nothing here was run in Simulink, which is not free: the
 //! tests have a stand-in for its headers. The class is run in GNU Octave.
 
-mod alone;
+mod extract_calls;
 mod matlab;
 
 use super::c::{C, checked};
 use super::template::{context, render, template};
-use super::{CODE, File, Made, Target};
+use super::{CODE, ExportTarget, Exported, File};
 use matlab::Matlab;
 
-pub(super) const TARGET: Target = Target {
+pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "simulink",
     summary: "S-functions in C for Simulink, and a class for MATLAB and GNU Octave, in double or single precision",
     reference: "MathWorks, Writing S-Functions: level-2 C MEX S-functions",
     takes: CODE,
-    make: |wanted| {
-        let whole = checked(wanted)?;
-        let (c, name) = (C::of(&whole, wanted), wanted.name());
-        let page = Matlab::of(&whole, wanted)?.told(&whole, wanted);
+    make: |request| {
+        let whole = checked(request)?;
+        let (c, name) = (C::of(&whole, request), request.name());
+        let page = Matlab::of(&whole, request)?.template_context(&whole, request);
         let made = |template| render(template, page.clone());
         let mut files = vec![
             File::new(format!("{name}.h"), c.header()?),
@@ -34,6 +34,6 @@ pub(super) const TARGET: Target = Target {
             let text = render(template!("simulink/sfunction.c.j2"), context! { k, ..page.clone() })?;
             files.push(File::new(format!("{}_sfun.c", entry.named(name)), text));
         }
-        Ok(Made { files, notes: whole.notes })
+        Ok(Exported { files, notes: whole.notes })
     },
 };

@@ -6,34 +6,34 @@
 //! be laid out anew in every call. `AND` and `OR` look at both sides. Names are not told apart by capitals, nor may they have
 //! underscores in a row: what clashes gets a number. Not for the dialect of Siemens, which wants `#` before every local name.
 
-mod inside;
+mod body;
 mod names;
 
 use super::c::{shortest, wrapped};
-use super::language::Words;
-use super::template::{Value, blocks, context, quiet, render, template, told};
-use super::whole::{Entry, Whole};
-use super::{CODE, File, Made, Target, Wanted, named};
-use inside::Inside;
+use super::exported::{Entry, ExportedProgram};
+use super::language::Printer;
+use super::template::{Value, blocks, context, quiet, render, template, template_context};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use body::StBody;
 use names::{Names, RESERVED};
-use piezoid::program::{Block, Constant, Expr, Field, Function, Holds, Kind};
+use piezoid::program::{Block, Constant, Expr, Field, FieldValue, Function, ValueType};
 use std::collections::BTreeMap;
 
-pub(super) const TARGET: Target = Target {
+pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "st",
     summary: "function blocks in structured text, in LREAL or REAL, with a program that proves them",
     reference: "IEC 61131-3:2003 and 2013",
     takes: CODE,
-    make: |wanted| {
-        named(wanted.name(), RESERVED)?;
-        let whole = Whole::new(wanted)?;
-        let page = St::new(&whole, wanted)?.told(wanted);
+    make: |request| {
+        named(request.name(), RESERVED)?;
+        let whole = ExportedProgram::new(request)?;
+        let page = St::new(&whole, request)?.template_context(request);
         let files = vec![
-            File::new(format!("{}.st", wanted.name()), render(template!("st/library.st.j2"), page.clone())?),
-            File::new(format!("{}_test.st", wanted.name()), render(template!("st/test.st.j2"), page.clone())?),
-            File::new(format!("{}.md", wanted.name()), render(template!("st/readme.md.j2"), page)?),
+            File::new(format!("{}.st", request.name()), render(template!("st/library.st.j2"), page.clone())?),
+            File::new(format!("{}_test.st", request.name()), render(template!("st/test.st.j2"), page.clone())?),
+            File::new(format!("{}.md", request.name()), render(template!("st/readme.md.j2"), page)?),
         ];
-        Ok(Made { files, notes: whole.notes })
+        Ok(Exported { files, notes: whole.notes })
     },
 };
 
@@ -58,7 +58,7 @@ type Variable = (String, String);
 
 /// The language.
 struct St<'s> {
-    whole: &'s Whole,
+    whole: &'s ExportedProgram,
     name: &'s str,
     single: bool,
     /// Of types, function blocks and functions.
@@ -99,7 +99,7 @@ impl St<'_> {
     }
 
     /// What templates are told.
-    fn told(&self, wanted: &Wanted) -> Value {
+    fn template_context(&self, request: &ExportRequest) -> Value {
         let program = &self.whole.program;
         let state = |block: &&Block| {
             let fields: Value = block.fields.iter().map(|field| self.field(field)).collect();
@@ -121,17 +121,17 @@ impl St<'_> {
             blocks => blocks(program).map(block).collect::<Value>(),
             blocks_of => self.whole.entries.iter().filter_map(|e| self.entry(e)).collect::<BTreeMap<_, _>>(),
         };
-        context! { ..own, ..told(wanted, self.whole, &|values| self.filled(values)) }
+        context! { ..own, ..template_context(request, self.whole, &|values| self.filled(values)) }
     }
 
     /// A field of a state, at rest.
     fn field(&self, field: &Field) -> String {
         let kind = match &field.holds {
-            Holds::Number(0.0) => self.number().into(),
-            Holds::Number(value) => format!("{} := {}", self.number(), self.plain(*value)),
-            Holds::Numbers(values) if values.iter().all(|v| *v == 0.0) => self.array(values.len()),
-            Holds::Numbers(values) => self.filled(values),
-            Holds::Block(inner) => self.state(inner).into(),
+            FieldValue::Number(0.0) => self.number().into(),
+            FieldValue::Number(value) => format!("{} := {}", self.number(), self.plain(*value)),
+            FieldValue::Numbers(values) if values.iter().all(|v| *v == 0.0) => self.array(values.len()),
+            FieldValue::Numbers(values) => self.filled(values),
+            FieldValue::Block(inner) => self.state(inner).into(),
         };
         format!("{} : {kind}", self.fields.get(&field.name))
     }
@@ -151,14 +151,14 @@ impl St<'_> {
     fn function(&self, function: &Function, k: usize) -> Value {
         let program = &self.whole.program;
         let (names, inner) = &self.inner[k];
-        let inside = Inside { st: self, names };
-        let words = Words { program, function, language: &inside };
+        let inside = StBody { st: self, names };
+        let printer = Printer { program, function, language: &inside };
         let declared = |key: &str, kind: &str| format!("{} : {kind}", names.get(key));
         let (mut given, mut changed, mut constants) = (Vec::new(), Vec::new(), Vec::new());
         for p in &function.takes {
             match &p.kind {
-                Kind::Part(block) => changed.push(declared(&p.name, self.state(block))),
-                Kind::Whole => given.push(declared(&p.name, "DINT")),
+                ValueType::Part(block) => changed.push(declared(&p.name, self.state(block))),
+                ValueType::Integer => given.push(declared(&p.name, "DINT")),
                 _ => given.push(declared(&p.name, self.number())),
             }
         }
@@ -187,15 +187,15 @@ impl St<'_> {
             ("VAR CONSTANT", constants),
         ];
         let section = |(kind, variables): (&'static str, Vec<String>)| context! { kind, variables };
-        let result = |(k, expr): (usize, &Expr)| format!("{} := {}", names.get(&also(k)), words.expr(expr));
+        let result = |(k, expr): (usize, &Expr)| format!("{} := {}", names.get(&also(k)), printer.expr(expr));
         context! {
             name => self.globals.get(&function.name),
             gives => if function.returns.is_empty() { "BOOL" } else { self.number() },
             about => if function.about.is_empty() { String::new() } else { comment(&function.about) },
             sections => sections.into_iter().map(section).collect::<Value>(),
-            steps => words.steps(&function.steps, 0),
+            steps => printer.steps(&function.steps, 0),
             results => function.returns.iter().enumerate().skip(1).map(result).collect::<Value>(),
-            value => function.returns.first().map_or("TRUE".into(), |expr| words.expr(expr)),
+            value => function.returns.first().map_or("TRUE".into(), |expr| printer.expr(expr)),
         }
     }
 
@@ -212,7 +212,7 @@ impl St<'_> {
         // What the function calls what it is given, and what that is called here.
         let inner = &self.inner[k].0;
         let outer = step.takes.iter().map(|p| match p.kind {
-            Kind::Part(_) => (inner.get(&p.name), names.get("!state")),
+            ValueType::Part(_) => (inner.get(&p.name), names.get("!state")),
             _ => (inner.get(&p.name), names.get(&p.name)),
         });
         let reads = self.reading.contains(&step.name);
@@ -231,9 +231,9 @@ impl St<'_> {
     fn cleared(&self, block: &str, prefix: &str, counter: &str) -> Vec<String> {
         let fields = self.whole.program.block(block).map_or(&[][..], |b| &b.fields);
         let clear = |field: &Field| match (&field.holds, format!("{prefix}.{}", self.fields.get(&field.name))) {
-            (Holds::Number(_), name) => vec![format!("{name} := 0.0;")],
-            (Holds::Numbers(values), name) => zeros(&name, values.len(), counter),
-            (Holds::Block(inner), name) => self.cleared(inner, &name, counter),
+            (FieldValue::Number(_), name) => vec![format!("{name} := 0.0;")],
+            (FieldValue::Numbers(values), name) => zeros(&name, values.len(), counter),
+            (FieldValue::Block(inner), name) => self.cleared(inner, &name, counter),
         };
         fields.iter().flat_map(clear).collect()
     }

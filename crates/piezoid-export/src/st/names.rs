@@ -1,10 +1,10 @@
 //! What everything is called: names that structured text takes, each once, and where each is declared.
 
 use super::{COUNTER, DONE, St, TABLES, UNUSED, Variable, also, constant};
-use crate::Wanted;
-use crate::whole::{Whole, state_of};
+use crate::ExportRequest;
+use crate::exported::{ExportedProgram, state_of};
 use piezoid::error::Error;
-use piezoid::program::{Expr, Function, Holds, Step};
+use piezoid::program::{Expr, FieldValue, Function, Statement};
 
 /// What may not be a name: words of the language, and types, functions and blocks that are always there.
 pub(super) const RESERVED: &str = include_str!("words.txt");
@@ -45,13 +45,13 @@ impl Names {
 }
 
 impl<'s> St<'s> {
-    pub(super) fn new(whole: &'s Whole, wanted: &'s Wanted) -> Result<Self, Error> {
+    pub(super) fn new(whole: &'s ExportedProgram, request: &'s ExportRequest) -> Result<Self, Error> {
         let program = &whole.program;
         let (mut globals, mut fields) = (Names::default(), Names::default());
         let mut st = St {
             whole,
-            name: wanted.name(),
-            single: wanted.options.float,
+            name: request.name(),
+            single: request.options.float,
             globals: Names::default(),
             fields: Names::default(),
             inner: Vec::new(),
@@ -61,10 +61,10 @@ impl<'s> St<'s> {
             globals.add(&format!("!{}", entry.step), &st.block_of(entry));
         }
         for own in ["tables", "test"] {
-            globals.add(&format!("!{own}"), &format!("{}_{own}", wanted.name()));
+            globals.add(&format!("!{own}"), &format!("{}_{own}", request.name()));
         }
         for block in &program.blocks {
-            globals.add(&format!("!!{}", block.name), &format!("{}_{}", wanted.name(), state_of(&block.name)));
+            globals.add(&format!("!!{}", block.name), &format!("{}_{}", request.name(), state_of(&block.name)));
             block.fields.iter().for_each(|field| fields.add(&field.name, &field.name));
         }
         for block in &program.blocks {
@@ -73,7 +73,7 @@ impl<'s> St<'s> {
             }
         }
         for function in &program.functions {
-            globals.add(&function.name, &format!("{}_{}", wanted.name(), function.name));
+            globals.add(&function.name, &format!("{}_{}", request.name(), function.name));
             let mut reads = false;
             function.expressions(&mut |expr| match expr {
                 Expr::Constant(_, _, Some(_)) => reads = true,
@@ -113,26 +113,28 @@ impl St<'_> {
                 Some(_) => {}
             }
         };
-        let mut look = |step: &Step| match step {
-            Step::Let(news, value) => {
+        let mut look = |step: &Statement| match step {
+            Statement::Let(news, value) => {
                 let kind = if value.whole() { "DINT".into() } else { number.clone() };
                 news.iter().for_each(|name| declare(name, name, kind.clone()));
             }
-            Step::Copy { name, block, zero, .. } => {
+            Statement::Copy { name, block, zero, .. } => {
                 declare(name, name, self.state(block).into());
                 if *zero && self.counted(block) {
                     declare(COUNTER, "k", "DINT".into());
                 }
             }
-            Step::Room(name, n) => {
+            Statement::Array(name, n) => {
                 declare(name, name, self.array(*n));
                 declare(COUNTER, "k", "DINT".into());
             }
-            Step::For { name, .. } => declare(name, name, "DINT".into()),
-            Step::Do(Expr::Call(called, _)) => match program.function(called).is_some_and(|f| f.returns.is_empty()) {
-                true => declare(DONE, "done", "BOOL".into()),
-                false => declare(UNUSED, "unused", number.clone()),
-            },
+            Statement::For { name, .. } => declare(name, name, "DINT".into()),
+            Statement::Do(Expr::Call(called, _)) => {
+                match program.function(called).is_some_and(|f| f.returns.is_empty()) {
+                    true => declare(DONE, "done", "BOOL".into()),
+                    false => declare(UNUSED, "unused", number.clone()),
+                }
+            }
             _ => {}
         };
         function.steps.iter().for_each(|step| step.all(&mut look));
@@ -154,9 +156,9 @@ impl St<'_> {
     fn counted(&self, block: &str) -> bool {
         self.whole.program.block(block).is_some_and(|b| {
             b.fields.iter().any(|field| match &field.holds {
-                Holds::Number(_) => false,
-                Holds::Numbers(_) => true,
-                Holds::Block(inner) => self.counted(inner),
+                FieldValue::Number(_) => false,
+                FieldValue::Numbers(_) => true,
+                FieldValue::Block(inner) => self.counted(inner),
             })
         })
     }

@@ -10,7 +10,7 @@
 //!
 //! Reference: as [`piezoid::compensation`]. It does not do: the way there, from standing still to what repeats.
 
-use piezoid::compensation::{FeedForward, How, Learning};
+use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
 use piezoid::error::{Error, finite};
 use piezoid::hammerstein::Model;
 use piezoid::number::{round, short};
@@ -28,7 +28,7 @@ const PATIENCE: usize = 1_000_000;
 const TRIALS: usize = 21;
 
 /// One period of a drive that repeats.
-pub(super) struct Drive {
+pub(super) struct PeriodicDrive {
     /// What is wanted [output unit].
     pub(super) r: Vec<f64>,
     /// The voltage [V].
@@ -37,13 +37,13 @@ pub(super) struct Drive {
     pub(super) notes: Vec<String>,
 }
 
-impl Drive {
+impl PeriodicDrive {
     /// The drive that makes `model` follow `r` [output unit], all of which is one period unless it repeats.
     ///
     /// # Errors
     /// A reference that stands still, that does not join its beginning, or that [`learn`] refuses; limits that the step
     /// from the last sample to the first exceeds.
-    pub(super) fn new(model: &Model, how: How, r: &[f64]) -> Result<Self, Error> {
+    pub(super) fn new(model: &Model, settings: FeedForwardSettings, r: &[f64]) -> Result<Self, Error> {
         finite("reference", r)?;
         let n = period(r).unwrap_or(r.len());
         let whole = r.len();
@@ -52,16 +52,20 @@ impl Drive {
         if n < whole {
             notes.push(format!("the reference repeats after {n} of its {whole} samples: this is the period"));
         }
-        let inverse = FeedForward::new(model, how)?;
+        let inverse = FeedForward::new(model, settings)?;
         // The plant is the model, so that its inverse is right: no caution.
         let whole_steps = Learning { trials: TRIALS, gain: 1.0, cutoff_hz: None };
         let learned = whole_steps.run(&mut |u| answer(model, u).y, &inverse, &r)?;
         // A step back to the beginning that is too fast goes on into it.
-        let u = if how.clip { how.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n) } else { learned.u };
+        let u = if settings.clip {
+            settings.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n)
+        } else {
+            learned.u
+        };
         let joined = [u.as_slice(), &u[..1]].concat();
-        how.limits.refuse(&joined, model.ts())?;
+        settings.limits.refuse(&joined, model.ts())?;
         notes.extend(inverse.beyond(&joined));
-        Ok(Drive { r, u, notes })
+        Ok(PeriodicDrive { r, u, notes })
     }
 }
 
@@ -166,7 +170,12 @@ mod tests {
         for name in ["preisach", "prandtl-ishlinskii"] {
             let creeping = model(name, Creep::logarithmic(1e-3, 0.02, 0.01, 10.0).unwrap());
             let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-            let drive = Drive::new(&creeping, How { limits, ..How::default() }, &sine(100, 60.0)).unwrap();
+            let drive = PeriodicDrive::new(
+                &creeping,
+                FeedForwardSettings { limits, ..FeedForwardSettings::default() },
+                &sine(100, 60.0),
+            )
+            .unwrap();
             let Answer { y, differs } = answer(&creeping, &drive.u);
             assert!(differs <= SAME, "{name}: {differs}");
             let left = y.iter().zip(&drive.r).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
@@ -177,7 +186,7 @@ mod tests {
     #[test]
     fn one_period_is_taken_of_a_reference_that_repeats() {
         let still = model("prandtl-ishlinskii", Creep::new(1e-3, Vec::new()).unwrap());
-        let drive = Drive::new(&still, How::default(), &sine(50, 60.0).repeat(3)).unwrap();
+        let drive = PeriodicDrive::new(&still, FeedForwardSettings::default(), &sine(50, 60.0).repeat(3)).unwrap();
         assert_eq!((drive.u.len(), drive.r.len()), (50, 50));
         assert!(drive.notes[0].contains("after 50 of its 150 samples"), "{:?}", drive.notes);
     }

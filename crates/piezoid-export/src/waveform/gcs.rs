@@ -16,7 +16,7 @@
 //! sends them (`gcscommands.WAV_PNT`, `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py); period = servo cycle x
 //! WTR x points and 50 us, E-727 user manual E727T0005. It does not do: axes and tables other than the first, closed loop, triggers.
 
-use super::table::{Room, Table};
+use super::table::{TableCapacity, WaveTable};
 use crate::template::{render, template};
 use piezoid::error::Error;
 
@@ -27,13 +27,13 @@ const POINTS: usize = 4096;
 const DECIMALS: usize = 4;
 
 /// The drive `u` [V], every `ts` [s], for servo cycles of this length [s].
-pub(super) fn table(u: &[f64], ts: f64, cycle: f64) -> Result<Table, Error> {
-    Table::new(Room { cycle, points: POINTS, cycles: 65535 }, u, ts, (0.0, 1.0), DECIMALS)
+pub(super) fn table(u: &[f64], ts: f64, cycle: f64) -> Result<WaveTable, Error> {
+    WaveTable::new(TableCapacity { cycle, points: POINTS, cycles: 65535 }, u, ts, (0.0, 1.0), DECIMALS)
 }
 
 /// The commands.
-pub(super) fn commands(table: &Table) -> Result<String, Error> {
-    render(template!("waveform/gcs.txt.j2"), table.told())
+pub(super) fn commands(table: &WaveTable) -> Result<String, Error> {
+    render(template!("waveform/gcs.txt.j2"), table.template_context())
 }
 
 #[cfg(test)]

@@ -18,16 +18,16 @@ mod nv200;
 mod table;
 
 use super::template::{Value, context, render, template};
-use super::{ExportOptions, File, Made, Target, Wanted, named};
-use drive::{Drive, answer};
+use super::{ExportOptions, ExportRequest, ExportTarget, Exported, File, named};
+use drive::{PeriodicDrive, answer};
 use piezoid::error::{Error, positive};
 use piezoid::hammerstein::Model;
 use piezoid::number::{round, short};
 use piezoid::series::ends;
 use piezoid::system::System;
-use table::{Figures, Room, Table};
+use table::{Figures, TableCapacity, WaveTable};
 
-pub(super) const TARGET: Target = Target {
+pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "waveform",
     summary: "the drive of a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
     reference: "PI GCS 2.0, E-727 user manual E727T0005; piezosystem jena NV200/D NET instruction manual",
@@ -41,10 +41,10 @@ const DECIMALS: usize = 4;
 /// Displacements are rounded to this share of the stroke, or finer.
 const FINE: f64 = 1e-6;
 
-fn make(wanted: &Wanted) -> Result<Made, Error> {
-    named(wanted.name(), "")?;
-    let (model, name, ts) = (wanted.model, wanted.name(), wanted.model.ts());
-    let Some(r) = wanted.reference else {
+fn make(request: &ExportRequest) -> Result<Exported, Error> {
+    named(request.name(), "")?;
+    let (model, name, ts) = (request.model, request.name(), request.model.ts());
+    let Some(r) = request.reference else {
         return Err(Error::parameter("reference", "none", "must be given: one period of the wanted displacement"));
     };
     let found = &model.units().u;
@@ -52,22 +52,23 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
         let what = "the model's input".into();
         return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of the tables,".into() });
     }
-    let ExportOptions { servo_cycle, range, .. } = wanted.options;
+    let ExportOptions { servo_cycle, range, .. } = request.options;
     positive("servo_cycle", servo_cycle, "seconds")?;
-    let drive = Drive::new(model, wanted.how, r)?;
-    let plain = Table::new(Room { cycle: ts, points: usize::MAX, cycles: 1 }, &drive.u, ts, (0.0, 1.0), DECIMALS)?;
+    let drive = PeriodicDrive::new(model, request.settings, r)?;
+    let plain =
+        WaveTable::new(TableCapacity { cycle: ts, points: usize::MAX, cycles: 1 }, &drive.u, ts, (0.0, 1.0), DECIMALS)?;
     let wave = gcs::table(&drive.u, ts, servo_cycle)?;
     let buffer = range.map(|range| nv200::table(&drive.u, ts, range)).transpose()?;
 
-    let mut made = Made { files: Vec::new(), notes: drive.notes.clone() };
+    let mut made = Exported { files: Vec::new(), notes: drive.notes.clone() };
     let mut tables = Vec::new();
-    let mut add = |whose, end, table: &Table, text| {
+    let mut add = |whose, end, table: &WaveTable, text| {
         let (told, sentence) = stated(whose, format!("{name}{end}"), table, model, &drive);
         tables.push(told);
         made.files.push(File::new(format!("{name}{end}"), text));
         sentence
     };
-    let mut sentences = vec![add("the model's own", ".csv", &plain, rows(wanted, &drive, &plain)?)];
+    let mut sentences = vec![add("the model's own", ".csv", &plain, rows(request, &drive, &plain)?)];
     sentences.push(add("PI GCS 2.0", "_gcs.txt", &wave, gcs::commands(&wave)?));
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?)),
@@ -89,7 +90,7 @@ fn make(wanted: &Wanted) -> Result<Made, Error> {
 }
 
 /// What the page is told of a table, errors in percent, and what a terminal says of it.
-fn stated(whose: &str, file: String, table: &Table, model: &Model, drive: &Drive) -> (Value, String) {
+fn stated(whose: &str, file: String, table: &WaveTable, model: &Model, drive: &PeriodicDrive) -> (Value, String) {
     let Figures { period, u, y, differs } = table.figures(model, drive);
     let off = if period == 0.0 { String::new() } else { format!(", period {} % off", short(100.0 * period)) };
     let sentence = format!(
@@ -103,19 +104,19 @@ fn stated(whose: &str, file: String, table: &Table, model: &Model, drive: &Drive
         whose, file, point => table.point(), period => 100.0 * period, differs,
         u_rms => u.rms, u_largest => u.largest, y_rms => y.rms, y_largest => y.largest,
     };
-    (context! { ..figures, ..table.told() }, sentence)
+    (context! { ..figures, ..table.template_context() }, sentence)
 }
 
 /// How far off the model is at most in the first period from standing still at the first voltage [% of the stroke].
-fn beginning(model: &Model, drive: &Drive) -> f64 {
+fn beginning(model: &Model, drive: &PeriodicDrive) -> f64 {
     let y = model.resume(&mut model.settled(drive.u.first().copied().unwrap_or(0.0)), &drive.u);
     let (low, high) = ends(drive.r.iter().copied());
     100.0 * y.iter().zip(&drive.r).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max) / (high - low)
 }
 
 /// The table as CSV: time, voltage, what is wanted, and what the model answers.
-fn rows(wanted: &Wanted, drive: &Drive, table: &Table) -> Result<String, Error> {
-    let (model, y) = (wanted.model, &wanted.model.units().y);
+fn rows(request: &ExportRequest, drive: &PeriodicDrive, table: &WaveTable) -> Result<String, Error> {
+    let (model, y) = (request.model, &request.model.units().y);
     let (low, high) = ends(drive.r.iter().copied());
     let digits = (0..300).map(|k| 10f64.powi(k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
     let rounded = |x: &[f64]| x.iter().map(|x| (digits * x).round() / digits + 0.0).collect::<Vec<_>>();

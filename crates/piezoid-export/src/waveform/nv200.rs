@@ -20,14 +20,14 @@
 //! `WaveformGenerator`); nano box USB manual, section 9.1.1.23. It does not do: closed loop, `gparb` in micrometres, which is
 //! for it; saving in the amplifier (`gsave`).
 
-use super::table::{Room, Table};
+use super::table::{TableCapacity, WaveTable};
 use crate::template::{render, template};
 use piezoid::error::Error;
 use piezoid::number::{round, short};
 use piezoid::series::ends;
 
 /// What its buffer holds, and its time base.
-const ROOM: Room = Room { cycle: 5e-5, points: 1024, cycles: 65535 };
+const ROOM: TableCapacity = TableCapacity { cycle: 5e-5, points: 1024, cycles: 65535 };
 
 /// Digits after the point: a millionth of the range.
 const DECIMALS: usize = 4;
@@ -35,8 +35,8 @@ const DECIMALS: usize = 4;
 /// The drive `u` [V], every `ts` [s], for an amplifier whose 0 % and 100 % are the ends of `range` [V].
 ///
 /// # Errors
-/// A drive that leaves the range, or a range that is none; else as [`Table::new`].
-pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<Table, Error> {
+/// A drive that leaves the range, or a range that is none; else as [`WaveTable::new`].
+pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<WaveTable, Error> {
     let (low, high) = range;
     let told = format!("{} to {} V", round(low), round(high));
     if !(low < high && (high - low).is_finite()) {
@@ -47,12 +47,12 @@ pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<Table, Erro
         let rule = format!("must hold the drive, which goes from {} to {} V", short(lowest), short(highest));
         return Err(Error::parameter("range", told, rule));
     }
-    Table::new(ROOM, u, ts, (low, (high - low) / 100.0), DECIMALS)
+    WaveTable::new(ROOM, u, ts, (low, (high - low) / 100.0), DECIMALS)
 }
 
 /// The commands.
-pub(super) fn commands(table: &Table) -> Result<String, Error> {
-    render(template!("waveform/nv200.txt.j2"), table.told())
+pub(super) fn commands(table: &WaveTable) -> Result<String, Error> {
+    render(template!("waveform/nv200.txt.j2"), table.template_context())
 }
 
 #[cfg(test)]

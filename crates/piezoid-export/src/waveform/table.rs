@@ -12,7 +12,7 @@
 //! last whole samples; where they do not, what happens within a sample is not told. Of points that are shorter than a
 //! sample, those wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
 
-use super::drive::{Answer, Drive, answer};
+use super::drive::{Answer, PeriodicDrive, answer};
 use crate::template::{Value, context};
 use piezoid::error::Error;
 use piezoid::hammerstein::Model;
@@ -25,7 +25,7 @@ const NONE: f64 = 1e-9;
 
 /// What a controller has room for.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Room {
+pub(super) struct TableCapacity {
     /// Its cycle [s].
     pub(super) cycle: f64,
     /// Points at most.
@@ -34,7 +34,7 @@ pub(super) struct Room {
     pub(super) cycles: usize,
 }
 
-impl Room {
+impl TableCapacity {
     /// Points, and cycles each is held for, of a period of `n` samples every `ts` [s].
     ///
     /// # Errors
@@ -65,7 +65,7 @@ impl Room {
 }
 
 /// A table as a file holds it.
-pub(super) struct Table {
+pub(super) struct WaveTable {
     /// The points as they are written.
     pub(super) written: Vec<String>,
     /// The voltages that a controller makes of them [V].
@@ -76,14 +76,14 @@ pub(super) struct Table {
     pub(super) cycle: f64,
 }
 
-impl Table {
+impl WaveTable {
     /// The drive `u` [V], every `ts` [s], as a controller with this room holds it: numbers with so many decimals, of which
     /// 0 stands for `zero` volts and 1 for `scale` volts more.
     ///
     /// # Errors
-    /// As [`Room::shape`].
+    /// As [`TableCapacity::shape`].
     pub(super) fn new(
-        room: Room,
+        room: TableCapacity,
         u: &[f64],
         ts: f64,
         (zero, scale): (f64, f64),
@@ -94,7 +94,7 @@ impl Table {
         let digits = 10f64.powi(decimals as i32);
         let rounded = |v: f64| (digits * (v - zero) / scale).round() / digits + 0.0;
         let values: Vec<f64> = fitted(u, points).into_iter().map(rounded).collect();
-        Ok(Table {
+        Ok(WaveTable {
             written: values.iter().map(|value| format!("{value:.decimals$}")).collect(),
             held: values.iter().map(|value| zero + scale * value).collect(),
             cycles,
@@ -103,7 +103,7 @@ impl Table {
     }
 
     /// What templates are told.
-    pub(super) fn told(&self) -> Value {
+    pub(super) fn template_context(&self) -> Value {
         context! { points => self.written.iter().collect::<Value>(), cycles => self.cycles }
     }
 
@@ -118,7 +118,7 @@ impl Table {
     }
 
     /// What is lost.
-    pub(super) fn figures(&self, model: &Model, drive: &Drive) -> Figures {
+    pub(super) fn figures(&self, model: &Model, drive: &PeriodicDrive) -> Figures {
         let (n, points) = (drive.u.len(), self.held.len());
         let off =
             |(i, j, length): (usize, usize, usize)| (drive.u[i] - self.held[j], length as f64 / (n * points) as f64);
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    const ROOM: Room = Room { cycle: 5e-5, points: 1024, cycles: 65535 };
+    const ROOM: TableCapacity = TableCapacity { cycle: 5e-5, points: 1024, cycles: 65535 };
 
     #[test]
     fn the_drive_itself_is_the_table_where_its_samples_last_whole_cycles() {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::Model;
 use crate::testing::assert_close;
-use piezoid::compensation::How;
+use piezoid::compensation::FeedForwardSettings;
 use piezoid::creep::Creep;
 use piezoid::excitation::Limits;
 use piezoid::hysteresis::Operator;
@@ -26,20 +26,23 @@ fn sine(n: usize, height: f64) -> Vec<f64> {
     (0..n).map(|t| height * (TAU * t as f64 / n as f64).sin()).collect()
 }
 
-fn limits() -> How {
-    How { limits: Limits { low: Some(-25.0), high: Some(25.0), ..Limits::default() }, ..How::default() }
+fn limits() -> FeedForwardSettings {
+    FeedForwardSettings {
+        limits: Limits { low: Some(-25.0), high: Some(25.0), ..Limits::default() },
+        ..FeedForwardSettings::default()
+    }
 }
 
-fn made(model: &Model, r: &[f64]) -> Made {
-    make(&Wanted { reference: Some(r), how: limits(), ..ranged(model) }).unwrap()
+fn made(model: &Model, r: &[f64]) -> Exported {
+    make(&ExportRequest { reference: Some(r), settings: limits(), ..ranged(model) }).unwrap()
 }
 
-fn ranged(model: &Model) -> Wanted<'_> {
+fn ranged(model: &Model) -> ExportRequest<'_> {
     let options = ExportOptions { name: "scan".into(), range: Some((-30.0, 120.0)), ..ExportOptions::default() };
-    Wanted { options, ..Wanted::new(model, "scan") }
+    ExportRequest { options, ..ExportRequest::new(model, "scan") }
 }
 
-fn text<'m>(made: &'m Made, path: &str) -> &'m str {
+fn text<'m>(made: &'m Exported, path: &str) -> &'m str {
     std::str::from_utf8(&made.files.iter().find(|f| f.name == path).unwrap().bytes).unwrap()
 }
 
@@ -52,12 +55,12 @@ fn column(csv: &str, number: usize) -> Vec<f64> {
 fn played(commands: &str) -> (Vec<f64>, f64) {
     let (mut points, mut cycles) = (Vec::new(), 0.0);
     for line in commands.lines() {
-        let words: Vec<&str> = line.split([' ', ',']).collect();
-        match words[..] {
-            ["WAV", "1", how, "PNT", first, count, ..] => {
-                assert_eq!(how == "X", points.is_empty());
-                assert_eq!((first.parse(), count.parse()), (Ok(points.len() + 1), Ok(words.len() - 6)));
-                points.extend(words[6..].iter().map(|v| v.parse::<f64>().unwrap()));
+        let printer: Vec<&str> = line.split([' ', ',']).collect();
+        match printer[..] {
+            ["WAV", "1", settings, "PNT", first, count, ..] => {
+                assert_eq!(settings == "X", points.is_empty());
+                assert_eq!((first.parse(), count.parse()), (Ok(points.len() + 1), Ok(printer.len() - 6)));
+                points.extend(printer[6..].iter().map(|v| v.parse::<f64>().unwrap()));
             }
             ["gbarb", index, percent] => {
                 assert_eq!(index.parse(), Ok(points.len()));
@@ -72,7 +75,7 @@ fn played(commands: &str) -> (Vec<f64>, f64) {
 }
 
 /// The figures that the page states of a file: period off, u rms and largest, y rms and largest, all in percent.
-fn stated(made: &Made, file: &str) -> Vec<f64> {
+fn stated(made: &Exported, file: &str) -> Vec<f64> {
     let row = text(made, "scan.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
     row.split('|').skip(5).filter_map(|cell| cell.trim().parse().ok()).collect()
 }
@@ -146,23 +149,28 @@ fn every_table_stays_within_the_limits() {
     // A triangle that asks for more than the slew.
     let r: Vec<f64> = (0..1500).map(|t| 400.0 - 1.6 * (f64::from(t % 1500) - 750.0).abs()).map(|r| r * 0.6).collect();
     let limits = Limits { low: Some(-25.0), high: Some(25.0), slew: Some(45.0), ..Limits::default() };
-    let how = How { limits, clip: true, ..How::default() };
+    let settings = FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() };
     let model = model("prandtl-ishlinskii", "um", 1.0);
-    let made = make(&Wanted { reference: Some(&r), how, ..ranged(&model) }).unwrap();
+    let made = make(&ExportRequest { reference: Some(&r), settings, ..ranged(&model) }).unwrap();
     for file in ["scan_gcs.txt", "scan_nv200.txt"] {
         let (points, held) = played(text(&made, file));
         // Rounding to 0.15 mV adds to the slew.
         let usage = limits.check(&[points.as_slice(), &points[..1]].concat(), held).unwrap();
         assert!(usage.slew.value < 45.0 + 1.5e-4 / held && usage.slew.value > 40.0, "{file}: {usage:?}");
     }
-    let strict = Wanted { reference: Some(&r), how: How { limits, ..How::default() }, ..Wanted::new(&model, "scan") };
+    let strict = ExportRequest {
+        reference: Some(&r),
+        settings: FeedForwardSettings { limits, ..FeedForwardSettings::default() },
+        ..ExportRequest::new(&model, "scan")
+    };
     assert!(make(&strict).unwrap_err().to_string().starts_with("the drive exceeds its limits: slew"));
 }
 
 #[test]
 fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
-    let made = make(&Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") }).unwrap();
+    let made =
+        make(&ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") }).unwrap();
     let paths: Vec<&str> = made.files.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan.md"]);
     assert!(made.notes.iter().any(|note| note.contains("give the voltages of 0 % and 100 %")), "{:?}", made.notes);
@@ -172,23 +180,25 @@ fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
 #[test]
 fn what_makes_no_table_is_refused_by_name() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
-    let plain = || Wanted { reference: Some(&r), how: limits(), ..Wanted::new(&model, "scan") };
-    let said = |wanted: Wanted| make(&wanted).unwrap_err().to_string();
-    assert!(said(Wanted { reference: None, ..plain() }).starts_with("reference = none: must be given"));
+    let plain = || ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") };
+    let said = |request: ExportRequest| make(&request).unwrap_err().to_string();
+    assert!(said(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
     let single = ExportOptions { float: true, ..ExportOptions::default() }.run("waveform", &model, Some(&r), None);
     assert!(single.unwrap_err().to_string().starts_with("float = true: is not for the target waveform, but for c,"));
     let c = ExportOptions::default().run("c", &model, Some(&r), None);
     assert!(c.unwrap_err().to_string().ends_with("is not for the target c, but for waveform"));
     let options = ExportOptions { name: "9".into(), ..ExportOptions::default() };
-    assert!(said(Wanted { options, ..plain() }).starts_with("name = `9`"));
+    assert!(said(ExportRequest { options, ..plain() }).starts_with("name = `9`"));
     let far = sine(100, 1e5);
-    assert!(said(Wanted { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
-    assert!(said(Wanted { reference: Some(&r[..60]), ..plain() }).contains("must join its beginning"));
+    assert!(said(ExportRequest { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
+    assert!(said(ExportRequest { reference: Some(&r[..60]), ..plain() }).contains("must join its beginning"));
     let options = ExportOptions { servo_cycle: 0.0, ..ExportOptions::default() };
-    assert!(said(Wanted { options, ..plain() }).starts_with("servo_cycle = 0"));
+    assert!(said(ExportRequest { options, ..plain() }).starts_with("servo_cycle = 0"));
     let millivolts = model.clone().with_units(Units { u: "mV".into(), y: "um".into() });
-    let how = How::default();
-    assert!(said(Wanted { model: &millivolts, how, ..plain() }).contains("the model's input is in mV but V"));
+    let settings = FeedForwardSettings::default();
+    assert!(
+        said(ExportRequest { model: &millivolts, settings, ..plain() }).contains("the model's input is in mV but V")
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Reports as one HTML file: text, figures and tables that open from disk, on a desk or a phone, and print.
 //!
-//! A [`Page`] is a title and [`Section`]s; a section is text, [`Figure`](crate::plot::Figure)s, [`Table`]s, callouts
+//! A [`Page`] is a title and [`Section`]s; a section is text, [`Figure`](crate::plot::Figure)s, [`PageTable`]s, callouts
 //! and [`Fact`]s in the order they are added. Figures, tables and sections number themselves, and longer pages get a
 //! table of contents. The file asks for nothing from the network and works without scripts; it is light or dark as the
 //! system wishes, and a button, where scripts run, chooses the other.
@@ -8,12 +8,12 @@
 //! The same page gives the same bytes: dates, paths and versions are in it only if the caller writes them there.
 //!
 //! ```
-//! use piezoid_report::page::{Fact, Page, Section, Table};
+//! use piezoid_report::page::{Fact, Page, Section, PageTable};
 //! let page = Page::new("Hammerstein model of a bender").subtitle("identified from a record at 5 Hz")
 //!     .section(Section::new("Result")
 //!         .facts([Fact::new("0.84", "%", "rms error of the test, of peak-to-peak")])
 //!         .text("The model follows the test record.")
-//!         .table(Table::new("Poles").number("f [Hz]").number("damping").row(["146.7", "0.061"])));
+//!         .table(PageTable::new("Poles").number("f [Hz]").number("damping").row(["146.7", "0.061"])));
 //! assert!(page.html().starts_with("<!DOCTYPE html>"));
 //! ```
 
@@ -21,13 +21,13 @@ mod section;
 mod table;
 mod text;
 
-pub use section::{Fact, Section};
-pub use table::{Cell, Table};
-pub use text::Text;
+pub(crate) use section::{Fact, Section};
+pub(crate) use table::{Cell, PageTable};
+pub(crate) use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{self, escape};
-use section::Numbers;
+use crate::plot::{Figure, escape};
+use section::Numbering;
 use std::fmt::Write;
 
 /// Chooses light or dark; shown only where it works.
@@ -65,14 +65,14 @@ impl Page {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
              <style>\n{}{}</style>\n</head>\n<body>\n",
-            plot::style(),
+            Figure::style(),
             include_str!("style.css")
         );
         let subtitle = if subtitle.is_empty() { subtitle } else { format!("<p class=\"subtitle\">{subtitle}</p>\n") };
         let _ = writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}</header>");
         self.contents(&mut out);
         out.push_str("<main>\n");
-        let (mut numbers, mut n) = (Numbers::default(), 0);
+        let (mut numbers, mut n) = (Numbering::default(), 0);
         for section in &self.sections {
             if section.title().is_empty() {
                 out.push_str("<div class=\"section\">\n");
@@ -115,7 +115,7 @@ mod tests {
         let figure = || {
             Figure::new("Loop <1>", "It & that").panel(Axes::new("u", "z").with(Series::line(&[0.0, 1.0], &[0.0, 1.0])))
         };
-        let table = || Table::new("T & t").text("a<b").number("n").row(["<", "1"]).note("n & m");
+        let table = || PageTable::new("T & t").text("a<b").number("n").row(["<", "1"]).note("n & m");
         Page::new("A < B & \"C\"")
             .subtitle("<script>alert(1)</script>")
             .section(Section::new("").facts([Fact::new("<1", "&", "what")]))

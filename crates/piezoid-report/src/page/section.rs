@@ -1,6 +1,6 @@
 //! A section of a page: a heading, and blocks under it in the order they are added.
 
-use super::table::Table;
+use super::table::PageTable;
 use super::text::Text;
 use crate::plot::{Figure, escape};
 use std::fmt::Write;
@@ -15,7 +15,7 @@ enum StudyBlock {
     Facts(Vec<Fact>),
     Figure(Figure),
     Figures { columns: usize, title: Text, caption: Text, figures: Vec<Figure> },
-    Table(Table),
+    Table(PageTable),
 }
 
 /// A number worth showing large: its value, its unit and what it is.
@@ -45,7 +45,7 @@ pub struct Section {
 
 /// How many figures and tables a page has shown so far.
 #[derive(Debug, Default)]
-pub(super) struct Numbers {
+pub(super) struct Numbering {
     figures: usize,
     tables: usize,
 }
@@ -119,7 +119,7 @@ impl Section {
     }
 
     /// A table.
-    pub fn table(self, table: Table) -> Self {
+    pub fn table(self, table: PageTable) -> Self {
         self.with(StudyBlock::Table(table))
     }
 
@@ -129,13 +129,13 @@ impl Section {
     }
 
     /// Writes its blocks.
-    pub(super) fn write(&self, out: &mut String, numbers: &mut Numbers) {
+    pub(super) fn write(&self, out: &mut String, numbers: &mut Numbering) {
         self.blocks.iter().for_each(|block| block.write(out, numbers));
     }
 }
 
 impl StudyBlock {
-    fn write(&self, out: &mut String, numbers: &mut Numbers) {
+    fn write(&self, out: &mut String, numbers: &mut Numbering) {
         let _ = match self {
             StudyBlock::Heading(text) => writeln!(out, "<h3>{}</h3>", text.html()),
             StudyBlock::Paragraph(text) => writeln!(out, "<p>{}</p>", text.html()),

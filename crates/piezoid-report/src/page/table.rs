@@ -37,8 +37,8 @@ impl<T: Into<Text>> From<T> for Cell {
 /// A table with its number, title and notes.
 ///
 /// ```
-/// use piezoid_report::page::{Cell, Table};
-/// let table = Table::new("Error of the paper's rule")
+/// use piezoid_report::page::{Cell, PageTable};
+/// let table = PageTable::new("Error of the paper's rule")
 ///     .number("f [Hz]")
 ///     .number("MSE [mm²]")
 ///     .text("verdict")
@@ -47,7 +47,7 @@ impl<T: Into<Text>> From<T> for Cell {
 ///     .note("MSE over the second half of the record.");
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Table {
+pub struct PageTable {
     title: Text,
     /// Heading, and whether numbers stand below it.
     columns: Vec<(Text, bool)>,
@@ -55,10 +55,10 @@ pub struct Table {
     notes: Vec<Text>,
 }
 
-impl Table {
+impl PageTable {
     /// An empty table.
     pub fn new(title: impl Into<Text>) -> Self {
-        Table { title: title.into(), columns: Vec::new(), rows: Vec::new(), notes: Vec::new() }
+        PageTable { title: title.into(), columns: Vec::new(), rows: Vec::new(), notes: Vec::new() }
     }
 
     /// One more column, of words: aligned to the left.
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn rows_of_any_length_make_a_rectangle() {
-        let table = Table::new("t").text("a").number("b").row(["1"]).row(["1", "2", "3"]);
+        let table = PageTable::new("t").text("a").number("b").row(["1"]).row(["1", "2", "3"]);
         let mut out = String::new();
         table.write(&mut out, 1);
         assert_eq!((out.matches("<td").count(), out.matches("<th ").count()), (6, 3));

@@ -69,7 +69,7 @@ impl Axis {
         });
         let given = !self.ticks.is_empty();
         let free = range.is_none() && !self.tight && !given;
-        let step = ticks::Step::nice((high - low) / count.max(1) as f64);
+        let step = ticks::TickStep::nice((high - low) / count.max(1) as f64);
         match (free, self.log) {
             (true, true) => (low, high) = (ticks::log_floor(low), ticks::log_ceil(high)),
             (true, false) => (low, high) = step.enclose(low, high),

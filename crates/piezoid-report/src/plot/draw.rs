@@ -1,9 +1,9 @@
 //! Draws one series into its panel.
 
 use super::decimate;
-use super::path::{Path, Point};
+use super::path::{PathData, Point};
 use super::scale::Scale;
-use super::series::{Kind, Series};
+use super::series::{Series, SeriesKind};
 use super::svg::{MARKED, Svg, marker};
 
 /// Most dots a series draws, and most lone points of a broken line.
@@ -18,12 +18,12 @@ pub(super) fn series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
     let runs = runs(series, x, y);
     svg.open_role(series.role);
     match series.kind {
-        Kind::Dots => svg.dots(&decimate::dots(&runs.concat(), DOTS)),
-        Kind::Band => band(svg, series, x, y),
-        Kind::Dashed => lines(svg, "pz-dash", &runs),
-        Kind::Line => lines(svg, "pz-line", &runs),
-        Kind::Step => lines(svg, "pz-line", &runs.iter().map(|run| held(run)).collect::<Vec<_>>()),
-        Kind::Marked => {
+        SeriesKind::Dots => svg.dots(&decimate::dots(&runs.concat(), DOTS)),
+        SeriesKind::Band => band(svg, series, x, y),
+        SeriesKind::Dashed => lines(svg, "pz-dash", &runs),
+        SeriesKind::Line => lines(svg, "pz-line", &runs),
+        SeriesKind::Step => lines(svg, "pz-line", &runs.iter().map(|run| held(run)).collect::<Vec<_>>()),
+        SeriesKind::Marked => {
             lines(svg, "pz-line", &runs);
             let places = decimate::dots(&decimate::markers(&runs.concat(), APART), MARKERS);
             svg.shape(MARKED, &marker(series.role, &places));
@@ -48,7 +48,7 @@ fn runs(series: &Series, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
 
 /// All runs as one path. Points with gaps on both sides become dots.
 fn lines(svg: &mut Svg, class: &str, runs: &[Vec<Point>]) {
-    let mut path = Path::default();
+    let mut path = PathData::default();
     let mut lone = Vec::new();
     for run in runs {
         match run[..] {

@@ -1,6 +1,6 @@
 //! The row above a panel that names its series: never over the data.
 
-use super::series::{Kind, Series};
+use super::series::{Series, SeriesKind};
 use super::svg::{MARKED, Svg, marker};
 use super::text::width;
 
@@ -44,17 +44,17 @@ impl Legend {
             svg.open_role(s.role);
             let (from, to) = ([x, y], [x + SWATCH, y]);
             match s.kind {
-                Kind::Line | Kind::Step => svg.stroke("pz-line", &[from, to]),
-                Kind::Dashed => svg.stroke("pz-dash", &[from, to]),
-                Kind::Marked => {
+                SeriesKind::Line | SeriesKind::Step => svg.stroke("pz-line", &[from, to]),
+                SeriesKind::Dashed => svg.stroke("pz-dash", &[from, to]),
+                SeriesKind::Marked => {
                     svg.stroke("pz-line", &[from, to]);
                     svg.shape(MARKED, &marker(s.role, &[[x + SWATCH / 2.0, y]]));
                 }
-                Kind::Dots => {
+                SeriesKind::Dots => {
                     let dots = [[4.0, 2.0], [9.0, -3.0], [13.0, 3.0], [18.0, -1.0]].map(|[dx, dy]| [x + dx, y + dy]);
                     svg.dots(&dots);
                 }
-                Kind::Band => svg.shape(
+                SeriesKind::Band => svg.shape(
                     "pz-band",
                     &svg.outline(&[[x, y - 6.0], [x + SWATCH, y - 6.0], [x + SWATCH, y + 6.0], [x, y + 6.0]]),
                 ),

@@ -7,7 +7,7 @@ pub(super) type Point = [f64; 2];
 
 /// The `d` attribute of a path, as it grows.
 #[derive(Debug, Default)]
-pub(super) struct Path {
+pub(super) struct PathData {
     d: String,
     /// Where the pen stands, and where it was set down last [tenths].
     at: [i64; 2],
@@ -15,7 +15,7 @@ pub(super) struct Path {
     command: char,
 }
 
-impl Path {
+impl PathData {
     /// Lifts the pen and sets it down at `p`.
     pub(super) fn start(&mut self, p: Point) {
         self.step('m', p);
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn a_polyline_is_written_in_relative_steps() {
-        let mut path = Path::default();
+        let mut path = PathData::default();
         path.polyline(&[[1.0, 2.0], [2.5, 1.0], [2.0, 3.0]]);
         path.polyline(&[[9.0, 9.0]]);
         assert_eq!(path.finish(), "m1 2 1.5-1-0.5 2m7 6h0");
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn after_an_outline_is_closed_the_next_one_starts_where_it_should() {
-        let mut path = Path::default();
+        let mut path = PathData::default();
         for x in [0.0, 10.0] {
             path.polyline(&[[x, 0.0], [x + 5.0, 0.0], [x + 5.0, 5.0]]);
             path.close();
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn rounding_does_not_accumulate() {
-        let mut path = Path::default();
+        let mut path = PathData::default();
         let points: Vec<Point> = (0..1000).map(|i| [f64::from(i) * 0.149, 0.0]).collect();
         path.polyline(&points);
         assert_eq!(path.at, [in_tenths(999.0 * 0.149), 0]);

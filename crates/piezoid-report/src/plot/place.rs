@@ -2,7 +2,7 @@
 
 use super::path::Point;
 use super::scale::Scale;
-use super::series::{Kind, Series};
+use super::series::{Series, SeriesKind};
 
 /// Points of a series looked at; more would tell nothing new.
 const LOOKED_AT: usize = 2000;
@@ -20,7 +20,8 @@ pub(super) fn beside_rule(
     at: f64,
     room: Point,
 ) -> Point {
-    let drawn: Vec<Point> = series.iter().filter(|s| s.kind != Kind::Band).flat_map(|s| outline(s, x, y)).collect();
+    let drawn: Vec<Point> =
+        series.iter().filter(|s| s.kind != SeriesKind::Band).flat_map(|s| outline(s, x, y)).collect();
     let (from, to) = (corner[0] + 5.0, corner[0] + size[0] - room[0] - 5.0);
     let above = at - room[1] - 1.0;
     let heights = [above, at + 1.0].into_iter().filter(|h| *h >= corner[1] && h + room[1] <= corner[1] + size[1]);
@@ -38,7 +39,7 @@ fn outline(series: &Series, x: &Scale, y: &Scale) -> Vec<Point> {
     let every = series.points.len().div_ceil(LOOKED_AT).max(1);
     let place = |p: &Point| Some([x.at(p[0])?, y.at(p[1])?]);
     let points: Vec<Point> = series.points.iter().step_by(every).filter_map(place).collect();
-    if series.kind == Kind::Dots {
+    if series.kind == SeriesKind::Dots {
         return points;
     }
     let between = points.windows(2).flat_map(|w| {

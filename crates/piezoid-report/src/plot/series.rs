@@ -4,7 +4,7 @@ use super::palette::Role;
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SeriesKind {
     Line,
     Dashed,
     Step,
@@ -25,7 +25,7 @@ pub(super) enum Kind {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    pub(super) kind: Kind,
+    pub(super) kind: SeriesKind,
     pub(super) role: Role,
     pub(super) name: String,
     /// Pairs `[x, y]`.
@@ -35,40 +35,40 @@ pub struct Series {
 }
 
 impl Series {
-    fn new(kind: Kind, role: Role, x: &[f64], y: &[f64]) -> Self {
+    fn new(kind: SeriesKind, role: Role, x: &[f64], y: &[f64]) -> Self {
         let points = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
         Series { kind, role, name: String::new(), points, lower: Vec::new() }
     }
 
     /// A line through the points, in their order.
     pub fn line(x: &[f64], y: &[f64]) -> Self {
-        Series::new(Kind::Line, Role::Model, x, y)
+        Series::new(SeriesKind::Line, Role::Model, x, y)
     }
 
     /// A dashed line.
     pub fn dashed(x: &[f64], y: &[f64]) -> Self {
-        Series::new(Kind::Dashed, Role::Reference, x, y)
+        Series::new(SeriesKind::Dashed, Role::Reference, x, y)
     }
 
     /// A line that holds each value until the next x.
     pub fn step(x: &[f64], y: &[f64]) -> Self {
-        Series::new(Kind::Step, Role::Model, x, y)
+        Series::new(SeriesKind::Step, Role::Model, x, y)
     }
 
     /// A line with a marker on its points. Each of the accents has its own shape.
     pub fn marked(x: &[f64], y: &[f64]) -> Self {
-        Series::new(Kind::Marked, Role::Accent1, x, y)
+        Series::new(SeriesKind::Marked, Role::Accent1, x, y)
     }
 
     /// A cloud of small, half transparent dots.
     pub fn dots(x: &[f64], y: &[f64]) -> Self {
-        Series::new(Kind::Dots, Role::Measured, x, y)
+        Series::new(SeriesKind::Dots, Role::Measured, x, y)
     }
 
     /// The area between two curves over the same x.
     pub fn band(x: &[f64], lower: &[f64], upper: &[f64]) -> Self {
         let n = x.len().min(lower.len()).min(upper.len());
-        Series { lower: lower[..n].to_vec(), ..Series::new(Kind::Band, Role::Muted, &x[..n], &upper[..n]) }
+        Series { lower: lower[..n].to_vec(), ..Series::new(SeriesKind::Band, Role::Muted, &x[..n], &upper[..n]) }
     }
 
     /// What it is, and so its colour.

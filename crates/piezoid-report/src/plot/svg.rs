@@ -4,7 +4,7 @@
 //! custom properties (a style sheet overrides attributes, so nothing is said twice where it is known).
 
 use super::palette::{Role, ground};
-use super::path::{Path, Point};
+use super::path::{PathData, Point};
 use super::text::{escape, px};
 
 /// Class of markers.
@@ -45,7 +45,7 @@ impl Svg {
 
     /// A line through points, in the colour of the group.
     pub(super) fn stroke(&mut self, class: &str, points: &[Point]) {
-        let mut path = Path::default();
+        let mut path = PathData::default();
         path.polyline(points);
         self.stroked(class, &path.finish());
     }
@@ -68,7 +68,7 @@ impl Svg {
 
     /// Dots, all in one path: round ends of lines of no length.
     pub(super) fn dots(&mut self, points: &[Point]) {
-        let mut path = Path::default();
+        let mut path = PathData::default();
         points.iter().for_each(|p| path.dot(*p));
         let d = path.finish();
         if !d.is_empty() {
@@ -79,7 +79,7 @@ impl Svg {
 
     /// The closed outline of a polygon.
     pub(super) fn outline(&self, points: &[Point]) -> String {
-        let mut path = Path::default();
+        let mut path = PathData::default();
         path.polyline(points);
         path.close();
         path.finish()
@@ -117,7 +117,7 @@ pub(super) fn marker(role: Role, points: &[Point]) -> String {
         Role::Accent5 => &[[0.0, 5.6], [5.2, -3.8], [-5.2, -3.8]],
         _ => &[],
     };
-    let mut path = Path::default();
+    let mut path = PathData::default();
     for [x, y] in points {
         if shape.is_empty() {
             path.start([x - 4.6, *y]);

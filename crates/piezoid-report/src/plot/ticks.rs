@@ -31,20 +31,20 @@ fn rounded(v: f64, decimals: i32) -> f64 {
 
 /// A step `mantissa` times ten to the `exponent`, the mantissa 1, 2 or 5.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Step {
+pub(super) struct TickStep {
     mantissa: f64,
     exponent: i32,
 }
 
-impl Step {
+impl TickStep {
     /// The smallest such step that is not smaller than `least`.
     pub(super) fn nice(least: f64) -> Self {
         let least = if least.is_finite() { least.max(1e-300) } else { 1e307 };
         let exponent = least.log10().floor() as i32;
         let share = least / 10f64.powi(exponent) * (1.0 - 1e-9);
         match [1.0, 2.0, 5.0].into_iter().find(|m| *m >= share) {
-            Some(mantissa) => Step { mantissa, exponent },
-            None => Step { mantissa: 1.0, exponent: exponent + 1 },
+            Some(mantissa) => TickStep { mantissa, exponent },
+            None => TickStep { mantissa: 1.0, exponent: exponent + 1 },
         }
     }
 
@@ -80,7 +80,7 @@ impl Step {
 }
 
 /// The multiples of `step` between two ends, both included.
-pub(super) fn linear(low: f64, high: f64, step: Step) -> Vec<Tick> {
+pub(super) fn linear(low: f64, high: f64, step: TickStep) -> Vec<Tick> {
     let first = (step.count(low) - 1e-9).ceil();
     let last = (step.count(high) + 1e-9).floor();
     let at: Vec<f64> = (0..=(last - first).clamp(0.0, 50.0) as usize).map(|i| step.times(first + i as f64)).collect();
@@ -121,7 +121,7 @@ pub(super) fn log(low: f64, high: f64, count: usize) -> Vec<Tick> {
         }
     }
     let labelled = ticks.iter().filter(|t| !t.label.is_empty()).count();
-    if labelled >= 2 { ticks } else { linear(low, high, Step::nice((high - low) / count.max(1) as f64)) }
+    if labelled >= 2 { ticks } else { linear(low, high, TickStep::nice((high - low) / count.max(1) as f64)) }
 }
 
 fn decade_times(decade: i32, digit: i32) -> f64 {
@@ -162,9 +162,9 @@ mod tests {
 
     #[test]
     fn labels_have_the_decimals_of_their_step() {
-        assert_eq!(labels(&linear(-0.1, 0.1, Step::nice(0.05))), ["−0.10", "−0.05", "0", "0.05", "0.10"]);
-        assert_eq!(labels(&linear(0.0, 3e-6, Step::nice(1e-6))), ["0", "1×10⁻⁶", "2×10⁻⁶", "3×10⁻⁶"]);
-        assert_eq!(labels(&linear(0.0, 20_000.0, Step::nice(1e4))), ["0", "10\u{2009}000", "20\u{2009}000"]);
+        assert_eq!(labels(&linear(-0.1, 0.1, TickStep::nice(0.05))), ["−0.10", "−0.05", "0", "0.05", "0.10"]);
+        assert_eq!(labels(&linear(0.0, 3e-6, TickStep::nice(1e-6))), ["0", "1×10⁻⁶", "2×10⁻⁶", "3×10⁻⁶"]);
+        assert_eq!(labels(&linear(0.0, 20_000.0, TickStep::nice(1e4))), ["0", "10\u{2009}000", "20\u{2009}000"]);
     }
 
     #[test]
@@ -184,7 +184,7 @@ mod tests {
             count in 3..9usize,
         ) {
             let high = low + span;
-            let step = Step::nice(span / count as f64);
+            let step = TickStep::nice(span / count as f64);
             prop_assert!([1.0, 2.0, 5.0].contains(&step.mantissa));
             let (from, to) = step.enclose(low, high);
             let ticks = linear(from, to, step);

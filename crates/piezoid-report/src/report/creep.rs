@@ -1,6 +1,6 @@
 //! Creep in the report: its lags, and what follows a step over the decades of time.
 
-use crate::page::{Section, Table};
+use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::creep::{Creep, Lag};
 use piezoid::number::{round, short};
@@ -13,7 +13,7 @@ pub(super) fn block(section: Section, creep: &Creep) -> Section {
     let lags: Vec<Lag> = creep.lags().iter().filter(|lag| lag.gain != 0.0).copied().collect();
     let ends = |f: fn(f64, f64) -> f64| lags.iter().map(|lag| lag.tau_s).reduce(f);
     let (Some(quickest), Some(slowest)) = (ends(f64::min), ends(f64::max)) else { return section };
-    let table = Table::new("Creep").number("time constant [s]").number("gain [%]");
+    let table = PageTable::new("Creep").number("time constant [s]").number("gain [%]");
     let table = lags.iter().fold(table, |table, lag| table.row([round(lag.tau_s), short(100.0 * lag.gain)]));
     let all = short(100.0 * lags.iter().map(|lag| lag.gain).sum::<f64>());
     section

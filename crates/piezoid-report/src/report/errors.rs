@@ -1,6 +1,6 @@
 //! Where the error lies: by frequency and by amplitude, over all records.
 
-use crate::page::{Section, Table};
+use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::number::short;
@@ -20,7 +20,7 @@ fn one(section: Section, title: &str, label: &str, bins: &[Bin], unit: &str) -> 
     if bins.len() < 2 {
         return section;
     }
-    let table = Table::new(title).number(label).text("of").number(format!("rms error [{unit}]"));
+    let table = PageTable::new(title).number(label).text("of").number(format!("rms error [{unit}]"));
     let table = table.number("rms / std of y [%]").number("rms / peak-to-peak [%]");
     let row = |b: &Bin| {
         let of = match (b.source, b.cycles) {

@@ -1,6 +1,6 @@
 //! The hysteresis block in the report: its law, its parameters, and the loops that it makes by itself.
 
-use crate::page::{Cell, Section, Table, Text};
+use crate::page::{Cell, PageTable, Section, Text};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::hammerstein::Model;
@@ -45,7 +45,7 @@ fn range(model: &Model, trials: &[Compared]) -> Option<(f64, f64)> {
 }
 
 /// An operator on its way between turning points, each a share of its range.
-struct Led<'a> {
+struct OperatorSweep<'a> {
     hysteresis: &'a dyn Hysteresis,
     range: (f64, f64),
     state: Vec<f64>,
@@ -53,11 +53,11 @@ struct Led<'a> {
 }
 
 /// Inputs and outputs along a way.
-type Way = [Vec<f64>; 2];
+type Curve = [Vec<f64>; 2];
 
-impl Led<'_> {
+impl OperatorSweep<'_> {
     /// From where it stands to a turning point, as a sine goes, `n` samples being the whole range.
-    fn to(&mut self, end: f64, n: f64) -> Way {
+    fn to(&mut self, end: f64, n: f64) -> Curve {
         let (from, (low, high)) = (self.at, self.range);
         let n = ((end - from).abs() * n).ceil().max(FEWEST);
         let share = |k: i32| from + (end - from) * 0.5 * (1.0 - (PI * f64::from(k) / n).cos());
@@ -68,15 +68,15 @@ impl Led<'_> {
     }
 
     /// The major loop, up and down, once one before has wiped out the past.
-    fn major(&mut self, n: f64) -> [Way; 2] {
+    fn major(&mut self, n: f64) -> [Curve; 2] {
         self.to(1.0, n);
         self.to(0.0, n);
         [1.0, 0.0].map(|end| self.to(end, n))
     }
 
     /// The minor loops, with gaps between them.
-    fn minor(&mut self, n: f64) -> Way {
-        let mut all: Way = Default::default();
+    fn minor(&mut self, n: f64) -> Curve {
+        let mut all: Curve = Default::default();
         for (k, (from, to)) in MINOR.into_iter().enumerate() {
             if k == MINOR.len() / 2 {
                 self.to(1.0, n);
@@ -94,7 +94,7 @@ impl Led<'_> {
 fn figure(model: &Model, range: (f64, f64)) -> Option<Figure> {
     let hysteresis = model.hysteresis();
     let samples = |hz: f64| 0.5 / (hz * hysteresis.ts());
-    let mut led = Led { hysteresis, range, state: hysteresis.settled(range.0), at: 0.0 };
+    let mut led = OperatorSweep { hysteresis, range, state: hysteresis.settled(range.0), at: 0.0 };
     let (slow, fast) = speeds(model);
     let quick = fast.map(|hz| {
         let [[up_u, up_z], [down_u, down_z]] = led.major(samples(hz));
@@ -151,11 +151,11 @@ fn caption(hysteresis: &dyn Hysteresis, width: f64, slow: f64, fast: Option<f64>
 }
 
 /// The parameters as the model's file has them; of lists, how many and from where to where.
-fn parameters(hysteresis: &dyn Hysteresis) -> Table {
+fn parameters(hysteresis: &dyn Hysteresis) -> PageTable {
     let mut rows = Vec::new();
     let document = Value::Object(hysteresis.params().into_iter().filter(|(name, _)| name != "range").collect());
     collect("", &document, &mut rows);
-    let table = Table::new("Parameters of the hysteresis block").text("parameter").number("value");
+    let table = PageTable::new("Parameters of the hysteresis block").text("parameter").number("value");
     rows.into_iter().fold(table, |table, (name, value)| table.row([Cell::from(Text::new().code(name)), value.into()]))
 }
 

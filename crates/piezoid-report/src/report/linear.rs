@@ -1,6 +1,6 @@
 //! The linear block in the report: read as mechanics, and its frequency response.
 
-use crate::page::{Fact, Section, Table};
+use crate::page::{Fact, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::hammerstein::Model;
 use piezoid::linear::{Arx, ModalForm};
@@ -52,10 +52,10 @@ fn facts(reading: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
     [Some(Fact::new(short(reading.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
 }
 
-fn modes(reading: &ModalForm) -> Table {
-    let table = Table::new("The linear block read as mechanics").text("").number("f [Hz]").number("damping ratio");
+fn modes(reading: &ModalForm) -> PageTable {
+    let table = PageTable::new("The linear block read as mechanics").text("").number("f [Hz]").number("damping ratio");
     let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
-    let table = reading.rows().into_iter().fold(table, Table::row).note(
+    let table = reading.rows().into_iter().fold(table, PageTable::row).note(
         "Shares of the static displacement. Mass and damper of a spring of 1 N/mm at the point where the displacement is measured: both \
          grow in proportion to the stiffness.",
     );
@@ -81,7 +81,7 @@ fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
     let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
     let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
     let (top, low) = match reading.images() {
-        Some(_) => [top, low].map(|panel| panel.over_x(ModalForm::SEEN * half, half, "")).into(),
+        Some(_) => [top, low].map(|panel| panel.over_x(ModalForm::OBSERVABLE * half, half, "")).into(),
         None => (top, low),
     };
     let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {

@@ -12,7 +12,7 @@ mod tracking;
 
 pub use tracking::tracking;
 
-use crate::page::{Fact, Page, Section, Table};
+use crate::page::{Fact, Page, PageTable, Section};
 use piezoid::Validated;
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
@@ -44,7 +44,7 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
 fn proof(validated: &Validated) -> Section {
     let (trials, total) = (&validated.files[..], validated.total());
     let unit = &trials[0].record.units().y;
-    let table = Table::new("Free run against measurement").text("record").number("samples");
+    let table = PageTable::new("Free run against measurement").text("record").number("samples");
     let table = table.number(format!("rms error [{unit}]")).number(format!("largest [{unit}]"));
     let table = table.number("NRMSE [%]").number("rms / peak-to-peak [%]").number("fit [%]");
     let row = |name: &str, m: &Metrics| {
@@ -61,7 +61,7 @@ fn proof(validated: &Validated) -> Section {
         ])
         .table(table.note("Free run: the model sees the input alone, never the measured output."));
     let section = errors::by_all(section, trials);
-    match validated.unproven() {
+    match validated.not_covered() {
         open if open.is_empty() => section,
         open => section.text("What none of these records shows, however good the figures are:").list(open),
     }

@@ -1,6 +1,6 @@
 //! How the model was made: what `piezoid identify` wrote into the model's file, as far as it is there.
 
-use crate::page::{Cell, Section, Table, Text};
+use crate::page::{Cell, PageTable, Section, Text};
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
 use serde_json::Value;
@@ -20,7 +20,7 @@ pub(super) fn section(model: &Model) -> Option<Section> {
 }
 
 /// The operators, the best first.
-fn trials(tried: &[Value]) -> Table {
+fn trials(tried: &[Value]) -> PageTable {
     let left = |trial: &Value| trial["held_out_percent"].as_f64().unwrap_or(f64::INFINITY);
     let word = |trial: &Value, key: &str| trial[key].as_str().unwrap_or_default().to_string();
     let mut tried: Vec<&Value> = tried.iter().collect();
@@ -32,7 +32,7 @@ fn trials(tried: &[Value]) -> Table {
         let cells = [word(trial, "operator"), number("parameters"), short(left(trial)), verdict].map(Cell::from);
         if taken { cells.map(Cell::best) } else { cells }
     };
-    let table = Table::new("Operators tried").text("operator").number("parameters");
+    let table = PageTable::new("Operators tried").text("operator").number("parameters");
     let table = table.number("held out [%]").text("verdict");
     let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
         "Rms error over peak-to-peak of what was held out, each part foretold by a fit to all others. Of the operators as good as the \
@@ -42,10 +42,10 @@ fn trials(tried: &[Value]) -> Table {
     refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))
 }
 
-fn parameters(known: &[Value]) -> Table {
+fn parameters(known: &[Value]) -> PageTable {
     let number = |value: &Value| value.as_f64().map_or("-".into(), short);
     let row =
         |p: &Value| [p["name"].as_str().unwrap_or_default().to_string(), number(&p["value"]), number(&p["error"])];
-    let table = Table::new("Parameters as far as the records tell them").text("parameter").number("value");
+    let table = PageTable::new("Parameters as far as the records tell them").text("parameter").number("value");
     known.iter().fold(table.number("standard error"), |table, p| table.row(row(p)))
 }

@@ -1,7 +1,7 @@
 //! A record in the report: its course, its loops, and what is left.
 
 use super::residuals;
-use crate::page::{Section, Table, sentence};
+use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::number::{round, short};
@@ -78,10 +78,10 @@ fn loops(trial: &Compared) -> Figure {
 }
 
 /// The loops as measured, and as the model has them, row below row.
-fn shapes(trial: &Compared) -> Table {
+fn shapes(trial: &Compared) -> PageTable {
     let units = trial.record.units();
     let slope = format!("[{}/{}]", units.y, units.u);
-    let table = Table::new("Loops, measured and model").number("f [Hz]").number(format!("amplitude [{}]", units.u));
+    let table = PageTable::new("Loops, measured and model").number("f [Hz]").number(format!("amplitude [{}]", units.u));
     let table = table.number("cycles").text("").number("width [%]").number(format!("area [{} {}]", units.u, units.y));
     let table = table.number("closure [%]").number(format!("slope {slope}")).number(format!("after a turn {slope}"));
     let table = table.number("turns");
@@ -94,7 +94,7 @@ fn shapes(trial: &Compared) -> Table {
         let below = ["", "", "", "model"].map(String::from);
         [place.into_iter().chain(shape(&l.measured)), below.into_iter().chain(shape(&l.model))].map(Vec::from_iter)
     });
-    rows.fold(table, Table::row).note(
+    rows.fold(table, PageTable::row).note(
         "Width at mid input and closure (where a cycle ends, against where it began) over the height of the loop; area \
          negative where the loop is run through the other way round; turns of the output a cycle.",
     )

@@ -1,8 +1,8 @@
 //! The page on schemes of control side by side.
 
-use crate::page::{Fact, Page, Section, Table};
+use crate::page::{Fact, Page, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::control::{Attempt, Comparison, FEEDS, NamedReference, SchemeResult};
+use piezoid::control::{Comparison, FEED_FORWARDS, NamedReference, ReferenceResult, SchemeResult};
 use piezoid::number::short;
 use piezoid::system::System;
 use piezoid::waveform::period;
@@ -30,7 +30,7 @@ pub fn tracking(compared: &Comparison) -> Page {
 
 /// A curve of one scheme, which looks the same all over the page; dashed when colours begin anew.
 fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Series {
-    let uncompensated = |d: &SchemeResult| d.name() == FEEDS[0].name;
+    let uncompensated = |d: &SchemeResult| d.name() == FEED_FORWARDS[0].name;
     let others = compared.driven.iter().filter(|d| !uncompensated(d));
     match others.map(SchemeResult::name).position(|name| name == d.name()) {
         None => Series::line(x, y).role(Role::Muted),
@@ -40,8 +40,8 @@ fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Serie
 }
 
 fn errors(compared: &Comparison) -> Section {
-    let table = |title: &str, of: fn(&Attempt, &NamedReference) -> f64| {
-        let table = compared.driven.iter().fold(Table::new(title).text("reference"), |t, d| t.number(d.name()));
+    let table = |title: &str, of: fn(&ReferenceResult, &NamedReference) -> f64| {
+        let table = compared.driven.iter().fold(PageTable::new(title).text("reference"), |t, d| t.number(d.name()));
         compared.wanted.iter().enumerate().fold(table, |table, (k, wanted)| {
             let cell = |d: &SchemeResult| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, wanted)));
             table.row([wanted.name.clone()].into_iter().chain(compared.driven.iter().map(cell)).collect::<Vec<_>>())
@@ -68,7 +68,7 @@ fn errors(compared: &Comparison) -> Section {
         .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
     let section = section.table(table("Effort: rms change of voltage a sample [V]", |a, _| a.tracking.effort));
     let refusal = |d: &SchemeResult| {
-        let of = |(w, a): (&NamedReference, &Result<Attempt, _>)| {
+        let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
             Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?))
         };
         compared.wanted.iter().zip(&d.attempts).filter_map(of).collect::<Vec<_>>()
@@ -92,7 +92,7 @@ fn along(compared: &Comparison, k: usize) -> Section {
     let mut voltage = Axes::new("t [s]", "u [V]").height(0.4);
     let attempts = || compared.driven.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
     let best = attempts().map(|(_, a)| a.tracking.rms).fold(f64::INFINITY, f64::min);
-    for (d, Attempt { run, tracking, .. }) in attempts() {
+    for (d, ReferenceResult { run, tracking, .. }) in attempts() {
         let left: Vec<f64> = shown.clone().map(|t| run.r[t] - run.y[t]).collect();
         let curve = |y: &[f64]| curve(compared, d, &t, y);
         path = path.with(curve(&run.y[shown.clone()]).named(d.name()));
@@ -116,7 +116,7 @@ fn loops(compared: &Comparison) -> Option<Section> {
     let ts = closed.first()?.0.drive.model().ts();
     let nyquist = 0.5 / ts;
     let hz: Vec<f64> = (0..GRID).map(|k| nyquist * 10f64.powf(3.5 * (k as f64 / (GRID - 1) as f64 - 1.0))).collect();
-    let table = Table::new("Margins").text("scheme").number("gain [dB]").number("phase [°]").number("peak of |S|");
+    let table = PageTable::new("Margins").text("scheme").number("gain [dB]").number("phase [°]").number("peak of |S|");
     let table = table.number("bandwidth [Hz]").text("stable");
     let table = closed.iter().fold(table, |table, (d, m)| {
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz].map(short);
@@ -137,8 +137,8 @@ fn loops(compared: &Comparison) -> Option<Section> {
 /// The error of each trial, where something was learnt.
 fn learning(compared: &Comparison) -> Option<Section> {
     let learnt = |d: &SchemeResult| {
-        let of = |(w, a): (&NamedReference, &Result<Attempt, _>)| {
-            Some((w.name.clone(), w.height(), a.as_ref().ok()?.fed.trials.clone()))
+        let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
+            Some((w.name.clone(), w.height(), a.as_ref().ok()?.feed_forward.trials.clone()))
         };
         compared
             .wanted
@@ -162,7 +162,7 @@ fn learning(compared: &Comparison) -> Option<Section> {
 /// How the errors lie over plants of other tolerance.
 fn spread(compared: &Comparison) -> Option<Section> {
     let drawn: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).collect();
-    let table = Table::new("Draws").text("scheme").number("median [%]").number("9 of 10 [%]").number("worst [%]");
+    let table = PageTable::new("Draws").text("scheme").number("median [%]").number("9 of 10 [%]").number("worst [%]");
     let table = table.number("draws").number("unstable");
     let table = drawn.iter().fold(table, |table, (d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| short(spread.percent_of_stroke(share)));
@@ -188,14 +188,14 @@ fn spread(compared: &Comparison) -> Option<Section> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piezoid::compensation::How;
-    use piezoid::control::{Comparison, Drive, MarginTarget, Reference, Scheme, Tolerance};
+    use piezoid::compensation::FeedForwardSettings;
+    use piezoid::control::{Comparison, MarginTarget, Reference, Scheme, Tolerance, TunedScheme};
     use piezoid::excitation::Limits;
     use piezoid::hammerstein::Model;
     use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
     use piezoid::plant::Preset;
-    use piezoid::progress::unwatched;
+    use piezoid::progress::silent;
 
     #[test]
     fn the_page_shows_every_scheme_along_every_reference_and_says_what_was_refused() {
@@ -206,8 +206,8 @@ mod tests {
         let model = Model::new(plays, linear, 0.0).unwrap().with_units(units);
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
         let drive = |name| {
-            let how = How { limits, clip: true, ..How::default() };
-            Drive::new(Scheme::named(name).unwrap(), &model, how, 0, &MarginTarget::default()).unwrap()
+            let how = FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() };
+            TunedScheme::new(Scheme::named(name).unwrap(), &model, how, 0, &MarginTarget::default()).unwrap()
         };
         let wanted = |name, hz| {
             NamedReference::new(name, ts, (Reference::find(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap())
@@ -216,7 +216,7 @@ mod tests {
         let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Tolerance::default() });
         let all = vec![wanted("sine", 10.0), wanted("random", 20.0)];
         let compared =
-            Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut unwatched).unwrap();
+            Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut silent).unwrap();
         let html = tracking(&compared).html();
         for said in
             ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "must repeat", "random"]

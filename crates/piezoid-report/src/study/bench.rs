@@ -1,8 +1,8 @@
 //! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
 
 use super::{
-    AMPLITUDE, BINS, DURATION, Frequency, METHODS, RANGE_USED, RISING_DURATION, SETTLING, Seen, Study, StudyRow, TS,
-    Way, table_2,
+    AMPLITUDE, BINS, DURATION, Frequency, LoopSource, METHODS, MethodModel, RANGE_USED, RISING_DURATION, SETTLING,
+    Study, StudyRow, TS, table_2,
 };
 use piezoid::error::Error;
 use piezoid::excitation::{RisingSine, Sine, SteppedSine};
@@ -16,7 +16,7 @@ use piezoid::validation::Metrics;
 use std::sync::Arc;
 
 /// A drive signal [V] by its amplitude [V].
-type Drive<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
+type DriveSignal<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
 
 /// The plant on a bench: what can be measured there, in millimetres.
 pub(super) struct Bench {
@@ -57,7 +57,7 @@ impl Bench {
 
     /// The amplitude [V] at which the answers to all `drives` stay well within the sensor's range: lowered from the whole
     /// range of the driver as an experimenter would, by what the sensor shows.
-    fn amplitude(&self, drives: &[&Drive]) -> Result<f64, Error> {
+    fn amplitude(&self, drives: &[&DriveSignal]) -> Result<f64, Error> {
         let Some(range) = self.range else { return Ok(AMPLITUDE) };
         let mut amplitude = AMPLITUDE;
         loop {
@@ -123,19 +123,19 @@ impl Bench {
         let rows = METHODS.iter().map(|method| {
             let series = |block: Arc<dyn Hysteresis>, arx: &Arx, offset| Model::new(block, arx.clone(), offset);
             let (model, loop_width_percent) = match method.way {
-                Way::Branches(seen, reading) => {
+                MethodModel::Branches(seen, reading) => {
                     let (arx, offset, found) = match seen {
-                        Seen::ByTable2 => (&table_2, 0.0, &by_table_2.found),
-                        Seen::ByOwn => (&own.0, own.1, &by_own.found),
+                        LoopSource::ByTable2 => (&table_2, 0.0, &by_table_2.found),
+                        LoopSource::ByOwn => (&own.0, own.1, &by_own.found),
                     };
                     let block = TwoBranch::new(TS, found.branches.clone(), reading)?;
                     (series(Arc::new(block), arx, offset)?, width(found))
                 }
-                Way::Gain => {
+                MethodModel::Gain => {
                     let (gain, offset) = own.0.proportional(own.1, std::slice::from_ref(&sine))?;
                     (series(Arc::new(Proportional::new(TS, gain)?), &own.0, offset)?, 0.0)
                 }
-                Way::Joint => (joint.clone(), width(&of_joint.found)),
+                MethodModel::Joint => (joint.clone(), width(&of_joint.found)),
             };
             let simulated = model.simulate(whole.u())[settled..].to_vec();
             let metrics = Metrics::of(test.y(), &simulated);

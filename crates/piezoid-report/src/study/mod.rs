@@ -21,14 +21,14 @@ use bench::Bench;
 use piezoid::error::Error;
 use piezoid::excitation::Prbs;
 use piezoid::hammerstein::{HiddenLoop, Identified, Model};
-use piezoid::hysteresis::Reading;
+use piezoid::hysteresis::HeldInput;
 use piezoid::linear::{self, Arx, Fit, Orders};
 use piezoid::optimize::swarm::{GlobalBest, SwarmSettings};
 use piezoid::plant::Preset;
-use piezoid::progress::{Progress, Stage, unwatched};
+use piezoid::progress::{Progress, Stage, silent};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{File, IdentifyOptions, OptionRow, Records, Values, identify_watched, options};
+use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records, identify_with_progress, options};
 
 /// Sampling period [s], the paper's.
 const TS: f64 = 5e-4;
@@ -72,14 +72,14 @@ pub struct StudyMethod {
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    way: Way,
+    way: MethodModel,
 }
 
 /// What a method makes its model of.
 #[derive(Debug, Clone, Copy)]
-enum Way {
+enum MethodModel {
     /// Two branches of the loop at each frequency, by the printed or by the estimated linear block, read in this way.
-    Branches(Seen, Reading),
+    Branches(LoopSource, HeldInput),
     /// A gain at each frequency.
     Gain,
     /// One model of all frequencies.
@@ -88,7 +88,7 @@ enum Way {
 
 /// The linear block through which a loop is seen.
 #[derive(Debug, Clone, Copy)]
-enum Seen {
+enum LoopSource {
     ByTable2,
     ByOwn,
 }
@@ -98,23 +98,23 @@ pub static METHODS: &[StudyMethod] = &[
     StudyMethod {
         name: "printed-rule",
         summary: "the paper's two branches by its rule: ascending while u rises, otherwise descending",
-        way: Way::Branches(Seen::ByOwn, Reading::Printed),
+        way: MethodModel::Branches(LoopSource::ByOwn, HeldInput::Printed),
     },
     StudyMethod {
         name: "held-direction",
         summary: "the same branches, the direction held while the input stands",
-        way: Way::Branches(Seen::ByOwn, Reading::Held),
+        way: MethodModel::Branches(LoopSource::ByOwn, HeldInput::Held),
     },
-    StudyMethod { name: "linear", summary: "no hysteresis: the best gain", way: Way::Gain },
+    StudyMethod { name: "linear", summary: "no hysteresis: the best gain", way: MethodModel::Gain },
     StudyMethod {
         name: "table2-arx",
         summary: "the paper's rule with the linear block printed in its Table 2, the row of 80 Hz from there on",
-        way: Way::Branches(Seen::ByTable2, Reading::Printed),
+        way: MethodModel::Branches(LoopSource::ByTable2, HeldInput::Printed),
     },
     StudyMethod {
         name: "joint",
         summary: "one model of all frequencies, its parts identified together: the known driver, a hysteresis operator with memory, and no inverse",
-        way: Way::Joint,
+        way: MethodModel::Joint,
     },
 ];
 
@@ -220,9 +220,9 @@ options! {
     /// Which plants to study.
     pub struct StudyOptions {
         /// The plant to study (see `piezoid plants`).
-        plant: Option<String> = None, OptionRow::new(Values::Text("NAME")).absent("paper and pl140");
+        plant: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).absent("paper and pl140");
         /// Seed of the swarm and of the plant's noise.
-        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+        seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     }
 }
 
@@ -275,8 +275,8 @@ impl Study {
             |stage: Stage| progress(Stage { what: &format!("{}: linear block by swarm", plant.name), ..stage });
         let swarm_fit = by("swarm", GlobalBest::Ever, &mut of_swarm)?;
         let as_printed = by("swarm", GlobalBest::Current, &mut of_swarm)?;
-        let exact = by("least-absolute", GlobalBest::Ever, &mut unwatched)?;
-        let squares = by("least-squares", GlobalBest::Ever, &mut unwatched)?;
+        let exact = by("least-absolute", GlobalBest::Ever, &mut silent)?;
+        let squares = by("least-squares", GlobalBest::Ever, &mut silent)?;
         let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
         if let Err(why) = own.0.inverse() {
             notes.push(format!(
@@ -284,7 +284,7 @@ impl Study {
                  forward and backward in time."
             ));
         }
-        if let Some(why) = squares.too_low(std::slice::from_ref(&small_signal)) {
+        if let Some(why) = squares.order_too_low(std::slice::from_ref(&small_signal)) {
             notes.push(format!(
                 "Order 2 has room for one mode{why}. Modes above half the sampling rate, as every bender has, fold back below it, and the \
                  paper's block has to bend to them."
@@ -299,7 +299,7 @@ impl Study {
             IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..IdentifyOptions::default() }
                 .with_driver_of(&(plant.spec)());
         let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
-        let joint = identify_watched(records, &options, &mut of_joint)?;
+        let joint = identify_with_progress(records, &options, &mut of_joint)?;
 
         let mut frequencies = Vec::new();
         for (done, hz) in Study::FREQUENCIES.into_iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::words::{self, mse, percent};
 use super::{Frequency, METHODS, RANGE_USED, RISING, Study, StudyBlock, StudyRow, figures};
-use crate::page::{Cell, Fact, Page, Section, Table, Text, sentence};
+use crate::page::{Cell, Fact, Page, PageTable, Section, Text, sentence};
 use piezoid::hammerstein::OperatorTrial;
 use piezoid::series::ends;
 
@@ -73,11 +73,11 @@ fn linear_block(study: &Study) -> Section {
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
 }
 
-fn table_2(study: &Study) -> Table {
-    let table = Table::new("Linear block by each estimator (the paper's Table 2)").text("estimator");
+fn table_2(study: &Study) -> PageTable {
+    let table = PageTable::new("Linear block by each estimator (the paper's Table 2)").text("estimator");
     let table = ["a1", "a2", "b0 [mm/V]", "b1 [mm/V]", "b2 [mm/V]", "pole [Hz]", "damping"]
         .into_iter()
-        .fold(table, Table::number);
+        .fold(table, PageTable::number);
     let table = table.text("zeros").number("sum |e| [mm]");
     let row = |block: &StudyBlock| -> Vec<Cell> {
         let mut cells: Vec<Cell> = vec![block.name.into()];
@@ -154,7 +154,8 @@ fn joint(study: &Study) -> Section {
         Fact::new(percent(held_out), "%", "rms error of what was held out, of peak-to-peak"),
         Fact::new(poles.join(" / "), "Hz", "poles of its linear block"),
     ];
-    let table = Table::new("Operators tried, and what they leave of records held out in turn [% rms of peak-to-peak]");
+    let table =
+        PageTable::new("Operators tried, and what they leave of records held out in turn [% rms of peak-to-peak]");
     let table = table.text("operator").number("parameters").number("held out");
     let row = |t: &OperatorTrial| -> Vec<Cell> {
         let held_out = Cell::from(if t.refused.is_some() { "-".into() } else { percent(t.held_out_percent) });
@@ -198,8 +199,8 @@ fn tests(study: &Study) -> Section {
 }
 
 /// What every method leaves at every frequency, beside Table 1 or alone.
-fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&StudyRow) -> String) -> Table {
-    let table = Table::new(title).number("f [Hz]").number("u [V]");
+fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&StudyRow) -> String) -> PageTable {
+    let table = PageTable::new(title).number("f [Hz]").number("u [V]");
     let table = METHODS.iter().fold(table, |t, m| t.number(m.name));
     let table = if beside_table_1 { table.number("paper") } else { table };
     let row = |f: &Frequency| -> Vec<Cell> {
@@ -227,7 +228,7 @@ fn test_signal(study: &Study) -> Section {
     let title = "The nearest test signals: mean squared error by the rule as printed [mm²], and the largest deviation from the paper's Table 1";
     let table = Study::PRINTED_MSE
         .iter()
-        .fold(Table::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
+        .fold(PageTable::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
     let row = |words: String, errors: [f64; 4], off: String| -> Vec<Cell> {
         let errors = errors.map(|e| Cell::from(format!("{e:.4}")));
         std::iter::once(words.into()).chain(errors).chain([off.into()]).collect()
@@ -254,7 +255,7 @@ fn test_signal(study: &Study) -> Section {
 const NEAREST: usize = 5;
 
 fn methods() -> Section {
-    let table = Table::new("Methods").text("method").text("what it is");
+    let table = PageTable::new("Methods").text("method").text("what it is");
     let table = METHODS.iter().fold(table, |t, m| t.row([Text::new().code(m.name), m.summary.into()]));
     Section::new("How to read and repeat it")
         .table(table)

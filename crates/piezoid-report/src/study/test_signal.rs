@@ -5,11 +5,11 @@
 //! the nearest to Table 1 is the one whose worst of four relative deviations is least.
 
 use super::bench::Bench;
-use super::{DURATION, Frequency, METHODS, SETTLING, Study, TS, Way};
+use super::{DURATION, Frequency, METHODS, MethodModel, SETTLING, Study, TS};
 use piezoid::error::Error;
 use piezoid::excitation::{Staircase, SteppedSine};
 use piezoid::hammerstein::Model;
-use piezoid::hysteresis::{Reading, TwoBranch};
+use piezoid::hysteresis::{HeldInput, TwoBranch};
 use piezoid::progress::{Progress, Stage};
 use piezoid::system::System;
 use piezoid::validation::Metrics;
@@ -82,7 +82,7 @@ type Tested = (f64, f64, Vec<(&'static str, Model)>);
 
 /// What is tested at each frequency of Table 1.
 fn models(found: &[Frequency]) -> Result<Vec<Tested>, Error> {
-    let branched = || METHODS.iter().filter(|method| matches!(method.way, Way::Branches(..)));
+    let branched = || METHODS.iter().filter(|method| matches!(method.way, MethodModel::Branches(..)));
     let at =
         |(hz, _): &(f64, f64)| {
             let f = found.iter().find(|f| f.hz == *hz)?;
@@ -98,7 +98,7 @@ fn models(found: &[Frequency]) -> Result<Vec<Tested>, Error> {
 fn upper_rule(f: &Frequency) -> Result<Option<Model>, Error> {
     let (Some(row), found) = (f.row("printed-rule"), &f.own.found) else { return Ok(None) };
     let branches = if found.ascending_below { found.branches.exchanged() } else { found.branches.clone() };
-    let block = TwoBranch::new(TS, branches, Reading::Printed)?;
+    let block = TwoBranch::new(TS, branches, HeldInput::Printed)?;
     Model::new(Arc::new(block), row.model.linear().clone(), row.model.offset()).map(Some)
 }
 

@@ -87,9 +87,9 @@ impl Fir {
 
     /// Frequency response at `hz` [Hz] over a whole record.
     pub fn response(&self, hz: f64) -> Response {
-        let turn = TAU * hz * self.ts;
-        let sum: Complex<f64> = self.taps.iter().enumerate().map(|(k, f)| f * Complex::cis(-turn * k as f64)).sum();
-        let sum = sum * Complex::cis(turn * self.ahead as f64);
+        let angle = TAU * hz * self.ts;
+        let sum: Complex<f64> = self.taps.iter().enumerate().map(|(k, f)| f * Complex::cis(-angle * k as f64)).sum();
+        let sum = sum * Complex::cis(angle * self.ahead as f64);
         Response { hz, gain: sum.norm(), phase: sum.arg() }
     }
 

@@ -16,7 +16,7 @@
 //! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI 10.1016/j.mechatronics.2005.11.006
 //! (hysteresis). It does not do: references that do not repeat, and what does not repeat with them.
 
-use super::{FeedForward, How};
+use super::{FeedForward, FeedForwardSettings};
 use crate::creep::Creep;
 use crate::error::{Error, finite, positive};
 use crate::fourier::forward;
@@ -73,14 +73,14 @@ impl Learning {
     /// after the first are clipped to the limits.
     ///
     /// ```
-    /// use piezoid::compensation::{FeedForward, How, Learning};
+    /// use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
     /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
     /// use std::sync::Arc;
     /// let with_gain = |k: f64| Model::new((Operator::find("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
     /// let (model, actuator) = (with_gain(10.0)?, with_gain(13.0)?);
     /// let r: Vec<f64> = (0..50).map(|t| 300.0 * (std::f64::consts::TAU * 0.02 * f64::from(t)).sin()).collect();
     /// let mut plant = |u: &[f64]| actuator.simulate(&[u, u, u].concat())[100..].to_vec();
-    /// let learned = Learning::default().run(&mut plant, &FeedForward::new(&model, How::default())?, &r)?;
+    /// let learned = Learning::default().run(&mut plant, &FeedForward::new(&model, FeedForwardSettings::default())?, &r)?;
     /// assert!(learned.rms[0] > 50.0 && learned.rms[10] < 0.01);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -102,14 +102,14 @@ impl Learning {
         }
         // Creep repeats with the rest: what it adds is learnt.
         let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
-        let mut inverse = FeedForward::new(&model, How { sweeps: 0, ..inverse.how })?;
+        let mut inverse = FeedForward::new(&model, FeedForwardSettings { sweeps: 0, ..inverse.settings })?;
         let wanted: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
         let mut harmonics = Harmonics::new(&inverse, &wanted, *self)?;
-        let mut best: Option<Trial> = None;
+        let mut best: Option<LearningTrial> = None;
         let mut rms: Vec<f64> = Vec::new();
         for _ in 0..self.trials {
             let u = inverse.period(&harmonics.whole(), r)?;
-            inverse.how.clip = true;
+            inverse.settings.clip = true;
             let y = plant(&u);
             if y.len() != r.len() {
                 let (left, right) = ("the answer of the plant".into(), "the reference".into());
@@ -119,7 +119,7 @@ impl Learning {
             let left = super::off(r, &y);
             rms.push(left);
             harmonics.correct(&r.iter().zip(&y).map(|(r, y)| r - y).collect::<Vec<_>>());
-            best = best.filter(|best| best.left <= left).or(Some(Trial { u, y, left }));
+            best = best.filter(|best| best.left <= left).or(Some(LearningTrial { u, y, left }));
         }
         let (u, y) = best.map(|best| (best.u, best.y)).unwrap_or_default();
         Ok(Learned { u, y, rms })
@@ -127,7 +127,7 @@ impl Learning {
 }
 
 /// One period of a trial, and the rms of what it left.
-struct Trial {
+struct LearningTrial {
     u: Vec<f64>,
     y: Vec<f64>,
     left: f64,
@@ -136,14 +136,14 @@ struct Trial {
 impl FeedForward {
     /// The input that repeats with `z`, which the reference `r` asks for.
     fn period(&self, z: &[f64], r: &[f64]) -> Result<Vec<f64>, Error> {
-        let start = self.model.holding_crept(z[0], self.ends);
-        let twice = self.back(&[z, z].concat(), start.u);
-        match twice.missed.filter(|_| !self.how.clip) {
+        let start = self.model.static_input_before_linear(z[0], self.ends);
+        let twice = self.invert_path(&[z, z].concat(), start.u);
+        match twice.missed.filter(|_| !self.settings.clip) {
             Some(sample) => Err(self.unreachable(r, sample % r.len())),
             None => {
                 let u = &twice.u[r.len()..];
-                if !self.how.clip {
-                    self.how.limits.refuse(u, self.model.ts())?;
+                if !self.settings.clip {
+                    self.settings.limits.refuse(u, self.model.ts())?;
                 }
                 Ok(u.to_vec())
             }
@@ -172,9 +172,9 @@ struct Harmonics {
 }
 
 impl Harmonics {
-    fn new(inverse: &FeedForward, wanted: &[f64], how: Learning) -> Result<Self, Error> {
+    fn new(inverse: &FeedForward, wanted: &[f64], settings: Learning) -> Result<Self, Error> {
         let period = wanted.len() as f64 * inverse.model.ts();
-        let cutoff = positive("cutoff", how.cutoff_hz.unwrap_or(f64::MAX), "hertz")?;
+        let cutoff = positive("cutoff", settings.cutoff_hz.unwrap_or(f64::MAX), "hertz")?;
         let hz = |k: usize| k as f64 / period;
         let response = |k: usize| {
             let f = inverse.preview().fir().response(hz(k));
@@ -184,7 +184,7 @@ impl Harmonics {
         let z: Vec<_> = lines(wanted).iter().zip(&inverse).map(|(r, f)| r * f).collect();
         Ok(Harmonics {
             n: wanted.len(),
-            answer: inverse.iter().map(|f| f * how.gain).collect(),
+            answer: inverse.iter().map(|f| f * settings.gain).collect(),
             kept: (0..z.len()).map(|k| 1.0 / (1.0 + (hz(k) / cutoff).powi(8))).collect(),
             inverse,
             first: z.clone(),
@@ -192,7 +192,7 @@ impl Harmonics {
             z,
             best: Default::default(),
             since: 0,
-            gain: how.gain,
+            gain: settings.gain,
         })
     }
 

@@ -40,7 +40,7 @@ const REACHED: f64 = 1e-9;
 
 /// What compensation may use.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct How {
+pub struct FeedForwardSettings {
     /// Limits of the driver; where no voltage is given, the model's own inputs limit it.
     pub limits: Limits,
     /// Whether to come as close as the limits allow instead of refusing.
@@ -52,7 +52,7 @@ pub struct How {
     pub preview: Option<FirDesign>,
 }
 
-impl How {
+impl FeedForwardSettings {
     /// The lowest and highest input that both the limits and what is known of `model` allow: where it was identified, and a
     /// twentieth of that beyond.
     ///
@@ -80,10 +80,10 @@ impl How {
     }
 }
 
-impl Default for How {
+impl Default for FeedForwardSettings {
     /// No limits but the model's own, nothing clipped, no sweeps.
     fn default() -> Self {
-        How { limits: Limits::default(), clip: false, sweeps: 0, preview: None }
+        FeedForwardSettings { limits: Limits::default(), clip: false, sweeps: 0, preview: None }
     }
 }
 
@@ -108,19 +108,19 @@ impl Model {
     /// # Errors
     /// As [`FeedForward::new`] and [`FeedForward::whole`].
     pub fn compensate(&self, r: &[f64]) -> Result<Compensated, Error> {
-        FeedForward::new(self, How::default())?.whole(r)
+        FeedForward::new(self, FeedForwardSettings::default())?.whole(r)
     }
 }
 
 /// The inverse of a model.
 ///
 /// ```
-/// use piezoid::compensation::{FeedForward, How};
+/// use piezoid::compensation::{FeedForward, FeedForwardSettings};
 /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
 /// let model = Model::new((Operator::find("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
-/// let made = FeedForward::new(&model, How::default())?.whole(&r)?;
+/// let made = FeedForward::new(&model, FeedForwardSettings::default())?.whole(&r)?;
 /// let y = model.resume(&mut model.settled(made.u[0]), &made.u);
 /// // A corner at the start rings for a while.
 /// let worst = (300..2000).map(|t| (y[t] - r[t]).abs()).fold(0.0, f64::max);
@@ -130,7 +130,7 @@ impl Model {
 #[derive(Debug, Clone)]
 pub struct FeedForward {
     model: Model,
-    how: How,
+    settings: FeedForwardSettings,
     preview: Preview,
     /// Lowest and highest input allowed.
     ends: (f64, f64),
@@ -147,18 +147,18 @@ impl FeedForward {
     /// # Errors
     /// [`Error::NoInverse`] where the linear block has none, [`Error::Unsuited`] where the hysteresis does not rise;
     /// limits in volts of a model whose input is in another unit; limits that make no sense.
-    pub fn new(model: &Model, how: How) -> Result<Self, Error> {
+    pub fn new(model: &Model, settings: FeedForwardSettings) -> Result<Self, Error> {
         let found = &model.units().u;
-        if how.limits != Limits::default() && found != "V" {
+        if settings.limits != Limits::default() && found != "V" {
             let what = "the model's input".into();
             return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of limits,".into() });
         }
         let late = model.linear().delay();
         let whole =
             FirDesign { ahead: FirDesign::WHOLE.ahead + late, taps: FirDesign::WHOLE.taps + late, ..FirDesign::WHOLE };
-        let preview = Preview::new(model.linear(), how.preview.unwrap_or(whole))?;
-        let ends = how.ends(model)?;
-        let [low, high] = [ends.0, ends.1].map(|u| model.settled_crept(u));
+        let preview = Preview::new(model.linear(), settings.preview.unwrap_or(whole))?;
+        let ends = settings.ends(model)?;
+        let [low, high] = [ends.0, ends.1].map(|u| model.settled_before_linear(u));
         if !(low < high && high.is_finite() && low.is_finite()) {
             let [from, to] = [ends.0, ends.1].map(round);
             let because = format!(
@@ -168,13 +168,13 @@ impl FeedForward {
             );
             return Err(Error::Unsuited { what: "inverse of its hysteresis".into(), because });
         }
-        let step = how.limits.fastest() * model.ts();
-        let notes = model.hysteresis().falls(ends.0, ends.1).map(|u| {
+        let step = settings.limits.fastest() * model.ts();
+        let notes = model.hysteresis().falling_input(ends.0, ends.1).map(|u| {
             let u = round(u);
             format!("the hysteresis block falls with its input near {u}: of several inputs one is taken")
         });
         let notes = notes.into_iter().collect();
-        Ok(FeedForward { model: model.clone(), how, preview, ends, step, crept: (low, high), notes })
+        Ok(FeedForward { model: model.clone(), settings, preview, ends, step, crept: (low, high), notes })
     }
 
     /// The model.
@@ -217,36 +217,36 @@ impl FeedForward {
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         };
         let offset = self.model.offset();
-        let mut wanted = self.preview.fir().whole(&self.going_on(r));
+        let mut wanted = self.preview.fir().whole(&self.extended_past_end(r));
         wanted.truncate(r.len());
         let held = (first - offset) / self.model.linear().dc_gain();
-        let start = self.model.holding_crept(held, self.ends);
-        let mut best = self.back(&wanted, start.u);
-        if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.how.clip {
+        let start = self.model.static_input_before_linear(held, self.ends);
+        let mut best = self.invert_path(&wanted, start.u);
+        if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.settings.clip {
             return Err(self.unreachable(r, 0));
         }
-        if let Some(sample) = best.missed.filter(|_| !self.how.clip) {
+        if let Some(sample) = best.missed.filter(|_| !self.settings.clip) {
             return Err(self.unreachable(r, sample));
         }
         best.left = off(r, &best.reached);
         let first_left = best.left;
         let mut sweeps = 0;
-        for _ in 0..self.how.sweeps {
+        for _ in 0..self.settings.sweeps {
             let left: Vec<f64> = r.iter().zip(&best.reached).map(|(r, y)| r - y).collect();
             self.preview.fir().whole(&left).iter().zip(&mut wanted).for_each(|(more, wanted)| *wanted += more);
-            let mut next = self.back(&wanted, start.u);
+            let mut next = self.invert_path(&wanted, start.u);
             next.left = off(r, &next.reached);
-            let allowed =
-                self.how.clip || (next.missed.is_none() && self.how.limits.refuse(&next.u, self.model.ts()).is_ok());
+            let allowed = self.settings.clip
+                || (next.missed.is_none() && self.settings.limits.refuse(&next.u, self.model.ts()).is_ok());
             if !(allowed && next.left < 0.98 * best.left) {
                 break;
             }
             (best, sweeps) = (next, sweeps + 1);
         }
-        let usage = if self.how.clip {
-            self.how.limits.check(&best.u, self.model.ts())
+        let usage = if self.settings.clip {
+            self.settings.limits.check(&best.u, self.model.ts())
         } else {
-            self.how.limits.refuse(&best.u, self.model.ts())
+            self.settings.limits.refuse(&best.u, self.model.ts())
         }?;
         let mut notes = self.notes.clone();
         if sweeps > 0 {
@@ -260,7 +260,7 @@ impl FeedForward {
     }
 
     /// The reference without offset, going on beyond its end as it moves there: mirrored through its last point.
-    fn going_on(&self, r: &[f64]) -> Vec<f64> {
+    fn extended_past_end(&self, r: &[f64]) -> Vec<f64> {
         let ahead = self.preview.fir().ahead();
         let last = r.last().copied().unwrap_or_default();
         let after = r.iter().rev().skip(1).map(|r| 2.0 * last - r).take(ahead);
@@ -268,9 +268,9 @@ impl FeedForward {
     }
 
     /// Back from what creep is to put out to the input, from the model settled at `start`.
-    fn back(&self, wanted: &[f64], start: f64) -> Run {
+    fn invert_path(&self, wanted: &[f64], start: f64) -> InverseRun {
         let mut x = self.model.settled(start);
-        let mut run = Run {
+        let mut run = InverseRun {
             u: Vec::with_capacity(wanted.len()),
             reached: Vec::new(),
             left: 0.0,
@@ -280,7 +280,7 @@ impl FeedForward {
         };
         let mut before = start;
         for (t, wanted) in wanted.iter().enumerate() {
-            let found = self.model.invert_crept(&mut x, *wanted, self.from(before));
+            let found = self.model.invert_before_linear(&mut x, *wanted, self.from(before));
             if !self.within(found.z - wanted) {
                 if self.at_end(found.u, before) {
                     run.clipped += 1;
@@ -298,7 +298,7 @@ impl FeedForward {
 
     /// The inputs allowed after `before`.
     fn from(&self, before: f64) -> (f64, f64) {
-        let step = if self.how.clip { self.step } else { f64::INFINITY };
+        let step = if self.settings.clip { self.step } else { f64::INFINITY };
         let (low, high) = self.ends;
         ((before - step).clamp(low, high), (before + step).clamp(low, high))
     }
@@ -336,7 +336,7 @@ impl FeedForward {
     }
 
     /// What the voltages of a run have that the model was not identified on, and what was clipped.
-    fn told(&self, run: &Run) -> Vec<String> {
+    fn told(&self, run: &InverseRun) -> Vec<String> {
         let (n, clipped) = (run.u.len(), run.clipped);
         let mut notes = Vec::new();
         if clipped > 0 {
@@ -374,7 +374,7 @@ impl FeedForward {
 }
 
 /// What one way back found.
-struct Run {
+struct InverseRun {
     u: Vec<f64>,
     reached: Vec<f64>,
     /// Rms of what it leaves of the reference.

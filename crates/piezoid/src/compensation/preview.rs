@@ -89,12 +89,12 @@ impl Preview {
         let mut own = vec![0.0; taps];
         let mut wanted = DVector::zeros(taps + 1);
         for k in 0..GRID {
-            let turn = PI * (k as f64 + 0.5) / GRID as f64;
-            let r = block.response(0.5 * turn / (PI * block.ts()));
+            let angle = PI * (k as f64 + 0.5) / GRID as f64;
+            let r = block.response(0.5 * angle / (PI * block.ts()));
             let h = Complex::from_polar(r.gain, r.phase) / g;
-            let weight = (1.0 + (turn / (PI * corner)).powi(2)).powi(-2) / GRID as f64;
-            let rotation = Complex::cis(turn);
-            let (mut rotated, mut lag) = (Complex::cis(-turn * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
+            let weight = (1.0 + (angle / (PI * corner)).powi(2)).powi(-2) / GRID as f64;
+            let rotation = Complex::cis(angle);
+            let (mut rotated, mut lag) = (Complex::cis(-angle * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
             for j in 0..taps {
                 own[j] += weight * lag.re;
                 wanted[j] += weight * rotated.re;

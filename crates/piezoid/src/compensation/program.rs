@@ -76,7 +76,7 @@ fn ff_step(s: ff_state, r) {{
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensation::How;
+    use crate::compensation::FeedForwardSettings;
     use crate::creep::Creep;
     use crate::driver::DriverModel;
     use crate::excitation::Limits;
@@ -101,7 +101,8 @@ mod tests {
                 };
                 let model = Model::driven(driver, (o.example)(ts).unwrap(), block.unwrap(), 2.0).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
-                let causal = Causal::new(&model, How { limits, ..How::default() }, 2).unwrap();
+                let causal =
+                    Causal::new(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }, 2).unwrap();
                 let mut program = model.program().unwrap();
                 causal.extend(&mut program).unwrap();
                 let mut machine = Machine::new(&program, "ff_state", false);

@@ -8,7 +8,7 @@
 //! before. A step allocates nothing for states of up to 256 numbers and takes as many operations every time, but for the
 //! trials of the hysteresis, of which there are 120 at most.
 
-use super::{FeedForward, FirDesign, How, Preview};
+use super::{FeedForward, FeedForwardSettings, FirDesign, Preview};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::system::System;
@@ -18,11 +18,11 @@ use crate::system::System;
 /// State: the input before; the last references, newest first; then the state of the model.
 ///
 /// ```
-/// use piezoid::compensation::{Causal, How};
+/// use piezoid::compensation::{Causal, FeedForwardSettings};
 /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
 /// let model = Model::new((Operator::find("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
-/// let late = Causal::new(&model, How::default(), 4)?;
+/// let late = Causal::new(&model, FeedForwardSettings::default(), 4)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
 /// let u = late.resume(&mut late.settled(0.0), &r);
 /// let y = model.resume(&mut model.settled(u[0]), &u);
@@ -42,16 +42,16 @@ impl Causal {
     /// The latest: with it the filter has as many taps as can be solved for.
     pub const LATEST: usize = 488;
 
-    /// The inverse of `model` that is `late` samples late; settings of `how` for whole records do not count.
+    /// The inverse of `model` that is `late` samples late; settings of `settings` for whole records do not count.
     ///
     /// # Errors
     /// As [`FeedForward::new`].
-    pub fn new(model: &Model, how: How, late: usize) -> Result<Self, Error> {
+    pub fn new(model: &Model, settings: FeedForwardSettings, late: usize) -> Result<Self, Error> {
         if late > Causal::LATEST {
             return Err(Error::parameter("late", late, format!("must be at most {} samples", Causal::LATEST)));
         }
-        let how = How { clip: true, preview: Some(FirDesign::late(late)), ..how };
-        Ok(Causal { inverse: FeedForward::new(model, how)? })
+        let settings = FeedForwardSettings { clip: true, preview: Some(FirDesign::late(late)), ..settings };
+        Ok(Causal { inverse: FeedForward::new(model, settings)? })
     }
 
     /// Samples by which the displacement follows the reference late.
@@ -67,12 +67,12 @@ impl Causal {
     /// The reference that the model answers at rest [output unit].
     pub(super) fn resting(&self) -> f64 {
         let model = self.inverse.model();
-        model.offset() + model.linear().dc_gain() * model.step_crept(&mut model.initial(), 0.0)
+        model.offset() + model.linear().dc_gain() * model.step_before_linear(&mut model.initial(), 0.0)
     }
 
     /// The state after `r` has stood for long, where `known`, of which `r` is the first if there is any, is told beforehand: a
     /// step then takes the reference that follows. So known as many samples ahead as it is late, a reference is met in time.
-    pub fn foreknowing(&self, r: f64, known: &[f64]) -> Vec<f64> {
+    pub fn settled_with_preview(&self, r: f64, known: &[f64]) -> Vec<f64> {
         let mut x = self.settled(r);
         let past = &mut x[BEFORE..BEFORE + self.preview().fir().order()];
         past.iter_mut().zip(known.iter().rev()).for_each(|(past, r)| *past = *r);
@@ -103,7 +103,7 @@ impl System for Causal {
     /// The state after the reference `r` [output unit], or the nearest within reach, has stood for long.
     fn settled(&self, r: f64) -> Vec<f64> {
         let model = self.inverse.model();
-        let u = model.holding(r, self.inverse.ends);
+        let u = model.static_input(r, self.inverse.ends);
         self.state(u, r, model.settled(u))
     }
 
@@ -115,7 +115,7 @@ impl System for Causal {
         let block = self.inverse.model();
         let r = if r.is_finite() { r } else { past.first().copied().unwrap_or_default() };
         let wanted = fir.step(past, r) - block.offset() / block.linear().dc_gain();
-        before[0] = block.invert_crept(model, wanted, self.inverse.from(before[0])).u;
+        before[0] = block.invert_before_linear(model, wanted, self.inverse.from(before[0])).u;
         before[0]
     }
 }

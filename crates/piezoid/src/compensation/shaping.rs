@@ -18,7 +18,7 @@ use super::Fir;
 use crate::error::{Error, positive};
 use crate::hammerstein::Model;
 use crate::linear::Arx;
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use crate::system::System;
 use std::f64::consts::{PI, TAU};
 
@@ -29,9 +29,9 @@ options! {
         /// Make minimum-jerk moves of this length from steps and corners.
         smooth: Option<f64> = None, OptionRow::positive("s");
         /// Take the model's resonance out of the reference with a notch.
-        notch: bool = false, OptionRow::new(Values::Switch);
+        notch: bool = false, OptionRow::new(OptionKind::Switch);
         /// Shaping the reference so that the model's resonance does not ring.
-        zvd: bool = false, OptionRow::new(Values::Switch);
+        zvd: bool = false, OptionRow::new(OptionKind::Switch);
     }
 }
 
@@ -106,16 +106,16 @@ impl Fir {
     /// # Errors
     /// Refuses a frequency that is not below half the sampling rate and a damping that is not from 0 to below 1.
     pub fn zv(ts: f64, hz: f64, damping: f64) -> Result<Self, Error> {
-        let (decay, turn) = mode(ts, hz, damping)?;
-        let n = (PI / turn).floor();
+        let (decay, angle) = mode(ts, hz, damping)?;
+        let n = (PI / angle).floor();
         if n > LONGEST {
             return Err(Error::parameter("hz", hz, format!("must have a half period of at most {LONGEST} samples")));
         }
         // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i turn): its imaginary part gives A_1 / A_2.
-        let (a, b) = ((n * turn).sin() * (n * decay).exp(), ((n + 1.0) * turn).sin() * ((n + 1.0) * decay).exp());
+        let (a, b) = ((n * angle).sin() * (n * decay).exp(), ((n + 1.0) * angle).sin() * ((n + 1.0) * decay).exp());
         let (one, two) = (-b, a);
         let real =
-            one * (n * turn).cos() * (n * decay).exp() + two * ((n + 1.0) * turn).cos() * ((n + 1.0) * decay).exp();
+            one * (n * angle).cos() * (n * decay).exp() + two * ((n + 1.0) * angle).cos() * ((n + 1.0) * decay).exp();
         let sum = one + two - real;
         let mut taps = vec![0.0; n as usize + 2];
         taps[0] += -real / sum;
@@ -140,11 +140,11 @@ impl Arx {
     /// # Errors
     /// Refuses frequencies that are not positive or not below half the sampling rate.
     pub fn notch(ts: f64, hz: f64, width: f64) -> Result<Self, Error> {
-        let (_, turn) = mode(ts, hz, 0.0)?;
+        let (_, angle) = mode(ts, hz, 0.0)?;
         positive("width", width, "hertz")?;
         // The bilinear notch: tan of half the width gives the poles.
         let t = (PI * width * ts).min(0.49 * PI).tan();
-        let (c, k) = (turn.cos(), 1.0 / (1.0 + t));
+        let (c, k) = (angle.cos(), 1.0 / (1.0 + t));
         Arx::new(ts, vec![2.0 * c * k, -(1.0 - t) * k], vec![k, -2.0 * c * k, k])
     }
 }
@@ -174,8 +174,8 @@ mod tests {
 
     /// A mode of gain 1.
     fn oscillator(hz: f64, damping: f64) -> Arx {
-        let (decay, turn) = mode(TS, hz, damping).unwrap();
-        let a = vec![2.0 * (-decay).exp() * turn.cos(), -(-2.0 * decay).exp()];
+        let (decay, angle) = mode(TS, hz, damping).unwrap();
+        let a = vec![2.0 * (-decay).exp() * angle.cos(), -(-2.0 * decay).exp()];
         let b = 1.0 - a.iter().sum::<f64>();
         Arx::new(TS, a, vec![b]).unwrap()
     }

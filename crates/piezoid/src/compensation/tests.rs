@@ -39,7 +39,8 @@ fn the_free_run_of_a_model_meets_the_reference_for_every_operator_without_jumps_
         for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {
             let model = model(o.name, driver);
             let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-            let inverse = FeedForward::new(&model, How { limits, ..How::default() }).unwrap();
+            let inverse =
+                FeedForward::new(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }).unwrap();
             let (low, high) = inverse.reach();
             let r = sine(0.5 * (low + high), 0.3 * (high - low), 20.0, 600);
             let made = inverse.whole(&r).unwrap();
@@ -53,7 +54,7 @@ fn the_free_run_of_a_model_meets_the_reference_for_every_operator_without_jumps_
 #[test]
 fn where_the_hysteresis_jumps_past_what_is_wanted_the_nearest_is_taken_and_told() {
     let slips = model("maxwell-slip", None);
-    let inverse = FeedForward::new(&slips, How::default()).unwrap();
+    let inverse = FeedForward::new(&slips, FeedForwardSettings::default()).unwrap();
     let (low, high) = inverse.reach();
     let made = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
     assert!(
@@ -70,7 +71,10 @@ fn a_block_that_is_very_late_is_looked_ahead_of_by_as_much() {
         let b = [vec![0.0; delay], vec![3.5, 3.2]].concat();
         let model = Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], b).unwrap(), 0.0).unwrap();
         let r = sine(0.0, 300.0, 10.0, 1200);
-        rms(&r[200..], &FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap().reached[200..])
+        rms(
+            &r[200..],
+            &FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap().reached[200..],
+        )
     };
     assert!(late(1) < 0.01 && late(100) < 0.1, "{} {}", late(1), late(100));
 }
@@ -78,7 +82,7 @@ fn a_block_that_is_very_late_is_looked_ahead_of_by_as_much() {
 #[test]
 fn a_displacement_that_stands_is_held_exactly() {
     let model = model("prandtl-ishlinskii", None);
-    let made = FeedForward::new(&model, How::default()).unwrap().whole(&[321.0; 500]).unwrap();
+    let made = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&[321.0; 500]).unwrap();
     assert_close(&made.reached, &[321.0; 500], 1e-9, 0.0);
     assert_close(&made.u, &[made.u[0]; 500], 1e-9, 0.0);
 }
@@ -87,7 +91,7 @@ fn a_displacement_that_stands_is_held_exactly() {
 fn a_reference_that_ends_in_motion_is_met_to_its_end() {
     let model = model("prandtl-ishlinskii", None);
     let r = sine(0.0, 700.0, 40.0, 1000);
-    let made = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap();
+    let made = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap();
     assert!((r[999] - r[998]).abs() > 50.0, "it moves at its end");
     assert_close(&made.reached[900..], &r[900..], 0.0, 0.5);
 }
@@ -96,7 +100,7 @@ fn a_reference_that_ends_in_motion_is_met_to_its_end() {
 fn a_reference_that_starts_off_too_fast_is_told_to_stand_first() {
     let model = model("prandtl-ishlinskii", None);
     let r: Vec<f64> = (0..400).map(|t| 700.0 * (TAU * 200.0 * TS * f64::from(t)).sin()).collect();
-    let message = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap_err().to_string();
+    let message = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap_err().to_string();
     assert!(
         message.contains("at sample 0 (0 s)") && message.contains("let it stand for some milliseconds"),
         "{message}"
@@ -109,8 +113,8 @@ fn sweeps_bring_the_free_run_closer_and_say_so() {
     let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
     let smooth = Fir::smooth(TS, 0.004).unwrap().whole(&r);
     let left = |sweeps| {
-        let how = How { sweeps, clip: true, ..How::default() };
-        let made = FeedForward::new(&model, how).unwrap().whole(&smooth).unwrap();
+        let settings = FeedForwardSettings { sweeps, clip: true, ..FeedForwardSettings::default() };
+        let made = FeedForward::new(&model, settings).unwrap().whole(&smooth).unwrap();
         (rms(&smooth, &made.reached), made.notes.iter().any(|note| note.contains("sweeps of correction")))
     };
     let (none, some) = (left(0), left(10));
@@ -121,14 +125,18 @@ fn sweeps_bring_the_free_run_closer_and_say_so() {
 fn what_cannot_be_reached_is_named_or_clipped_and_counted() {
     let model = model("prandtl-ishlinskii", None);
     let r = sine(0.0, 3000.0, 5.0, 1000);
-    let message = FeedForward::new(&model, How::default()).unwrap().whole(&r).unwrap_err().to_string();
+    let message = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap_err().to_string();
     assert!(message.contains("the reference cannot be reached") && message.contains("lower it"), "{message}");
-    let made = FeedForward::new(&model, How { clip: true, ..How::default() }).unwrap().whole(&r).unwrap();
+    let made = FeedForward::new(&model, FeedForwardSettings { clip: true, ..FeedForwardSettings::default() })
+        .unwrap()
+        .whole(&r)
+        .unwrap();
     assert!(made.clipped > 300 && made.notes[0].contains("of 1000 samples are clipped"), "{:?}", made.notes);
     assert!(made.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
 
     let step = [vec![0.0; 80], vec![600.0; 400]].concat();
-    let message = FeedForward::new(&model, How::default()).unwrap().whole(&step).unwrap_err().to_string();
+    let message =
+        FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&step).unwrap_err().to_string();
     assert!(message.contains("move slower or smooth it"), "{message}");
 }
 
@@ -137,30 +145,40 @@ fn limits_of_slew_and_current_are_refused_or_kept() {
     let model = model("prandtl-ishlinskii", None);
     let limits = Limits { current: Some(0.02), capacitance: Some(8.2e-6), ..Limits::default() };
     let r = sine(0.0, 700.0, 20.0, 1000);
-    let message =
-        FeedForward::new(&model, How { limits, ..How::default() }).unwrap().whole(&r).unwrap_err().to_string();
+    let message = FeedForward::new(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() })
+        .unwrap()
+        .whole(&r)
+        .unwrap_err()
+        .to_string();
     assert!(message.contains("current") && message.contains("limit 0.02 A"), "{message}");
-    let made = FeedForward::new(&model, How { limits, clip: true, ..How::default() }).unwrap().whole(&r).unwrap();
+    let made = FeedForward::new(&model, FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() })
+        .unwrap()
+        .whole(&r)
+        .unwrap();
     assert!(limits.refuse(&made.u, TS).is_ok() && made.clipped > 100);
     assert!(made.usage.current.is_some_and(|peak| peak.share.is_some_and(|share| share > 0.99)));
 }
 
 #[test]
 fn references_and_models_that_make_no_sense_are_refused() {
-    let inverse = FeedForward::new(&model("prandtl-ishlinskii", None), How::default()).unwrap();
+    let inverse = FeedForward::new(&model("prandtl-ishlinskii", None), FeedForwardSettings::default()).unwrap();
     assert!(inverse.whole(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
     assert!(inverse.whole(&[]).unwrap_err().to_string().contains("the reference has 0 samples"));
-    let refused = |model: Model, how: How| FeedForward::new(&model, how).unwrap_err().to_string();
+    let refused =
+        |model: Model, settings: FeedForwardSettings| FeedForward::new(&model, settings).unwrap_err().to_string();
     let proportional = |k: f64| Arc::new(crate::hysteresis::Proportional::new(TS, k).unwrap());
     let plain = |k: f64| Model::new(proportional(k), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    assert!(refused(plain(1.0), How::default()).contains("limits = none"));
+    assert!(refused(plain(1.0), FeedForwardSettings::default()).contains("limits = none"));
     let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-    let within = How { limits: volts, ..How::default() };
+    let within = FeedForwardSettings { limits: volts, ..FeedForwardSettings::default() };
     assert!(refused(plain(0.0), within).contains("gives no inverse of its hysteresis"));
     let units = Units { u: "counts".into(), y: "um".into() };
     assert!(refused(plain(1.0).with_units(units), within).contains("counts"));
     let high = Limits { low: Some(50.0), high: Some(60.0), ..Limits::default() };
-    assert!(refused(model("preisach", None), How { limits: high, ..How::default() }).contains("must leave some"));
+    assert!(
+        refused(model("preisach", None), FeedForwardSettings { limits: high, ..FeedForwardSettings::default() })
+            .contains("must leave some")
+    );
     let differences = Arx::new(TS, vec![], vec![1.0, -1.0]).unwrap();
     let no_gain = Model::new(proportional(1.0), differences, 0.0).unwrap();
     assert!(refused(no_gain, within).contains("no bounded inverse"));
@@ -169,23 +187,23 @@ fn references_and_models_that_make_no_sense_are_refused() {
 #[test]
 fn sample_by_sample_it_follows_late_by_what_it_says() {
     let model = model("generalised-prandtl-ishlinskii", Some(DriverModel::new(1e-4, None).unwrap()));
-    let (low, high) = FeedForward::new(&model, How::default()).unwrap().reach();
+    let (low, high) = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().reach();
     let r = sine(0.5 * (low + high), 0.25 * (high - low), 10.0, 1200);
     for late in [1, 4, 16] {
-        let causal = Causal::new(&model, How::default(), late).unwrap();
+        let causal = Causal::new(&model, FeedForwardSettings::default(), late).unwrap();
         let u = causal.resume(&mut causal.settled(r[0]), &r);
         let y = model.resume(&mut model.settled(u[0]), &u);
         let left = rms(&r[..r.len() - late], &y[late..]) / (high - low);
         assert!(causal.late() == late && left < 2e-3, "{late}: {left:e}");
     }
-    let causal = Causal::new(&model, How::default(), 2).unwrap();
+    let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
     assert!(causal.simulate(&[causal_rest(&model); 50]).iter().all(|u| u.abs() < 1e-9));
 }
 
 #[test]
 fn sample_by_sample_a_reference_that_is_no_number_is_held_over_and_one_beyond_reach_clipped() {
     let model = model("preisach", None);
-    let causal = Causal::new(&model, How::default(), 2).unwrap();
+    let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
     let r: Vec<f64> = sine(0.0, 400.0, 10.0, 300);
     let with = |at: &[(usize, f64)]| {
         let mut r = r.clone();
@@ -193,7 +211,7 @@ fn sample_by_sample_a_reference_that_is_no_number_is_held_over_and_one_beyond_re
         causal.resume(&mut causal.settled(0.0), &r)
     };
     assert_eq!(with(&[(150, f64::NAN), (151, f64::INFINITY)]), with(&[(150, r[149]), (151, r[149])]));
-    let high = FeedForward::new(&model, How::default()).unwrap().ends.1;
+    let high = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().ends.1;
     let far = with(&[(150, 1e6)]);
     assert!(far.iter().all(|u| u.is_finite()) && far[150..155].contains(&high));
 }
@@ -224,7 +242,7 @@ fn identified() -> (Plant, Model) {
 #[test]
 fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
     let (plant, model) = identified();
-    let inverse = FeedForward::new(&model, How::default()).unwrap();
+    let inverse = FeedForward::new(&model, FeedForwardSettings::default()).unwrap();
     let answer = |u: &[f64]| plant.run(u).y.iter().map(|y| 1e6 * y).collect::<Vec<_>>();
     let (low, high) = inverse.reach();
     let gain = (high - low) / (inverse.ends.1 - inverse.ends.0);
@@ -253,14 +271,14 @@ fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
 fn a_resonance_that_lies_elsewhere_is_learnt_from_what_it_did() {
     // 166 Hz by the model, 135 Hz in truth, both with a damping of 0.03: at 140 Hz the answer has turned round.
     let beam = |hz: f64| {
-        let (decay, turn) = (0.03 * TAU * hz * 5e-4, TAU * hz * 5e-4);
-        let a = vec![2.0 * (-decay).exp() * turn.cos(), -(-2.0 * decay).exp()];
+        let (decay, angle) = (0.03 * TAU * hz * 5e-4, TAU * hz * 5e-4);
+        let a = vec![2.0 * (-decay).exp() * angle.cos(), -(-2.0 * decay).exp()];
         let b = 30.0 * (1.0 - a.iter().sum::<f64>());
         Arx::new(5e-4, a, vec![0.0, b]).unwrap()
     };
     let plays = (crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
     let of = |hz| Model::new(plays.clone(), beam(hz), 0.0).unwrap();
-    let inverse = FeedForward::new(&of(166.0), How::default()).unwrap();
+    let inverse = FeedForward::new(&of(166.0), FeedForwardSettings::default()).unwrap();
     let r = Triangle { amplitude: 300.0, frequency: 20.0, ..Triangle::default() }.samples(5e-4, 100).unwrap();
     let (truth, mut x) = (of(135.0), of(135.0).initial());
     let mut trial = |u: &[f64]| {
@@ -275,7 +293,7 @@ fn a_resonance_that_lies_elsewhere_is_learnt_from_what_it_did() {
 #[test]
 fn learning_refuses_what_is_no_answer_and_takes_back_what_made_it_worse() {
     let model = model("prandtl-ishlinskii", None);
-    let inverse = FeedForward::new(&model, How::default()).unwrap();
+    let inverse = FeedForward::new(&model, FeedForwardSettings::default()).unwrap();
     let r: Vec<f64> = (0..100).map(|t| 500.0 * (TAU * f64::from(t) / 100.0).sin()).collect();
     let learnt = |plant: &mut dyn FnMut(&[f64]) -> Vec<f64>| Learning::default().run(plant, &inverse, &r);
     assert!(learnt(&mut |_| vec![0.0; 3]).unwrap_err().to_string().contains("has 3 samples"));

@@ -3,7 +3,7 @@
 //! The error is r - y of the reading, noise of the sensor included, and counts from a sample of each reference on: of one that repeats
 //! after a quarter of a second in whole periods, since none begins as it goes on. Percent are of the height of the reference.
 
-use super::{ClosedLoopRun, Drive, FeedResult, Scaled, Spread, Tolerance, Tracking};
+use super::{ClosedLoopRun, FeedResult, Scaled, Spread, Tolerance, Tracking, TunedScheme};
 use crate::error::Error;
 use crate::plant::{Plant, Spec};
 use crate::progress::{Progress, Stage};
@@ -45,9 +45,9 @@ impl NamedReference {
 
 /// What one scheme did along one reference.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Attempt {
+pub struct ReferenceResult {
     /// The feed-forward.
-    pub fed: FeedResult,
+    pub feed_forward: FeedResult,
     /// The run.
     pub run: ClosedLoopRun,
     /// How well it tracks.
@@ -58,9 +58,9 @@ pub struct Attempt {
 #[derive(Debug, Clone)]
 pub struct SchemeResult {
     /// The scheme, ready for more.
-    pub drive: Drive,
+    pub drive: TunedScheme,
     /// One a reference; what was refused says why.
-    pub attempts: Vec<Result<Attempt, Error>>,
+    pub attempts: Vec<Result<ReferenceResult, Error>>,
     /// How it does on plants of other tolerance along the first reference, if that was asked.
     pub spread: Option<Spread>,
 }
@@ -93,7 +93,7 @@ impl Comparison {
     /// sampling or units, nothing to compare, and work that is cancelled.
     pub fn run(
         (name, spec): (&str, &Spec),
-        drives: Vec<Drive>,
+        drives: Vec<TunedScheme>,
         wanted: Vec<NamedReference>,
         seed: u64,
         tolerance: Option<&Tolerance>,
@@ -122,11 +122,11 @@ impl Comparison {
             ));
         }
         let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
-        let attempt = |drive: &Drive, wanted: &NamedReference| -> Result<Attempt, Error> {
-            let fed = drive.feed(&plant, &wanted.r)?;
-            let run = drive.run(&plant, &wanted.r, &fed)?;
+        let attempt = |drive: &TunedScheme, wanted: &NamedReference| -> Result<ReferenceResult, Error> {
+            let feed_forward = drive.feed(&plant, &wanted.r)?;
+            let run = drive.run(&plant, &wanted.r, &feed_forward)?;
             let tracking = run.tracking(wanted.from, wanted.height());
-            Ok(Attempt { fed, run, tracking })
+            Ok(ReferenceResult { feed_forward, run, tracking })
         };
         let mut driven = Vec::with_capacity(drives.len());
         let total = drives.len();
@@ -162,9 +162,9 @@ impl Comparison {
 
     /// All figures as one document: `references`, then `schemes`, each with its `margins`, `tracking` a reference, and `tolerance`.
     pub fn to_json(&self) -> Value {
-        let attempt = |wanted: &NamedReference, attempt: &Result<Attempt, Error>| match attempt {
+        let attempt = |wanted: &NamedReference, attempt: &Result<ReferenceResult, Error>| match attempt {
             Err(error) => json!({"reference": wanted.name, "refused": error.to_string()}),
-            Ok(Attempt { fed, run, tracking }) => json!({
+            Ok(ReferenceResult { feed_forward, run, tracking }) => json!({
                 "reference": wanted.name,
                 "rms": tracking.rms,
                 "max": tracking.max,
@@ -172,8 +172,8 @@ impl Comparison {
                 "effort": tracking.effort,
                 "highest_voltage": run.highest(),
                 "limited": run.limited,
-                "trials": fed.trials,
-                "notes": fed.notes,
+                "trials": feed_forward.trials,
+                "notes": feed_forward.notes,
             }),
         };
         let spread = |d: &SchemeResult, spread: &Spread| {

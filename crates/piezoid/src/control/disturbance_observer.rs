@@ -14,7 +14,7 @@
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{ControlLoop, Controller, ControllerInput, Law, check, program};
+use super::{ControlLoop, Controller, ControllerInput, ControllerKind, check, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -58,12 +58,12 @@ impl Controller for DisturbanceObserver {
         self.inverse.order() + self.q.order() + self.delay
     }
 
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
         let (low, high) = self.limits;
         let (inverse, rest) = x.split_at_mut(self.inverse.order());
         let (q, past) = rest.split_at_mut(self.q.order());
-        let feed = now.fed(self.limits);
-        let unexplained = self.inverse.step(inverse, now.error()) + past[self.delay - 1];
+        let feed = input.limited_feed_forward(self.limits);
+        let unexplained = self.inverse.step(inverse, input.error()) + past[self.delay - 1];
         let u = (feed + self.q.step(q, unexplained)).clamp(low, high);
         past.rotate_right(1);
         past[0] = u - feed;
@@ -100,11 +100,11 @@ fn control_step(s: control_state, r, y, feed) {{
     }
 }
 
-pub(super) const ROW: Law = Law {
+pub(super) const ROW: ControllerKind = ControllerKind {
     name: "disturbance-observer",
     summary: "takes off, low-passed, the voltage that the nominal plant does not explain",
     reference: "Ohnishi, Shibata & Murakami 1996, DOI 10.1109/3516.491410",
-    fed: true,
+    uses_feed_forward: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let build = |corner: f64, k: f64| DisturbanceObserver::new(path, corner, k);

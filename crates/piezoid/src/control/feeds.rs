@@ -10,7 +10,7 @@
 //!
 //! Reference: as the rows. It does not do: references that are made up on the way.
 
-use crate::compensation::{Causal, FeedForward, FirDesign, How, Learning};
+use crate::compensation::{Causal, FeedForward, FeedForwardSettings, FirDesign, Learning};
 use crate::error::{Error, row};
 use crate::hammerstein::Model;
 use crate::series::{mean, scatter};
@@ -35,7 +35,7 @@ pub struct FeedRequest<'a> {
     /// The model.
     pub model: &'a Model,
     /// Limits and whether to clip.
-    pub how: How,
+    pub settings: FeedForwardSettings,
     /// What is wanted [output unit].
     pub r: &'a [f64],
     /// Samples of it known beyond the present one.
@@ -57,9 +57,9 @@ pub struct FeedResult {
     pub notes: Vec<String>,
 }
 
-/// One kind of feed-forward: a row of [`FEEDS`].
+/// One kind of feed-forward: a row of [`FEED_FORWARDS`].
 #[derive(Clone, Copy)]
-pub struct Feed {
+pub struct FeedForwardKind {
     /// As users write it.
     pub name: &'static str,
     /// One line.
@@ -70,27 +70,27 @@ pub struct Feed {
     pub make: fn(&FeedRequest) -> Result<FeedResult, Error>,
 }
 
-impl std::fmt::Debug for Feed {
+impl std::fmt::Debug for FeedForwardKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Feed").field(&self.name).finish()
     }
 }
 
 /// The feed-forwards there are; the first is taken where none is named.
-pub static FEEDS: &[Feed] = &[
-    Feed {
+pub static FEED_FORWARDS: &[FeedForwardKind] = &[
+    FeedForwardKind {
         name: "gain",
         summary: "a straight line from displacement to voltage: no compensation",
         reference: "least squares",
         make: line,
     },
-    Feed {
+    FeedForwardKind {
         name: "feed-forward",
         summary: "the inverse of the model",
         reference: "Kuhnen 2003, DOI 10.3166/ejc.9.407-418",
         make: inverse,
     },
-    Feed {
+    FeedForwardKind {
         name: "learning",
         summary: "the inverse, corrected by ten trials on the plant; for references that repeat",
         reference: "Bristow, Tharayil & Alleyne 2006, DOI 10.1109/MCS.2006.1636313",
@@ -99,10 +99,11 @@ pub static FEEDS: &[Feed] = &[
 ];
 
 /// First through the ends of the loop, then by what the model answers.
-fn line(asked: &FeedRequest) -> Result<FeedResult, Error> {
-    let FeedRequest { model, r, ahead, .. } = *asked;
-    let (low, high) = asked.how.ends(model)?;
-    let gain = model.linear().dc_gain() * (model.settled_crept(high) - model.settled_crept(low)) / (high - low);
+fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
+    let FeedRequest { model, r, ahead, .. } = *request;
+    let (low, high) = request.settings.ends(model)?;
+    let gain = model.linear().dc_gain() * (model.settled_before_linear(high) - model.settled_before_linear(low))
+        / (high - low);
     if !(gain.is_finite() && gain != 0.0) {
         let because = format!("its gain from end to end is {gain}");
         return Err(Error::Unsuited { what: "straight line".into(), because });
@@ -134,23 +135,23 @@ fn line(asked: &FeedRequest) -> Result<FeedResult, Error> {
     Ok(FeedResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..FeedResult::default() })
 }
 
-fn inverse(asked: &FeedRequest) -> Result<FeedResult, Error> {
-    let FeedRequest { model, how, r, ahead, .. } = *asked;
+fn inverse(request: &FeedRequest) -> Result<FeedResult, Error> {
+    let FeedRequest { model, settings, r, ahead, .. } = *request;
     if ahead >= ALL {
-        let made = FeedForward::new(model, how)?.whole(r)?;
+        let made = FeedForward::new(model, settings)?.whole(r)?;
         return Ok(FeedResult { u: made.u, notes: made.notes, ..FeedResult::default() });
     }
     crate::error::finite("reference", r)?;
     let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedResult::default()) };
-    let causal = Causal::new(model, how, ahead)?;
+    let causal = Causal::new(model, settings, ahead)?;
     let (known, rest) = r.split_at(ahead.min(r.len()));
-    let mut x = causal.foreknowing(first, known);
+    let mut x = causal.settled_with_preview(first, known);
     let told = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
     Ok(FeedResult { u: told.map(|r| causal.step(&mut x, r)).collect(), ..FeedResult::default() })
 }
 
-fn learnt(asked: &FeedRequest) -> Result<FeedResult, Error> {
-    let FeedRequest { model, how, r, plant, .. } = *asked;
+fn learnt(request: &FeedRequest) -> Result<FeedResult, Error> {
+    let FeedRequest { model, settings, r, plant, .. } = *request;
     let Some(n) = period(r) else {
         return Err(Error::parameter("reference", "a path that never repeats", "must repeat to be learnt"));
     };
@@ -164,7 +165,7 @@ fn learnt(asked: &FeedRequest) -> Result<FeedResult, Error> {
         }
         sum
     };
-    let learnt = Learning::default().run(&mut tried, &FeedForward::new(model, how)?, &r[..n])?;
+    let learnt = Learning::default().run(&mut tried, &FeedForward::new(model, settings)?, &r[..n])?;
     Ok(FeedResult {
         u: learnt.u.iter().copied().cycle().take(r.len()).collect(),
         trials: learnt.rms,
@@ -173,11 +174,11 @@ fn learnt(asked: &FeedRequest) -> Result<FeedResult, Error> {
     })
 }
 
-impl Feed {
+impl FeedForwardKind {
     /// The feed-forward called `name`.    ///
     /// # Errors
     /// [`Error::Unknown`] with the names there are.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
-        row("feed-forward", FEEDS.iter(), |row| row.name, name)
+        row("feed-forward", FEED_FORWARDS.iter(), |row| row.name, name)
     }
 }

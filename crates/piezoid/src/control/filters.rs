@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 /// p(q) of a natural frequency [Hz] and a damping ratio.
 pub(super) fn pair(ts: f64, hz: f64, damping: f64) -> [f64; 3] {
-    let (decay, turn) = (damping * TAU * hz * ts, TAU * hz * ts * (1.0 - damping * damping).max(0.0).sqrt());
-    [1.0, -2.0 * (-decay).exp() * turn.cos(), (-2.0 * decay).exp()]
+    let (decay, angle) = (damping * TAU * hz * ts, TAU * hz * ts * (1.0 - damping * damping).max(0.0).sqrt());
+    [1.0, -2.0 * (-decay).exp() * angle.cos(), (-2.0 * decay).exp()]
 }
 
 /// The lag of second order: 1 at rest, as p(1) / p(q).

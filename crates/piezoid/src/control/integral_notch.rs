@@ -13,7 +13,7 @@
 
 use super::filters::{notch, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, ControllerInput, Law, check, integrating, program};
+use super::{Controller, ControllerInput, ControllerKind, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -60,8 +60,8 @@ impl Controller for IntegralNotch {
         1 + self.notches.iter().map(|n| n.order()).sum::<usize>()
     }
 
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
-        let gain = self.ki * self.ts * now.error();
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
+        let gain = self.ki * self.ts * input.error();
         let (integral, mut rest) = x.split_at_mut(1);
         let mut w = integral[0] + gain;
         for notch in &self.notches {
@@ -69,7 +69,7 @@ impl Controller for IntegralNotch {
             w = notch.step(own, w);
             rest = others;
         }
-        integrating(self.limits, now, w, &mut integral[0], gain)
+        integrating(self.limits, input, w, &mut integral[0], gain)
     }
 
     fn blocks(&self) -> Option<Vec<Block>> {
@@ -103,11 +103,11 @@ fn control_step(s: control_state, r, y, feed) {{
     }
 }
 
-pub(super) const ROW: Law = Law {
+pub(super) const ROW: ControllerKind = ControllerKind {
     name: "integral-notch",
     summary: "integral with a notch at each mode that needs one",
     reference: "Abramovitch, Hoen & Workman 2008, DOI 10.1109/ACC.2008.4586898",
-    fed: true,
+    uses_feed_forward: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let modes = modes(path.linear());

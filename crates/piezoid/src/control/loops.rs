@@ -94,11 +94,11 @@ impl ClosedLoop<'_> {
     /// Runs a controller on a plant.
     ///
     /// ```
-    /// use piezoid::control::{ClosedLoop, Law, ControlLoop, MarginTarget};
+    /// use piezoid::control::{ClosedLoop, ControllerKind, ControlLoop, MarginTarget};
     /// use piezoid::{Model, hysteresis::Proportional, linear::Arx};
     /// let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1])?;
     /// let model = Model::new(std::sync::Arc::new(Proportional::new(1e-3, 1.0)?), plant.clone(), 0.0)?;
-    /// let pi = (Law::find("pi")?.tune)(&ControlLoop::of(&model, (-30.0, 30.0))?, &MarginTarget::default())?;
+    /// let pi = (ControllerKind::find("pi")?.tune)(&ControlLoop::of(&model, (-30.0, 30.0))?, &MarginTarget::default())?;
     /// let done = ClosedLoop::new(&[1.0; 2000], &[0.0; 2000], (-30.0, 30.0)).run(&plant, &*pi)?;
     /// assert!((done.y[1999] - 1.0).abs() < 1e-6);
     /// assert!(done.tracking(1000, 2.0).percent_of_stroke < 0.1);
@@ -213,16 +213,16 @@ mod tests {
     fn a_controller_is_told_of_late_readings_what_was_wanted_then_and_no_more_of_the_future_than_is_known() {
         /// Answers with what it is told, in digits.
         #[derive(Debug)]
-        struct Told;
-        impl Controller for Told {
+        struct Echo;
+        impl Controller for Echo {
             fn ts(&self) -> f64 {
                 1e-3
             }
             fn order(&self) -> usize {
                 0
             }
-            fn step(&self, _: &mut [f64], now: &ControllerInput) -> f64 {
-                now.y + 1e3 * now.r + 1e6 * now.ahead.len() as f64 + 1e9 * now.ahead[0]
+            fn step(&self, _: &mut [f64], input: &ControllerInput) -> f64 {
+                input.y + 1e3 * input.r + 1e6 * input.ahead.len() as f64 + 1e9 * input.ahead[0]
             }
             fn law(&self) -> Option<Arx> {
                 None
@@ -231,8 +231,8 @@ mod tests {
         let plant = Arx::gain(1e-3, 1e-20).unwrap();
         let r = [1.0, 2.0, 3.0, 4.0, 5.0];
         let told = |late, ahead| {
-            let course = ClosedLoop { late, ahead, ..ClosedLoop::new(&r, &[0.0; 5], (-1e12, 1e12)) };
-            course.run(&plant, &Told).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
+            let closed_loop = ClosedLoop { late, ahead, ..ClosedLoop::new(&r, &[0.0; 5], (-1e12, 1e12)) };
+            closed_loop.run(&plant, &Echo).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
         };
         assert_eq!(told(0, 1), [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]);
         assert_eq!(told(2, 9), [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]);

@@ -83,7 +83,7 @@ impl ControlLoop {
     }
 
     /// Refuses a loop that no law with a positive gain closes.
-    pub(super) fn rises(&self) -> Result<(), Error> {
+    pub(super) fn check_positive_gain(&self) -> Result<(), Error> {
         let (slope, gain) = (self.slope.1, self.linear().dc_gain());
         if slope > 0.0 && slope.is_finite() && gain > 0.0 {
             return Ok(());
@@ -339,7 +339,12 @@ pub(super) mod tests {
         assert_close(&[path.slope.0, path.slope.1], &[low, 1.1 * high], 1e-12, 0.0);
         let turned = Model::new((plays.example)(TS).unwrap(), Arx::gain(TS, -1.0).unwrap(), 0.0).unwrap();
         assert!(
-            ControlLoop::of(&turned, (-30.0, 30.0)).unwrap().rises().unwrap_err().to_string().contains("turn the sign")
+            ControlLoop::of(&turned, (-30.0, 30.0))
+                .unwrap()
+                .check_positive_gain()
+                .unwrap_err()
+                .to_string()
+                .contains("turn the sign")
         );
         assert!(ControlLoop::of(&turned, (30.0, -30.0)).is_err());
     }

@@ -31,15 +31,15 @@ mod schemes;
 mod tolerance;
 mod tune;
 
-pub use comparison::{Attempt, Comparison, NamedReference, SchemeResult};
+pub use comparison::{Comparison, NamedReference, ReferenceResult, SchemeResult};
 pub(crate) use feeds::FeedResult;
-pub use feeds::{FEEDS, Feed};
+pub use feeds::{FEED_FORWARDS, FeedForwardKind};
 pub(crate) use loops::Scaled;
 pub use loops::{ClosedLoop, ClosedLoopRun, Tracking};
 pub use margins::{ControlLoop, Margins};
 pub use pi::Pi;
 pub use references::{REFERENCES, Reference};
-pub use schemes::{Drive, Scheme};
+pub use schemes::{Scheme, TunedScheme};
 pub(crate) use tolerance::Spread;
 pub use tolerance::{Draw, Tolerance};
 pub use tune::MarginTarget;
@@ -65,7 +65,7 @@ pub struct ControllerInput<'a> {
 
 impl ControllerInput<'_> {
     /// The feed-forward within the limits; of what is no number, as of 0.
-    fn fed(&self, (low, high): (f64, f64)) -> f64 {
+    fn limited_feed_forward(&self, (low, high): (f64, f64)) -> f64 {
         Some(self.feed).filter(|feed| feed.is_finite()).unwrap_or(0.0).clamp(low, high)
     }
 
@@ -94,7 +94,7 @@ pub trait Controller: Debug + Send + Sync {
     }
 
     /// One sample: advances the state `x` and returns the voltage u [V]. It allocates nothing.
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64;
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64;
 
     /// The same for programs: blocks, the last of which is the state, `control_state`, with a function `control_step(s: control_state, r, y, feed)`.
     /// None if it cannot be exported.
@@ -111,7 +111,7 @@ pub(crate) type Tune = fn(&ControlLoop, &MarginTarget) -> Result<Arc<dyn Control
 
 /// One kind of controller: a row of [`CONTROLLERS`].
 #[derive(Clone, Copy)]
-pub struct Law {
+pub struct ControllerKind {
     /// As users write it.
     pub name: &'static str,
     /// One line.
@@ -119,32 +119,32 @@ pub struct Law {
     /// Where it comes from.
     pub reference: &'static str,
     /// Whether it adds to a feed-forward.
-    pub fed: bool,
+    pub uses_feed_forward: bool,
     /// The strongest that meets the target, of the largest integral gain, where there is a law. Refused where the loop leaves none.
     pub tune: Tune,
 }
 
-impl Debug for Law {
+impl Debug for ControllerKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Law").field(&self.name).finish()
     }
 }
 
 /// The controllers there are.
-pub static CONTROLLERS: &[Law] =
+pub static CONTROLLERS: &[ControllerKind] =
     &[pi::ROW, pid::ROW, integral_notch::ROW, positive_position::ROW, disturbance_observer::ROW, predictive::ROW];
 
-impl Law {
+impl ControllerKind {
     /// The controller called `name`.
     ///
     /// ```
-    /// use piezoid::control::{ControlLoop, MarginTarget, Law};
+    /// use piezoid::control::{ControlLoop, MarginTarget, ControllerKind};
     /// use piezoid::{hammerstein::Model, hysteresis::Proportional, linear::Arx};
     /// use std::sync::Arc;
     /// let block = Arx::new(5e-4, vec![0.9], vec![0.0, 3.3])?; // 33 um / V, one lag
     /// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), block, 0.0)?;
     /// let path = ControlLoop::of(&model, (-30.0, 30.0))?;
-    /// let pi = (Law::find("pi")?.tune)(&path, &MarginTarget::default())?;
+    /// let pi = (ControllerKind::find("pi")?.tune)(&path, &MarginTarget::default())?;
     /// let margins = path.margins(&*pi, path.slope.1).ok_or("not linear")?;
     /// assert!(margins.stable && margins.gain_db > 5.9 && margins.phase_deg > 44.9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -159,8 +159,8 @@ impl Law {
 
 /// `w` on top of the feed-forward within the limits. The integral takes its `gain` of this sample, but where that would drive
 /// the voltage further beyond a limit.
-fn integrating(limits: (f64, f64), now: &ControllerInput, w: f64, integral: &mut f64, gain: f64) -> f64 {
-    let v = now.fed(limits) + w;
+fn integrating(limits: (f64, f64), input: &ControllerInput, w: f64, integral: &mut f64, gain: f64) -> f64 {
+    let v = input.limited_feed_forward(limits) + w;
     let u = v.clamp(limits.0, limits.1);
     if u == v || (v - u) * gain < 0.0 {
         *integral += gain;
@@ -195,7 +195,7 @@ mod tests {
         ControlLoop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
     }
 
-    fn tuned(late: usize) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>)> {
+    fn tuned(late: usize) -> impl Iterator<Item = (&'static ControllerKind, Arc<dyn Controller>)> {
         CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &MarginTarget::default()).unwrap()))
     }
 
@@ -203,9 +203,9 @@ mod tests {
     fn every_controller_says_what_it_is_and_where_it_comes_from() {
         for c in CONTROLLERS {
             assert!(!c.summary.is_empty() && !c.reference.is_empty(), "{}", c.name);
-            assert_eq!(Law::find(c.name).unwrap().name, c.name);
+            assert_eq!(ControllerKind::find(c.name).unwrap().name, c.name);
         }
-        assert!(Law::find("pj").unwrap_err().to_string().contains("did you mean `pi`?"));
+        assert!(ControllerKind::find("pj").unwrap_err().to_string().contains("did you mean `pi`?"));
     }
 
     #[test]
@@ -228,8 +228,8 @@ mod tests {
             for (kind, c) in tuned(late) {
                 let plant = Scaled { system: path(late).linear().clone(), factor: 40.0 };
                 let r = [[2500.0; 4000], [100.0; 4000]].concat();
-                let course = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
-                let done = course.run(&plant, &*c).unwrap();
+                let closed_loop = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
+                let done = closed_loop.run(&plant, &*c).unwrap();
                 assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
                 // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
                 assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);

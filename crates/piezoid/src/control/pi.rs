@@ -10,7 +10,7 @@
 //! DOI 10.23919/ACC.1989.4790464. It does not do: anything about a resonance, which alone bounds its gain.
 
 use super::tune::{spread, strongest};
-use super::{Controller, ControllerInput, Law, check, program};
+use super::{Controller, ControllerInput, ControllerKind, check, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -55,11 +55,11 @@ impl Controller for Pi {
         1
     }
 
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
         let (low, high) = self.limits;
-        let (e, ki) = (now.error(), self.ki * self.ts);
+        let (e, ki) = (input.error(), self.ki * self.ts);
         x[0] += ki * e;
-        let v = now.fed(self.limits) + self.kp * e + x[0];
+        let v = input.limited_feed_forward(self.limits) + self.kp * e + x[0];
         let u = v.clamp(low, high);
         let share = if ki < self.kp { ki / self.kp } else { 1.0 };
         x[0] += share * (u - v);
@@ -91,11 +91,11 @@ fn control_step(s: control_state, r, y, feed) {
     }
 }
 
-pub(super) const ROW: Law = Law {
+pub(super) const ROW: ControllerKind = ControllerKind {
     name: "pi",
     summary: "proportional and integral, with anti-windup by back-calculation",
     reference: "Astrom & Rundqwist 1989, DOI 10.23919/ACC.1989.4790464",
-    fed: true,
+    uses_feed_forward: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         // k_p / k_i, from none to a twentieth of a second.

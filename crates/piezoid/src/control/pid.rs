@@ -11,7 +11,7 @@
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
-use super::{Controller, ControllerInput, Law, check, integrating, program};
+use super::{Controller, ControllerInput, ControllerKind, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -70,14 +70,14 @@ impl Controller for Pid {
         3
     }
 
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
         let (keeps, takes) = self.derivative();
-        let e = now.error();
+        let e = input.error();
         x[1] = keeps * x[1] + takes * (e - x[2]);
         x[2] = e;
         let gain = self.gains.ki * self.ts * e;
         let w = self.gains.kp * e + (x[0] + gain) + x[1];
-        integrating(self.limits, now, w, &mut x[0], gain)
+        integrating(self.limits, input, w, &mut x[0], gain)
     }
 
     fn blocks(&self) -> Option<Vec<Block>> {
@@ -107,11 +107,11 @@ fn control_step(s: control_state, r, y, feed) {
     }
 }
 
-pub(super) const ROW: Law = Law {
+pub(super) const ROW: ControllerKind = ControllerKind {
     name: "pid",
     summary: "proportional, integral and filtered derivative, with anti-windup by conditional integration",
     reference: "Astrom & Hagglund 2006, ISBN 978-1-55617-942-6",
-    fed: true,
+    uses_feed_forward: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let times = || std::iter::once(0.0).chain(spread(0.1 * ts, 30.0 * ts, 12));

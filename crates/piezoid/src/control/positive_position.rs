@@ -13,7 +13,7 @@
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{modes, spread, strongest};
-use super::{Controller, ControllerInput, Law, check, integrating, program};
+use super::{Controller, ControllerInput, ControllerKind, check, integrating, program};
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::program::Block;
@@ -62,12 +62,12 @@ impl Controller for PositivePosition {
         1 + self.resonator.order()
     }
 
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
-        let e = now.error();
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
+        let e = input.error();
         let gain = self.ki * self.ts * e;
         let p = self.resonator.step(&mut x[1..], e);
         let w = x[0] + gain - self.gain * p;
-        integrating(self.limits, now, w, &mut x[0], gain)
+        integrating(self.limits, input, w, &mut x[0], gain)
     }
 
     fn blocks(&self) -> Option<Vec<Block>> {
@@ -94,11 +94,11 @@ fn control_step(s: control_state, r, y, feed) {
     }
 }
 
-pub(super) const ROW: Law = Law {
+pub(super) const ROW: ControllerKind = ControllerKind {
     name: "positive-position",
     summary: "integral beside positive position feedback that damps the first mode",
     reference: "Fanson & Caughey 1990, DOI 10.2514/3.10451",
-    fed: true,
+    uses_feed_forward: true,
     tune: |path, target| {
         let ts = path.linear().ts();
         let low = modes(path.linear()).into_iter().map(|m| m.0).fold(f64::INFINITY, f64::min);

@@ -5,11 +5,12 @@
 //!
 //! Reference: as the parts. It does not do: two feed-forwards or two controllers at once.
 
-use super::feeds::{FEEDS, Feed, FeedRequest, FeedResult};
+use super::feeds::{FEED_FORWARDS, FeedForwardKind, FeedRequest, FeedResult};
 use super::{
-    CONTROLLERS, ClosedLoop, ClosedLoopRun, ControlLoop, Controller, ControllerInput, Law, MarginTarget, Margins,
+    CONTROLLERS, ClosedLoop, ClosedLoopRun, ControlLoop, Controller, ControllerInput, ControllerKind, MarginTarget,
+    Margins,
 };
-use crate::compensation::{FeedForward, How};
+use crate::compensation::{FeedForward, FeedForwardSettings};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::linear::Arx;
@@ -20,9 +21,9 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy)]
 pub struct Scheme {
     /// The feed-forward.
-    pub feed: &'static Feed,
+    pub feed: &'static FeedForwardKind,
     /// The controller on top of it, if any.
-    pub law: Option<&'static Law>,
+    pub law: Option<&'static ControllerKind>,
 }
 
 impl Scheme {
@@ -39,19 +40,19 @@ impl Scheme {
     /// # Errors
     /// [`Error::Unknown`] with the names there are; two feed-forwards or two controllers.
     pub fn named(name: &str) -> Result<Self, Error> {
-        let mut scheme = Scheme { feed: &FEEDS[0], law: None };
+        let mut scheme = Scheme { feed: &FEED_FORWARDS[0], law: None };
         let (mut feeds, mut laws) = (0, 0);
         for part in name.split('+') {
-            if let Some(feed) = FEEDS.iter().find(|f| f.name == part) {
+            if let Some(feed) = FEED_FORWARDS.iter().find(|f| f.name == part) {
                 (scheme.feed, feeds) = (feed, feeds + 1);
             } else if let Some(law) = CONTROLLERS.iter().find(|c| c.name == part) {
                 (scheme.law, laws) = (scheme.law.or(Some(law)), laws + 1);
             } else {
-                let known = FEEDS.iter().map(|f| f.name).chain(CONTROLLERS.iter().map(|c| c.name));
+                let known = FEED_FORWARDS.iter().map(|f| f.name).chain(CONTROLLERS.iter().map(|c| c.name));
                 return Err(Error::unknown("controller", part, known));
             }
         }
-        if feeds + laws > 1 && scheme.law.is_some_and(|law| !law.fed) {
+        if feeds + laws > 1 && scheme.law.is_some_and(|law| !law.uses_feed_forward) {
             let rule = "must name that controller alone: it makes its own feed-forward";
             return Err(Error::parameter("controller", name, rule));
         }
@@ -66,7 +67,7 @@ impl Scheme {
     pub fn name(&self) -> String {
         match self.law {
             None => self.feed.name.into(),
-            Some(law) if self.feed.name == FEEDS[0].name => law.name.into(),
+            Some(law) if self.feed.name == FEED_FORWARDS[0].name => law.name.into(),
             Some(law) => format!("{}+{}", self.feed.name, law.name),
         }
     }
@@ -87,8 +88,8 @@ impl Controller for Open {
         0
     }
 
-    fn step(&self, _: &mut [f64], now: &ControllerInput) -> f64 {
-        now.feed
+    fn step(&self, _: &mut [f64], input: &ControllerInput) -> f64 {
+        input.feed
     }
 
     fn law(&self) -> Option<Arx> {
@@ -99,43 +100,50 @@ impl Controller for Open {
 /// A scheme tuned to a model, ready for plants.
 ///
 /// ```
-/// use piezoid::control::{Drive, Scheme, MarginTarget};
-/// use piezoid::{Model, System, compensation::How, hysteresis::Operator, linear::Arx};
+/// use piezoid::control::{TunedScheme, Scheme, MarginTarget};
+/// use piezoid::{Model, System, compensation::FeedForwardSettings, hysteresis::Operator, linear::Arx};
 /// let with_gain = |k: f64| Model::new((Operator::find("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
 /// let (model, actuator) = (with_gain(10.0)?, with_gain(11.0)?);
 /// let r: Vec<f64> = (0..1500).map(|t| 300.0 * (std::f64::consts::TAU * f64::from(t) / 500.0).sin()).collect();
 /// let error = |name: &str| {
-///     let drive = Drive::new(Scheme::named(name)?, &model, How::default(), 0, &MarginTarget::default())?;
-///     let fed = drive.feed(&actuator, &r)?;
-///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &fed)?.tracking(500, 600.0).percent_of_stroke)
+///     let drive = TunedScheme::new(Scheme::named(name)?, &model, FeedForwardSettings::default(), 0, &MarginTarget::default())?;
+///     let feed_forward = drive.feed(&actuator, &r)?;
+///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &feed_forward)?.tracking(500, 600.0).percent_of_stroke)
 /// };
 /// assert!(error("feed-forward+pi")? < 0.3 * error("feed-forward")? && error("learning")? < 0.01);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Drive {
+pub struct TunedScheme {
     /// What it is.
     pub scheme: Scheme,
     /// Samples of the reference known beyond the present one.
     pub ahead: usize,
-    how: How,
+    settings: FeedForwardSettings,
     path: ControlLoop,
     controller: Arc<dyn Controller>,
 }
 
-impl Drive {
-    /// `scheme` for `model` within the limits of `how`, its controller tuned to `target` for readings that come `late` by so
+impl TunedScheme {
+    /// `scheme` for `model` within the limits of `settings`, its controller tuned to `target` for readings that come `late` by so
     /// many samples; references are known to their end.
     ///
     /// # Errors
     /// What the tuning refuses, and a model without inputs that are allowed.
-    pub fn new(scheme: Scheme, model: &Model, how: How, late: usize, target: &MarginTarget) -> Result<Self, Error> {
-        let path = ControlLoop { late, slew: how.limits.fastest(), ..ControlLoop::of(model, how.ends(model)?)? };
+    pub fn new(
+        scheme: Scheme,
+        model: &Model,
+        settings: FeedForwardSettings,
+        late: usize,
+        target: &MarginTarget,
+    ) -> Result<Self, Error> {
+        let path =
+            ControlLoop { late, slew: settings.limits.fastest(), ..ControlLoop::of(model, settings.ends(model)?)? };
         let controller = match scheme.law {
             Some(law) => (law.tune)(&path, target)?,
             None => Arc::new(Open { ts: model.ts() }),
         };
-        Ok(Drive { scheme, ahead: usize::MAX, how, path, controller })
+        Ok(TunedScheme { scheme, ahead: usize::MAX, settings, path, controller })
     }
 
     /// The model.
@@ -174,8 +182,8 @@ impl Drive {
     /// [`Error::Unreachable`], and a reference that is not finite.
     pub fn check(&self, r: &[f64]) -> Result<(), Error> {
         crate::error::finite("reference", r)?;
-        match FeedForward::new(self.model(), self.how) {
-            Ok(inverse) if !self.how.clip => inverse.holds(r),
+        match FeedForward::new(self.model(), self.settings) {
+            Ok(inverse) if !self.settings.clip => inverse.holds(r),
             _ => Ok(()),
         }
     }
@@ -188,26 +196,34 @@ impl Drive {
     /// The feed-forward for `r` [output unit]; `plant` gives its output in the same unit.
     ///
     /// # Errors
-    /// As the row of [`FEEDS`].
+    /// As the row of [`FEED_FORWARDS`].
     pub fn feed(&self, plant: &dyn System, r: &[f64]) -> Result<FeedResult, Error> {
-        (self.scheme.feed.make)(&FeedRequest { model: self.model(), how: self.how, r, ahead: self.ahead, plant })
+        (self.scheme.feed.make)(&FeedRequest {
+            model: self.model(),
+            settings: self.settings,
+            r,
+            ahead: self.ahead,
+            plant,
+        })
     }
 
     /// Drives `plant` along `r` [output unit] with this feed-forward: from what holds the first of `r` by the model, or from where its trials left it.
     ///
     /// # Errors
     /// As [`run`].
-    pub fn run(&self, plant: &dyn System, r: &[f64], fed: &FeedResult) -> Result<ClosedLoopRun, Error> {
-        let (limits, late, ahead, before) = (self.path.limits, self.path.late, self.ahead, fed.after.as_deref());
-        let start = r.first().map_or(0.0, |r| self.model().holding(*r, limits));
-        let course = ClosedLoop { r, feed: &fed.u, limits, slew: self.path.slew, late, ahead, start, before };
-        course.run(plant, &*self.controller)
+    pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedResult) -> Result<ClosedLoopRun, Error> {
+        let (limits, late, ahead, before) =
+            (self.path.limits, self.path.late, self.ahead, feed_forward.after.as_deref());
+        let start = r.first().map_or(0.0, |r| self.model().static_input(*r, limits));
+        let closed_loop =
+            ClosedLoop { r, feed: &feed_forward.u, limits, slew: self.path.slew, late, ahead, start, before };
+        closed_loop.run(plant, &*self.controller)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::feeds::{ALL, Feed};
+    use super::super::feeds::{ALL, FeedForwardKind};
     use super::*;
     use crate::excitation::Sine;
     use crate::hysteresis::Operator;
@@ -225,31 +241,44 @@ mod tests {
         Sine { amplitude: 400.0, offset: 4.0, frequency: 10.0 }.samples(TS, n).unwrap()
     }
 
-    fn drive(name: &str) -> Drive {
-        Drive::new(Scheme::named(name).unwrap(), &model(1.0), How::default(), 0, &MarginTarget::default()).unwrap()
+    fn drive(name: &str) -> TunedScheme {
+        TunedScheme::new(
+            Scheme::named(name).unwrap(),
+            &model(1.0),
+            FeedForwardSettings::default(),
+            0,
+            &MarginTarget::default(),
+        )
+        .unwrap()
     }
 
-    fn percent(drive: &Drive, plant: &Model, r: &[f64]) -> f64 {
-        let fed = drive.feed(plant, r).unwrap();
-        drive.run(plant, r, &fed).unwrap().tracking(400, 800.0).percent_of_stroke
+    fn percent(drive: &TunedScheme, plant: &Model, r: &[f64]) -> f64 {
+        let feed_forward = drive.feed(plant, r).unwrap();
+        drive.run(plant, r, &feed_forward).unwrap().tracking(400, 800.0).percent_of_stroke
     }
 
     #[test]
     fn every_scheme_there_is_follows_another_plant_and_its_name_leads_back_to_it() {
         let r = sine(2000);
         let line = percent(&drive("gain"), &model(1.1), &r);
-        for feed in FEEDS {
+        for feed in FEED_FORWARDS {
             assert!(!feed.summary.is_empty() && !feed.reference.is_empty());
             for law in std::iter::once(None).chain(CONTROLLERS.iter().map(Some)) {
                 let scheme = Scheme { feed, law };
-                if law.is_some_and(|law| !law.fed) && feed.name != FEEDS[0].name {
+                if law.is_some_and(|law| !law.uses_feed_forward) && feed.name != FEED_FORWARDS[0].name {
                     assert!(Scheme::named(&scheme.name()).is_err());
                     continue;
                 }
                 assert_eq!(Scheme::named(&scheme.name()).unwrap().name(), scheme.name());
                 for late in [0, 3] {
-                    let drive =
-                        Drive::new(scheme, &model(1.0), How::default(), late, &MarginTarget::default()).unwrap();
+                    let drive = TunedScheme::new(
+                        scheme,
+                        &model(1.0),
+                        FeedForwardSettings::default(),
+                        late,
+                        &MarginTarget::default(),
+                    )
+                    .unwrap();
                     let left = percent(&drive, &model(1.1), &r);
                     assert!(drive.late() == late && left < 1.5 * line, "{}: {left} after {line}", scheme.name());
                 }
@@ -258,14 +287,14 @@ mod tests {
         for wrong in ["gain+feed-forward", "pi+pid", "pi+", "", "feed_forward"] {
             assert!(Scheme::named(wrong).is_err(), "{wrong}");
         }
-        assert!(Feed::find("learn").is_err() && Feed::find("learning").is_ok());
+        assert!(FeedForwardKind::find("learn").is_err() && FeedForwardKind::find("learning").is_ok());
     }
 
     #[test]
     fn a_reference_that_stands_is_held_from_the_first_sample_however_little_is_known_ahead() {
         let (model, r) = (model(1.0), [300.0; 200]);
         for ahead in [0, 1, 5] {
-            let drive = Drive { ahead, ..drive("feed-forward") };
+            let drive = TunedScheme { ahead, ..drive("feed-forward") };
             let u = drive.feed(&model, &r).unwrap().u;
             assert!(u.iter().all(|v| (v - u[0]).abs() < 1e-9), "{ahead}: {u:?}");
         }
@@ -290,7 +319,7 @@ mod tests {
     #[test]
     fn the_more_is_known_ahead_the_nearer_it_comes_and_from_far_on_as_near_as_whole() {
         let (model, r) = (model(1.0), sine(2000));
-        let left = |ahead: usize| percent(&Drive { ahead, ..drive("feed-forward") }, &model, &r);
+        let left = |ahead: usize| percent(&TunedScheme { ahead, ..drive("feed-forward") }, &model, &r);
         assert!(left(0) > left(2) && left(2) > left(6), "{} {} {}", left(0), left(2), left(6));
         assert!(left(usize::MAX) < 0.01 && left(ALL - 1) < 0.01, "{} {}", left(usize::MAX), left(ALL - 1));
     }
@@ -300,8 +329,9 @@ mod tests {
         let far: Vec<f64> = sine(400).iter().map(|r| 5.0 * r).collect();
         let refused = drive("pi").check(&far).unwrap_err().to_string();
         assert!(refused.contains("cannot be reached") && refused.contains("for long hold"), "{refused}");
-        let how = How { clip: true, ..How::default() };
-        let clipped = Drive::new(Scheme::named("pi").unwrap(), &model(1.0), how, 0, &MarginTarget::default()).unwrap();
+        let settings = FeedForwardSettings { clip: true, ..FeedForwardSettings::default() };
+        let clipped =
+            TunedScheme::new(Scheme::named("pi").unwrap(), &model(1.0), settings, 0, &MarginTarget::default()).unwrap();
         assert!(
             clipped.check(&far).is_ok() && clipped.check(&[f64::NAN]).is_err() && drive("pi").check(&sine(400)).is_ok()
         );
@@ -312,8 +342,8 @@ mod tests {
         let path: Vec<f64> = (0..3000).map(|t| f64::from(t) * 0.1).collect();
         let refused = drive("learning").feed(&model(1.0), &path).unwrap_err().to_string();
         assert!(refused.contains("must repeat"), "{refused}");
-        let fed = drive("learning").feed(&model(1.2), &sine(1000)).unwrap();
-        assert_eq!((fed.u.len(), fed.trials.len()), (1000, 11));
-        assert!(fed.trials[10] < 0.01 * fed.trials[0], "{:?}", fed.trials);
+        let feed_forward = drive("learning").feed(&model(1.2), &sine(1000)).unwrap();
+        assert_eq!((feed_forward.u.len(), feed_forward.trials.len()), (1000, 11));
+        assert!(feed_forward.trials[10] < 0.01 * feed_forward.trials[0], "{:?}", feed_forward.trials);
     }
 }

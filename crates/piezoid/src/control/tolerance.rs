@@ -7,7 +7,7 @@
 //!
 //! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: values that depend on each other, or on temperature.
 
-use super::{Drive, Scaled, Tracking};
+use super::{Scaled, Tracking, TunedScheme};
 use crate::error::Error;
 use crate::plant::{BeamSpec, HysteresisSpec, Plant, Spec};
 use crate::progress::{Progress, Stage};
@@ -22,7 +22,7 @@ const HELD: f64 = 0.5;
 const WATCHED: f64 = 0.1;
 
 /// Draws between two reports of progress.
-const AT_ONCE: usize = 8;
+const BATCH: usize = 8;
 
 /// Swing that remains, and distance of a feedback from what is wanted, as shares of the reference's height, above which a loop
 /// is unstable.
@@ -85,11 +85,11 @@ impl Tolerance {
     /// of the height of `r`. The order of the draws does not depend on the threads.
     ///
     /// # Errors
-    /// Refuses a share outside 0 to below 1, a model whose output is no length, and what [`Drive`] and [`Plant::new`] refuse.
+    /// Refuses a share outside 0 to below 1, a model whose output is no length, and what [`TunedScheme`] and [`Plant::new`] refuse.
     pub(crate) fn trials(
         &self,
         spec: &Spec,
-        drive: &Drive,
+        drive: &TunedScheme,
         r: &[f64],
         from: usize,
         progress: &mut Progress,
@@ -99,12 +99,12 @@ impl Tolerance {
             trial(drawn, self.seed ^ i as u64, drive, r, from)
         };
         let mut trials = Vec::with_capacity(self.draws);
-        for first in (0..self.draws).step_by(AT_ONCE) {
+        for first in (0..self.draws).step_by(BATCH) {
             let stage = Stage { what: "draws of tolerance", done: first, total: self.draws };
             if progress(stage).is_break() {
                 return Err(Error::Cancelled { what: stage.what.into(), done: first, total: stage.total });
             }
-            let some = (first..self.draws.min(first + AT_ONCE)).into_par_iter().map(draw);
+            let some = (first..self.draws.min(first + BATCH)).into_par_iter().map(draw);
             trials.extend(some.collect::<Result<Vec<Draw>, Error>>()?);
         }
         Ok(Spread { trials })
@@ -161,12 +161,12 @@ impl Spec {
     }
 }
 
-fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result<Draw, Error> {
+fn trial(spec: Spec, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> Result<Draw, Error> {
     let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
     let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
-    let mut fed = drive.feed(&plant, r)?;
-    fed.u = held(&fed.u);
-    let mut done = drive.run(&plant, &held(r), &fed)?;
+    let mut feed_forward = drive.feed(&plant, r)?;
+    feed_forward.u = held(&feed_forward.u);
+    let mut done = drive.run(&plant, &held(r), &feed_forward)?;
     let watched = &done.y[done.y.len() - (WATCHED / plant.ts()) as usize..];
     let ((low, high), (bottom, top)) = (ends(watched.iter().copied()), ends(r.iter().copied()));
     // Feedback that integrates comes to what is wanted; a loop stuck at a limit, or no number, does not.
@@ -182,37 +182,38 @@ fn trial(spec: Spec, seed: u64, drive: &Drive, r: &[f64], from: usize) -> Result
 #[cfg(test)]
 mod tests {
     use super::super::pi::Pi;
-    use super::super::{CONTROLLERS, Feed, Law, MarginTarget, Scheme};
+    use super::super::{CONTROLLERS, ControllerKind, FeedForwardKind, MarginTarget, Scheme};
     use super::*;
-    use crate::compensation::How;
+    use crate::compensation::FeedForwardSettings;
     use crate::excitation::{Limits, Sine};
     use crate::hammerstein::Model;
     use crate::hysteresis::Proportional;
     use crate::linear::Arx;
     use crate::plant::Preset;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use std::sync::Arc;
 
     /// A gain of 35 um / V under an integral of this gain, in 1/s.
-    fn drive<const KI: u32>() -> Drive {
-        static WEAK: Law = Law { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 0.1, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
-        static STRONG: Law =
-            Law { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 30.0, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
+    fn drive<const KI: u32>() -> TunedScheme {
+        static WEAK: ControllerKind =
+            ControllerKind { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 0.1, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
+        static STRONG: ControllerKind =
+            ControllerKind { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 30.0, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
         let law = if KI > 1 { &STRONG } else { &WEAK };
         let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0).unwrap()), Arx::gain(5e-4, 35.0).unwrap(), 0.0);
         let units = crate::record::Units { u: "V".into(), y: "um".into() };
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-        let scheme = Scheme { feed: Feed::find("gain").unwrap(), law: Some(law) };
-        let how = How { limits, ..How::default() };
-        Drive::new(scheme, &model.unwrap().with_units(units), how, 0, &MarginTarget::default()).unwrap()
+        let scheme = Scheme { feed: FeedForwardKind::find("gain").unwrap(), law: Some(law) };
+        let settings = FeedForwardSettings { limits, ..FeedForwardSettings::default() };
+        TunedScheme::new(scheme, &model.unwrap().with_units(units), settings, 0, &MarginTarget::default()).unwrap()
     }
 
-    fn spread(drive: &Drive, threads: usize) -> Spread {
+    fn spread(drive: &TunedScheme, threads: usize) -> Spread {
         let r = Sine { amplitude: 500.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400).unwrap();
         let tolerance = Tolerance { draws: 4, ..Tolerance::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let spec = (Preset::find("pl140").unwrap().spec)();
-        pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut unwatched)).unwrap()
+        pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut silent)).unwrap()
     }
 
     #[test]

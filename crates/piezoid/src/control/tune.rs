@@ -69,8 +69,8 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it anew, with another order"));
     }
-    path.rises()?;
-    let bench = Bench::new(path, target)?;
+    path.check_positive_gain()?;
+    let bench = PlantSet::new(path, target)?;
     let mut best: Option<(f64, S, f64)> = None;
     for shape in shapes {
         let Some(law) = build(shape, 1.0)?.law() else { continue };
@@ -92,7 +92,7 @@ fn integral_gain(law: &Arx) -> f64 {
 }
 
 /// The plants that a law must bear, as responses on one grid; the model as it is comes first.
-struct Bench {
+struct PlantSet {
     grid: Vec<f64>,
     /// Frequencies beyond what is known [Hz], and k G there at most.
     beyond: f64,
@@ -100,7 +100,7 @@ struct Bench {
     plants: Vec<Vec<Complex<f64>>>,
 }
 
-impl Bench {
+impl PlantSet {
     fn new(path: &ControlLoop, target: &MarginTarget) -> Result<Self, Error> {
         let d = target.detuning;
         let shifts: &[f64] = if d > 0.0 { &[0.0, -1.0, -0.67, -0.33, 0.33, 0.67, 1.0] } else { &[0.0] };
@@ -108,7 +108,7 @@ impl Bench {
         let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.late);
         let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.delay_s()).collect()).collect();
         let unseen = UNSEEN * path.slope.1 * path.linear().dc_gain();
-        Ok(Bench { grid, beyond: path.known_hz().unwrap_or(f64::INFINITY), unseen, plants })
+        Ok(PlantSet { grid, beyond: path.known_hz().unwrap_or(f64::INFINITY), unseen, plants })
     }
 
     /// The largest factor on `law` that keeps the target.
@@ -165,7 +165,7 @@ pub(super) fn modes(block: &Arx) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::super::margins::tests::path_of;
-    use super::super::{CONTROLLERS, ClosedLoop, Law};
+    use super::super::{CONTROLLERS, ClosedLoop, ControllerKind};
     use super::*;
     use crate::hammerstein::Domain;
     use crate::testing::assert_close;
@@ -183,7 +183,7 @@ mod tests {
     }
 
     /// The controllers with a law, tuned.
-    fn lawful(path: &ControlLoop) -> impl Iterator<Item = (&'static Law, Arc<dyn Controller>, Arx)> {
+    fn lawful(path: &ControlLoop) -> impl Iterator<Item = (&'static ControllerKind, Arc<dyn Controller>, Arx)> {
         let tuned = CONTROLLERS.iter().map(|kind| (kind, (kind.tune)(path, &MarginTarget::default()).unwrap()));
         tuned.filter_map(|(kind, controller)| controller.law().map(|law| (kind, controller, law)))
     }
@@ -226,7 +226,7 @@ mod tests {
     fn notches_and_damping_allow_more_than_a_pi() {
         let path = bender();
         let gain = |name| {
-            let tune = super::super::Law::find(name).unwrap().tune;
+            let tune = super::super::ControllerKind::find(name).unwrap().tune;
             integral_gain(&tune(&path, &MarginTarget::default()).unwrap().law().unwrap())
         };
         let pi = gain("pi");
@@ -246,7 +246,7 @@ mod tests {
         };
         assert!(seen.known_hz() == Some(5.0) && slow.known_hz().is_none());
         assert!(stable(&seen).len() >= 3 && stable(&seen).iter().all(|s| *s) && stable(&slow).iter().any(|s| !*s));
-        let predictive = super::super::Law::find("predictive").unwrap().tune;
+        let predictive = super::super::ControllerKind::find("predictive").unwrap().tune;
         let refused = predictive(&seen, &MarginTarget::default()).unwrap_err().to_string();
         assert!(refused.contains("identified up to 5") && refused.contains("PRBS"), "{refused}");
     }
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn targets_and_blocks_that_leave_no_controller_are_refused() {
-        let pi = super::super::Law::find("pi").unwrap().tune;
+        let pi = super::super::ControllerKind::find("pi").unwrap().tune;
         let wrong = MarginTarget { phase_deg: 0.0, ..MarginTarget::default() };
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
         let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));

@@ -10,7 +10,7 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionRow, Options, Values, options};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionKind, OptionRow, Options, options};
 use crate::error::Error;
 use std::f64::consts::TAU;
 
@@ -31,7 +31,7 @@ options! {
         /// Frequency at the end of the duration.
         frequency_end: f64 = 100.0, FREQUENCY;
         /// 0: equal time in every hertz; 1: equal time in every octave.
-        logarithmic: bool = false, OptionRow::new(Values::Bit);
+        logarithmic: bool = false, OptionRow::new(OptionKind::Bit);
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;
     }

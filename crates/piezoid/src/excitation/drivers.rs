@@ -7,11 +7,11 @@
 use super::Limits;
 use super::limits::GROUP;
 use crate::error::{Error, row};
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 
 /// A driver by name.
 #[derive(Debug, Clone, Copy)]
-pub struct Driver {
+pub struct Amplifier {
     /// What it is called in every front end.
     pub name: &'static str,
     /// What it is, in one line.
@@ -25,21 +25,21 @@ pub struct Driver {
 const NONE: Limits = Limits { low: None, high: None, slew: None, current: None, capacitance: None };
 
 /// Every driver there is.
-pub static DRIVERS: &[Driver] = &[
-    Driver { name: "ideal", summary: "no limits", reference: "by definition", limits: NONE },
-    Driver {
+pub static DRIVERS: &[Amplifier] = &[
+    Amplifier { name: "ideal", summary: "no limits", reference: "by definition", limits: NONE },
+    Amplifier {
         name: "pl140",
         summary: "the driver of the PL140 twin: +-30 V about the middle, 500 mA into 8.2 uF",
         reference: "range and capacitance: PI data sheet PL112-PL140, 2020; current: a choice of the twin",
         limits: Limits { low: Some(-30.0), high: Some(30.0), current: Some(0.5), capacitance: Some(8.2e-6), ..NONE },
     },
-    Driver {
+    Amplifier {
         name: "bd300",
         summary: "PiezoDrive BD300, differential: +-300 V, 50 mA peak, for benders",
         reference: "PiezoDrive BD series, table of voltage ranges, mmech.com/piezodrive-amplifiers/bd-series",
         limits: Limits { low: Some(-300.0), high: Some(300.0), current: Some(0.05), ..NONE },
     },
-    Driver {
+    Amplifier {
         name: "pdu100b",
         summary: "PiezoDrive PDu100B, bipolar: +-100 V, 100 mA peak",
         reference: "PiezoDrive PDu100B data sheet, specifications, studylib.net/doc/18096109",
@@ -47,12 +47,12 @@ pub static DRIVERS: &[Driver] = &[
     },
 ];
 
-impl Driver {
+impl Amplifier {
     /// The driver called `name`.
     ///
     /// # Errors
     /// Refused when there is none, with the names there are.
-    pub fn find(name: &str) -> Result<&'static Driver, Error> {
+    pub fn find(name: &str) -> Result<&'static Amplifier, Error> {
         row("driver", DRIVERS.iter(), |row| row.name, name)
     }
 
@@ -77,7 +77,7 @@ options! {
     /// What limits a voltage: a driver by name, and what is given beside it.
     pub struct LimitOptions {
         /// The driver whose limits the voltage must keep (see `piezoid drivers`).
-        driver: Option<String> = None, OptionRow::new(Values::Text("NAME")).group(GROUP);
+        driver: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).group(GROUP);
     } with own: Limits
 }
 
@@ -89,7 +89,7 @@ impl LimitOptions {
     pub fn limits(&self) -> Result<Option<Limits>, Error> {
         let own = self.own;
         let known = match &self.driver {
-            Some(name) => Driver::find(name)?.loaded(own.capacitance)?,
+            Some(name) => Amplifier::find(name)?.loaded(own.capacitance)?,
             None if own == Limits::default() => return Ok(None),
             None if own == (Limits { capacitance: own.capacitance, ..Limits::default() }) => {
                 let rule = "is for a limit of current: name a driver, or leave it out";
@@ -119,12 +119,12 @@ mod tests {
             assert!(!driver.summary.is_empty() && !driver.reference.is_empty(), "{}", driver.name);
             let limits = Limits { capacitance: driver.limits.capacitance.or(Some(1e-6)), ..driver.limits };
             assert!(limits.refuse(&[0.0, 0.0], 1e-3).is_ok(), "{}", driver.name);
-            assert_eq!(Driver::find(driver.name).unwrap().name, driver.name);
+            assert_eq!(Amplifier::find(driver.name).unwrap().name, driver.name);
         }
     }
 
     #[test]
     fn an_unknown_driver_is_answered_with_those_there_are() {
-        assert!(Driver::find("pl149").unwrap_err().to_string().ends_with("did you mean `pl140`?"));
+        assert!(Amplifier::find("pl149").unwrap_err().to_string().ends_with("did you mean `pl140`?"));
     }
 }

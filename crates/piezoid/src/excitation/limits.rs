@@ -217,14 +217,14 @@ fn rounded(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{Driver, Prbs, Sine};
+    use crate::excitation::{Amplifier, Prbs, Sine};
     use crate::testing::assert_close;
     use proptest::prelude::*;
 
     #[test]
     fn a_sine_draws_pi_f_vpp_c() {
         // 60 Vpp into the 8.2 uF of a PL140.
-        let limits = Driver::find("pl140").unwrap().limits;
+        let limits = Amplifier::find("pl140").unwrap().limits;
         for (frequency, milliamperes) in [(5.0, 7.7), (20.0, 31.0), (40.0, 62.0), (80.0, 124.0), (160.0, 247.0)] {
             let u = Sine { amplitude: 30.0, frequency, offset: 0.0 }.samples(1e-5, 20_000).unwrap();
             let usage = limits.refuse(&u, 1e-5).unwrap();

@@ -26,7 +26,7 @@ mod stepped_sine;
 mod triangle;
 
 pub use chirp::Chirp;
-pub use drivers::{DRIVERS, Driver, LimitOptions};
+pub use drivers::{Amplifier, DRIVERS, LimitOptions};
 pub use limits::{Limits, Peak, Usage};
 pub use multisine::Multisine;
 pub use prbs::Prbs;

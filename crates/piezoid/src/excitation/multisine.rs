@@ -11,7 +11,7 @@
 //! DOI 10.1002/9781118287422; Schroeder, DOI 10.1109/TIT.1970.1054411.
 
 use super::drive::Drive;
-use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionRow, Options, Values, count, options};
+use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionKind, OptionRow, Options, count, options};
 use super::{Excitation, PINTELON_SCHOUKENS, crest};
 use crate::error::Error;
 use crate::fourier;
@@ -39,7 +39,7 @@ options! {
         /// Time after which it repeats; 0 is the whole duration.
         period: f64 = 0.0, OptionRow::not_negative("s");
         /// 1: odd harmonics only, so that nonlinearity shows at the even ones; 0: all.
-        odd: bool = false, OptionRow::new(Values::Bit);
+        odd: bool = false, OptionRow::new(OptionKind::Bit);
         /// Starting phases: 0 is Schroeder's, any other random ones, one realisation each.
         seed: u32 = 0, count(0);
         /// Voltage that the excitation is centred on.

@@ -14,7 +14,7 @@
 
 use super::Excitation;
 use super::drive::Drive;
-use super::rows::{AMPLITUDE, OFFSET, OptionRow, Options, Values, count, options};
+use super::rows::{AMPLITUDE, OFFSET, OptionKind, OptionRow, Options, count, options};
 use crate::error::Error;
 
 options! {
@@ -31,7 +31,7 @@ options! {
         /// Largest distance from the offset, half of peak to peak.
         amplitude: f64 = 1.0, AMPLITUDE;
         /// Length of the shift register, 2 to 31; the sequence repeats after 2^order - 1 bits.
-        order: u32 = 11, OptionRow::new(Values::Whole(2, 31));
+        order: u32 = 11, OptionRow::new(OptionKind::Integer(2, 31));
         /// Samples that each bit is held for.
         clock_divider: u32 = 1, count(1);
         /// Starting register, below 2^order: where in the sequence it begins; 0 is all ones.

@@ -1,6 +1,6 @@
 //! Rows of options that excitations share, and what their tables need.
 
-pub(super) use crate::options::{OptionRow, Options, Values, options};
+pub(super) use crate::options::{OptionKind, OptionRow, Options, options};
 
 /// Half of peak to peak.
 pub(super) const AMPLITUDE: OptionRow = OptionRow::positive("V").required();
@@ -13,5 +13,5 @@ pub(super) const FREQUENCY: OptionRow = OptionRow::positive("Hz").required();
 
 /// How many, from `least` on.
 pub(super) const fn count(least: u64) -> OptionRow {
-    OptionRow::new(Values::Whole(least, u32::MAX as u64))
+    OptionRow::new(OptionKind::Integer(least, u32::MAX as u64))
 }

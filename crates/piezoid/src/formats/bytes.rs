@@ -68,7 +68,7 @@ pub(super) fn vector(dims: &[usize]) -> Result<Result<usize, String>, Error> {
 
 /// How the bytes of a number are to be read.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum NumberKind {
     Signed,
     Unsigned,
     Float,
@@ -76,27 +76,27 @@ pub(super) enum Kind {
 
 /// Numbers of one type.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Numbers {
-    pub(super) kind: Kind,
+pub(super) struct NumberFormat {
+    pub(super) kind: NumberKind,
     /// Bytes a number.
     pub(super) size: usize,
     /// Whether the most significant byte stands first.
     pub(super) big: bool,
 }
 
-impl Numbers {
+impl NumberFormat {
     /// The numbers, one every `stride` bytes; none where there is no such type.
     pub(super) fn read(self, bytes: &[u8], stride: usize) -> Option<Vec<f64>> {
-        let Numbers { kind, size, big } = self;
+        let NumberFormat { kind, size, big } = self;
         let one: fn(u64) -> f64 = match (kind, size) {
-            (Kind::Float, 8) => f64::from_bits,
-            (Kind::Float, 4) => |bits| f32::from_bits(bits as u32).into(),
-            (Kind::Float, 2) => half,
-            (Kind::Signed, 1) => |bits| f64::from(bits as i8),
-            (Kind::Signed, 2) => |bits| f64::from(bits as i16),
-            (Kind::Signed, 4) => |bits| f64::from(bits as i32),
-            (Kind::Signed, 8) => |bits| bits as i64 as f64,
-            (Kind::Unsigned, 1 | 2 | 4 | 8) => |bits| bits as f64,
+            (NumberKind::Float, 8) => f64::from_bits,
+            (NumberKind::Float, 4) => |bits| f32::from_bits(bits as u32).into(),
+            (NumberKind::Float, 2) => half,
+            (NumberKind::Signed, 1) => |bits| f64::from(bits as i8),
+            (NumberKind::Signed, 2) => |bits| f64::from(bits as i16),
+            (NumberKind::Signed, 4) => |bits| f64::from(bits as i32),
+            (NumberKind::Signed, 8) => |bits| bits as i64 as f64,
+            (NumberKind::Unsigned, 1 | 2 | 4 | 8) => |bits| bits as f64,
             _ => return None,
         };
         let number = |part: &[u8]| {
@@ -175,23 +175,26 @@ mod tests {
     #[test]
     fn numbers_of_every_type_are_read_in_both_orders() {
         let read = |kind, bytes: &[u8]| {
-            let [little, big] = [false, true].map(|big| Numbers { kind, size: bytes.len(), big });
+            let [little, big] = [false, true].map(|big| NumberFormat { kind, size: bytes.len(), big });
             let turned: Vec<u8> = bytes.iter().rev().copied().collect();
             assert_eq!(little.read(bytes, bytes.len()), big.read(&turned, bytes.len()));
             little.read(bytes, bytes.len()).map(|numbers| numbers[0])
         };
-        assert_eq!(read(Kind::Float, &(-1.5f64).to_le_bytes()), Some(-1.5));
-        assert_eq!(read(Kind::Float, &0.1f32.to_le_bytes()), Some(f64::from(0.1f32)));
+        assert_eq!(read(NumberKind::Float, &(-1.5f64).to_le_bytes()), Some(-1.5));
+        assert_eq!(read(NumberKind::Float, &0.1f32.to_le_bytes()), Some(f64::from(0.1f32)));
         // Half precision: -2, the largest, the smallest, infinity.
         for (bits, wanted) in [(0xc000u16, -2.0), (0x7bff, 65504.0), (1, 5.960464477539063e-8), (0x7c00, f64::INFINITY)]
         {
-            assert_eq!(read(Kind::Float, &bits.to_le_bytes()), Some(wanted));
+            assert_eq!(read(NumberKind::Float, &bits.to_le_bytes()), Some(wanted));
         }
-        assert_eq!(read(Kind::Signed, &(-3i16).to_le_bytes()), Some(-3.0));
-        assert_eq!(read(Kind::Signed, &(-3i64).to_le_bytes()), Some(-3.0));
-        assert_eq!(read(Kind::Unsigned, &u64::MAX.to_le_bytes()), Some(18446744073709551616.0));
-        assert_eq!(read(Kind::Float, &[0; 3]), None);
-        assert_eq!(Numbers { kind: Kind::Signed, size: 1, big: false }.read(&[1, 2, 255, 4], 2), Some(vec![1.0, -1.0]));
+        assert_eq!(read(NumberKind::Signed, &(-3i16).to_le_bytes()), Some(-3.0));
+        assert_eq!(read(NumberKind::Signed, &(-3i64).to_le_bytes()), Some(-3.0));
+        assert_eq!(read(NumberKind::Unsigned, &u64::MAX.to_le_bytes()), Some(18446744073709551616.0));
+        assert_eq!(read(NumberKind::Float, &[0; 3]), None);
+        assert_eq!(
+            NumberFormat { kind: NumberKind::Signed, size: 1, big: false }.read(&[1, 2, 255, 4], 2),
+            Some(vec![1.0, -1.0])
+        );
     }
 
     #[test]

@@ -37,9 +37,9 @@ impl Table {
     /// about text count lines.
     ///
     /// ```
-    /// use piezoid::formats::{Channel, Selection, Table}; let channels = [("t_s", vec![0.0, 5e-4]), ("u_V", vec![0.0,
+    /// use piezoid::formats::{Channel, ColumnSelection, Table}; let channels = [("t_s", vec![0.0, 5e-4]), ("u_V", vec![0.0,
     /// 1.0]), ("y_mm", vec![0.1, 0.2]), ("gain", vec![10.0])]; let table = Table::of(channels.map(|(name, samples)|
-    /// Channel::new(name, samples))); assert_eq!(table.record(&Selection::default())?.units().y, "mm");
+    /// Channel::new(name, samples))); assert_eq!(table.record(&ColumnSelection::default())?.units().y, "mm");
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
@@ -95,7 +95,7 @@ fn usual(lengths: impl Iterator<Item = usize>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::Selection;
+    use crate::formats::ColumnSelection;
 
     fn channels(lengths: &[(&str, usize)]) -> Vec<Channel> {
         lengths.iter().map(|(name, n)| Channel::new(*name, (0..*n).map(|k| k as f64).collect())).collect()
@@ -108,11 +108,11 @@ mod tests {
         let table = Table::of(given);
         assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V"]);
         assert_eq!(
-            table.record(&Selection::default()).unwrap_err().to_string(),
+            table.record(&ColumnSelection::default()).unwrap_err().to_string(),
             "there is no output column: a single `y_*` is missing among the columns `t_s`, `u_V`; left out: \
              map (of shape 2 x 2), y_um (of 3 samples, not 4); give `output_col`"
         );
-        let asked = Selection { output_col: Some("map".into()), ..Selection::default() };
+        let asked = ColumnSelection { output_col: Some("map".into()), ..ColumnSelection::default() };
         assert!(table.record(&asked).unwrap_err().to_string().contains("left out: map (of shape 2 x 2)"));
         let many: Vec<(String, usize)> = (0..20).map(|k| (format!("c{k}"), 2 + k)).collect();
         let many: Vec<(&str, usize)> = many.iter().map(|(name, n)| (name.as_str(), *n)).collect();
@@ -122,7 +122,7 @@ mod tests {
     #[test]
     fn a_record_of_one_sample_is_one() {
         let table = Table::of(channels(&[("u_V", 1), ("y_um", 1)]));
-        assert_eq!(table.record(&Selection { ts: Some(1.0), ..Selection::default() }).unwrap().len(), 1);
+        assert_eq!(table.record(&ColumnSelection { ts: Some(1.0), ..ColumnSelection::default() }).unwrap().len(), 1);
     }
 
     #[test]
@@ -130,13 +130,13 @@ mod tests {
         let table = Table::of(channels(&[("t_s", 4), ("u_V", 4), ("u_V", 4), ("u_mon", 4), ("y_um", 4), ("u_mon", 3)]));
         assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V", "u_mon", "y_um"]);
         for name in ["u_V", "u_mon"] {
-            let asked = Selection { input_col: Some(name.into()), ..Selection::default() };
+            let asked = ColumnSelection { input_col: Some(name.into()), ..ColumnSelection::default() };
             assert_eq!(
                 table.record(&asked).unwrap_err().to_string(),
                 format!("there are two of {name}, in several structures: give one structure")
             );
         }
-        let other = Selection { input_col: Some("t_s".into()), ts: Some(1.0), ..Selection::default() };
+        let other = ColumnSelection { input_col: Some("t_s".into()), ts: Some(1.0), ..ColumnSelection::default() };
         assert!(table.record(&other).is_ok());
     }
 
@@ -145,11 +145,11 @@ mod tests {
         let stated =
             |name: &str, unit: &str| Channel { unit: Some(unit.into()), ..Channel::new(name, vec![0.0, 1.0, 2.0]) };
         let table = Table { ts: Some(0.5), ..Table::of([stated("u_drive", "V"), stated("y_probe", "\u{b5}m")]) };
-        let record = table.record(&Selection::default()).unwrap();
+        let record = table.record(&ColumnSelection::default()).unwrap();
         assert_eq!((record.ts(), &*record.units().u, &*record.units().y), (0.5, "V", "um"));
-        let said = Selection { ts: Some(0.25), ..Selection::default() };
+        let said = ColumnSelection { ts: Some(0.25), ..ColumnSelection::default() };
         assert_eq!(table.record(&said).unwrap().ts(), 0.25, "who says a period knows better");
         let timed = Table::of([stated("t_s", "ms"), stated("u_drive", "V"), stated("y_probe", "nm")]);
-        assert!(timed.record(&Selection::default()).unwrap_err().to_string().contains("t_s: the time is in ms"));
+        assert!(timed.record(&ColumnSelection::default()).unwrap_err().to_string().contains("t_s: the time is in ms"));
     }
 }

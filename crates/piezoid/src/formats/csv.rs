@@ -21,7 +21,7 @@ use super::table::{Column, Table};
 use crate::Error;
 use cells::{blank, cells};
 use header::Header;
-use number::Numbers;
+use number::NumberReader;
 
 /// The row of CSV. It takes what no other row knows: its refusals say what a file looks like.
 pub(super) const ROW: Format = Format {
@@ -48,7 +48,7 @@ impl Table {
         let header = Header::read(&mut lines)?;
         let columns = header.names.into_iter().map(Column::new).collect();
         let mut table = Table { columns, header: header.line, ..Table::empty() };
-        let mut numbers = Numbers::new(header.separator);
+        let mut numbers = NumberReader::new(header.separator);
         let mut gap = None;
         for (line, row) in lines {
             if blank(row, header.separator) {
@@ -75,7 +75,7 @@ impl Table {
     }
 
     /// Takes in one row.
-    fn row(&mut self, line: u64, row: &str, separator: char, numbers: &mut Numbers) -> Result<(), Error> {
+    fn row(&mut self, line: u64, row: &str, separator: char, numbers: &mut NumberReader) -> Result<(), Error> {
         let mut count = 0;
         for cell in cells(row, separator) {
             let column = self.columns.get_mut(count);
@@ -119,7 +119,7 @@ impl Column {
     }
 
     /// Takes in one cell; after the first flaw, none.
-    fn take(&mut self, cell: &str, line: u64, first: bool, numbers: &mut Numbers) {
+    fn take(&mut self, cell: &str, line: u64, first: bool, numbers: &mut NumberReader) {
         if self.flaw.is_some() {
             return;
         }
@@ -141,10 +141,10 @@ impl Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::Selection;
+    use crate::formats::ColumnSelection;
 
     fn record(file: &str) -> Result<crate::Record, Error> {
-        Table::parse(file.as_bytes())?.record(&Selection::default())
+        Table::parse(file.as_bytes())?.record(&ColumnSelection::default())
     }
 
     fn refusal(file: &str) -> String {

@@ -22,7 +22,7 @@ pub(super) const ROW: Format = Format {
     summary: "data sets of HDF5, as MATLAB's version 7.3 is",
     reference: "HDF5 File Format Specification 3.0, https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html",
     matches: |bytes| start(bytes).is_some(),
-    read: |bytes| Ok(Table::of(File::open(bytes)?.channels()?)),
+    read: |bytes| Ok(Table::of(Hdf5File::open(bytes)?.channels()?)),
 };
 
 const MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -34,7 +34,7 @@ fn start(bytes: &[u8]) -> Option<usize> {
 }
 
 /// A file, and what reading it may still cost.
-struct File<'a> {
+struct Hdf5File<'a> {
     /// From where addresses count.
     bytes: &'a [u8],
     /// Address of the first group.
@@ -44,7 +44,7 @@ struct File<'a> {
     visits: usize,
 }
 
-impl<'a> File<'a> {
+impl<'a> Hdf5File<'a> {
     fn open(file: &'a [u8]) -> Result<Self, Error> {
         let bytes = file.get(start(file).unwrap_or(0)..).unwrap_or_default();
         let number = |at, size| length(bytes, at, size, false);
@@ -60,7 +60,7 @@ impl<'a> File<'a> {
         }
         part(file, 0, number(end, 8)?)?;
         let bytes = file.get(number(base, 8)?..).ok_or_else(|| damaged("it begins behind its end"))?;
-        Ok(File { bytes, root: number(root, 8)?, unpacking: Unpacking::of(file), visits: file.len() / 8 })
+        Ok(Hdf5File { bytes, root: number(root, 8)?, unpacking: Unpacking::of(file), visits: file.len() / 8 })
     }
 
     /// All data sets.

@@ -1,6 +1,6 @@
 //! Files into records and back: bytes in, [`Record`](crate::Record) out.
 //!
-//! A format turns bytes into a [`Table`] of named columns; the names, and a [`Selection`] where they do not suffice,
+//! A format turns bytes into a [`Table`] of named columns; the names, and a [`ColumnSelection`] where they do not suffice,
 //! say which column is the time, the input and the output. Nothing here opens a file, and nothing is guessed: what
 //! could mean two things is refused, with the option that decides it.
 //!
@@ -19,7 +19,7 @@ mod table;
 mod time;
 
 pub use channel::Channel;
-pub use selection::Selection;
+pub use selection::ColumnSelection;
 pub use table::{Signal, Table};
 
 use crate::Error;
@@ -49,9 +49,9 @@ impl Table {
     /// The table in a file of any of [`FORMATS`]. Its name tells only what a file was meant to be that cannot be read.
     ///
     /// ```
-    /// use piezoid::formats::{Selection, Table};
+    /// use piezoid::formats::{ColumnSelection, Table};
     /// let table = Table::read("sine.txt", b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n")?;
-    /// assert_eq!(table.record(&Selection::default())?.len(), 2);
+    /// assert_eq!(table.record(&ColumnSelection::default())?.len(), 2);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///

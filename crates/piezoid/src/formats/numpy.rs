@@ -10,7 +10,7 @@ mod zip;
 use super::bytes::{self, Unpacking, damaged, length, part, shape, whole};
 use super::{Channel, Format, Table};
 use crate::Error;
-use descr::{Descr, Head};
+use descr::{ArrayHead, Descr};
 
 /// The row of NumPy.
 pub(super) const ROW: Format = Format {
@@ -59,7 +59,7 @@ fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Chann
     let width = if part(file, MAGIC.len(), 1)? == [1] { 2 } else { 4 };
     let start = MAGIC.len() + 2 + width;
     let text = part(file, start, length(file, start - width, width, false)?)?;
-    let Head { descr, dims } = descr::head(text)?;
+    let ArrayHead { descr, dims } = descr::head(text)?;
     let fields = match descr {
         Descr::Fields(fields) => fields,
         plain => vec![(name.to_string(), plain)],

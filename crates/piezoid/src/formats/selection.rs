@@ -7,7 +7,7 @@
 use super::quote::{listed, shortened};
 use super::table::{Column, Table};
 use crate::Error;
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use crate::record::{Record, plain};
 use serde_json::Value;
 use std::ops::Range;
@@ -18,7 +18,7 @@ options! {
     /// A column chosen here may have any name. Its unit is what follows `u_` or `y_`; else what stands in brackets at the
     /// end, as in `Voltage [V]`; else what follows the last underscore, as in `sensor_um`, unless that holds a digit, as in
     /// `channel_2`; else none, the empty string.
-    pub struct Selection {
+    pub struct ColumnSelection {
         /// Sampling period, for files without a time column.
         ts: Option<f64> = None, OptionRow::positive("s").group(GROUP);
         /// Name of the input column.
@@ -34,10 +34,10 @@ options! {
     }
 }
 
-const NAME: Values = Values::Text("NAME");
+const NAME: OptionKind = OptionKind::Text("NAME");
 const GROUP: &str = "Data files";
 
-impl Selection {
+impl ColumnSelection {
     /// The samples of `n` that are meant.
     pub(super) fn part(&self, ts: f64, n: usize) -> Result<Range<usize>, Error> {
         match (self.from, self.to) {
@@ -53,7 +53,7 @@ impl Selection {
 }
 
 /// What a column can be, and how it is recognised.
-pub(super) struct Role {
+pub(super) struct ColumnRole {
     what: &'static str,
     /// Taken whatever else there is.
     exact: Option<&'static str>,
@@ -62,13 +62,13 @@ pub(super) struct Role {
     option: &'static str,
     /// The option that does without a column.
     instead: Option<&'static str>,
-    asked: fn(&Selection) -> Option<&String>,
+    asked: fn(&ColumnSelection) -> Option<&String>,
     /// First words of names that probably mean this, to be offered and never taken.
     hints: &'static [&'static str],
 }
 
 /// The time [s].
-pub(super) static TIME: Role = Role {
+pub(super) static TIME: ColumnRole = ColumnRole {
     what: "time",
     exact: Some("t_s"),
     prefix: None,
@@ -79,7 +79,7 @@ pub(super) static TIME: Role = Role {
 };
 
 /// The input u.
-pub(super) static INPUT: Role = Role {
+pub(super) static INPUT: ColumnRole = ColumnRole {
     what: "input",
     exact: Some("u_V"),
     prefix: Some("u_"),
@@ -90,9 +90,9 @@ pub(super) static INPUT: Role = Role {
 };
 
 /// The output y.
-pub(super) static OUTPUT: Role = OUT;
+pub(super) static OUTPUT: ColumnRole = OUT;
 
-const OUT: Role = Role {
+const OUT: ColumnRole = ColumnRole {
     what: "output",
     exact: None,
     prefix: Some("y_"),
@@ -103,11 +103,11 @@ const OUT: Role = Role {
 };
 
 /// The reference r, a wanted output.
-pub(super) static REFERENCE: Role = Role { what: "reference", prefix: Some("r_"), ..OUT };
+pub(super) static REFERENCE: ColumnRole = ColumnRole { what: "reference", prefix: Some("r_"), ..OUT };
 
-impl Role {
+impl ColumnRole {
     /// The one column of the table that plays this role.
-    pub(super) fn find<'a>(&self, table: &'a Table, selection: &Selection) -> Result<&'a Column, Error> {
+    pub(super) fn find<'a>(&self, table: &'a Table, selection: &ColumnSelection) -> Result<&'a Column, Error> {
         if let Some(name) = (self.asked)(selection) {
             let column = table.columns.iter().find(|c| c.name == name.trim());
             return column.ok_or_else(|| unknown(name, table));
@@ -182,7 +182,7 @@ impl Column {
     }
 }
 
-/// The unit that a name carries (see [`Selection`]), the Greek letter of micro written as `u`.
+/// The unit that a name carries (see [`ColumnSelection`]), the Greek letter of micro written as `u`.
 fn unit(name: &str, prefix: &str) -> String {
     let bracketed = |open, close| name.strip_suffix(close).and_then(|head: &str| head.rsplit_once(open));
     let unit = name
@@ -203,12 +203,12 @@ mod tests {
         Table::parse(format!("{header}\n{row}\n").as_bytes()).unwrap()
     }
 
-    fn found(role: &Role, header: &str, selection: &Selection) -> Result<String, String> {
+    fn found(role: &ColumnRole, header: &str, selection: &ColumnSelection) -> Result<String, String> {
         role.find(&table(header), selection).map(|c| c.name.clone()).map_err(|e| e.to_string())
     }
 
-    fn default(role: &Role, header: &str) -> Result<String, String> {
-        found(role, header, &Selection::default())
+    fn default(role: &ColumnRole, header: &str) -> Result<String, String> {
+        found(role, header, &ColumnSelection::default())
     }
 
     #[test]
@@ -228,13 +228,14 @@ mod tests {
             default(&OUTPUT, "t_s,u_V,y_um,y_mm").unwrap_err(),
             "line 1: `y_um`, `y_mm` could each be the output; give `output_col`"
         );
-        let chosen = Selection { output_col: Some("y_mm".into()), ..Selection::default() };
+        let chosen = ColumnSelection { output_col: Some("y_mm".into()), ..ColumnSelection::default() };
         assert_eq!(found(&OUTPUT, "t_s,u_V,y_um,y_mm", &chosen).unwrap(), "y_mm");
     }
 
     #[test]
     fn a_reference_is_the_only_r_or_else_the_only_y() {
-        let reference = |file: &str| table(file).reference(&Selection { ts: Some(1.0), ..Selection::default() });
+        let reference =
+            |file: &str| table(file).reference(&ColumnSelection { ts: Some(1.0), ..ColumnSelection::default() });
         assert_eq!(reference("r_mm,y_um").unwrap().unit, "mm");
         assert_eq!(reference("t_s,y_um").unwrap().unit, "um");
         assert!(reference("t_s,r_um,r_mm").unwrap_err().to_string().contains("could each be the reference"));
@@ -271,7 +272,7 @@ mod tests {
 
     #[test]
     fn a_name_that_is_not_there_is_answered_with_the_nearest() {
-        let asked = Selection { input_col: Some("u_cmd".into()), ..Selection::default() };
+        let asked = ColumnSelection { input_col: Some("u_cmd".into()), ..ColumnSelection::default() };
         assert_eq!(
             found(&INPUT, "t_s,u_cmdV,y_um", &asked).unwrap_err(),
             "there is no column called `u_cmd`: known are t_s, u_cmdV, y_um; did you mean `u_cmdV`?"
@@ -280,13 +281,13 @@ mod tests {
 
     #[test]
     fn a_column_given_to_one_role_is_not_taken_for_another() {
-        let selection = Selection { input_col: Some("y_um".into()), ..Selection::default() };
+        let selection = ColumnSelection { input_col: Some("y_um".into()), ..ColumnSelection::default() };
         assert_eq!(found(&OUTPUT, "t_s,y_um,y_mm", &selection).unwrap(), "y_mm");
     }
 
     #[test]
     fn a_time_in_milliseconds_is_refused() {
-        let asked = Selection { time_col: Some("t_ms".into()), ..Selection::default() };
+        let asked = ColumnSelection { time_col: Some("t_ms".into()), ..ColumnSelection::default() };
         assert_eq!(
             table("t_ms,u_V,y_um").record(&asked).unwrap_err().to_string(),
             "line 1, column t_ms: the time is in ms, not in seconds: convert it, or give `ts`"

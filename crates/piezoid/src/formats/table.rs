@@ -4,7 +4,7 @@
 //! and becomes the error then. A table does not interpolate, resample or repair.
 
 use super::quote::{listed, quoted, shortened};
-use super::selection::{INPUT, OUTPUT, REFERENCE, Role, Selection, TIME, in_seconds};
+use super::selection::{ColumnRole, ColumnSelection, INPUT, OUTPUT, REFERENCE, TIME, in_seconds};
 use super::time;
 use crate::error::{Error, positive};
 use crate::record::{Record, Units};
@@ -12,10 +12,10 @@ use crate::record::{Record, Units};
 /// Named columns of numbers, all equally long.
 ///
 /// ```
-/// use piezoid::formats::{Selection, Table};
+/// use piezoid::formats::{ColumnSelection, Table};
 ///
 /// let table = Table::parse(b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n")?;
-/// let record = table.record(&Selection::default())?;
+/// let record = table.record(&ColumnSelection::default())?;
 /// assert_eq!((record.ts(), record.u(), record.units().y.as_str()), (5e-4, &[0.0, 1.0][..], "um"));
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -50,15 +50,15 @@ impl Record {
     /// The record in a CSV file, whose columns are found by their names unless `columns` names others.
     ///
     /// ```
-    /// use piezoid::{Record, formats::Selection};
-    /// let record = Record::from_csv(b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n", &Selection::default())?;
+    /// use piezoid::{Record, formats::ColumnSelection};
+    /// let record = Record::from_csv(b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n", &ColumnSelection::default())?;
     /// assert_eq!((record.ts(), record.y()), (5e-4, &[0.1, 20.3][..]));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
     /// As [`Table::parse`] and [`Table::record`].
-    pub fn from_csv(bytes: &[u8], columns: &Selection) -> Result<Self, Error> {
+    pub fn from_csv(bytes: &[u8], columns: &ColumnSelection) -> Result<Self, Error> {
         Table::parse(bytes)?.record(columns)
     }
 }
@@ -89,7 +89,7 @@ impl Table {
     ///
     /// # Errors
     /// A column is missing or could be several; a cell in a column that is needed is no finite number; time is uneven.
-    pub fn record(&self, selection: &Selection) -> Result<Record, Error> {
+    pub fn record(&self, selection: &ColumnSelection) -> Result<Record, Error> {
         let (ts, [u, y]) = self.sampled([&INPUT, &OUTPUT], selection)?;
         let units = Units { u: u.unit("u_"), y: y.unit("y_") };
         let part = selection.part(ts, u.samples.len())?;
@@ -100,7 +100,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`record`](Table::record).
-    pub fn input(&self, selection: &Selection) -> Result<Signal, Error> {
+    pub fn input(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let (ts, [u]) = self.sampled([&INPUT], selection)?;
         Ok(Signal { ts, samples: u.samples[selection.part(ts, u.samples.len())?].to_vec(), unit: u.unit("u_") })
     }
@@ -109,7 +109,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`record`](Table::record).
-    pub fn reference(&self, selection: &Selection) -> Result<Signal, Error> {
+    pub fn reference(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
         let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
         let (role, prefix) = if said { (&REFERENCE, "r_") } else { (&OUTPUT, "y_") };
@@ -118,11 +118,19 @@ impl Table {
     }
 
     /// The sampling period [s], and the columns that play these roles, read without a flaw.
-    fn sampled<const N: usize>(&self, roles: [&Role; N], selection: &Selection) -> Result<(f64, [&Column; N]), Error> {
+    fn sampled<const N: usize>(
+        &self,
+        roles: [&ColumnRole; N],
+        selection: &ColumnSelection,
+    ) -> Result<(f64, [&Column; N]), Error> {
         self.found(roles, selection).map_err(|error| if self.header > 0 { error } else { self.without_lines(error) })
     }
 
-    fn found<const N: usize>(&self, roles: [&Role; N], selection: &Selection) -> Result<(f64, [&Column; N]), Error> {
+    fn found<const N: usize>(
+        &self,
+        roles: [&ColumnRole; N],
+        selection: &ColumnSelection,
+    ) -> Result<(f64, [&Column; N]), Error> {
         let mut needed = Vec::with_capacity(N + 1);
         for role in roles {
             needed.push(role.find(self, selection)?);
@@ -210,25 +218,25 @@ mod tests {
 
     #[test]
     fn units_come_with_the_names() {
-        let record = parsed("t_s,u_cmdV,y_counts\n0,1,2\n1,2,3\n").record(&Selection::default()).unwrap();
+        let record = parsed("t_s,u_cmdV,y_counts\n0,1,2\n1,2,3\n").record(&ColumnSelection::default()).unwrap();
         assert_eq!(record.units(), &Units { u: "cmdV".into(), y: "counts".into() });
     }
 
     #[test]
     fn an_input_needs_no_output() {
         let table = parsed("t_s,u_V,note\n0,1,\n0.1,2,\n");
-        let signal = table.input(&Selection::default()).unwrap();
+        let signal = table.input(&ColumnSelection::default()).unwrap();
         assert_eq!(signal, Signal { ts: 0.1, samples: vec![1.0, 2.0], unit: "V".into() });
-        assert!(table.record(&Selection::default()).unwrap_err().to_string().contains("no output column"));
+        assert!(table.record(&ColumnSelection::default()).unwrap_err().to_string().contains("no output column"));
     }
 
     #[test]
     fn ts_replaces_the_time_column_whatever_it_holds() {
-        let ts = Selection { ts: Some(0.005), ..Selection::default() };
+        let ts = ColumnSelection { ts: Some(0.005), ..ColumnSelection::default() };
         for file in ["u_V,y_um\n1,2\n", "t_s,u_V,y_um\nnoon,1,2\n", "t_s,u_V,y_um\n0,1,2\n0,1,2\n"] {
             assert_eq!(parsed(file).record(&ts).unwrap().ts(), 0.005);
         }
-        let wrong = Selection { ts: Some(-1.0), ..Selection::default() };
+        let wrong = ColumnSelection { ts: Some(-1.0), ..ColumnSelection::default() };
         assert_eq!(
             parsed("u_V,y_um\n1,2\n").record(&wrong).unwrap_err().to_string(),
             "ts = -1: must be a positive number of seconds"
@@ -238,11 +246,11 @@ mod tests {
     #[test]
     fn columns_are_chosen_by_name() {
         let table = parsed("clock,monitor,Sensor [nm],u_V,y_um\n0,1,2,x,x\n0.1,2,3,x,x\n");
-        let selection = Selection {
+        let selection = ColumnSelection {
             input_col: Some("monitor".into()),
             output_col: Some("Sensor [nm]".into()),
             time_col: Some("clock".into()),
-            ..Selection::default()
+            ..ColumnSelection::default()
         };
         let record = table.record(&selection).unwrap();
         assert_eq!((record.u(), record.y()), (&[1.0, 2.0][..], &[2.0, 3.0][..]));
@@ -251,8 +259,11 @@ mod tests {
 
     #[test]
     fn one_column_cannot_play_two_roles() {
-        let twice =
-            Selection { input_col: Some("y_um".into()), output_col: Some("y_um".into()), ..Selection::default() };
+        let twice = ColumnSelection {
+            input_col: Some("y_um".into()),
+            output_col: Some("y_um".into()),
+            ..ColumnSelection::default()
+        };
         assert_eq!(
             parsed("t_s,u_V,y_um\n0,1,2\n1,2,3\n").record(&twice).unwrap_err().to_string(),
             "line 1, column y_um: chosen twice: time, input and output must be different columns"

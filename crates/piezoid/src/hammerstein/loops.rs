@@ -34,7 +34,7 @@ pub struct HiddenLoop {
 
 /// The points of the records, by frequency, before they are split.
 #[derive(Debug, Default)]
-pub(super) struct Gathered {
+pub(super) struct LoopPoints {
     points: Vec<Points>,
     /// Of the first record, the ends of u and the mean of z.
     first: Option<((f64, f64), f64)>,
@@ -47,7 +47,7 @@ struct Points {
     z: Vec<f64>,
 }
 
-impl Gathered {
+impl LoopPoints {
     /// Adds the points of a record, whose hidden variable is `z`, to those of the same frequency. Of three periods or
     /// more the first is left out: a loop is closed only after the first turn. Sensors drift between records, so the z
     /// of a record that runs between the same inputs as the first is shifted to the mean of the first; the note says so
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn a_record_that_drifted_is_brought_back_to_the_first_and_the_note_says_so() {
-        let mut gathered = Gathered::default();
+        let mut gathered = LoopPoints::default();
         let (one, biased) = (record(20.0, 0.0), record(20.0, 5.0));
         assert_eq!(gathered.add(&one, lagging(&one, 0.0)).unwrap(), None);
         assert_eq!(gathered.add(&biased, lagging(&biased, 0.0)).unwrap(), None, "a bias of the input is no drift");
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn less_than_a_loop_is_refused() {
-        let error = Gathered::default().add(&record(20.0, 0.0), vec![0.0; 9]).unwrap_err().to_string();
+        let error = LoopPoints::default().add(&record(20.0, 0.0), vec![0.0; 9]).unwrap_err().to_string();
         assert!(error.contains("has 9 samples") && error.contains("at least a period"), "{error}");
     }
 }

@@ -5,23 +5,23 @@
 //! ```
 //! The driver stands there where it is known; where it is not, the linear block holds what it does to small steps.
 
-mod back;
 mod domain;
+mod initial_condition;
+mod inverse;
 mod joint;
+mod large_signal;
 mod loops;
 mod paper;
 mod program;
-mod rich;
-mod start;
 
 pub use domain::Domain;
+pub use initial_condition::InitialCondition;
 pub use joint::{FittedParameter, OperatorTrial};
-pub(crate) use joint::{Joint, identify_joint};
+pub(crate) use joint::{JointOptions, identify_joint};
+pub use large_signal::LinearPart;
 pub use loops::HiddenLoop;
 pub use paper::Identified;
-pub(crate) use paper::{Paper, identify_paper};
-pub use rich::LinearPart;
-pub use start::InitialCondition;
+pub(crate) use paper::{PaperOptions, identify_paper};
 
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
@@ -175,7 +175,7 @@ impl Model {
             driver: self.driver,
             hysteresis: hysteresis::save(&*self.hysteresis),
             creep: Some(self.creep.lags().to_vec()).filter(|lags| !lags.is_empty()),
-            linear: Coefficients { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
+            linear: LinearDocument { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
             identified: self.identified,
             fit: self.made.clone(),
@@ -228,7 +228,7 @@ struct Document {
     hysteresis: Value,
     #[serde(default)]
     creep: Option<Vec<Lag>>,
-    linear: Coefficients,
+    linear: LinearDocument,
     #[serde(default)]
     offset: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -239,7 +239,7 @@ struct Document {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Coefficients {
+struct LinearDocument {
     a: Vec<f64>,
     b: Vec<f64>,
 }

@@ -4,11 +4,11 @@
 //! Where (8) is unstable the whole-record inverse takes its place; where there is no small-signal record the rich ones
 //! give as much of the linear block as they can. Either is told in the notes.
 
-use super::loops::{CLEAR, Gathered, HiddenLoop, named, remarks};
-use super::rich::{LinearPart, linear_from_rich, rich_enough};
+use super::large_signal::{LinearPart, linear_from_large_signal, require_excitation};
+use super::loops::{CLEAR, HiddenLoop, LoopPoints, named, remarks};
 use super::{Domain, FittedParameter, Model, OperatorTrial};
 use crate::error::Error;
-use crate::hysteresis::{Hysteresis, Pair, Proportional, RateScheduled, Reading, Split, TwoBranch};
+use crate::hysteresis::{HeldInput, Hysteresis, Pair, Proportional, RateScheduled, Split, TwoBranch};
 use crate::linear::{self, Arx, Orders};
 use crate::number::short;
 use crate::optimize::swarm;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// How to identify the paper's way. The defaults are the paper's, but for the reading of held inputs.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Paper {
+pub(crate) struct PaperOptions {
     /// Order of the linear block.
     pub order: usize,
     /// Name of its estimator.
@@ -34,19 +34,19 @@ pub(crate) struct Paper {
     /// Averages a branch, between the turning points.
     pub bins: usize,
     /// Which branch is read while the input is held.
-    pub reading: Reading,
+    pub reading: HeldInput,
 }
 
-impl Default for Paper {
+impl Default for PaperOptions {
     fn default() -> Self {
-        Paper {
+        PaperOptions {
             order: 2,
             estimator: "swarm".into(),
             swarm: swarm::SwarmSettings::default(),
             operator: "auto".into(),
             split: Split::Line,
             bins: 16,
-            reading: Reading::Held,
+            reading: HeldInput::Held,
         }
     }
 }
@@ -68,7 +68,7 @@ pub struct Identified {
     pub notes: Vec<String>,
 }
 
-/// The paper's steps 2, 4 and 5 (1, 3 and 6 are measurements): `linear` are small-signal records (a PRBS), `rich` those
+/// The paper's steps 2, 4 and 5 (1, 3 and 6 are measurements): `linear` are small-signal records (a PRBS), `large_signal` those
 /// that exercise the hysteresis, normally one sine a frequency. Either list may be empty.
 ///
 /// # Errors
@@ -76,20 +76,20 @@ pub struct Identified {
 /// are none.
 pub(crate) fn identify_paper(
     linear: &[Record],
-    rich: &[Record],
-    how: &Paper,
+    large_signal: &[Record],
+    settings: &PaperOptions,
     progress: &mut Progress,
 ) -> Result<Identified, Error> {
-    let units = common_units(linear.iter().chain(rich))?;
+    let units = common_units(linear.iter().chain(large_signal))?;
     let linear: Vec<Record> = linear.iter().map(|r| r.output_in(&units.y)).collect::<Result<_, _>>()?;
-    let rich: Vec<Record> = rich.iter().map(|r| r.output_in(&units.y)).collect::<Result<_, _>>()?;
+    let large_signal: Vec<Record> = large_signal.iter().map(|r| r.output_in(&units.y)).collect::<Result<_, _>>()?;
 
-    let part = linear_part(&linear, &rich, how, progress)?;
+    let part = linear_part(&linear, &large_signal, settings, progress)?;
     let mut notes = vec![format!("linear block: {}", part.reason)];
     if !linear.is_empty() {
-        notes.extend(unexcited(&part.arx, linear.iter()));
+        notes.extend(unexcited_resonance(&part.arx, linear.iter()));
     }
-    let defects = [defects("small-signal record", &linear), defects("rich record", &rich)].concat();
+    let defects = [defects("small-signal record", &linear), defects("rich record", &large_signal)].concat();
     notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method fits it all the same")));
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
@@ -98,38 +98,38 @@ pub(crate) fn identify_paper(
             pole.z
         ));
     }
-    let mut loops = Gathered::default();
-    if how.operator != "proportional" {
-        for record in &rich {
+    let mut loops = LoopPoints::default();
+    if settings.operator != "proportional" {
+        for record in &large_signal {
             let (z, note) = part.arx.hidden(part.offset, record.y())?;
             notes.extend(note.filter(|n| !notes.contains(n)));
             notes.extend(loops.add(record, z)?);
         }
     }
-    if how.operator == "two-branch" {
+    if settings.operator == "two-branch" {
         loops.pool();
     }
-    let mut loops = loops.split(how.bins, how.split)?;
-    notes.extend(remarks(&loops, how.split));
-    if how.operator == "auto"
+    let mut loops = loops.split(settings.bins, settings.split)?;
+    notes.extend(remarks(&loops, settings.split));
+    if settings.operator == "auto"
         && let Some(which) = named(&loops, |found| found.agreement < CLEAR)
     {
         loops.retain(|l| l.found.agreement >= CLEAR);
         let left = if loops.is_empty() { ", which leaves a model without hysteresis" } else { "" };
         notes.push(format!("hysteresis block: what was found {which} is no loop and was left out{left}"));
     }
-    let operator = match how.operator.as_str() {
+    let operator = match settings.operator.as_str() {
         "auto" if loops.is_empty() => "proportional",
         "auto" if loops.len() > 1 => "rate-scheduled",
         "auto" => "two-branch",
         named => named,
     };
-    let (hysteresis, offset) = block(operator, &loops, &part, &rich, how.reading)?;
-    if rich.is_empty() {
+    let (hysteresis, offset) = block(operator, &loops, &part, &large_signal, settings.reading)?;
+    if large_signal.is_empty() {
         notes.push("hysteresis block: none, as there is no rich record to find it from".into());
     }
     let model = Model::new(hysteresis, part.arx.clone(), offset)?.with_units(units);
-    let model = match Domain::of(linear.iter().chain(&rich)) {
+    let model = match Domain::of(linear.iter().chain(&large_signal)) {
         Some(domain) => model.with_identified(domain),
         None => model,
     };
@@ -141,15 +141,15 @@ fn block(
     operator: &str,
     loops: &[HiddenLoop],
     part: &LinearPart,
-    rich: &[Record],
-    reading: Reading,
+    large_signal: &[Record],
+    reading: HeldInput,
 ) -> Result<(Arc<dyn Hysteresis>, f64), Error> {
     let ts = part.arx.ts();
     Ok(match (operator, loops) {
         ("two-branch", [one, ..]) => (Arc::new(TwoBranch::new(ts, one.found.branches.clone(), reading)?), part.offset),
         ("rate-scheduled", [_, ..]) => (Arc::new(RateScheduled::new(ts, pairs(loops)?, reading)?), part.offset),
         ("proportional", _) => {
-            let (gain, offset) = part.arx.proportional(part.offset, rich)?;
+            let (gain, offset) = part.arx.proportional(part.offset, large_signal)?;
             (Arc::new(Proportional::new(ts, gain)?), offset)
         }
         ("two-branch" | "rate-scheduled", []) => {
@@ -176,16 +176,16 @@ impl Arx {
         match self.inverse() {
             Ok(inverse) => Ok((inverse.resume(&mut inverse.settled(first), &centred), None)),
             Err(why) => {
-                let (blind, n) = (self.blind(), y.len());
-                if blind >= n {
+                let (undetermined, n) = (self.undetermined_samples(), y.len());
+                if undetermined >= n {
                     let because = format!(
-                        "{why}; and from the whole record it cannot tell the last {blind} samples, of {n} there are: record longer, or \
+                        "{why}; and from the whole record it cannot tell the last {undetermined} samples, of {n} there are: record longer, or \
                          choose another order"
                     );
                     return Err(Error::NoInverse { kind: "usable", because });
                 }
                 let mut z = self.invert_whole(&centred)?;
-                z.truncate(n - blind);
+                z.truncate(n - undetermined);
                 Ok((z, Some(format!("{why}; z comes from the whole record, forward and backward in time"))))
             }
         }
@@ -193,16 +193,26 @@ impl Arx {
 }
 
 /// Step 2, or what the rich records give in its place.
-fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut Progress) -> Result<LinearPart, Error> {
+fn linear_part(
+    linear: &[Record],
+    large_signal: &[Record],
+    settings: &PaperOptions,
+    progress: &mut Progress,
+) -> Result<LinearPart, Error> {
     if linear.is_empty() {
-        if rich.is_empty() {
+        if large_signal.is_empty() {
             let remedy = "give a small-signal record, a rich one, or both".into();
             return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
         }
-        return linear_from_rich(rich, how.order);
+        return linear_from_large_signal(large_signal, settings.order);
     }
-    rich_enough(linear, how.order)?;
-    let fit = linear::Estimator::find(&how.estimator)?.fit(linear, Orders::of(how.order), &how.swarm, progress)?;
+    require_excitation(linear, settings.order)?;
+    let fit = linear::Estimator::find(&settings.estimator)?.fit(
+        linear,
+        Orders::of(settings.order),
+        &settings.swarm,
+        progress,
+    )?;
     let (left, best) = (fit.residuals.sum_abs, fit.least_squares_sum_abs);
     let failed = if fit.estimator == "swarm" && left > 1.001 * best {
         let (left, best) = (short(left), short(best));
@@ -212,9 +222,9 @@ fn linear_part(linear: &[Record], rich: &[Record], how: &Paper, progress: &mut P
     } else {
         String::new()
     };
-    let (order, by, n) = (how.order, fit.estimator, fit.residuals.n);
+    let (order, by, n) = (settings.order, fit.estimator, fit.residuals.n);
     let reason = format!("order {order} by {by} on {n} samples of small signal{failed}");
-    let reason = reason + &fit.too_low(linear).unwrap_or_default();
+    let reason = reason + &fit.order_too_low(linear).unwrap_or_default();
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
@@ -234,7 +244,7 @@ pub(super) fn called(which: &str, k: usize, of: usize) -> String {
 }
 
 /// A resonance of the linear block that none of the records it was found from excites.
-pub(super) fn unexcited<'a>(arx: &Arx, mut records: impl Iterator<Item = &'a Record>) -> Option<String> {
+pub(super) fn unexcited_resonance<'a>(arx: &Arx, mut records: impl Iterator<Item = &'a Record>) -> Option<String> {
     let resonance = arx.resonance()?;
     let lit = |record: &Record| excites(record.u(), record.ts(), around(resonance.hz));
     (!records.any(lit)).then(|| {
@@ -268,7 +278,7 @@ impl Arx {
             .iter()
             .map(|r| Record::new(r.ts(), self.resume(&mut self.settled(r.u()[0]), r.u()), r.y().to_vec()))
             .collect::<Result<_, _>>()?;
-        let (gain, offset, _) = super::rich::affine(&filtered)?;
+        let (gain, offset, _) = super::large_signal::affine(&filtered)?;
         Ok((gain, offset))
     }
 }
@@ -294,7 +304,7 @@ mod tests {
     use super::*;
     use crate::excitation::{Prbs, Sine};
     use crate::hysteresis::OPERATORS;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use crate::validation::ValidateOptions;
 
     const TS: f64 = 5e-4;
@@ -320,12 +330,13 @@ mod tests {
     fn every_operator_is_found_again_from_its_own_records() {
         for o in &OPERATORS[..3] {
             let truth = Model::new((o.example)(TS).unwrap(), beam(), 12.0).unwrap();
-            let rich = [5.0, 80.0].map(|hz| record(&truth, sine(hz)));
-            let (rich, test) = if o.rate_independent { (&rich[..1], 5.0) } else { (&rich[..], 80.0) };
-            let how = Paper { operator: o.name.into(), ..Paper::default() };
+            let large_signal = [5.0, 80.0].map(|hz| record(&truth, sine(hz)));
+            let (large_signal, test) =
+                if o.rate_independent { (&large_signal[..1], 5.0) } else { (&large_signal[..], 80.0) };
+            let settings = PaperOptions { operator: o.name.into(), ..PaperOptions::default() };
             let offset_record = prbs().y().iter().map(|y| y + 12.0).collect();
             let linear = [Record::new(TS, prbs().u().to_vec(), offset_record).unwrap()];
-            let found = identify_paper(&linear, rich, &how, &mut unwatched).unwrap();
+            let found = identify_paper(&linear, large_signal, &settings, &mut silent).unwrap();
             let fresh = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
             let left = found
                 .model
@@ -338,8 +349,8 @@ mod tests {
     #[test]
     fn auto_takes_one_pair_for_one_frequency_and_schedules_several() {
         let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
-        let name = |rich: &[Record]| {
-            let found = identify_paper(&[prbs()], rich, &Paper::default(), &mut unwatched).unwrap();
+        let name = |large_signal: &[Record]| {
+            let found = identify_paper(&[prbs()], large_signal, &PaperOptions::default(), &mut silent).unwrap();
             (found.model.hysteresis().operator().name, found.loops.len())
         };
         let [slow, again, fast] = [5.0, 5.0, 40.0].map(|hz| record(&truth, sine(hz)));
@@ -351,14 +362,15 @@ mod tests {
     #[test]
     fn records_in_other_units_of_length_are_converted_and_others_refused() {
         let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
-        let rich = record(&truth, sine(5.0));
-        let found = |rich: Record| identify_paper(&[prbs()], &[rich], &Paper::default(), &mut unwatched);
-        let in_mm = found(rich.output_in("mm").unwrap()).unwrap();
+        let large_signal = record(&truth, sine(5.0));
+        let found =
+            |large_signal: Record| identify_paper(&[prbs()], &[large_signal], &PaperOptions::default(), &mut silent);
+        let in_mm = found(large_signal.output_in("mm").unwrap()).unwrap();
         assert_eq!(in_mm.model.units().y, "um");
-        let plain = found(rich.clone()).unwrap();
+        let plain = found(large_signal.clone()).unwrap();
         let width = |i: &Identified| i.loops[0].found.branches.width();
         crate::testing::assert_close(&[width(&in_mm)], &[width(&plain)], 1e-9, 0.0);
-        let counts = rich.with_units(Units { u: "V".into(), y: "counts".into() });
+        let counts = large_signal.with_units(Units { u: "V".into(), y: "counts".into() });
         assert!(found(counts).unwrap_err().to_string().contains("in counts but um is wanted"));
     }
 
@@ -374,7 +386,8 @@ mod tests {
 
     #[test]
     fn a_sine_is_no_small_signal_record() {
-        let error = identify_paper(&[record(&beam(), sine(5.0))], &[], &Paper::default(), &mut unwatched).unwrap_err();
+        let error =
+            identify_paper(&[record(&beam(), sine(5.0))], &[], &PaperOptions::default(), &mut silent).unwrap_err();
         assert!(error.to_string().contains("one frequency (5 Hz)"), "{error}");
     }
 }

@@ -82,7 +82,7 @@ impl Law for AsymmetricBoucWen {
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [beta, ratio, loading, unloading] = [shape[0], shape[1], shape[2], shape[3]];
         let one = R::from(1.0);
-        let way = input.way();
+        let way = input.direction();
         if way != 0.0 {
             let way = R::from(way);
             let grow = beta * (one + ratio) * (one + way * loading);

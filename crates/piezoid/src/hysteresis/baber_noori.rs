@@ -162,7 +162,7 @@ impl Law for BaberNoori {
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
-        let way = input.way();
+        let way = input.direction();
         if way != 0.0 {
             let way = R::from(way);
             let steps = (input.length().value() * STEPS / (2.0 * input.half())).ceil().clamp(1.0, MOST);

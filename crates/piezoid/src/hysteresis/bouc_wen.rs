@@ -124,7 +124,7 @@ impl Law for BoucWen {
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [beta, gamma] = [shape[0], shape[0] * shape[1]];
-        let way = input.way();
+        let way = input.direction();
         if way != 0.0 {
             let way = R::from(way);
             x[0] = way * climb(way * x[0], input.length(), beta + gamma, beta - gamma);

@@ -106,7 +106,7 @@ impl Law for Dahl {
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [breakaway, exponent] = [shape[0], shape[1]];
-        let way = input.way();
+        let way = input.direction();
         if way != 0.0 {
             let (way, one) = (R::from(way), R::from(1.0));
             let y = one - way * x[0] / breakaway;

@@ -85,7 +85,7 @@ impl Law for Duhem {
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let scale = scale(&input);
         let v = input.u / scale.into();
-        if input.way() != 0.0 {
+        if input.direction() != 0.0 {
             let length = shape[0] * input.length();
             let left = (-length).exp();
             let (end, back) = (v, -input.path() / scale.into());

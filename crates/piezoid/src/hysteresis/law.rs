@@ -2,7 +2,7 @@
 //! that runs, the basis that is fitted, and the document that is saved.
 
 use super::basis::{Basis, ShapeParameter, counted};
-use super::inverse::{Inverted, by_slopes, by_trials, in_room};
+use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
 use crate::error::{Error, finite, positive};
@@ -41,14 +41,14 @@ impl<R: Real> Input<R> {
     }
 
     /// Which way the input moves: 1, -1, or 0 where it stands.
-    pub(super) fn way(&self) -> f64 {
+    pub(super) fn direction(&self) -> f64 {
         let path = self.path().value();
         if path == 0.0 { 0.0 } else { path.signum() }
     }
 
     /// How far the input moves, whichever way [input unit].
     pub(super) fn length(&self) -> R {
-        self.path() * self.way().into()
+        self.path() * self.direction().into()
     }
 
     /// How fast the input moves [input unit/s].
@@ -148,13 +148,13 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weighted<L> {
     ts: f64,
-    params: Params<L>,
+    params: LawParams<L>,
     /// The law's shape parameters, at hand.
     shape: Vec<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Params<L> {
+struct LawParams<L> {
     /// The inputs it was identified on [input unit].
     range: (f64, f64),
     #[serde(flatten)]
@@ -173,7 +173,7 @@ impl<L: Law> Weighted<L> {
         finite("weights", &weights)?;
         law.check()?;
         counted(L::row().name, "weights", weights.len(), law.responses())?;
-        let mut block = Weighted { ts, params: Params { range, law, weights }, shape: Vec::new() };
+        let mut block = Weighted { ts, params: LawParams { range, law, weights }, shape: Vec::new() };
         block.shape = Basis::shape(&block).iter().map(|s| s.value).collect();
         Ok(block)
     }
@@ -182,7 +182,7 @@ impl<L: Law> Weighted<L> {
     pub(super) fn load(params: Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Error> {
         let name = L::row().name;
         let given: Vec<String> = params.as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default();
-        let Params::<L> { range, law, weights } = parse(name, params)?;
+        let LawParams::<L> { range, law, weights } = parse(name, params)?;
         let block = Self::new(ts, range, law, weights)?;
         // What serde does not see behind a flattened law.
         let known = block.params();
@@ -273,11 +273,11 @@ impl<L: Law> Hysteresis for Weighted<L> {
     }
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
-        let (last, Params { law, weights, .. }) = (self.last(x), &self.params);
+        let (last, LawParams { law, weights, .. }) = (self.last(x), &self.params);
         if let Some(found) = law.closed(weights, &x[1..], last.u, z, ends) {
             return found;
         }
-        let found = in_room(self.shape.len() + x.len() - 1, |trial| {
+        let found = with_scratch(self.shape.len() + x.len() - 1, |trial| {
             let ahead = |u| law.ahead(weights, &self.shape, &x[1..], trial, last.then(Dual { value: u, slope: 1.0 }));
             by_slopes(last.u, z, ends, ahead)
         });
@@ -334,7 +334,7 @@ impl<L: Law> Basis for Weighted<L> {
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
-        let (ts, Params { range, law, .. }) = (self.ts, self.params.clone());
+        let (ts, LawParams { range, law, .. }) = (self.ts, self.params.clone());
         Ok(Arc::new(Self::new(ts, range, law, weights.to_vec())?))
     }
 }

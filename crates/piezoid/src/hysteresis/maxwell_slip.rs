@@ -88,7 +88,7 @@ impl Law for MaxwellSlip {
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [rise, rate, attraction] = [shape[0], shape[1], shape[2]];
-        let way = input.way();
+        let way = input.direction();
         let gain = R::from(1.0) + rise * (R::from(1.0) - (-input.rate() / rate).exp());
         let left = (-R::from(input.ts) / attraction).exp();
         let (sliders, sliding) = x.split_at_mut(self.thresholds.len());

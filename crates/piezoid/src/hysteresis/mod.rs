@@ -27,10 +27,10 @@ mod two_branch;
 pub use basis::{Basis, BasisDesign, ShapeParameter};
 pub use branches::{Branches, MeasuredLoop, Split};
 pub use inverse::Inverted;
-pub(crate) use inverse::{between, in_room, inverse, inverse_behind_a_driver};
+pub(crate) use inverse::{between, inverse, inverse_behind_a_driver, with_scratch};
 pub use proportional::Proportional;
 pub(crate) use rate_scheduled::{Pair, RateScheduled};
-pub use two_branch::{Reading, TwoBranch};
+pub use two_branch::{HeldInput, TwoBranch};
 
 use crate::error::{Error, row};
 use crate::program::Block;
@@ -367,7 +367,7 @@ mod tests {
             let name = example.operator().name;
             let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
             super::inverse(&mut program).unwrap();
-            let rises = example.falls(-30.0, 30.0).is_none();
+            let rises = example.falling_input(-30.0, 30.0).is_none();
             let mut machine = Machine::new(&program, "hysteresis", false);
             let mut single = Machine::new(&program, "hysteresis", true);
             let (mut x, mut z) = (example.initial(), 0.0);

@@ -16,12 +16,12 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proportional {
     ts: f64,
-    params: Params,
+    params: ProportionalParams,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Params {
+struct ProportionalParams {
     gain: f64,
 }
 
@@ -34,7 +34,7 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: true,
     basis: |design| Ok(Box::new(Proportional::new(design.ts, 1.0)?)),
     load: |params, ts| {
-        let params: Params = parse("proportional", params)?;
+        let params: ProportionalParams = parse("proportional", params)?;
         Ok(Arc::new(Proportional::new(ts, params.gain)?))
     },
     example: |ts| Ok(Arc::new(Proportional::new(ts, 1.1)?)),
@@ -48,7 +48,7 @@ impl Proportional {
     pub fn new(ts: f64, gain: f64) -> Result<Self, crate::Error> {
         positive("ts", ts, "seconds")?;
         finite("gain", &[gain])?;
-        Ok(Proportional { ts, params: Params { gain } })
+        Ok(Proportional { ts, params: ProportionalParams { gain } })
     }
 }
 

@@ -16,7 +16,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::Dual;
 use super::two_branch::{READ, example, read, read_slope};
-use super::{Basis, BasisDesign, Branches, Hysteresis, Operator, Reading, document, parse};
+use super::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, Operator, document, parse};
 use crate::elementary::ln;
 use crate::error::{Error, positive};
 use crate::intervals::Intervals;
@@ -27,7 +27,7 @@ use serde_json::{Map, Value};
 use std::sync::Arc;
 
 /// Share of the identified range by which the input must come back before it has turned.
-const TURN: f64 = 0.02;
+const REVERSAL: f64 = 0.02;
 
 /// Frequencies of two records that are nearer than this, relative, are one.
 const SAME: f64 = 0.01;
@@ -40,14 +40,14 @@ const SAME: f64 = 0.01;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RateScheduled {
     ts: f64,
-    params: Params,
+    params: RateScheduledParams,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Params {
+struct RateScheduledParams {
     #[serde(default)]
-    reading: Reading,
+    reading: HeldInput,
     pairs: Vec<Pair>,
 }
 
@@ -68,14 +68,14 @@ pub(super) static OPERATOR: Operator = Operator {
     minor_loops: false,
     rate_independent: false,
     wipes_out: false,
-    basis: |design| Ok(Box::new(Values::new(design)?)),
+    basis: |design| Ok(Box::new(RateScheduledBasis::new(design)?)),
     load: |params, ts| {
-        let params: Params = parse("rate-scheduled", params)?;
+        let params: RateScheduledParams = parse("rate-scheduled", params)?;
         Ok(Arc::new(RateScheduled::new(ts, params.pairs, params.reading)?))
     },
     example: |ts| {
         let pair = |frequency_hz, width| Ok(Pair { frequency_hz, branches: example(width)? });
-        Ok(Arc::new(RateScheduled::new(ts, vec![pair(5.0, 1.0)?, pair(80.0, 3.0)?], Reading::Held)?))
+        Ok(Arc::new(RateScheduled::new(ts, vec![pair(5.0, 1.0)?, pair(80.0, 3.0)?], HeldInput::Held)?))
     },
 };
 
@@ -84,7 +84,7 @@ impl RateScheduled {
     ///
     /// # Errors
     /// Refuses no pairs, two at one frequency, and frequencies or a `ts` that are not positive.
-    pub(crate) fn new(ts: f64, mut pairs: Vec<Pair>, reading: Reading) -> Result<Self, Error> {
+    pub(crate) fn new(ts: f64, mut pairs: Vec<Pair>, reading: HeldInput) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         if pairs.is_empty() {
             return Err(Error::Content(
@@ -99,7 +99,7 @@ impl RateScheduled {
             let rule = "two pairs of branches stand at this frequency; keep one";
             return Err(Error::parameter("frequency_hz", w[0].frequency_hz, rule));
         }
-        Ok(RateScheduled { ts, params: Params { reading, pairs } })
+        Ok(RateScheduled { ts, params: RateScheduledParams { reading, pairs } })
     }
 
     /// The pairs, by rising frequency.
@@ -137,7 +137,7 @@ impl RateScheduled {
     /// Advances the state by one input; returns the direction to read by and the frequency [Hz].
     fn follow(&self, x: &mut [f64], u: f64) -> (f64, f64) {
         let direction = self.params.reading.direction(x[0], u, x[1]);
-        x[1] = Reading::Held.direction(x[0], u, x[1]);
+        x[1] = HeldInput::Held.direction(x[0], u, x[1]);
         x[0] = u;
         self.watch(x, u);
         (direction, self.frequency(x))
@@ -154,7 +154,7 @@ impl RateScheduled {
         if (u - *extreme) * *trend >= 0.0 {
             // A held extreme lasts until it is left: its last sample is the turn.
             (*extreme, *since_extreme) = (u, 0.0);
-        } else if (*extreme - u) * *trend > TURN * self.widest() {
+        } else if (*extreme - u) * *trend > REVERSAL * self.widest() {
             *before_last = *last;
             *last = *since_turn - *since_extreme;
             *since_turn = *since_extreme;
@@ -215,12 +215,12 @@ impl Hysteresis for RateScheduled {
     }
 
     fn block(&self) -> Option<Block> {
-        let Params { reading, pairs } = &self.params;
+        let RateScheduledParams { reading, pairs } = &self.params;
         let hertz: Vec<f64> = pairs.iter().map(|p| p.frequency_hz).collect();
         let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
         let state = ["last", "direction", "trend", "extreme", "since_extreme", "since_turn", "half", "half_before"];
         let block = state.iter().fold(block, |block, name| block.number(name, 0.0));
-        let block = block.constant("ts", self.ts).constant("turn", TURN * self.widest());
+        let block = block.constant("ts", self.ts).constant("turn", REVERSAL * self.widest());
         let block = Branches::block(block, pairs.iter().map(|p| &p.branches)).table("hertz", &hertz);
         let block = block.count("pairs", pairs.len()).text(READ).text(&Intervals::text("pair_below", "hertz"));
         Some(block.text(&STEP.replace("HELD", reading.held())))
@@ -317,13 +317,13 @@ fn hysteresis_ahead(x: hysteresis, u) {
 
 /// The basis: the branches of every frequency by their values at even knots, the direction held.
 #[derive(Debug, Clone)]
-struct Values {
+struct RateScheduledBasis {
     nodes: Nodes,
     /// Knows the frequencies; its branches are not read.
     schedule: RateScheduled,
 }
 
-impl Values {
+impl RateScheduledBasis {
     fn new(design: &BasisDesign) -> Result<Self, Error> {
         if design.frequencies.is_empty() {
             let because = "the records have no frequencies; use two-branch, or give a record of each frequency".into();
@@ -337,11 +337,11 @@ impl Values {
         frequencies.dedup_by(|next, f| *next < (1.0 + SAME) * *f);
         let pair = |frequency_hz| Pair { frequency_hz, branches: flat.clone() };
         let pairs = frequencies.into_iter().map(pair).collect();
-        Ok(Values { schedule: RateScheduled::new(design.ts, pairs, Reading::Held)?, nodes })
+        Ok(RateScheduledBasis { schedule: RateScheduled::new(design.ts, pairs, HeldInput::Held)?, nodes })
     }
 }
 
-impl Basis for Values {
+impl Basis for RateScheduledBasis {
     fn len(&self) -> usize {
         self.nodes.len() * self.schedule.pairs().len()
     }
@@ -384,7 +384,7 @@ impl Basis for Values {
         };
         let pairs = self.schedule.pairs().iter().zip(weights.chunks(self.nodes.len())).map(pair);
         let pairs = pairs.collect::<Result<Vec<_>, Error>>()?;
-        Ok(Arc::new(RateScheduled::new(self.schedule.ts, pairs, Reading::Held)?))
+        Ok(Arc::new(RateScheduled::new(self.schedule.ts, pairs, HeldInput::Held)?))
     }
 }
 
@@ -396,7 +396,7 @@ mod tests {
 
     fn block() -> RateScheduled {
         let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
-        RateScheduled::new(5e-4, vec![pair(80.0, 3.0), pair(5.0, 1.0)], Reading::Held).unwrap()
+        RateScheduled::new(5e-4, vec![pair(80.0, 3.0), pair(5.0, 1.0)], HeldInput::Held).unwrap()
     }
 
     /// A sine of `hz` for a second, and the frequency the block then believes in.
@@ -433,7 +433,7 @@ mod tests {
         let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
         let u: Vec<f64> =
             (0..4000).map(|t| 28.0 * (2e-6 * f64::from(t * t)).sin()).map(|u| (4.0 * u).round() / 4.0).collect();
-        for reading in [Reading::Held, Reading::Printed] {
+        for reading in [HeldInput::Held, HeldInput::Printed] {
             for pairs in [vec![pair(5.0, 1.0), pair(20.0, 2.5), pair(80.0, 3.0)], vec![pair(20.0, 2.0)]] {
                 same_as_a_program(&RateScheduled::new(5e-4, pairs, reading).unwrap(), &u);
             }
@@ -443,7 +443,7 @@ mod tests {
     #[test]
     fn two_pairs_at_one_frequency_are_refused() {
         let pair = Pair { frequency_hz: 5.0, branches: example(1.0).unwrap() };
-        assert!(RateScheduled::new(5e-4, vec![pair.clone(), pair], Reading::Held).is_err());
-        assert!(RateScheduled::new(5e-4, vec![], Reading::Held).is_err());
+        assert!(RateScheduled::new(5e-4, vec![pair.clone(), pair], HeldInput::Held).is_err());
+        assert!(RateScheduled::new(5e-4, vec![], HeldInput::Held).is_err());
     }
 }

@@ -47,7 +47,7 @@ pub(super) static OPERATOR: Operator = Operator {
     minor_loops: true,
     rate_independent: true,
     wipes_out: false,
-    basis: |design| Ok(Box::new(Unit::even(design)?)),
+    basis: |design| Ok(Box::new(TellinenBasis::even(design)?)),
     load: |params, ts| Ok(Arc::new(Tellinen::new(ts, parse("tellinen", params)?)?)),
     example: |ts| Ok(Arc::new(Tellinen::new(ts, example(1.0)?)?)),
 };
@@ -260,7 +260,7 @@ fn hysteresis_ahead(x: hysteresis, u) {
 
 /// The basis: one weight, and as shape the values of m and v at knots, relative to half the range. m is u and a bend.
 #[derive(Debug, Clone)]
-struct Unit {
+struct TellinenBasis {
     nodes: Nodes,
     /// Values at the knots between the ends.
     bends: Vec<f64>,
@@ -275,17 +275,17 @@ static BENDS: [&str; 9] = ["bend_1", "bend_2", "bend_3", "bend_4", "bend_5", "be
 static WIDTHS: [&str; 9] =
     ["width_1", "width_2", "width_3", "width_4", "width_5", "width_6", "width_7", "width_8", "width_9"];
 
-impl Unit {
+impl TellinenBasis {
     /// Straight branches, a tenth apart.
     fn even(design: &BasisDesign) -> Result<Self, Error> {
         let n = design.elements.unwrap_or(KNOTS).clamp(1, BENDS.len());
         let nodes = Nodes::of(design.range, n + 2)?;
-        Unit::new(design.ts, nodes, vec![0.0; n], vec![0.1; n])
+        TellinenBasis::new(design.ts, nodes, vec![0.0; n], vec![0.1; n])
     }
 
     fn new(ts: f64, nodes: Nodes, bends: Vec<f64>, widths: Vec<f64>) -> Result<Self, Error> {
         let operator = Tellinen::new(ts, branches(&nodes, &bends, &widths, 1.0)?)?;
-        Ok(Unit { nodes, bends, widths, operator })
+        Ok(TellinenBasis { nodes, bends, widths, operator })
     }
 }
 
@@ -302,7 +302,7 @@ fn branches(nodes: &Nodes, bends: &[f64], widths: &[f64], weight: f64) -> Result
     nodes.branches_of(&middle, &side)
 }
 
-impl Basis for Unit {
+impl Basis for TellinenBasis {
     fn len(&self) -> usize {
         1
     }
@@ -338,7 +338,7 @@ impl Basis for Unit {
         let n = self.bends.len();
         counted(OPERATOR.name, "shape", shape.len(), 2 * n)?;
         let (bends, widths) = (shape[..n].to_vec(), shape[n..].to_vec());
-        Ok(Box::new(Unit::new(self.operator.ts, self.nodes.clone(), bends, widths)?))
+        Ok(Box::new(TellinenBasis::new(self.operator.ts, self.nodes.clone(), bends, widths)?))
     }
 
     fn slope(&self, j: usize, weights: &[f64], u: &[f64]) -> Vec<f64> {

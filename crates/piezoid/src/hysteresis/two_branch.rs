@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Which branch is read while the input is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Reading {
+pub enum HeldInput {
     /// That of the last movement: how long an input is held changes nothing.
     #[default]
     Held,
@@ -35,13 +35,13 @@ pub enum Reading {
     Printed,
 }
 
-impl Reading {
+impl HeldInput {
     /// The direction in which the input counts as moving, +1, -1 or 0 (not yet known), when it goes from `before` to
     /// `u` having moved in `direction`.
     pub(super) fn direction(self, before: f64, u: f64, direction: f64) -> f64 {
         if u > before {
             1.0
-        } else if u < before || self == Reading::Printed {
+        } else if u < before || self == HeldInput::Printed {
             -1.0
         } else {
             direction
@@ -51,8 +51,8 @@ impl Reading {
     /// For programs: the direction that a held input counts as moving in.
     pub(super) fn held(self) -> &'static str {
         match self {
-            Reading::Held => "x.direction",
-            Reading::Printed => "-1.0",
+            HeldInput::Held => "x.direction",
+            HeldInput::Printed => "-1.0",
         }
     }
 }
@@ -64,14 +64,14 @@ impl Reading {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoBranch {
     ts: f64,
-    params: Params,
+    params: TwoBranchParams,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Params {
+struct TwoBranchParams {
     #[serde(default)]
-    reading: Reading,
+    reading: HeldInput,
     #[serde(flatten)]
     branches: Branches,
 }
@@ -83,12 +83,12 @@ pub(super) static OPERATOR: Operator = Operator {
     minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    basis: |design| Ok(Box::new(Values { ts: design.ts, nodes: Nodes::new(design)? })),
+    basis: |design| Ok(Box::new(TwoBranchBasis { ts: design.ts, nodes: Nodes::new(design)? })),
     load: |params, ts| {
-        let Params { reading, branches } = parse("two-branch", params)?;
+        let TwoBranchParams { reading, branches } = parse("two-branch", params)?;
         Ok(Arc::new(TwoBranch::new(ts, branches, reading)?))
     },
-    example: |ts| Ok(Arc::new(TwoBranch::new(ts, example(1.0)?, Reading::Held)?)),
+    example: |ts| Ok(Arc::new(TwoBranch::new(ts, example(1.0)?, HeldInput::Held)?)),
 };
 
 /// A loop `width` volts wide at +-30 V.
@@ -103,9 +103,9 @@ impl TwoBranch {
     ///
     /// # Errors
     /// Refuses a `ts` that is not positive.
-    pub fn new(ts: f64, branches: Branches, reading: Reading) -> Result<Self, Error> {
+    pub fn new(ts: f64, branches: Branches, reading: HeldInput) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
-        Ok(TwoBranch { ts, params: Params { reading, branches } })
+        Ok(TwoBranch { ts, params: TwoBranchParams { reading, branches } })
     }
 
     /// The two functions.
@@ -136,7 +136,7 @@ fn choose<R: Real>(ascending: impl FnOnce() -> R, descending: impl FnOnce() -> R
     }
 }
 
-/// [`Reading::direction`], and [`read`] with [`read_slope`], for programs with the branches of several pairs.
+/// [`HeldInput::direction`], and [`read`] with [`read_slope`], for programs with the branches of several pairs.
 pub(super) const READ: &str = "
 // The direction in which the input counts as moving, 1, -1 or 0 while it is not known; held where it stands.
 fn heading(before, u, held) {
@@ -202,7 +202,7 @@ impl System for TwoBranch {
     }
 
     fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
-        let Params { reading, branches } = &self.params;
+        let TwoBranchParams { reading, branches } = &self.params;
         let (mut before, mut direction) = (x[0], x[1]);
         for v in signal {
             direction = reading.direction(before, *v, direction);
@@ -227,13 +227,13 @@ impl Hysteresis for TwoBranch {
     }
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
-        let Params { reading, branches } = &self.params;
+        let TwoBranchParams { reading, branches } = &self.params;
         let ahead = |u| read_slope(branches, u, reading.direction(x[0], u, x[1]));
         by_slopes(x[0], z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
 
     fn block(&self) -> Option<Block> {
-        let Params { reading, branches } = &self.params;
+        let TwoBranchParams { reading, branches } = &self.params;
         let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
         let block = block.number("last", 0.0).number("direction", 0.0);
         let block = Branches::block(block, std::iter::once(branches));
@@ -243,12 +243,12 @@ impl Hysteresis for TwoBranch {
 
 /// The basis: both branches by their values at even knots, the direction held.
 #[derive(Debug, Clone)]
-struct Values {
+struct TwoBranchBasis {
     ts: f64,
     nodes: Nodes,
 }
 
-impl Basis for Values {
+impl Basis for TwoBranchBasis {
     fn len(&self) -> usize {
         self.nodes.len()
     }
@@ -262,7 +262,7 @@ impl Basis for Values {
     }
 
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
-        x[1] = Reading::Held.direction(x[0], u, x[1]);
+        x[1] = HeldInput::Held.direction(x[0], u, x[1]);
         x[0] = u;
         phi.fill(0.0);
         self.nodes.respond(u, -x[1], 1.0, phi);
@@ -283,7 +283,7 @@ impl Basis for Values {
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), self.len())?;
-        Ok(Arc::new(TwoBranch::new(self.ts, self.nodes.branches(weights)?, Reading::Held)?))
+        Ok(Arc::new(TwoBranch::new(self.ts, self.nodes.branches(weights)?, HeldInput::Held)?))
     }
 }
 
@@ -295,7 +295,7 @@ mod tests {
     fn a_held_input_stays_on_its_branch_but_not_by_the_letter_of_the_paper() {
         let u = [0.0, 10.0, 10.0, 10.0];
         let z = |reading| TwoBranch::new(5e-4, example(1.0).unwrap(), reading).unwrap().simulate(&u);
-        let (held, printed) = (z(Reading::Held), z(Reading::Printed));
+        let (held, printed) = (z(HeldInput::Held), z(HeldInput::Printed));
         assert_eq!(held[1], held[3]);
         assert_eq!(held[1], printed[1]);
         assert!(printed[2] > printed[1], "the printed rule jumps to the descending branch: {printed:?}");
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn before_the_input_first_moves_z_lies_between_the_branches() {
-        let block = TwoBranch::new(5e-4, example(1.0).unwrap(), Reading::Held).unwrap();
+        let block = TwoBranch::new(5e-4, example(1.0).unwrap(), HeldInput::Held).unwrap();
         assert_eq!(block.simulate(&[0.0, 0.0]), [0.0, 0.0]);
         let mut x = block.settled(10.0);
         assert_eq!(block.step(&mut x, 10.0), 10.0);

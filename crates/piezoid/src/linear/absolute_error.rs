@@ -22,7 +22,7 @@ const WIDEST: usize = 32;
 /// One number for each particle of a company, laid where the vector unit loads it at once.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Lanes([f64; WIDEST]);
+struct ParticleLanes([f64; WIDEST]);
 
 /// The sum of absolute one-step prediction errors of a regression.
 ///
@@ -59,11 +59,11 @@ impl Cost for AbsoluteError<'_> {
     fn evaluate(&self, positions: &[f64], limits: &[f64], costs: &mut [f64]) {
         costs.fill(0.0);
         let d = self.dimension;
-        let mut theta = vec![Lanes([0.0; WIDEST]); d];
+        let mut theta = vec![ParticleLanes([0.0; WIDEST]); d];
         let mut live: Vec<usize> = (0..costs.len()).collect();
         for block in self.rows.chunks(BLOCK * (d + 1)) {
             for company in live.chunks(WIDEST) {
-                let mut sums = Lanes([0.0; WIDEST]);
+                let mut sums = ParticleLanes([0.0; WIDEST]);
                 for (lane, &m) in company.iter().enumerate() {
                     sums.0[lane] = costs[m];
                     for (theta, position) in theta.iter_mut().zip(&positions[m * d..]) {
@@ -94,7 +94,7 @@ const ANY: usize = 0;
 /// Adds the rows' errors |y - psi' theta| to the sums of the first `L` lanes. `D` is the number of parameters, which
 /// stay in registers when the compiler knows it.
 #[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[Lanes], sums: &mut Lanes) {
+fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[ParticleLanes], sums: &mut ParticleLanes) {
     let theta = if D == ANY { theta } else { &theta[..D] };
     let mut sum = [0.0; L];
     sum.copy_from_slice(&sums.0[..L]);

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Coefficients", into = "Coefficients")]
+#[serde(try_from = "ArxDocument", into = "ArxDocument")]
 pub struct Arx {
     ts: f64,
     a: Vec<f64>,
@@ -37,22 +37,22 @@ const LONGEST: usize = 512;
 /// How an [`Arx`] is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Coefficients {
+struct ArxDocument {
     ts: f64,
     a: Vec<f64>,
     b: Vec<f64>,
 }
 
-impl TryFrom<Coefficients> for Arx {
+impl TryFrom<ArxDocument> for Arx {
     type Error = Error;
-    fn try_from(c: Coefficients) -> Result<Self, Error> {
+    fn try_from(c: ArxDocument) -> Result<Self, Error> {
         Arx::new(c.ts, c.a, c.b)
     }
 }
 
-impl From<Arx> for Coefficients {
+impl From<Arx> for ArxDocument {
     fn from(arx: Arx) -> Self {
-        Coefficients { ts: arx.ts, a: arx.a, b: arx.b }
+        ArxDocument { ts: arx.ts, a: arx.a, b: arx.b }
     }
 }
 

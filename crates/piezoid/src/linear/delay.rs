@@ -8,7 +8,7 @@
 //! Beside it stands the delay by the phase of a difference equation at low frequency (`modes.rs`), which knows nothing of
 //! modes beyond its poles: where the two differ, the mechanics is not what it was taken for.
 
-use super::fit_modes::Modes;
+use super::fit_modes::ModalFit;
 use super::output_error::{OutputError, Refinement};
 use super::regression::Orders;
 use super::uncertainty::Uncertain;
@@ -24,7 +24,7 @@ pub struct Delay {
     /// The same by the phase at low frequency [s].
     pub by_phase: f64,
     /// The modes that it was found with.
-    pub modes: Modes,
+    pub modes: ModalFit,
 }
 
 /// The most modes that are tried.
@@ -41,25 +41,30 @@ impl Delay {
     /// let plant = Plant::named("pl140", 5e-4)?;
     /// let u = Prbs::default().samples(5e-4, 2047)?;
     /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-    /// let delay = Delay::find(&[record], 2, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+    /// let delay = Delay::find(&[record], 2, &Refinement::default(), &mut piezoid::progress::silent)?;
     /// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
     /// assert!((delay.seconds.value - 1e-4).abs() < 2e-6 && delay.modes.modes.len() == 2);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
-    /// As [`Modes::fit`].
-    pub fn find(records: &[Record], longest: usize, how: &Refinement, progress: &mut Progress) -> Result<Self, Error> {
-        let mut modes = Modes::fit(records, 1, longest, how, progress)?;
+    /// As [`ModalFit::fit`].
+    pub fn find(
+        records: &[Record],
+        longest: usize,
+        settings: &Refinement,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let mut modes = ModalFit::fit(records, 1, longest, settings, progress)?;
         for n in 2..=MOST {
-            match Modes::fit(records, n, longest, how, progress) {
+            match ModalFit::fit(records, n, longest, settings, progress) {
                 Ok(more) if more.minimum.cost.sqrt() < (1.0 - WORTH) * modes.minimum.cost.sqrt() => modes = more,
                 Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
                 _ => break,
             }
         }
         let orders = Orders { delay: modes.arx.delay(), ..Orders::of(2 * modes.modes.len()) };
-        let by_phase = OutputError::fit(records, orders, how, progress)?.arx.reading().delay;
+        let by_phase = OutputError::fit(records, orders, settings, progress)?.arx.reading().delay;
         Ok(Delay { seconds: modes.delay, by_phase, modes })
     }
 }
@@ -69,7 +74,7 @@ mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::linear::modal_error::tests::held;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use crate::system::System;
     use crate::testing::assert_close;
     use rand::SeedableRng;
@@ -87,7 +92,7 @@ mod tests {
             let noise = Normal::new(0.0, 0.3).unwrap();
             let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
             let record = [Record::new(TS, u, y).unwrap()];
-            let found = Delay::find(&record, 3, &Refinement::default(), &mut unwatched).unwrap();
+            let found = Delay::find(&record, 3, &Refinement::default(), &mut silent).unwrap();
             let Uncertain { value, error } = found.seconds;
             assert_close(&[value], &[delay], 0.0, 4.0 * error);
             assert!(error < 2e-6 && found.modes.modes.len() == 1, "{error}");

@@ -6,12 +6,12 @@
 
 use super::Arx;
 use super::absolute_error::AbsoluteError;
-use super::instrumental::{self, Rounds};
+use super::instrumental::{self, Iterations};
 use super::output_error::{OutputError, Refinement};
 use super::regression::{Orders, Regression};
 use crate::error::{Error, row};
 use crate::optimize::{Minimum, Reason, least_absolute, swarm};
-use crate::progress::{Progress, Stage, unwatched};
+use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use crate::series::scatter;
 use nalgebra::{DMatrix, DVector};
@@ -26,11 +26,11 @@ pub struct Estimator {
     pub summary: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
-    estimate: fn(&Given, &swarm::SwarmSettings, &mut Progress) -> Result<Solution, Error>,
+    estimate: fn(&EstimatorInput, &swarm::SwarmSettings, &mut Progress) -> Result<Solution, Error>,
 }
 
 /// What an estimator starts from.
-struct Given<'a> {
+struct EstimatorInput<'a> {
     records: &'a [Record],
     /// The rows, offsets taken off.
     regression: Regression,
@@ -81,7 +81,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "least-absolute",
         summary: "sum of absolute errors, exactly, by linear programming: the yardstick of the swarm",
         reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
-        estimate: |Given { regression, .. }, _, _| {
+        estimate: |EstimatorInput { regression, .. }, _, _| {
             Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into())
         },
     },
@@ -102,7 +102,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         estimate: |given, _, _| {
             let orders = given.regression.orders;
             let found = instrumental::estimate(given.records, orders, &given.start[..orders.na])?;
-            let Rounds { theta, offsets, history, courses, .. } = found;
+            let Iterations { theta, offsets, history, courses, .. } = found;
             Ok(Solution { theta, offsets: Some(offsets), history, courses })
         },
     },
@@ -125,7 +125,7 @@ impl Estimator {
     /// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
     /// let least_squares = linear::Estimator::find("least-squares")?;
     /// let record = Record::new(5e-4, u, y)?;
-    /// let fit = least_squares.fit(&[record], Orders::of(2), &SwarmSettings::default(), &mut piezoid::progress::unwatched)?;
+    /// let fit = least_squares.fit(&[record], Orders::of(2), &SwarmSettings::default(), &mut piezoid::progress::silent)?;
     /// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -144,7 +144,7 @@ impl Estimator {
         let (start, offsets) = least_squares(&regression)?;
         let centred = regression.centred(&offsets);
         let least_squares_sum_abs = residuals(&centred, &start).sum_abs;
-        let given = Given { records, regression: centred, start };
+        let given = EstimatorInput { records, regression: centred, start };
         let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
         let Solution { theta, offsets: own, history, courses } = (self.estimate)(&given, settings, named)?;
         let offsets = own.unwrap_or(offsets);
@@ -185,7 +185,7 @@ pub struct Fit {
 impl Fit {
     /// What a block of twice the order would say, where this leaves more than 2 % of the records' rms in prediction and
     /// twice the order less than half of that: a sentence that begins with "; ".
-    pub fn too_low(&self, records: &[Record]) -> Option<String> {
+    pub fn order_too_low(&self, records: &[Record]) -> Option<String> {
         let n = self.arx.a().len();
         let samples: usize = records.iter().map(Record::len).sum();
         let left = self.residuals.rms / (records.iter().map(|r| scatter(r.y())).sum::<f64>() / samples as f64).sqrt();
@@ -194,7 +194,7 @@ impl Fit {
         }
         let least_squares = Estimator::find("least-squares").ok()?;
         let doubled =
-            least_squares.fit(records, Orders::of(2 * n), &swarm::SwarmSettings::default(), &mut unwatched).ok()?;
+            least_squares.fit(records, Orders::of(2 * n), &swarm::SwarmSettings::default(), &mut silent).ok()?;
         let times = self.residuals.rms / doubled.residuals.rms;
         let times = match times {
             t if t > 1000.0 => "more than 1000".into(),
@@ -314,7 +314,7 @@ mod tests {
         let records = [record(40.0, 900), record(-7.0, 500)];
         for estimator in ESTIMATORS {
             let orders = Orders { na: 2, nb: 2, delay: 1 };
-            let found = estimator.fit(&records, orders, &swarm::SwarmSettings::default(), &mut unwatched).unwrap();
+            let found = estimator.fit(&records, orders, &swarm::SwarmSettings::default(), &mut silent).unwrap();
             let name = estimator.name;
             assert_close(found.arx.a(), truth.a(), 1e-5, 0.0);
             assert_close(found.arx.b(), truth.b(), 1e-4, 0.0);

@@ -11,12 +11,12 @@
 use super::free_run::dot;
 use super::modal_error::{ModalError, ModalRun};
 use super::output_error::{OutputError, Refinement, checked};
-use super::uncertainty::{Evidence, Uncertain, sandwich, spread};
+use super::uncertainty::{RecordScores, Uncertain, sandwich, spread};
 use super::{Arx, Orders};
 use crate::error::Error;
 use crate::optimize::Minimum;
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
-use crate::progress::{Progress, Stage, unwatched};
+use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use std::f64::consts::TAU;
 
@@ -33,7 +33,7 @@ pub struct FittedMode {
 
 /// A block in the numbers of mechanics.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Modes {
+pub struct ModalFit {
     /// Output for a constant input of 1 [output unit over input unit].
     pub gain: Uncertain,
     /// The modes, by rising frequency.
@@ -52,15 +52,15 @@ pub struct Modes {
     pub minimum: Minimum,
 }
 
-impl Modes {
+impl ModalFit {
     /// Fits `n` modes to `records`, with a delay between -1 and `longest` samples.
     ///
     /// ```
-    /// use piezoid::{Record, linear::{Modes, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
+    /// use piezoid::{Record, linear::{ModalFit, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
     /// let plant = Plant::named("paper", 5e-4)?;
     /// let u = Prbs::default().samples(5e-4, 2047)?;
     /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-    /// let found = Modes::fit(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+    /// let found = ModalFit::fit(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::silent)?;
     /// assert!((found.modes[0].hz.value - 146.7).abs() < 0.1);
     /// assert!((found.delay.value + 5e-4).abs() < 1e-5); // it logs after the input acted
     /// # Ok::<(), piezoid::Error>(())
@@ -73,14 +73,14 @@ impl Modes {
         records: &[Record],
         n: usize,
         longest: usize,
-        how: &Refinement,
+        settings: &Refinement,
         progress: &mut Progress,
     ) -> Result<Self, Error> {
         if !(1..=64).contains(&n) {
             return Err(Error::parameter("modes", n, "must be from 1 to 64"));
         }
-        let weights = checked(records, Orders { delay: longest, ..Orders::of(2 * n) }, how)?;
-        let starts = starts(records, n, longest, how)?;
+        let weights = checked(records, Orders { delay: longest, ..Orders::of(2 * n) }, settings)?;
+        let starts = starts(records, n, longest, settings)?;
         let mut best: Option<(ModalError, Minimum)> = None;
         for (i, start) in starts.iter().enumerate() {
             let stage = Stage { what: "modes", done: i, total: starts.len() };
@@ -95,7 +95,7 @@ impl Modes {
             laid.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
             for (whole, (x, _)) in laid.into_iter().take(TRIED) {
                 let problem = problem(whole);
-                let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut unwatched)?;
+                let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut silent)?;
                 if minimum.cost < bar && best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
                     best = Some((problem, minimum));
                 }
@@ -105,7 +105,7 @@ impl Modes {
             let because = "no frequency and damping near those of a difference equation gives a finite error".into();
             return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
         };
-        told(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &how.search, &mut unwatched)?)
+        told(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &settings.search, &mut silent)?)
     }
 }
 
@@ -118,8 +118,8 @@ const TRIED: usize = 2;
 
 /// ln w, ln zeta and k = 0 of each mode, and r = 0: of the modes that carry most in a block by output error, and with each
 /// but the first of them at the other frequencies that look the same to the samples.
-fn starts(records: &[Record], n: usize, longest: usize, how: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
-    let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, how, &mut unwatched);
+fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
+    let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, settings, &mut silent);
     let mut blocks: Vec<_> = (0..=longest).map(block).collect::<Result<_, _>>()?;
     blocks.sort_by(|p, q| p.minimum.cost.total_cmp(&q.minimum.cost));
     let mut found: Vec<(f64, f64)> = Vec::new();
@@ -161,7 +161,7 @@ fn starts(records: &[Record], n: usize, longest: usize, how: &Refinement) -> Res
 }
 
 /// The minimum in the numbers of mechanics, with their uncertainty.
-fn told(problem: &ModalError, mut minimum: Minimum) -> Result<Modes, Error> {
+fn told(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Error> {
     let (m, ts) = (problem.modes, problem.records[0].ts());
     let x = &mut minimum.x;
     x[3 * m + 1] = x[3 * m + 1].clamp(problem.whole as f64 - 1.0, problem.whole as f64);
@@ -169,7 +169,7 @@ fn told(problem: &ModalError, mut minimum: Minimum) -> Result<Modes, Error> {
     let runs: Vec<ModalRun> = problem.records.iter().map(|r| problem.run(r, x)).collect();
     let samples: usize = problem.records.iter().map(Record::len).sum();
     let fitted = problem.dimension() + problem.records.len() * (2 * m + problem.whole + 1);
-    let evidence = runs.iter().zip(problem.weights).map(|(run, &weight)| Evidence {
+    let evidence = runs.iter().zip(problem.weights).map(|(run, &weight)| RecordScores {
         weight,
         e: run.e.clone(),
         jacobian: problem.jacobian(run, x),
@@ -196,7 +196,7 @@ fn told(problem: &ModalError, mut minimum: Minimum) -> Result<Modes, Error> {
     };
     let mut modes: Vec<FittedMode> = (0..m).map(mode).collect();
     modes.sort_by(|p, q| p.hz.value.total_cmp(&q.hz.value));
-    Ok(Modes {
+    Ok(ModalFit {
         gain: number(gain, &carriers.iter().map(|&k| (k, 1.0)).collect::<Vec<_>>()),
         modes,
         residual: share(3 * m),
@@ -230,7 +230,7 @@ mod tests {
         // An input about 9 V, which has always stood there.
         let (u, gain) = (u[200..].iter().map(|u| u + 9.0).collect(), 30.0);
         let record = Record::new(TS, u, y[200..].iter().map(|y| y + 9.0 * gain).collect()).unwrap();
-        let found = Modes::fit(&[record], 2, 3, &Refinement::default(), &mut unwatched).unwrap();
+        let found = ModalFit::fit(&[record], 2, 3, &Refinement::default(), &mut silent).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value, first.share.value], &[166.3, 0.03, 0.9], 1e-6, 0.0);
         assert_close(&[second.hz.value, second.damping.value], &[700.0, 0.1], 1e-6, 0.0);
@@ -249,7 +249,7 @@ mod tests {
             let noise = Normal::new(0.0, 1.0).unwrap();
             let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
             let record = Record::new(TS, u.clone(), y).unwrap();
-            let found = Modes::fit(&[record], 2, 1, &Refinement::default(), &mut unwatched).unwrap();
+            let found = ModalFit::fit(&[record], 2, 1, &Refinement::default(), &mut silent).unwrap();
             let [first, second] = [found.modes[0], found.modes[1]];
             let pairs = [
                 (first.hz, 166.3),
@@ -275,7 +275,7 @@ mod tests {
         let plant = Plant::named("pl140", TS).unwrap().with_seed(1);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         let record = [Record::new(TS, u, y).unwrap()];
-        let found = Modes::fit(&record, 2, 2, &Refinement::default(), &mut unwatched).unwrap();
+        let found = ModalFit::fit(&record, 2, 2, &Refinement::default(), &mut silent).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value], &[166.3, 0.03], 5e-4, 0.0);
         // Creep adds to the gain and the amplifier's lag takes from the first mode: 1 % together.
@@ -295,7 +295,7 @@ mod tests {
         let noise = Normal::new(0.0, 1e-3).unwrap();
         let y = lag.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
         let record = [Record::new(TS, u, y).unwrap()];
-        let message = |n| Modes::fit(&record, n, 1, &Refinement::default(), &mut unwatched).unwrap_err().to_string();
+        let message = |n| ModalFit::fit(&record, n, 1, &Refinement::default(), &mut silent).unwrap_err().to_string();
         assert!(message(1).contains("do not oscillate"), "{}", message(1));
         assert!(message(0).starts_with("modes = 0"));
     }

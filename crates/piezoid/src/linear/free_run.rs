@@ -15,7 +15,7 @@
 //! sum x_{t-i-1} y_{t-j-1} = sum x_{t-i} y_{t-j} - x_{n-1-i} y_{n-1-j}. That makes J'J as cheap as a few simulations.
 
 use super::regression::Orders;
-use crate::optimize::levenberg_marquardt::{Normal, SumOfSquares};
+use crate::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
 use crate::record::Record;
 use crate::series::mean;
 use multiversion::multiversion;
@@ -59,10 +59,10 @@ impl SumOfSquares for FreeRunError<'_> {
         self.runs(theta).map(|(run, weight)| weight * dot(&run.e, &run.e)).sum()
     }
 
-    fn normal(&self, theta: &[f64]) -> Normal {
-        let mut sums = Normal::empty(self.dimension());
+    fn normal(&self, theta: &[f64]) -> NormalEquations {
+        let mut sums = NormalEquations::empty(self.dimension());
         if !decays(&theta[..self.orders.na]) {
-            return Normal { cost: f64::INFINITY, ..sums };
+            return NormalEquations { cost: f64::INFINITY, ..sums };
         }
         for (run, weight) in self.runs(theta) {
             sums.add(weight, &run.normal());
@@ -73,12 +73,12 @@ impl SumOfSquares for FreeRunError<'_> {
 
 /// A series and the zeros before it.
 #[derive(Debug)]
-pub(super) struct Signal {
+pub(super) struct PaddedSeries {
     before: usize,
     values: Vec<f64>,
 }
 
-impl Signal {
+impl PaddedSeries {
     /// x_{t-lag} for all t of the record.
     pub(super) fn late(&self, lag: usize) -> &[f64] {
         &self.values[self.before - lag..self.values.len() - lag]
@@ -86,7 +86,7 @@ impl Signal {
 }
 
 /// Some shifts of a signal: columns of a matrix.
-pub(super) type Shifts<'s> = (&'s Signal, RangeInclusive<usize>);
+pub(super) type Shifts<'s> = (&'s PaddedSeries, RangeInclusive<usize>);
 
 /// One record under one theta.
 #[derive(Debug)]
@@ -94,7 +94,7 @@ pub(super) struct FreeRun {
     orders: Orders,
     a: Vec<f64>,
     /// w = u / A, of u less its mean.
-    w: Signal,
+    w: PaddedSeries,
     /// y^ of u less its mean, without the constant beside it.
     pub(super) model: Vec<f64>,
     /// e.
@@ -125,12 +125,12 @@ impl FreeRun {
     }
 
     /// x / A, from rest.
-    pub(super) fn filtered(&self, x: &[f64]) -> Signal {
+    pub(super) fn filtered(&self, x: &[f64]) -> PaddedSeries {
         all_pole(&self.a, x, self.orders.reach())
     }
 
     /// The slopes of y^ by theta are shifts of v and of w.
-    pub(super) fn slopes<'s>(&'s self, v: &'s Signal) -> [Shifts<'s>; 2] {
+    pub(super) fn slopes<'s>(&'s self, v: &'s PaddedSeries) -> [Shifts<'s>; 2] {
         let Orders { na, nb, delay } = self.orders;
         [(v, 1..=na), (&self.w, delay..=delay + nb - 1)]
     }
@@ -162,11 +162,11 @@ impl FreeRun {
     }
 
     /// The normal equations of e.
-    fn normal(&self) -> Normal {
+    fn normal(&self) -> NormalEquations {
         let v = self.filtered(&self.model);
         let slopes = self.slopes(&v);
         let hessian = self.products(&slopes, &slopes);
-        Normal {
+        NormalEquations {
             cost: dot(&self.e, &self.e),
             // e = y - y^ - k falls where y^ rises.
             gradient: self.along(&slopes).iter().map(|g| -g).collect(),
@@ -192,7 +192,7 @@ impl FreeRun {
 }
 
 /// x_{n-1-lag}, the last of the shifted series.
-fn last(x: &Signal, lag: usize) -> f64 {
+fn last(x: &PaddedSeries, lag: usize) -> f64 {
     x.values[x.values.len() - 1 - lag]
 }
 
@@ -268,14 +268,14 @@ pub(super) fn centred(x: &[f64]) -> (f64, Vec<f64>) {
 }
 
 /// x / A from rest, with `before` zeros before it, at least as many as there are a.
-fn all_pole(a: &[f64], x: &[f64], before: usize) -> Signal {
+fn all_pole(a: &[f64], x: &[f64], before: usize) -> PaddedSeries {
     let oldest_first: Vec<f64> = a.iter().rev().copied().collect();
     let mut values = vec![0.0; before + x.len()];
     for (t, &x) in (before..).zip(x) {
         let past = &values[t - a.len()..t];
         values[t] = oldest_first.iter().zip(past).fold(x, |sum, (a, y)| sum + a * y);
     }
-    Signal { before, values }
+    PaddedSeries { before, values }
 }
 
 /// The impulse response of 1/A until it has decayed, over at most `n` samples.

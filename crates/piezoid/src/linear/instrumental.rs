@@ -20,13 +20,13 @@ use super::inverse::{monic, reciprocal};
 use super::output_error::{Refinement, checked};
 use super::regression::Orders;
 use crate::error::Error;
-use crate::optimize::levenberg_marquardt::{Normal, SumOfSquares};
+use crate::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
 
 /// When rounds end.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ends {
+pub(super) struct StopRule {
     /// The most rounds.
     most: usize,
     /// A round that changes the cost by less than this share of it is the last.
@@ -34,12 +34,12 @@ pub(super) struct Ends {
 }
 
 /// Good enough to start a search from.
-pub(super) const ROUGH: Ends = Ends { most: 15, settled: 1e-4 };
+pub(super) const ROUGH: StopRule = StopRule { most: 15, settled: 1e-4 };
 
-const FINE: Ends = Ends { most: 50, settled: 1e-10 };
+const FINE: StopRule = StopRule { most: 50, settled: 1e-10 };
 
 /// The theta of the best free run that was seen, its costs by round, and its courses.
-pub(super) struct Rounds {
+pub(super) struct Iterations {
     pub(super) theta: Vec<f64>,
     /// One a record.
     pub(super) offsets: Vec<f64>,
@@ -49,7 +49,7 @@ pub(super) struct Rounds {
 }
 
 /// The estimator: rounds from the poles of `a`.
-pub(super) fn estimate(records: &[Record], orders: Orders, a: &[f64]) -> Result<Rounds, Error> {
+pub(super) fn estimate(records: &[Record], orders: Orders, a: &[f64]) -> Result<Iterations, Error> {
     let weights = checked(records, orders, &Refinement::default())?;
     let problem = FreeRunError { records, weights: &weights, orders };
     let mut found = rounds(&problem, a, FINE);
@@ -58,11 +58,16 @@ pub(super) fn estimate(records: &[Record], orders: Orders, a: &[f64]) -> Result<
 }
 
 /// Rounds of refined instrumental variables from the poles of `a`.
-pub(super) fn rounds(problem: &FreeRunError, a: &[f64], ends: Ends) -> Rounds {
+pub(super) fn rounds(problem: &FreeRunError, a: &[f64], ends: StopRule) -> Iterations {
     let mut theta = with_best_b(problem, &stabilised(a));
     let cost = problem.cost(&theta);
-    let mut best =
-        Rounds { theta: theta.clone(), offsets: Vec::new(), cost, history: vec![cost], courses: vec![theta.clone()] };
+    let mut best = Iterations {
+        theta: theta.clone(),
+        offsets: Vec::new(),
+        cost,
+        history: vec![cost],
+        courses: vec![theta.clone()],
+    };
     let mut before = cost;
     for _ in 0..ends.most {
         let Some(step) = step(problem, &theta) else { break };
@@ -109,7 +114,7 @@ pub(super) fn with_best_b(problem: &FreeRunError, a: &[f64]) -> Vec<f64> {
     let (d, na, nb) = (problem.dimension(), problem.orders.na, problem.orders.nb);
     let mut theta = a.to_vec();
     theta.resize(d, 0.0);
-    let Normal { gradient, hessian, .. } = problem.normal(&theta);
+    let NormalEquations { gradient, hessian, .. } = problem.normal(&theta);
     let size: Vec<f64> = (na..d).map(|k| hessian[k * d + k].sqrt().max(f64::MIN_POSITIVE)).collect();
     let scaled = DMatrix::from_fn(nb, nb, |i, j| hessian[(na + i) * d + na + j] / (size[i] * size[j]));
     let right = DVector::from_fn(nb, |i, _| -gradient[na + i] / size[i]);
@@ -142,7 +147,7 @@ mod tests {
     use super::*;
     use crate::linear::{Arx, Estimator, Fit};
     use crate::optimize::swarm;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use crate::series::mean;
     use crate::system::System;
     use crate::testing::assert_close;
@@ -169,7 +174,7 @@ mod tests {
     fn fitted(seed: u64, name: &str) -> Fit {
         let orders = Orders { na: 2, nb: 2, delay: 1 };
         let settings = swarm::SwarmSettings::default();
-        Estimator::find(name).unwrap().fit(&noisy(seed), orders, &settings, &mut unwatched).unwrap()
+        Estimator::find(name).unwrap().fit(&noisy(seed), orders, &settings, &mut silent).unwrap()
     }
 
     #[test]

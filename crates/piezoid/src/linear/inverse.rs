@@ -93,7 +93,7 @@ impl Arx {
 
     /// Samples at the end of a record that [`invert_whole`](Arx::invert_whole) cannot tell: those answered after the
     /// record, and those that its guess of what comes then spoils by more than a thousandth.
-    pub fn blind(&self) -> usize {
+    pub fn undetermined_samples(&self) -> usize {
         let outside = self.zeros().into_iter().map(|z| z.modulus()).filter(|m| *m > 1.0);
         let (count, nearest) = outside.fold((0, f64::INFINITY), |(n, nearest), m| (n + 1, nearest.min(m)));
         let spoilt = if count == 0 { 0.0 } else { (1e3f64.ln() / nearest.ln()).ceil() };
@@ -183,7 +183,7 @@ mod tests {
         let z = wiggle(400);
         let found = arx.invert_whole(&arx.simulate(&z)).unwrap();
         assert_close(&found[..360], &z[..360], 0.0, 1e-9);
-        let told = 400 - arx.blind();
+        let told = 400 - arx.undetermined_samples();
         assert!(told > 380);
         assert_close(&found[..told], &z[..told], 0.0, 2e-3);
     }

@@ -15,7 +15,7 @@
 use super::Arx;
 use super::free_run::{Past, centred, dot};
 use crate::error::Error;
-use crate::optimize::levenberg_marquardt::{Normal, SumOfSquares};
+use crate::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
 use crate::record::Record;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -101,7 +101,7 @@ impl ModalError<'_> {
         let linear: Vec<usize> = (0..self.modes).map(|i| 3 * i + 2).chain([3 * self.modes]).collect();
         let with = |part: f64| {
             let mut x = [poles, &[self.whole as f64 - 1.0 + part]].concat();
-            let (Normal { gradient, hessian, .. }, d) = (self.normal(&x), self.dimension());
+            let (NormalEquations { gradient, hessian, .. }, d) = (self.normal(&x), self.dimension());
             let right = DVector::from_fn(linear.len(), |i, _| -gradient[linear[i]]);
             let left = DMatrix::from_fn(linear.len(), linear.len(), |i, j| hessian[linear[i] * d + linear[j]]);
             if let Some(root) = Cholesky::new(left) {
@@ -206,17 +206,17 @@ impl SumOfSquares for ModalError<'_> {
         self.records.iter().zip(self.weights).map(squares).sum()
     }
 
-    fn normal(&self, x: &[f64]) -> Normal {
-        let mut sums = Normal::empty(self.dimension());
+    fn normal(&self, x: &[f64]) -> NormalEquations {
+        let mut sums = NormalEquations::empty(self.dimension());
         if !self.possible(x) {
-            return Normal { cost: f64::INFINITY, ..sums };
+            return NormalEquations { cost: f64::INFINITY, ..sums };
         }
         for (record, &weight) in self.records.iter().zip(self.weights) {
             let run = self.run(record, x);
             let columns = self.jacobian(&run, x);
             let hessian = columns.iter().flat_map(|p| columns.iter().map(|q| dot(p, q))).collect();
             let gradient = columns.iter().map(|column| -dot(column, &run.e)).collect();
-            sums.add(weight, &Normal { cost: dot(&run.e, &run.e), gradient, hessian });
+            sums.add(weight, &NormalEquations { cost: dot(&run.e, &run.e), gradient, hessian });
         }
         sums
     }

@@ -53,9 +53,9 @@ impl PoleShare {
     pub fn kind(&self) -> PoleKind {
         let z = self.pole.z;
         // |s| Ts, which is pi at half the sampling rate.
-        let turn = Complex::new(z.re, z.im).ln().norm();
+        let angle = Complex::new(z.re, z.im).ln().norm();
         match () {
-            () if turn >= ModalForm::SEEN * PI => PoleKind::Image,
+            () if angle >= ModalForm::OBSERVABLE * PI => PoleKind::Image,
             () if z.im > 0.0 => PoleKind::Mode,
             () => PoleKind::Lag,
         }
@@ -84,7 +84,7 @@ pub struct ModalForm {
 
 impl ModalForm {
     /// Of half the sampling rate, the share up to which a pole is what it seems.
-    pub const SEEN: f64 = 0.9;
+    pub const OBSERVABLE: f64 = 0.9;
 
     /// The poles that are modes, by rising frequency.
     pub fn modes(&self) -> Vec<PoleShare> {

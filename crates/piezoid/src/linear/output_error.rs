@@ -64,7 +64,7 @@ impl OutputError {
     /// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + 7.0 + noise(t)).collect();
     /// let record = Record::new(5e-4, u, y)?;
     /// let orders = Orders { na: 2, nb: 2, delay: 1 };
-    /// let found = OutputError::fit(&[record], orders, &Refinement::default(), &mut piezoid::progress::unwatched)?;
+    /// let found = OutputError::fit(&[record], orders, &Refinement::default(), &mut piezoid::progress::silent)?;
     /// assert!((found.arx.a()[0] - 1.7).abs() < 1e-3 && (found.offsets[0] - 7.0).abs() < 0.05);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -72,11 +72,16 @@ impl OutputError {
     /// # Errors
     /// As [`Regression::new`]; weights that are not one positive number a record; too few samples for the pasts and offsets;
     /// [`Error::Cancelled`].
-    pub fn fit(records: &[Record], orders: Orders, how: &Refinement, progress: &mut Progress) -> Result<Self, Error> {
-        let weights = checked(records, orders, how)?;
+    pub fn fit(
+        records: &[Record],
+        orders: Orders,
+        settings: &Refinement,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let weights = checked(records, orders, settings)?;
         let problem = FreeRunError { records, weights: &weights, orders };
-        let start = Beginnings::new(records, orders)?.start(orders, &weights)?;
-        search(&problem, &start, how, progress)
+        let start = StartRecords::new(records, orders)?.start(orders, &weights)?;
+        search(&problem, &start, settings, progress)
     }
 }
 
@@ -87,22 +92,22 @@ impl OutputError {
 pub(crate) fn refine(
     records: &[Record],
     start: &Arx,
-    how: &Refinement,
+    settings: &Refinement,
     progress: &mut Progress,
 ) -> Result<OutputError, Error> {
     let (na, delay) = (start.a().len(), start.delay());
     let orders = Orders { na, nb: start.b().len() - delay, delay };
-    let weights = checked(records, orders, how)?;
+    let weights = checked(records, orders, settings)?;
     if !start.is_stable() {
         let rule = "must be stable, or its free run grows without bound";
         return Err(Error::parameter("start", format!("a = {:?}", start.a()), rule));
     }
     let problem = FreeRunError { records, weights: &weights, orders };
-    search(&problem, &[start.a(), &start.b()[delay..]].concat(), how, progress)
+    search(&problem, &[start.a(), &start.b()[delay..]].concat(), settings, progress)
 }
 
 /// One weight a record, once all fits together.
-pub(super) fn checked(records: &[Record], orders: Orders, how: &Refinement) -> Result<Vec<f64>, Error> {
+pub(super) fn checked(records: &[Record], orders: Orders, settings: &Refinement) -> Result<Vec<f64>, Error> {
     orders.check(records)?;
     for (k, record) in records.iter().enumerate() {
         let need = 2 * (orders.history() + 1) + orders.parameters().div_ceil(records.len());
@@ -111,19 +116,19 @@ pub(super) fn checked(records: &[Record], orders: Orders, how: &Refinement) -> R
             return Err(Error::TooShort { what: format!("record {}", k + 1), have: record.len(), need, remedy });
         }
     }
-    if how.weights.is_empty() {
+    if settings.weights.is_empty() {
         return Ok(vec![1.0; records.len()]);
     }
-    if how.weights.len() != records.len() {
+    if settings.weights.len() != records.len() {
         return Err(Error::Lengths {
             left: "the list of weights".into(),
-            left_len: how.weights.len(),
+            left_len: settings.weights.len(),
             right: "the list of records".into(),
             right_len: records.len(),
         });
     }
-    how.weights.iter().try_for_each(|&w| positive("weight", w, "squared errors").map(drop))?;
-    Ok(how.weights.clone())
+    settings.weights.iter().try_for_each(|&w| positive("weight", w, "squared errors").map(drop))?;
+    Ok(settings.weights.clone())
 }
 
 /// Samples that are enough to start from.
@@ -133,9 +138,9 @@ const ENOUGH: usize = 8192;
 const BLANK: [f64; 2] = [0.5, 0.8];
 
 /// The beginnings of the records, as long together as is enough to start from.
-pub(super) struct Beginnings(Vec<Record>);
+pub(super) struct StartRecords(Vec<Record>);
 
-impl Beginnings {
+impl StartRecords {
     /// For blocks of up to `orders`.
     pub(super) fn new(records: &[Record], orders: Orders) -> Result<Self, Error> {
         let samples: usize = records.iter().map(Record::len).sum();
@@ -145,7 +150,7 @@ impl Beginnings {
             n if n < r.len() => Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()),
             _ => Ok(r.clone()),
         };
-        Ok(Beginnings(records.iter().map(beginning).collect::<Result<_, _>>()?))
+        Ok(StartRecords(records.iter().map(beginning).collect::<Result<_, _>>()?))
     }
 
     /// Where a search for a block of `orders` starts: the best free run of instrumental variables begun at the poles of
@@ -168,13 +173,13 @@ impl Beginnings {
 pub(super) fn search(
     problem: &FreeRunError,
     start: &[f64],
-    how: &Refinement,
+    settings: &Refinement,
     progress: &mut Progress,
 ) -> Result<OutputError, Error> {
     let named = &mut |stage: Stage| progress(Stage { what: "output error", ..stage });
-    let minimum = levenberg_marquardt::minimise(problem, start, &how.search, named)?;
+    let minimum = levenberg_marquardt::minimise(problem, start, &settings.search, named)?;
     if minimum.reason == Reason::Cancelled {
-        let (done, total) = (minimum.history.len() - 1, how.search.iterations);
+        let (done, total) = (minimum.history.len() - 1, settings.search.iterations);
         return Err(Error::Cancelled { what: "the output-error search".into(), done, total });
     }
     let Orders { na, delay, .. } = problem.orders;
@@ -201,7 +206,7 @@ mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::plant::Plant;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use crate::system::System;
     use crate::testing::assert_close;
     use std::ops::ControlFlow;
@@ -209,7 +214,7 @@ mod tests {
     const TS: f64 = 5e-4;
 
     fn found(records: &[Record], orders: Orders) -> OutputError {
-        OutputError::fit(records, orders, &Refinement::default(), &mut unwatched).unwrap()
+        OutputError::fit(records, orders, &Refinement::default(), &mut silent).unwrap()
     }
 
     /// The twin from rest, under a PRBS that begins with a step.
@@ -251,13 +256,13 @@ mod tests {
         let orders = Orders { na: 2, nb: 2, delay: 0 };
         let weighted = Refinement { weights: vec![2.0, 2.0], ..Refinement::default() };
         let (plain, doubled) =
-            (found(&parts, orders), OutputError::fit(&parts, orders, &weighted, &mut unwatched).unwrap());
+            (found(&parts, orders), OutputError::fit(&parts, orders, &weighted, &mut silent).unwrap());
         assert_close(doubled.arx.a(), plain.arx.a(), 1e-8, 0.0);
         assert_close(&doubled.covariance, &plain.covariance, 1e-4, 0.0);
         // A record repeated is a record of twice the weight.
         let repeated = found(&[parts[0].clone(), parts[1].clone(), parts[1].clone()], orders);
         let weighted = Refinement { weights: vec![1.0, 2.0], ..Refinement::default() };
-        let weighted = OutputError::fit(&parts, orders, &weighted, &mut unwatched).unwrap();
+        let weighted = OutputError::fit(&parts, orders, &weighted, &mut silent).unwrap();
         assert_close(weighted.arx.b(), repeated.arx.b(), 1e-8, 0.0);
     }
 
@@ -266,7 +271,7 @@ mod tests {
         let record = [pl140(2)];
         let own = found(&record, Orders { na: 2, nb: 2, delay: 1 });
         let start = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 3.0, 3.0]).unwrap();
-        let refined = refine(&record, &start, &Refinement::default(), &mut unwatched).unwrap();
+        let refined = refine(&record, &start, &Refinement::default(), &mut silent).unwrap();
         assert_close(refined.arx.a(), own.arx.a(), 1e-6, 0.0);
         assert_eq!((refined.arx.delay(), refined.minimum.reason), (1, Reason::Converged));
     }
@@ -274,8 +279,8 @@ mod tests {
     #[test]
     fn what_cannot_be_refined_is_refused() {
         let record = pl140(1);
-        let message = |records: &[Record], start: &Arx, how: &Refinement| {
-            refine(records, start, how, &mut unwatched).unwrap_err().to_string()
+        let message = |records: &[Record], start: &Arx, settings: &Refinement| {
+            refine(records, start, settings, &mut silent).unwrap_err().to_string()
         };
         let (plain, stable) = (Refinement::default(), Arx::new(TS, vec![0.5], vec![1.0]).unwrap());
         let unstable = Arx::new(TS, vec![1.5], vec![1.0]).unwrap();

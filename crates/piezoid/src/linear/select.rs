@@ -16,19 +16,19 @@
 //! Akaike 1974 (doi:10.1109/TAC.1974.1100705); Schwarz 1978 (doi:10.1214/aos/1176344136).
 
 use super::free_run::{FreeRun, FreeRunError};
-use super::output_error::{Beginnings, OutputError, Refinement, checked, search};
+use super::output_error::{OutputError, Refinement, StartRecords, checked, search};
 use super::{Arx, Orders, Pole};
 use crate::error::Error;
 use crate::number::short;
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
-use crate::progress::{Progress, Stage, unwatched};
+use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
 use rayon::prelude::*;
 
 /// What to choose from, and how to judge.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Choice {
+pub(crate) struct OrderSearch {
     /// The highest order.
     pub order: usize,
     /// The longest delay [samples].
@@ -43,10 +43,17 @@ pub(crate) struct Choice {
     pub parallel: bool,
 }
 
-impl Default for Choice {
+impl Default for OrderSearch {
     /// Orders to 8, delays to 3, a quarter held out, 2 %.
     fn default() -> Self {
-        Choice { order: 8, delay: 3, held_out: 0.25, worth: 0.02, refinement: Refinement::default(), parallel: false }
+        OrderSearch {
+            order: 8,
+            delay: 3,
+            held_out: 0.25,
+            worth: 0.02,
+            refinement: Refinement::default(),
+            parallel: false,
+        }
     }
 }
 
@@ -79,7 +86,7 @@ pub(crate) struct Candidate {
 
 /// The choice.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Selection {
+pub(crate) struct OrderSelection {
     /// All that could be fitted, by order, then delay.
     pub candidates: Vec<Candidate>,
     /// The orders that could not, and why.
@@ -107,32 +114,36 @@ const ROUGH: levenberg_marquardt::SearchSettings =
 /// # Errors
 /// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
 /// [`OutputError::fit`] refuses where it refuses every candidate; [`Error::Cancelled`].
-pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) -> Result<Selection, Error> {
-    let highest = Orders { delay: how.delay, ..Orders::of(how.order) };
-    if how.order == 0 {
+pub(crate) fn select(
+    records: &[Record],
+    settings: &OrderSearch,
+    progress: &mut Progress,
+) -> Result<OrderSelection, Error> {
+    let highest = Orders { delay: settings.delay, ..Orders::of(settings.order) };
+    if settings.order == 0 {
         return Err(Error::parameter("order", 0, "must be at least 1"));
     }
-    for (name, share, least) in [("held_out", how.held_out, f64::MIN_POSITIVE), ("worth", how.worth, 0.0)] {
+    for (name, share, least) in [("held_out", settings.held_out, f64::MIN_POSITIVE), ("worth", settings.worth, 0.0)] {
         if !(least..1.0).contains(&share) {
             return Err(Error::parameter(name, share, "must be a share, below 1"));
         }
     }
-    let weights = checked(records, highest, &how.refinement)?;
-    let (seen, unseen) = cut(records, how.held_out)?;
-    checked(&seen, highest, &how.refinement)?;
-    checked(&unseen, highest, &how.refinement).map_err(|error| match error {
+    let weights = checked(records, highest, &settings.refinement)?;
+    let (seen, unseen) = cut(records, settings.held_out)?;
+    checked(&seen, highest, &settings.refinement)?;
+    checked(&unseen, highest, &settings.refinement).map_err(|error| match error {
         Error::TooShort { what, have, need, remedy } => {
             Error::TooShort { what: format!("the part of {what} that is held out"), have, need, remedy }
         }
         other => other,
     })?;
-    let beginnings = Beginnings::new(&seen, highest)?;
+    let beginnings = StartRecords::new(&seen, highest)?;
 
     let (mut fitted, mut refused): (Vec<OutputError>, Vec<_>) = (Vec::new(), Vec::new());
-    for n in 1..=how.order {
-        let stage = Stage { what: "order and delay", done: n - 1, total: how.order };
+    for n in 1..=settings.order {
+        let stage = Stage { what: "order and delay", done: n - 1, total: settings.order };
         if progress(stage).is_break() {
-            return Err(Error::Cancelled { what: "the choice of an order".into(), done: n - 1, total: how.order });
+            return Err(Error::Cancelled { what: "the choice of an order".into(), done: n - 1, total: settings.order });
         }
         let fit = |delay| {
             let orders = Orders { delay, ..Orders::of(n) };
@@ -143,13 +154,13 @@ pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) 
                 Some(lower) if lower.minimum.cost < problem.cost(&start) => with_idle_pole(lower),
                 _ => start,
             });
-            let rough = Refinement { search: ROUGH, ..how.refinement.clone() };
-            (orders, start.and_then(|start| search(&problem, &start, &rough, &mut unwatched)))
+            let rough = Refinement { search: ROUGH, ..settings.refinement.clone() };
+            (orders, start.and_then(|start| search(&problem, &start, &rough, &mut silent)))
         };
-        let all: Vec<_> = if how.parallel {
-            (0..=how.delay).into_par_iter().map(fit).collect()
+        let all: Vec<_> = if settings.parallel {
+            (0..=settings.delay).into_par_iter().map(fit).collect()
         } else {
-            (0..=how.delay).map(fit).collect()
+            (0..=settings.delay).map(fit).collect()
         };
         for (orders, fit) in all {
             match fit {
@@ -158,14 +169,14 @@ pub(crate) fn select(records: &[Record], how: &Choice, progress: &mut Progress) 
             }
         }
     }
-    let Some((candidates, chosen, reason)) = judged(&fitted, &seen, &unseen, &weights, how.worth) else {
+    let Some((candidates, chosen, reason)) = judged(&fitted, &seen, &unseen, &weights, settings.worth) else {
         let because = refused.first().map_or_else(String::new, |(_, why)| why.clone());
         return Err(Error::Unidentifiable { what: "a linear block of any order".into(), because });
     };
     let start = &fitted[chosen];
     let problem = FreeRunError { records, weights: &weights, orders: start.orders };
-    let fit = search(&problem, &start.minimum.x, &how.refinement, progress)?;
-    Ok(Selection { candidates, refused, chosen, reason, fit })
+    let fit = search(&problem, &start.minimum.x, &settings.refinement, progress)?;
+    Ok(OrderSelection { candidates, refused, chosen, reason, fit })
 }
 
 /// The theta of the same block with one pole more, and a zero upon it.
@@ -295,14 +306,14 @@ mod tests {
         Record::new(TS, u, y).unwrap()
     }
 
-    fn choose(seed: u64, n: usize, how: &Choice) -> Selection {
-        select(&[pl140(seed, n)], how, &mut unwatched).unwrap()
+    fn choose(seed: u64, n: usize, settings: &OrderSearch) -> OrderSelection {
+        select(&[pl140(seed, n)], settings, &mut silent).unwrap()
     }
 
     #[test]
     fn the_pl140_is_of_order_5_or_6_whatever_the_noise() {
         for seed in 1..=5 {
-            let found = choose(seed, 2 * 2047, &Choice { delay: 2, ..Choice::default() });
+            let found = choose(seed, 2 * 2047, &OrderSearch { delay: 2, ..OrderSearch::default() });
             let Orders { na, delay, .. } = found.fit.orders;
             assert!((5..=6).contains(&na) && delay <= 1, "seed {seed}: {}", found.reason);
             assert!((0.19..0.212).contains(&found.fit.rms[0]), "{:?}", found.fit.rms);
@@ -329,7 +340,7 @@ mod tests {
     #[test]
     fn the_true_order_is_chosen_and_the_true_delay() {
         for seed in 0..10 {
-            let found = select(&[late(seed)], &Choice::default(), &mut unwatched).unwrap();
+            let found = select(&[late(seed)], &OrderSearch::default(), &mut silent).unwrap();
             assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "seed {seed}: {}", found.reason);
             let best = |f: fn(&Candidate) -> f64| {
                 found.candidates.iter().min_by(|p, q| f(p).total_cmp(&f(q))).map(|c| (c.orders.na, c.orders.delay))
@@ -341,17 +352,17 @@ mod tests {
     #[test]
     fn threads_change_nothing_and_several_records_are_one_choice() {
         let records = [late(1).part(0.0, 0.5).unwrap(), late(2).part(0.5, 1.0).unwrap()];
-        let few = Choice { order: 4, delay: 3, ..Choice::default() };
-        let one = select(&records, &few, &mut unwatched).unwrap();
+        let few = OrderSearch { order: 4, delay: 3, ..OrderSearch::default() };
+        let one = select(&records, &few, &mut silent).unwrap();
         assert_eq!((one.fit.orders.na, one.fit.orders.delay), (3, 2), "{}", one.reason);
-        assert_eq!(select(&records, &Choice { parallel: true, ..few }, &mut unwatched).unwrap(), one);
+        assert_eq!(select(&records, &OrderSearch { parallel: true, ..few }, &mut silent).unwrap(), one);
     }
 
     #[test]
     fn an_idle_pole_changes_nothing() {
         let records = [late(1)];
         let orders = Orders { na: 2, nb: 3, delay: 1 };
-        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut unwatched).unwrap();
+        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut silent).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
         crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }
@@ -361,18 +372,18 @@ mod tests {
         let truth = late_block();
         let u = Prbs::default().samples(TS, 2047).unwrap();
         let record = Record::new(TS, u.clone(), truth.simulate(&u)).unwrap();
-        let found = select(&[record], &Choice::default(), &mut unwatched).unwrap();
+        let found = select(&[record], &OrderSearch::default(), &mut silent).unwrap();
         assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "{}", found.reason);
     }
 
     #[test]
     fn what_cannot_be_chosen_from_is_refused() {
-        let message = |how: Choice| select(&[late(1)], &how, &mut unwatched).unwrap_err().to_string();
-        assert!(message(Choice { order: 0, ..Choice::default() }).starts_with("order = 0"));
-        assert!(message(Choice { held_out: 1.0, ..Choice::default() }).starts_with("held_out = 1"));
-        assert!(message(Choice { order: 200, ..Choice::default() }).contains("at least"));
+        let message = |settings: OrderSearch| select(&[late(1)], &settings, &mut silent).unwrap_err().to_string();
+        assert!(message(OrderSearch { order: 0, ..OrderSearch::default() }).starts_with("order = 0"));
+        assert!(message(OrderSearch { held_out: 1.0, ..OrderSearch::default() }).starts_with("held_out = 1"));
+        assert!(message(OrderSearch { order: 200, ..OrderSearch::default() }).contains("at least"));
         let still = Record::new(TS, vec![1.0; 900], vec![2.0; 900]).unwrap();
-        assert!(select(&[still], &Choice::default(), &mut unwatched).unwrap_err().to_string().contains("any order"));
+        assert!(select(&[still], &OrderSearch::default(), &mut silent).unwrap_err().to_string().contains("any order"));
     }
 
     #[test]
@@ -381,8 +392,8 @@ mod tests {
         let u: Vec<f64> = (0..1200).map(|t| f64::from((t * t % 101 % 13) as u8) - 6.0).collect();
         let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
         let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
-        let few = Choice { order: 3, delay: 1, ..Choice::default() };
-        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut crate::progress::unwatched).unwrap();
+        let few = OrderSearch { order: 3, delay: 1, ..OrderSearch::default() };
+        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut crate::progress::silent).unwrap();
         assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
     }
 }

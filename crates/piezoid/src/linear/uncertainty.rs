@@ -18,7 +18,7 @@ use super::free_run::{FreeRunError, dot};
 use super::output_error::{OutputError, Refinement, checked, search};
 use super::{Arx, Pole};
 use crate::error::Error;
-use crate::progress::{Progress, Stage, unwatched};
+use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::system::System;
@@ -91,7 +91,7 @@ pub(super) fn spread(value: f64, slopes: &[f64], covariance: &[f64], d: usize) -
 }
 
 /// What one record says of the parameters.
-pub(super) struct Evidence {
+pub(super) struct RecordScores {
     pub(super) weight: f64,
     /// Residuals.
     pub(super) e: Vec<f64>,
@@ -101,9 +101,9 @@ pub(super) struct Evidence {
 
 /// The sandwich for `d` parameters, row by row; infinite where the records cannot tell. `share` is the number of samples
 /// over what is left of it when all that was fitted is taken off.
-pub(super) fn sandwich(evidence: impl Iterator<Item = Evidence>, d: usize, share: f64) -> Vec<f64> {
+pub(super) fn sandwich(evidence: impl Iterator<Item = RecordScores>, d: usize, share: f64) -> Vec<f64> {
     let (mut outer, mut middle) = (DMatrix::zeros(d, d), DMatrix::zeros(d, d));
-    for Evidence { weight, e, jacobian } in evidence {
+    for RecordScores { weight, e, jacobian } in evidence {
         let kernel = tapered(&e);
         let smoothed: Vec<Vec<f64>> = jacobian.iter().map(|column| banded(&kernel, column)).collect();
         outer += weight * DMatrix::from_fn(d, d, |i, j| dot(&jacobian[i], &jacobian[j]));
@@ -120,7 +120,7 @@ pub(super) fn sandwich(evidence: impl Iterator<Item = Evidence>, d: usize, share
 /// The covariance of theta.
 pub(super) fn covariance(problem: &FreeRunError, theta: &[f64], freedom: usize) -> Vec<f64> {
     let samples: usize = problem.records.iter().map(Record::len).sum();
-    let evidence = problem.runs(theta).map(|(run, weight)| Evidence { weight, jacobian: run.jacobian(), e: run.e });
+    let evidence = problem.runs(theta).map(|(run, weight)| RecordScores { weight, jacobian: run.jacobian(), e: run.e });
     sandwich(evidence, theta.len(), samples as f64 / freedom as f64)
 }
 
@@ -181,7 +181,7 @@ impl Replicates {
 }
 
 impl OutputError {
-    /// Fits the block again and again to its own free run with residuals drawn anew. `records` and `how` are those it came from.
+    /// Fits the block again and again to its own free run with residuals drawn anew. `records` and `settings` are those it came from.
     ///
     /// ```
     /// use piezoid::{Record, System, linear::{Arx, Bootstrap, Orders, OutputError, Refinement}};
@@ -189,10 +189,10 @@ impl OutputError {
     /// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
     /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
     /// let records = [Record::new(5e-4, u.clone(), truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect())?];
-    /// let (how, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
-    /// let fit = OutputError::fit(&records, orders, &how, &mut piezoid::progress::unwatched)?;
+    /// let (settings, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
+    /// let fit = OutputError::fit(&records, orders, &settings, &mut piezoid::progress::silent)?;
     /// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
-    /// let replicates = fit.bootstrap(&records, &how, &draws, &mut piezoid::progress::unwatched)?;
+    /// let replicates = fit.bootstrap(&records, &settings, &draws, &mut piezoid::progress::silent)?;
     /// let resonance = replicates.of(|arx| arx.poles()[0].hz);
     /// assert!((resonance.value - truth.poles()[0].hz).abs() < 0.1);
     /// # Ok::<(), piezoid::Error>(())
@@ -204,7 +204,7 @@ impl OutputError {
     pub fn bootstrap(
         &self,
         records: &[Record],
-        how: &Refinement,
+        settings: &Refinement,
         draws: &Bootstrap,
         progress: &mut Progress,
     ) -> Result<Replicates, Error> {
@@ -214,7 +214,7 @@ impl OutputError {
         if draws.block == Some(0) {
             return Err(Error::parameter("block", 0, "must be at least 1 sample"));
         }
-        let weights = checked(records, self.orders, how)?;
+        let weights = checked(records, self.orders, settings)?;
         let problem = FreeRunError { records, weights: &weights, orders: self.orders };
         let samples: usize = records.iter().map(Record::len).sum();
         // Residuals are smaller than the noise by what was fitted to them.
@@ -239,7 +239,7 @@ impl OutputError {
             });
             let drawn: Vec<Record> = drawn.collect::<Result<_, _>>()?;
             let problem = FreeRunError { records: &drawn, ..problem };
-            Ok(search(&problem, &self.minimum.x, how, &mut unwatched)?.arx)
+            Ok(search(&problem, &self.minimum.x, settings, &mut silent)?.arx)
         };
         let mut fitted = Vec::new();
         let company = if draws.parallel { rayon::current_num_threads() } else { 1 };
@@ -288,7 +288,7 @@ mod tests {
     }
 
     fn fitted(seed: u64, colour: f64) -> OutputError {
-        OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut unwatched).unwrap()
+        OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut silent).unwrap()
     }
 
     /// The numbers that are followed: frequency, damping, gain.
@@ -347,7 +347,7 @@ mod tests {
         for colour in [0.0, 0.8] {
             let (records, fit) = ([record(5, colour)], fitted(5, colour));
             let draws = Bootstrap { replicates: 200, parallel: true, ..Bootstrap::default() };
-            let again = fit.bootstrap(&records, &Refinement::default(), &draws, &mut unwatched).unwrap();
+            let again = fit.bootstrap(&records, &Refinement::default(), &draws, &mut silent).unwrap();
             let [hz, damping, gain] = numbers(&fit);
             let drawn: [fn(&Arx) -> f64; 3] = [|a| a.poles()[0].hz, |a| a.poles()[0].damping, Arx::dc_gain];
             for (known, number) in [hz, damping, gain].iter().zip(drawn) {
@@ -361,7 +361,7 @@ mod tests {
         let (records, fit) = ([record(2, 0.3)], fitted(2, 0.3));
         let of = |parallel, seed| {
             let draws = Bootstrap { replicates: 5, parallel, seed, ..Bootstrap::default() };
-            fit.bootstrap(&records, &Refinement::default(), &draws, &mut unwatched).unwrap()
+            fit.bootstrap(&records, &Refinement::default(), &draws, &mut silent).unwrap()
         };
         assert_eq!(of(false, 1), of(true, 1));
         assert_ne!(of(false, 1), of(false, 2));
@@ -369,7 +369,7 @@ mod tests {
 
     #[test]
     fn what_the_records_cannot_tell_is_infinitely_uncertain() {
-        let evidence = Evidence { weight: 1.0, e: vec![0.1; 50], jacobian: vec![vec![1.0; 50], vec![2.0; 50]] };
+        let evidence = RecordScores { weight: 1.0, e: vec![0.1; 50], jacobian: vec![vec![1.0; 50], vec![2.0; 50]] };
         assert_eq!(sandwich(std::iter::once(evidence), 2, 1.0), [f64::INFINITY; 4]);
     }
 }

@@ -28,12 +28,12 @@ pub(crate) trait SumOfSquares {
     fn cost(&self, x: &[f64]) -> f64;
 
     /// The normal equations at `x`, where the cost is finite.
-    fn normal(&self, x: &[f64]) -> Normal;
+    fn normal(&self, x: &[f64]) -> NormalEquations;
 }
 
 /// The normal equations at one point, with J the derivatives of e, one column an unknown.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Normal {
+pub(crate) struct NormalEquations {
     /// e'e.
     pub cost: f64,
     /// J'e, half the gradient.
@@ -142,7 +142,7 @@ fn check(problem: &impl SumOfSquares, start: &[f64], settings: &SearchSettings) 
 }
 
 /// The damped step and the fall of e'e that the model promises for it; `None` where rounding has left no step.
-fn step(normal: &Normal, mu: f64) -> Option<(Vec<f64>, f64)> {
+fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
     let d = normal.gradient.len();
     let size = sizes(normal);
     let scaled =
@@ -155,20 +155,20 @@ fn step(normal: &Normal, mu: f64) -> Option<(Vec<f64>, f64)> {
 }
 
 /// The lengths of J's columns; 1 for a column of zeros, whose unknown then stays where it is.
-fn sizes(normal: &Normal) -> Vec<f64> {
+fn sizes(normal: &NormalEquations) -> Vec<f64> {
     let d = normal.gradient.len();
     let length = |i: usize| normal.hessian[i * d + i].sqrt();
     (0..d).map(|i| if length(i) > 0.0 { length(i) } else { 1.0 }).collect()
 }
 
-impl Normal {
+impl NormalEquations {
     /// No samples yet, for `dimension` unknowns.
     pub(crate) fn empty(dimension: usize) -> Self {
-        Normal { cost: 0.0, gradient: vec![0.0; dimension], hessian: vec![0.0; dimension * dimension] }
+        NormalEquations { cost: 0.0, gradient: vec![0.0; dimension], hessian: vec![0.0; dimension * dimension] }
     }
 
     /// Adds `weight` times the sums of `other`, which has the same unknowns.
-    pub(crate) fn add(&mut self, weight: f64, other: &Normal) {
+    pub(crate) fn add(&mut self, weight: f64, other: &NormalEquations) {
         let sums = std::iter::once(&mut self.cost).chain(&mut self.gradient).chain(&mut self.hessian);
         let terms = std::iter::once(&other.cost).chain(&other.gradient).chain(&other.hessian);
         sums.zip(terms).for_each(|(sum, term)| *sum += weight * term);
@@ -178,7 +178,7 @@ impl Normal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use crate::testing::assert_close;
     use std::ops::ControlFlow;
 
@@ -192,13 +192,13 @@ mod tests {
         fn cost(&self, x: &[f64]) -> f64 {
             self.normal(x).cost
         }
-        fn normal(&self, x: &[f64]) -> Normal {
-            let mut sums = Normal::empty(self.0);
+        fn normal(&self, x: &[f64]) -> NormalEquations {
+            let mut sums = NormalEquations::empty(self.0);
             for row in (self.1)(x) {
                 let (e, slopes) = (row[0], &row[1..]);
                 let hessian = slopes.iter().flat_map(|a| slopes.iter().map(move |b| a * b)).collect();
                 let gradient = slopes.iter().map(|a| a * e).collect();
-                sums.add(1.0, &Normal { cost: e * e, gradient, hessian });
+                sums.add(1.0, &NormalEquations { cost: e * e, gradient, hessian });
             }
             sums
         }
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn it_walks_down_rosenbrocks_valley() {
-        let found = minimise(&Rows(2, rosenbrock), &[-1.2, 1.0], &SearchSettings::default(), &mut unwatched).unwrap();
+        let found = minimise(&Rows(2, rosenbrock), &[-1.2, 1.0], &SearchSettings::default(), &mut silent).unwrap();
         assert_close(&found.x, &[1.0, 1.0], 1e-9, 0.0);
         assert!(found.history.len() < 40 && found.history.windows(2).all(|w| w[1] <= w[0]));
     }
@@ -221,9 +221,9 @@ mod tests {
             let rows = rosenbrock(&[x[0] * 1e-6, x[1] * 1e4]);
             rows.into_iter().map(|r| vec![r[0], r[1] * 1e-6, r[2] * 1e4]).collect()
         };
-        let plain = minimise(&Rows(2, rosenbrock), &[-1.2, 1.0], &SearchSettings::default(), &mut unwatched).unwrap();
+        let plain = minimise(&Rows(2, rosenbrock), &[-1.2, 1.0], &SearchSettings::default(), &mut silent).unwrap();
         let other =
-            minimise(&Rows(2, in_other_units), &[-1.2e6, 1e-4], &SearchSettings::default(), &mut unwatched).unwrap();
+            minimise(&Rows(2, in_other_units), &[-1.2e6, 1e-4], &SearchSettings::default(), &mut silent).unwrap();
         assert_close(&other.history[..10], &plain.history[..10], 1e-6, 0.0);
     }
 
@@ -231,10 +231,10 @@ mod tests {
     fn a_direction_that_changes_nothing_is_left_alone() {
         // Only the product is seen: x0 x1 = 6.
         let product = Rows(2, |x: &[f64]| vec![vec![x[0] * x[1] - 6.0, x[1], x[0]]]);
-        let found = minimise(&product, &[1.0, 1.0], &SearchSettings::default(), &mut unwatched).unwrap();
+        let found = minimise(&product, &[1.0, 1.0], &SearchSettings::default(), &mut silent).unwrap();
         assert_close(&[found.x[0] * found.x[1], found.x[0]], &[6.0, found.x[1]], 1e-9, 0.0);
         let unseen = Rows(2, |x: &[f64]| vec![vec![x[0] - 3.0, 1.0, 0.0]]);
-        let found = minimise(&unseen, &[1.0, 7.0], &SearchSettings::default(), &mut unwatched).unwrap();
+        let found = minimise(&unseen, &[1.0, 7.0], &SearchSettings::default(), &mut silent).unwrap();
         assert_close(&found.x, &[3.0, 7.0], 1e-9, 0.0);
     }
 
@@ -243,9 +243,9 @@ mod tests {
         // (ln x)^2: undefined below 0, where the first full step from 10 leads.
         let log = Rows(1, |x: &[f64]| vec![vec![x[0].ln(), 1.0 / x[0]]]);
         let settings = SearchSettings { damping: 1e-9, ..SearchSettings::default() };
-        let found = minimise(&log, &[10.0], &settings, &mut unwatched).unwrap();
+        let found = minimise(&log, &[10.0], &settings, &mut silent).unwrap();
         assert_close(&found.x, &[1.0], 1e-6, 0.0);
-        assert!(minimise(&log, &[-1.0], &settings, &mut unwatched).unwrap_err().to_string().contains("finite cost"));
+        assert!(minimise(&log, &[-1.0], &settings, &mut silent).unwrap_err().to_string().contains("finite cost"));
     }
 
     #[test]
@@ -256,14 +256,13 @@ mod tests {
                 .map(|(t, y)| vec![x[0] + x[1] * t - y, 1.0, t])
                 .collect()
         });
-        let reason =
-            |settings: &SearchSettings| minimise(&noisy, &[0.0, 0.0], settings, &mut unwatched).unwrap().reason;
+        let reason = |settings: &SearchSettings| minimise(&noisy, &[0.0, 0.0], settings, &mut silent).unwrap().reason;
         assert_eq!(reason(&SearchSettings::default()), Reason::Converged);
         assert_eq!(reason(&SearchSettings { iterations: 1, ..SearchSettings::default() }), Reason::Iterations);
         let mut stop = |_: Stage| ControlFlow::Break(());
         let start = minimise(&noisy, &[0.5, 0.0], &SearchSettings::default(), &mut stop).unwrap();
         assert_eq!((start.reason, start.x), (Reason::Cancelled, vec![0.5, 0.0]));
-        let message = |settings, x: &[f64]| minimise(&noisy, x, &settings, &mut unwatched).unwrap_err().to_string();
+        let message = |settings, x: &[f64]| minimise(&noisy, x, &settings, &mut silent).unwrap_err().to_string();
         assert!(message(SearchSettings::default(), &[1.0]).contains("the start has 1"));
         assert!(
             message(SearchSettings { damping: 0.0, ..SearchSettings::default() }, &[0.0, 0.0]).contains("damping = 0")
@@ -281,8 +280,8 @@ mod tests {
             fn cost(&self, x: &[f64]) -> f64 {
                 self.normal(x).cost
             }
-            fn normal(&self, x: &[f64]) -> Normal {
-                let mut sums = Normal { cost: 0.0, gradient: vec![0.0], hessian: vec![0.0] };
+            fn normal(&self, x: &[f64]) -> NormalEquations {
+                let mut sums = NormalEquations { cost: 0.0, gradient: vec![0.0], hessian: vec![0.0] };
                 for (t, y) in self.0.iter().enumerate() {
                     let model = (-x[0] * t as f64).exp();
                     let (e, slope) = (model - y, -(t as f64) * model);
@@ -294,7 +293,7 @@ mod tests {
             }
         }
         let half = Decay((0..5).map(|t| 0.5f64.powi(t)).collect());
-        let found = minimise(&half, &[0.1], &SearchSettings::default(), &mut crate::progress::unwatched).unwrap();
+        let found = minimise(&half, &[0.1], &SearchSettings::default(), &mut crate::progress::silent).unwrap();
         assert!((found.x[0] - 2f64.ln()).abs() < 1e-9);
     }
 }

@@ -120,7 +120,7 @@ impl Default for SwarmSettings {
 /// let sphere = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
 /// let bounds = Bounds::new(vec![-5.0; 3], vec![5.0; 3])?;
 /// let mut swarm = Swarm::new(&sphere, bounds, SwarmSettings { iterations: 200, ..SwarmSettings::default() })?;
-/// let minimum = swarm.run(&sphere, &mut piezoid::progress::unwatched);
+/// let minimum = swarm.run(&sphere, &mut piezoid::progress::silent);
 /// assert!(minimum.cost < 1e-9);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -205,7 +205,7 @@ impl Swarm {
         }
         swarm.p_best.clone_from(&swarm.x);
         swarm.g_best.copy_from_slice(&swarm.x[..d]);
-        swarm.judge(cost);
+        swarm.update_bests(cost);
         Ok(swarm)
     }
 
@@ -229,7 +229,7 @@ impl Swarm {
                 break Reason::Cancelled;
             }
             self.advance(&mut streams);
-            self.judge(cost);
+            self.update_bests(cost);
         };
         let best = self.history[self.iteration()];
         let (history, courses) = (self.history.clone(), self.courses.clone());
@@ -274,7 +274,7 @@ impl Swarm {
     }
 
     /// Steps 4 and 5: evaluates the particles and renews the bests by (4).
-    fn judge(&mut self, cost: &impl Cost) {
+    fn update_bests(&mut self, cost: &impl Cost) {
         let d = self.bounds.dimension();
         let mut costs = vec![f64::MAX; self.settings.particles];
         // Costs above a particle's own best matter only where the best of the current positions is asked for.
@@ -342,7 +342,7 @@ fn check(s: &SwarmSettings) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::unwatched;
+    use crate::progress::silent;
     use proptest::prelude::*;
     use std::ops::ControlFlow;
 
@@ -385,7 +385,7 @@ mod tests {
             let mut fell_back = 0;
             for _ in 0..40 {
                 swarm.advance(&mut streams);
-                swarm.judge(&rosenbrock);
+                swarm.update_bests(&rosenbrock);
                 let best = swarm.history[swarm.iteration()];
                 let now = swarm.x.chunks(2).map(rosenbrock).fold(f64::MAX, f64::min);
                 let wanted = if global_best == GlobalBest::Ever { best } else { now };
@@ -399,18 +399,18 @@ mod tests {
     #[test]
     fn an_interrupted_search_gives_the_same_bytes_as_one_that_was_not() {
         let settings = SwarmSettings { iterations: 120, ..SwarmSettings::default() };
-        let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut unwatched).unwrap();
+        let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut silent).unwrap();
         let mut swarm = Swarm::new(&rosenbrock, bounds(3), settings).unwrap();
         let until_70 = |s: Stage| if s.done == 70 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let part = swarm.run(&rosenbrock, &mut { until_70 });
         assert_eq!((part.reason, part.history.len()), (Reason::Cancelled, 71));
         let checkpoint = serde_json::to_string(&swarm).unwrap();
         let mut resumed: Swarm = serde_json::from_str(&checkpoint).unwrap();
-        assert_eq!(resumed.run(&rosenbrock, &mut unwatched), whole);
+        assert_eq!(resumed.run(&rosenbrock, &mut silent), whole);
         let cut = checkpoint.replace("\"g_best\":[", "\"g_best\":[0.0,");
         assert!(serde_json::from_str::<Swarm>(&cut).unwrap_err().to_string().contains("no checkpoint of 50 particles"));
         assert_eq!(serde_json::to_string(&resumed).unwrap(), {
-            swarm.run(&rosenbrock, &mut unwatched);
+            swarm.run(&rosenbrock, &mut silent);
             serde_json::to_string(&swarm).unwrap()
         });
     }
@@ -420,30 +420,29 @@ mod tests {
         for global_best in [GlobalBest::Ever, GlobalBest::Current] {
             let settings = SwarmSettings { iterations: 60, global_best, ..SwarmSettings::default() };
             let parallel = SwarmSettings { parallel: true, ..settings.clone() };
-            let one = settings.minimise(&rosenbrock, bounds(4), &mut unwatched).unwrap();
-            assert_eq!(parallel.minimise(&rosenbrock, bounds(4), &mut unwatched).unwrap(), one);
+            let one = settings.minimise(&rosenbrock, bounds(4), &mut silent).unwrap();
+            assert_eq!(parallel.minimise(&rosenbrock, bounds(4), &mut silent).unwrap(), one);
         }
     }
 
     #[test]
     fn how_it_ended_is_told() {
-        let reason =
-            |settings: SwarmSettings| settings.minimise(&rosenbrock, bounds(2), &mut unwatched).unwrap().reason;
+        let reason = |settings: SwarmSettings| settings.minimise(&rosenbrock, bounds(2), &mut silent).unwrap().reason;
         let settings = SwarmSettings { iterations: 300, ..SwarmSettings::default() };
         assert_eq!(reason(settings.clone()), Reason::Iterations);
         assert_eq!(reason(SwarmSettings { threshold: Some(1.0), ..settings.clone() }), Reason::Threshold);
         let flat = |_: &[f64]| 1.0;
         let stalled = SwarmSettings { stall: Some(7), ..settings };
-        let minimum = stalled.minimise(&flat, bounds(2), &mut unwatched).unwrap();
+        let minimum = stalled.minimise(&flat, bounds(2), &mut silent).unwrap();
         assert_eq!((minimum.reason, minimum.history.len()), (Reason::Stall, 8));
     }
 
     #[test]
     fn a_cost_that_is_no_number_is_the_worst() {
         let half = |x: &[f64]| if x[0] < 0.0 { f64::NAN } else { x[0] };
-        let minimum = SwarmSettings::default().minimise(&half, bounds(1), &mut unwatched).unwrap();
+        let minimum = SwarmSettings::default().minimise(&half, bounds(1), &mut silent).unwrap();
         assert!((0.0..1e-6).contains(&minimum.cost));
-        let never = SwarmSettings::default().minimise(&|_: &[f64]| f64::NAN, bounds(1), &mut unwatched).unwrap();
+        let never = SwarmSettings::default().minimise(&|_: &[f64]| f64::NAN, bounds(1), &mut silent).unwrap();
         assert_eq!(never.cost, f64::MAX);
     }
 
@@ -462,7 +461,7 @@ mod tests {
         fn the_best_never_worsens_and_is_a_point_that_was_visited(seed: u64, particles in 1..20usize, current: bool) {
             let global_best = if current { GlobalBest::Current } else { GlobalBest::Ever };
             let settings = SwarmSettings { seed, particles, iterations: 30, global_best, ..SwarmSettings::default() };
-            let minimum = settings.minimise(&rosenbrock, bounds(3), &mut unwatched).unwrap();
+            let minimum = settings.minimise(&rosenbrock, bounds(3), &mut silent).unwrap();
             prop_assert!(minimum.history.windows(2).all(|w| w[1] <= w[0]));
             prop_assert_eq!(rosenbrock(&minimum.x), minimum.cost);
             prop_assert!(minimum.courses.iter().zip(&minimum.history).all(|(x, f)| rosenbrock(x) == *f));

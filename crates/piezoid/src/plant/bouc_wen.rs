@@ -20,7 +20,7 @@ use crate::error::{Error, positive};
 
 /// Low & Guo's law. Bounded for beta > 0 and beta + gamma > 0.
 #[derive(Debug, Clone)]
-pub(super) struct BoucWen {
+pub(super) struct BoucWenStage {
     /// Displacement a volt, without hysteresis [m/V].
     d: f64,
     /// alpha d [m/V].
@@ -31,7 +31,7 @@ pub(super) struct BoucWen {
     gamma: f64,
 }
 
-impl BoucWen {
+impl BoucWenStage {
     pub(super) const ORDER: usize = 2;
 
     /// The law whose steady loop between +-`range` [V] is `2 displacement` high [m], and `width` of that wide at 0 V.
@@ -46,12 +46,12 @@ impl BoucWen {
         let rule = "must be a number above -beta_per_v, or the hysteresis grows without end";
         require(gamma.is_finite() && beta + gamma > 0.0, "hysteresis.gamma_per_v", gamma, rule)?;
 
-        let unit = BoucWen { d: 0.0, alpha_d: 1.0, beta, gamma };
+        let unit = BoucWenStage { d: 0.0, alpha_d: 1.0, beta, gamma };
         let x = unit.steady(range);
         let middle = unit.climb(-x, range);
         let alpha = width * range / (middle + width * x);
         let d = displacement / (range - alpha * x);
-        Ok(BoucWen { d, alpha_d: alpha * d, beta, gamma })
+        Ok(BoucWenStage { d, alpha_d: alpha * d, beta, gamma })
     }
 
     /// Moves to the voltage `u` and returns the static displacement w [m].
@@ -107,13 +107,13 @@ mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    fn pl140() -> BoucWen {
-        BoucWen::new(30.0, 1e-3, 0.13, 0.020, 0.005).unwrap()
+    fn pl140() -> BoucWenStage {
+        BoucWenStage::new(30.0, 1e-3, 0.13, 0.020, 0.005).unwrap()
     }
 
     /// Width at 0 V over height of the steady loop of amplitude `a` [V].
-    fn width(law: &BoucWen, a: f64) -> f64 {
-        let mut x = vec![0.0; BoucWen::ORDER];
+    fn width(law: &BoucWenStage, a: f64) -> f64 {
+        let mut x = vec![0.0; BoucWenStage::ORDER];
         (0..400).for_each(|_| {
             law.displacement(&mut x, -a);
             law.displacement(&mut x, a);
@@ -126,7 +126,7 @@ mod tests {
     fn the_parameters_of_the_literature_come_out() {
         // Found with numpy for 10, 13 and 15 % and 1000 um at 30 V.
         for (width, alpha, d) in [(0.10, 0.287, 43.8e-6), (0.13, 0.349, 46.9e-6), (0.15, 0.385, 49.0e-6)] {
-            let law = BoucWen::new(30.0, 1e-3, width, 0.020, 0.005).unwrap();
+            let law = BoucWenStage::new(30.0, 1e-3, width, 0.020, 0.005).unwrap();
             assert_close(&[law.alpha_d / law.d, law.d], &[alpha, d], 2e-3, 0.0);
         }
     }
@@ -143,12 +143,12 @@ mod tests {
     fn the_closed_form_is_the_differential_equation() {
         let law = pl140();
         // Also with a gamma above beta, where h is repelled before it changes sign.
-        for law in [law.clone(), BoucWen { gamma: 0.05, ..law.clone() }, BoucWen { gamma: 0.02, ..law }] {
+        for law in [law.clone(), BoucWenStage { gamma: 0.05, ..law.clone() }, BoucWenStage { gamma: 0.02, ..law }] {
             let rate = |t: f64, h: f64| {
                 let du = 30.0 * t.cos() * (1.0 + 0.5 * (0.3 * t).sin()) + 4.5 * t.sin() * (0.3 * t).cos();
                 law.alpha_d * du - law.beta * du.abs() * h - law.gamma * du * h.abs()
             };
-            let (mut x, mut h, mut worst) = (vec![0.0; BoucWen::ORDER], 0.0, 0.0_f64);
+            let (mut x, mut h, mut worst) = (vec![0.0; BoucWenStage::ORDER], 0.0, 0.0_f64);
             let dt = 5e-4;
             for i in 0..40_000 {
                 let t = f64::from(i) * dt;
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn how_a_path_is_divided_does_not_matter() {
         let run = |pieces: u32| {
-            let (law, mut x) = (pl140(), vec![0.0; BoucWen::ORDER]);
+            let (law, mut x) = (pl140(), vec![0.0; BoucWenStage::ORDER]);
             for (from, to) in [(0.0, 30.0), (30.0, -20.0), (-20.0, 5.0), (5.0, -30.0)] {
                 for i in 1..=pieces {
                     law.displacement(&mut x, from + (to - from) * f64::from(i) / f64::from(pieces));
@@ -181,14 +181,14 @@ mod tests {
 
     #[test]
     fn without_width_it_is_a_line() {
-        let law = BoucWen::new(30.0, 1e-3, 0.0, 0.020, 0.005).unwrap();
+        let law = BoucWenStage::new(30.0, 1e-3, 0.0, 0.020, 0.005).unwrap();
         assert_close(&[law.displacement(&mut [0.0; 2], 15.0)], &[0.5e-3], 1e-15, 0.0);
     }
 
     #[test]
     fn an_unbounded_law_is_refused() {
-        let message = BoucWen::new(30.0, 1e-3, 0.13, 0.02, -0.03).unwrap_err().to_string();
+        let message = BoucWenStage::new(30.0, 1e-3, 0.13, 0.02, -0.03).unwrap_err().to_string();
         assert!(message.starts_with("hysteresis.gamma_per_v = -0.03"), "{message}");
-        assert!(BoucWen::new(30.0, 1e-3, f64::NAN, 0.02, 0.005).is_err());
+        assert!(BoucWenStage::new(30.0, 1e-3, f64::NAN, 0.02, 0.005).is_err());
     }
 }

@@ -24,7 +24,7 @@ const LAGS: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
 /// The creep, for a fixed time step.
 #[derive(Debug, Clone)]
-pub(super) struct Creep {
+pub(super) struct CreepStage {
     g: f64,
     /// Gain of the direct path, 1 - g S.
     direct: f64,
@@ -32,14 +32,14 @@ pub(super) struct Creep {
     gain: [f64; 4],
 }
 
-impl Creep {
+impl CreepStage {
     pub(super) const ORDER: usize = LAGS.len();
 
     /// Creep of `g` a decade, advanced in steps of `h` [s].
     pub(super) fn new(g: f64, h: f64) -> Result<Self, Error> {
         require((0.0..=0.2).contains(&g), "creep_per_decade", g, "must be from 0 to 0.2; ceramics show 0.01 to 0.02")?;
         let risen = |t: f64| LAGS.map(|tau| -(-t / tau).exp_m1());
-        Ok(Creep { g, direct: 1.0 - g * risen(0.1).iter().sum::<f64>(), gain: risen(h) })
+        Ok(CreepStage { g, direct: 1.0 - g * risen(0.1).iter().sum::<f64>(), gain: risen(h) })
     }
 
     /// Displacement now [m], under the static displacement `w` [m].
@@ -66,8 +66,8 @@ mod tests {
     use crate::testing::assert_close;
 
     /// Displacement under a unit step at t = k h, k = 1...n.
-    fn step_response(creep: &Creep, n: usize) -> Vec<f64> {
-        let mut x = vec![0.0; Creep::ORDER];
+    fn step_response(creep: &CreepStage, n: usize) -> Vec<f64> {
+        let mut x = vec![0.0; CreepStage::ORDER];
         let step = |_| {
             creep.advance(&mut x, 1.0);
             creep.output(&x, 1.0)
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn a_step_creeps_by_the_law_from_30_ms_to_10_s() {
         let (g, h) = (0.015, 0.01);
-        let l = step_response(&Creep::new(g, h).unwrap(), 1000);
+        let l = step_response(&CreepStage::new(g, h).unwrap(), 1000);
         let decades = |i: usize| ((i + 1) as f64 * h / 0.1).log10();
         // Computed with numpy: within 0.077 g.
         let crept: Vec<f64> = l.iter().map(|l| (l - 1.0) / g).collect();
@@ -94,15 +94,15 @@ mod tests {
 
     #[test]
     fn one_long_step_equals_many_short_ones() {
-        let long = step_response(&Creep::new(0.015, 3.0).unwrap(), 1);
-        let short = step_response(&Creep::new(0.015, 0.003).unwrap(), 1000);
+        let long = step_response(&CreepStage::new(0.015, 3.0).unwrap(), 1);
+        let short = step_response(&CreepStage::new(0.015, 0.003).unwrap(), 1000);
         assert_close(&long, &short[999..], 1e-13, 0.0);
     }
 
     #[test]
     fn without_creep_the_displacement_passes_unchanged() {
-        let creep = Creep::new(0.0, 1e-3).unwrap();
+        let creep = CreepStage::new(0.0, 1e-3).unwrap();
         assert_eq!(creep.advance(&mut [0.0; 4], 0.7), 0.7);
-        assert!(Creep::new(f64::NAN, 1e-3).is_err());
+        assert!(CreepStage::new(f64::NAN, 1e-3).is_err());
     }
 }

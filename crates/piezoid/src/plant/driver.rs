@@ -16,7 +16,7 @@ use crate::error::{Error, positive};
 
 /// The amplifier, for a fixed time step.
 #[derive(Debug, Clone)]
-pub(super) struct Driver {
+pub(super) struct DriverStage {
     min: f64,
     max: f64,
     /// Time constant [s].
@@ -31,7 +31,7 @@ pub(super) struct Driver {
     keep: f64,
 }
 
-impl Driver {
+impl DriverStage {
     /// The amplifier advanced in steps of `h` [s].
     pub(super) fn new(spec: &DriverSpec, h: f64) -> Result<Self, Error> {
         let (min, max) = (spec.min_v, spec.max_v);
@@ -46,7 +46,7 @@ impl Driver {
             }
         };
         let knee = if slew.is_infinite() { f64::INFINITY } else { slew * lag };
-        Ok(Driver { min, max, lag, slew, knee, h, keep: decay(h, lag) })
+        Ok(DriverStage { min, max, lag, slew, knee, h, keep: decay(h, lag) })
     }
 
     /// What the amplifier is asked for after its clamp [V], and whether the clamp acted.
@@ -81,8 +81,8 @@ mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    fn driver(lag_s: f64, current_a: Option<f64>, h: f64) -> Driver {
-        Driver::new(&DriverSpec { lag_s, current_a, capacitance_f: 8.2e-6, ..DriverSpec::default() }, h).unwrap()
+    fn driver(lag_s: f64, current_a: Option<f64>, h: f64) -> DriverStage {
+        DriverStage::new(&DriverSpec { lag_s, current_a, capacitance_f: 8.2e-6, ..DriverSpec::default() }, h).unwrap()
     }
 
     #[test]
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn a_limited_current_needs_the_capacitance() {
         let spec = DriverSpec { current_a: Some(0.1), ..DriverSpec::default() };
-        let message = Driver::new(&spec, 1e-5).unwrap_err().to_string();
+        let message = DriverStage::new(&spec, 1e-5).unwrap_err().to_string();
         assert!(message.starts_with("driver.capacitance_f = 0"), "{message}");
     }
 }

@@ -17,13 +17,13 @@
 
 /// The population: its strength K [m/V^2], spread rho [V], and lean c / U [1/V].
 #[derive(Debug, Clone)]
-pub(super) struct Everett {
+pub(super) struct ExponentialEverett {
     pub(super) k: f64,
     pub(super) rho: f64,
     pub(super) lean: f64,
 }
 
-impl Everett {
+impl ExponentialEverett {
     /// Displacement between the reversal at `from` and `to` [m]: positive when rising.
     #[inline]
     pub(super) fn branch(&self, from: f64, to: f64) -> f64 {
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn the_integrals_are_what_quadrature_gives() {
-        let everett = Everett { k: 1.0, rho: 20.0, lean: 0.01 };
+        let everett = ExponentialEverett { k: 1.0, rho: 20.0, lean: 0.01 };
         for reach in [3.0, 30.0] {
             let n = 20_000;
             let integral = |power: i32| -> f64 {
@@ -91,7 +91,7 @@ mod tests {
 
     #[test]
     fn the_virgin_curve_meets_the_branch_that_returns_to_its_mirror() {
-        let everett = Everett { k: 2e-6, rho: 20.0, lean: 0.01 };
+        let everett = ExponentialEverett { k: 2e-6, rho: 20.0, lean: 0.01 };
         let there_and_back = everett.virgin(12.0) + everett.branch(12.0, -12.0);
         assert_close(&[there_and_back], &[everett.virgin(-12.0)], 1e-12, 0.0);
     }

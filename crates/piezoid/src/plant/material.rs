@@ -1,33 +1,33 @@
 //! The ceramic: voltage to static displacement, by either of two laws.
 
-use super::bouc_wen::BoucWen;
-use super::preisach::Preisach;
+use super::bouc_wen::BoucWenStage;
+use super::preisach::PreisachStage;
 use super::spec::HysteresisSpec;
 use crate::error::Error;
 
 /// A rate-independent law, with the state its own file describes.
 #[derive(Debug, Clone)]
 pub(super) enum Material {
-    BoucWen(BoucWen),
-    Preisach(Preisach),
+    BoucWen(BoucWenStage),
+    Preisach(PreisachStage),
 }
 
 impl Material {
     pub(super) fn new(spec: &HysteresisSpec) -> Result<Self, Error> {
         Ok(match *spec {
             HysteresisSpec::BoucWen { range_v, displacement_m, width, beta_per_v, gamma_per_v } => {
-                Material::BoucWen(BoucWen::new(range_v, displacement_m, width, beta_per_v, gamma_per_v)?)
+                Material::BoucWen(BoucWenStage::new(range_v, displacement_m, width, beta_per_v, gamma_per_v)?)
             }
             HysteresisSpec::Preisach { range_v, displacement_m, width, half_width_v, asymmetry } => {
-                Material::Preisach(Preisach::new(range_v, displacement_m, width, half_width_v, asymmetry)?)
+                Material::Preisach(PreisachStage::new(range_v, displacement_m, width, half_width_v, asymmetry)?)
             }
         })
     }
 
     pub(super) fn order(&self) -> usize {
         match self {
-            Material::BoucWen(_) => BoucWen::ORDER,
-            Material::Preisach(_) => Preisach::ORDER,
+            Material::BoucWen(_) => BoucWenStage::ORDER,
+            Material::Preisach(_) => PreisachStage::ORDER,
         }
     }
 

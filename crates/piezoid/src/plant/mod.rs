@@ -35,8 +35,8 @@ pub(crate) use spec::{BeamSpec, HysteresisSpec, Logged};
 use crate::error::{Error, positive};
 use crate::system::System;
 use beam::Beam;
-use creep::Creep;
-use driver::Driver;
+use creep::CreepStage;
+use driver::DriverStage;
 use material::Material;
 use sensor::Sensor;
 
@@ -59,9 +59,9 @@ pub struct Plant {
     ts: f64,
     inner_steps: usize,
     logged: Logged,
-    driver: Driver,
+    driver: DriverStage,
     material: Material,
-    creep: Creep,
+    creep: CreepStage,
     beam: Beam,
     sensor: Sensor,
 }
@@ -107,9 +107,9 @@ impl Plant {
             ts,
             inner_steps: spec.inner_steps,
             logged: spec.logged,
-            driver: Driver::new(&spec.driver, 0.5 * h)?,
+            driver: DriverStage::new(&spec.driver, 0.5 * h)?,
             material: Material::new(&spec.hysteresis)?,
-            creep: Creep::new(spec.creep_per_decade, h)?,
+            creep: CreepStage::new(spec.creep_per_decade, h)?,
             beam: Beam::new(&spec.beam, h)?,
             sensor: Sensor::new(&spec.sensor, h, 0)?,
         })
@@ -141,7 +141,7 @@ impl Plant {
     /// One sampling period under the held input `u` [V].
     fn advance(&self, x: &mut [f64], u: f64) {
         let (head, x) = x.split_at_mut(HEAD);
-        let (creep, x) = x.split_at_mut(Creep::ORDER);
+        let (creep, x) = x.split_at_mut(CreepStage::ORDER);
         let (beam, ceramic) = x.split_at_mut(self.beam.order());
         let mut v = head[VOLTAGE];
 
@@ -178,7 +178,7 @@ impl System for Plant {
     }
 
     fn order(&self) -> usize {
-        HEAD + Creep::ORDER + self.beam.order() + self.material.order()
+        HEAD + CreepStage::ORDER + self.beam.order() + self.material.order()
     }
 
     /// The ceramic has gone straight from rest to the clamped `u`; all that moves or creeps has come to its end.
@@ -186,7 +186,7 @@ impl System for Plant {
         let mut x = self.initial();
         let (v, _) = self.driver.clamp(u);
         let (head, rest) = x.split_at_mut(HEAD);
-        let (creep, rest) = rest.split_at_mut(Creep::ORDER);
+        let (creep, rest) = rest.split_at_mut(CreepStage::ORDER);
         let (beam, ceramic) = rest.split_at_mut(self.beam.order());
         let w = self.material.displacement(ceramic, v);
         creep.fill(w);

@@ -15,7 +15,7 @@
 //! reversals, oldest first. When one more would not fit, the two neighbours whose loss changes the fewest relays are
 //! forgotten: a ring-down of a thousand cycles thereby loses less than 2e-3 of the displacement.
 
-use super::everett::Everett;
+use super::everett::ExponentialEverett;
 use super::spec::require;
 use crate::error::{Error, positive};
 
@@ -28,13 +28,13 @@ const REVERSALS: usize = 3;
 
 /// A continuous population of relays beside a reversible slope.
 #[derive(Debug, Clone)]
-pub(super) struct Preisach {
+pub(super) struct PreisachStage {
     /// Reversible displacement a volt [m/V].
     d: f64,
-    everett: Everett,
+    everett: ExponentialEverett,
 }
 
-impl Preisach {
+impl PreisachStage {
     pub(super) const ORDER: usize = REVERSALS + 2 * CAPACITY;
 
     /// The population whose major loop between +-`range` [V] is `2 displacement` high [m], and `width` of that wide at
@@ -46,14 +46,14 @@ impl Preisach {
         positive("hysteresis.displacement_m", displacement, "metres")?;
         positive("hysteresis.half_width_v", rho, "volts")?;
         require(c.abs() <= 1.0, "hysteresis.asymmetry", c, "must be from -1 to 1")?;
-        let unit = Everett { k: 1.0, rho, lean: c / range };
+        let unit = ExponentialEverett { k: 1.0, rho, lean: c / range };
         let (full, bulge) = (unit.j1(range), unit.j1(range) - 2.0 * unit.j1(0.5 * range));
         let most = bulge / full;
         let rule = format!("must be at least 0 and below {most:.4}, where nothing is left reversible");
         require(width >= 0.0 && width < most, "hysteresis.width", width, &rule)?;
         let height = 2.0 * displacement;
         let k = width * height / bulge;
-        Ok(Preisach { d: (height - k * full) / (2.0 * range), everett: Everett { k, ..unit } })
+        Ok(PreisachStage { d: (height - k * full) / (2.0 * range), everett: ExponentialEverett { k, ..unit } })
     }
 
     /// Moves to the voltage `u` and returns the static displacement w [m].
@@ -127,22 +127,22 @@ mod tests {
     use crate::testing::assert_close;
     use proptest::prelude::*;
 
-    fn pl140() -> Preisach {
-        Preisach::new(30.0, 1e-3, 0.13, 20.0, 0.3).unwrap()
+    fn pl140() -> PreisachStage {
+        PreisachStage::new(30.0, 1e-3, 0.13, 20.0, 0.3).unwrap()
     }
 
-    fn drive(law: &Preisach, x: &mut [f64], path: &[f64]) -> Vec<f64> {
+    fn drive(law: &PreisachStage, x: &mut [f64], path: &[f64]) -> Vec<f64> {
         path.iter().map(|&u| law.displacement(x, u)).collect()
     }
 
     fn rest() -> Vec<f64> {
-        vec![0.0; Preisach::ORDER]
+        vec![0.0; PreisachStage::ORDER]
     }
 
     #[test]
     fn the_major_loop_is_as_high_and_as_wide_as_asked() {
         for c in [0.0, 0.3, -1.0] {
-            let law = Preisach::new(30.0, 1e-3, 0.13, 20.0, c).unwrap();
+            let law = PreisachStage::new(30.0, 1e-3, 0.13, 20.0, c).unwrap();
             let w = drive(&law, &mut rest(), &[30.0, -30.0, 0.0, 30.0, 0.0]);
             assert_close(&[w[3] - w[1], (w[4] - w[2]) / (w[3] - w[1])], &[2e-3, 0.13], 1e-12, 0.0);
         }
@@ -157,7 +157,7 @@ mod tests {
             .flat_map(|i| (-n..n).map(move |j| ((f64::from(i) + 0.5) * step, (f64::from(j) + 0.5) * step)))
             .filter(|(r, v)| v.abs() + r < 30.0)
             .map(|(r, v)| {
-                let Everett { k, rho, lean } = law.everett;
+                let ExponentialEverett { k, rho, lean } = law.everett;
                 let weight = 0.25 * k * (-r / rho).exp() * (1.0 + lean * v) * step * step;
                 (v + r, v - r, weight, if v < 0.0 { 1.0 } else { -1.0 })
             })
@@ -243,9 +243,9 @@ mod tests {
 
     #[test]
     fn a_width_that_leaves_no_reversible_slope_is_refused() {
-        let message = Preisach::new(30.0, 1e-3, 0.6, 20.0, 0.3).unwrap_err().to_string();
+        let message = PreisachStage::new(30.0, 1e-3, 0.6, 20.0, 0.3).unwrap_err().to_string();
         assert!(message.starts_with("hysteresis.width = 0.6: must be at least 0 and below 0.385"), "{message}");
-        assert!(Preisach::new(30.0, 1e-3, 0.1, 20.0, f64::NAN).is_err());
+        assert!(PreisachStage::new(30.0, 1e-3, 0.1, 20.0, f64::NAN).is_err());
     }
 
     #[test]

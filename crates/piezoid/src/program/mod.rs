@@ -28,11 +28,11 @@ mod read;
 mod resolve;
 mod run;
 mod slope;
+mod tokens;
 mod tree;
-mod words;
 
 pub use run::{Counts, Machine};
-pub use tree::{Argument, Expr, Function, Kind, Limit, Op, Place, Step};
+pub use tree::{Argument, Expr, Function, Limit, Op, Place, Statement, ValueType};
 
 use crate::error::Error;
 
@@ -59,12 +59,12 @@ pub struct Field {
     /// As functions name it.
     pub name: String,
     /// What it begins with.
-    pub holds: Holds,
+    pub holds: FieldValue,
 }
 
 /// What a field holds at rest.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Holds {
+pub enum FieldValue {
     /// One number.
     Number(f64),
     /// Several.
@@ -92,20 +92,20 @@ impl Block {
 
     /// With one more number in its state.
     pub fn number(self, name: &str, at_rest: f64) -> Self {
-        self.field(name, Holds::Number(at_rest))
+        self.field(name, FieldValue::Number(at_rest))
     }
 
     /// With several more numbers in its state; none are no field.
     pub fn numbers(self, name: &str, at_rest: Vec<f64>) -> Self {
-        if at_rest.is_empty() { self } else { self.field(name, Holds::Numbers(at_rest)) }
+        if at_rest.is_empty() { self } else { self.field(name, FieldValue::Numbers(at_rest)) }
     }
 
     /// With the state of another block in its own.
     pub fn part(self, name: &str, block: &str) -> Self {
-        self.field(name, Holds::Block(block.into()))
+        self.field(name, FieldValue::Block(block.into()))
     }
 
-    fn field(mut self, name: &str, holds: Holds) -> Self {
+    fn field(mut self, name: &str, holds: FieldValue) -> Self {
         self.fields.push(Field { name: name.into(), holds });
         self
     }
@@ -193,28 +193,28 @@ impl Program {
     }
 
     /// Numbers in a field.
-    fn length(&self, holds: &Holds) -> usize {
+    fn length(&self, holds: &FieldValue) -> usize {
         match holds {
-            Holds::Number(_) => 1,
-            Holds::Numbers(values) => values.len(),
-            Holds::Block(name) => self.order(name),
+            FieldValue::Number(_) => 1,
+            FieldValue::Numbers(values) => values.len(),
+            FieldValue::Block(name) => self.order(name),
         }
     }
 
     /// How far into something what is at `path` of it begins, and what it is.
-    fn within(&self, mut kind: Kind, path: &[String]) -> Result<(usize, Kind), String> {
+    fn within(&self, mut kind: ValueType, path: &[String]) -> Result<(usize, ValueType), String> {
         let mut before = 0;
         for name in path {
-            let Kind::Part(block) = &kind else { return Err(format!("`{name}` is no field")) };
+            let ValueType::Part(block) = &kind else { return Err(format!("`{name}` is no field")) };
             let fields = self.block(block).map_or(&[][..], |b| &b.fields);
             let Some(k) = fields.iter().position(|f| f.name == *name) else {
                 return Err(format!("block `{block}` has no field `{name}`"));
             };
             before += fields[..k].iter().map(|f| self.length(&f.holds)).sum::<usize>();
             kind = match &fields[k].holds {
-                Holds::Number(_) => Kind::Real,
-                Holds::Numbers(values) => Kind::Room(values.len()),
-                Holds::Block(name) => Kind::Part(name.clone()),
+                FieldValue::Number(_) => ValueType::Real,
+                FieldValue::Numbers(values) => ValueType::Array(values.len()),
+                FieldValue::Block(name) => ValueType::Part(name.clone()),
             };
         }
         Ok((before, kind))
@@ -226,11 +226,11 @@ impl Program {
         fields.iter().flat_map(|f| self.held(&f.holds)).collect()
     }
 
-    fn held(&self, holds: &Holds) -> Vec<f64> {
+    fn held(&self, holds: &FieldValue) -> Vec<f64> {
         match holds {
-            Holds::Number(value) => vec![*value],
-            Holds::Numbers(values) => values.clone(),
-            Holds::Block(name) => self.at_rest(name),
+            FieldValue::Number(value) => vec![*value],
+            FieldValue::Numbers(values) => values.clone(),
+            FieldValue::Block(name) => self.at_rest(name),
         }
     }
 
@@ -352,8 +352,8 @@ mod tests {
         let mut machine = machine.watched();
         assert_eq!([2.0, -5.0].map(|u| machine.call("f", &[u]).unwrap()[0]), [-14.0, 6.0]);
         let function = &program.functions[0];
-        let Step::If(_, yes, _) = &function.steps[1] else { panic!("a choice") };
-        let Step::Set(_, zero) = &yes[0] else { panic!("a new value") };
+        let Statement::If(_, yes, _) = &function.steps[1] else { panic!("a choice") };
+        let Statement::Set(_, zero) = &yes[0] else { panic!("a new value") };
         assert_eq!((machine.largest(&function.returns[0]), machine.largest(zero)), (Some(14.0), None));
         assert_eq!((machine.counts.sums, machine.counts.products, machine.counts.comparisons), (3, 3, 3));
     }

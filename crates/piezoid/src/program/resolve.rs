@@ -1,17 +1,17 @@
 //! A program with its names looked up: closures over cells, one for every number that it keeps.
 
 use super::run::{Work, wrong};
-use super::{Expr, Function, Kind, Machine, Op, Place, Step, counted};
+use super::{Expr, Function, Machine, Op, Place, Statement, ValueType, counted};
 use crate::error::Error;
 use std::collections::HashMap;
 use std::rc::Rc;
 
 /// What a step, an expression or a condition does.
-type Act<'p, T = f64> = Box<dyn Fn(&mut Work) -> T + 'p>;
+type Closure<'p, T = f64> = Box<dyn Fn(&mut Work) -> T + 'p>;
 
 /// A function. As there is no recursion, its cells are its own.
 #[derive(Clone)]
-pub(super) struct Ready<'p> {
+pub(super) struct ResolvedFunction<'p> {
     pub(super) run: Rc<dyn Fn(&mut Work) + 'p>,
     /// The first of the cells of its parameters, and of what it returns.
     pub(super) takes: usize,
@@ -22,7 +22,7 @@ pub(super) struct Ready<'p> {
 pub(super) struct Resolver<'p> {
     pub(super) machine: Machine<'p>,
     /// The cell of each name of the function at hand; of a state and of room it holds where they begin.
-    pub(super) names: HashMap<&'p str, (usize, Kind)>,
+    pub(super) names: HashMap<&'p str, (usize, ValueType)>,
 }
 
 impl<'p> Resolver<'p> {
@@ -34,14 +34,15 @@ impl<'p> Resolver<'p> {
         }
         let steps = self.steps(&function.steps);
         let gives = self.room(function.returns.len());
-        let returns: Vec<Act> = function.returns.iter().map(|expr| later(self.of(&Kind::Real, expr))).collect();
+        let returns: Vec<Closure> =
+            function.returns.iter().map(|expr| later(self.of(&ValueType::Real, expr))).collect();
         let run = Rc::new(move |w: &mut Work| {
             steps(w);
             for (k, value) in returns.iter().enumerate() {
                 w.cells[gives + k] = value(w);
             }
         });
-        self.machine.ready.push(Ready { run, takes, gives });
+        self.machine.ready.push(ResolvedFunction { run, takes, gives });
     }
 
     /// Cells for so many numbers.
@@ -52,7 +53,7 @@ impl<'p> Resolver<'p> {
     }
 
     /// The cell of a new name, and `n` more behind it, where it begins.
-    fn name(&mut self, name: &'p str, kind: Kind, n: usize) -> usize {
+    fn name(&mut self, name: &'p str, kind: ValueType, n: usize) -> usize {
         let at = self.room(1 + n);
         self.machine.work.cells[at] = (at + 1) as f64;
         self.names.insert(name, (at, kind));
@@ -60,8 +61,8 @@ impl<'p> Resolver<'p> {
     }
 
     /// Steps, and whether nothing is wrong after them.
-    fn steps(&mut self, steps: &'p [Step]) -> Act<'p, bool> {
-        let steps: Vec<Act<()>> = steps.iter().map(|step| later(self.step(step))).collect();
+    fn steps(&mut self, steps: &'p [Statement]) -> Closure<'p, bool> {
+        let steps: Vec<Closure<()>> = steps.iter().map(|step| later(self.step(step))).collect();
         Box::new(move |w| {
             for step in &steps {
                 if w.wrong.is_none() {
@@ -72,47 +73,47 @@ impl<'p> Resolver<'p> {
         })
     }
 
-    fn step(&mut self, step: &'p Step) -> Result<Act<'p, ()>, Error> {
+    fn step(&mut self, step: &'p Statement) -> Result<Closure<'p, ()>, Error> {
         Ok(match step {
-            Step::Let(new, Expr::Call(function, arguments)) if new.len() > 1 => {
+            Statement::Let(new, Expr::Call(function, arguments)) if new.len() > 1 => {
                 let (call, gives) = self.call(function, arguments)?;
                 let (to, n) = (self.machine.work.cells.len(), new.len());
                 for name in new {
-                    self.name(name, Kind::Real, 0);
+                    self.name(name, ValueType::Real, 0);
                 }
                 Box::new(move |w| {
                     call(w);
                     w.cells.copy_within(gives..gives + n, to);
                 })
             }
-            Step::Let(new, expr) => {
+            Statement::Let(new, expr) => {
                 let (value, kind) = self.value(expr)?;
                 let to = self.name(&new[0], kind, 0);
                 Box::new(move |w| w.cells[to] = value(w))
             }
-            Step::Copy { name, of, block, zero } => {
+            Statement::Copy { name, of, block, zero } => {
                 let ((begins, before, _), n, zero) = (self.meant(of)?, self.machine.program.order(block), *zero);
-                let to = self.name(name, Kind::Part(block.clone()), n) + 1;
+                let to = self.name(name, ValueType::Part(block.clone()), n) + 1;
                 Box::new(move |w| {
                     let from = w.cells[begins] as usize + before;
                     w.cells.copy_within(from..from + n, to);
                     w.cells[to..if zero { to + n } else { to }].fill(0.0);
                 })
             }
-            Step::Room(name, n) => {
-                let (to, n) = (self.name(name, Kind::Room(*n), *n) + 1, *n);
+            Statement::Array(name, n) => {
+                let (to, n) = (self.name(name, ValueType::Array(*n), *n) + 1, *n);
                 Box::new(move |w| w.cells[to..to + n].fill(0.0))
             }
-            Step::Set(place, expr) => {
+            Statement::Set(place, expr) => {
                 let (value, place) = (self.value(expr)?.0, self.place(place)?);
                 Box::new(move |w| {
                     let v = value(w);
                     place(w).into_iter().for_each(|at| w.cells[at] = v);
                 })
             }
-            Step::Do(Expr::Call(function, arguments)) => self.call(function, arguments)?.0,
-            Step::Note(_) | Step::Do(_) => Box::new(|_| {}),
-            Step::If(holds, yes, no) => {
+            Statement::Do(Expr::Call(function, arguments)) => self.call(function, arguments)?.0,
+            Statement::Note(_) | Statement::Do(_) => Box::new(|_| {}),
+            Statement::If(holds, yes, no) => {
                 let (holds, yes, no) = (self.holds(holds)?, self.steps(yes), self.steps(no));
                 Box::new(move |w| {
                     if holds(w) {
@@ -122,9 +123,9 @@ impl<'p> Resolver<'p> {
                     };
                 })
             }
-            Step::For { name, from, to, down, steps } => {
-                let (from, to, down) = (self.of(&Kind::Whole, from)?, self.of(&Kind::Whole, to)?, *down);
-                let (at, steps) = (self.name(name, Kind::Whole, 0), self.steps(steps));
+            Statement::For { name, from, to, down, steps } => {
+                let (from, to, down) = (self.of(&ValueType::Integer, from)?, self.of(&ValueType::Integer, to)?, *down);
+                let (at, steps) = (self.name(name, ValueType::Integer, 0), self.steps(steps));
                 Box::new(move |w| {
                     let (from, to) = (from(w) as usize, to(w) as usize);
                     (from..to).all(|k| {
@@ -133,7 +134,7 @@ impl<'p> Resolver<'p> {
                     });
                 })
             }
-            Step::While(holds, steps) => {
+            Statement::While(holds, steps) => {
                 let (holds, steps) = (self.holds(holds)?, self.steps(steps));
                 Box::new(move |w| while holds(w) && steps(w) {})
             }
@@ -141,8 +142,8 @@ impl<'p> Resolver<'p> {
     }
 
     /// A call, and the first cell of what it gives.
-    fn call(&mut self, name: &str, arguments: &'p [Expr]) -> Result<(Act<'p, ()>, usize), Error> {
-        let (function, Ready { run, takes, gives }) = self.machine.ready(name)?;
+    fn call(&mut self, name: &str, arguments: &'p [Expr]) -> Result<(Closure<'p, ()>, usize), Error> {
+        let (function, ResolvedFunction { run, takes, gives }) = self.machine.ready(name)?;
         let given = function.takes.iter().zip(arguments).map(|(takes, argument)| self.of(&takes.kind, argument));
         let given = given.collect::<Result<Vec<_>, Error>>()?;
         // All are known before one is handed over, which may take the same function.
@@ -158,8 +159,8 @@ impl<'p> Resolver<'p> {
     }
 
     /// A number of this kind, or where a state of this kind begins.
-    fn of(&mut self, kind: &Kind, expr: &'p Expr) -> Result<Act<'p>, Error> {
-        let (value, known): (Act, Kind) = match expr {
+    fn of(&mut self, kind: &ValueType, expr: &'p Expr) -> Result<Closure<'p>, Error> {
+        let (value, known): (Closure, ValueType) = match expr {
             Expr::Part(place) => {
                 let (begins, before, known) = self.meant(place)?;
                 (Box::new(move |w| w.cells[begins] + before as f64), known)
@@ -170,10 +171,10 @@ impl<'p> Resolver<'p> {
     }
 
     /// A number, and of which kind.
-    fn value(&mut self, expr: &'p Expr) -> Result<(Act<'p>, Kind), Error> {
+    fn value(&mut self, expr: &'p Expr) -> Result<(Closure<'p>, ValueType), Error> {
         let (value, kind) = self.computed(expr)?;
         let at = self.machine.work.cells.len();
-        let Some(largest) = self.machine.largest.as_mut().filter(|_| kind == Kind::Real) else {
+        let Some(largest) = self.machine.largest.as_mut().filter(|_| kind == ValueType::Real) else {
             return Ok((value, kind));
         };
         largest.insert(expr, at);
@@ -185,17 +186,17 @@ impl<'p> Resolver<'p> {
         Ok((then(value, watched), kind))
     }
 
-    fn computed(&mut self, expr: &'p Expr) -> Result<(Act<'p>, Kind), Error> {
-        let value: Act<'p> = match expr {
+    fn computed(&mut self, expr: &'p Expr) -> Result<(Closure<'p>, ValueType), Error> {
+        let value: Closure<'p> = match expr {
             Expr::Real(v) => same(self.machine.work.round(*v)),
-            Expr::Whole(i) => return Ok((same(*i as f64), Kind::Whole)),
+            Expr::Integer(i) => return Ok((same(*i as f64), ValueType::Integer)),
             Expr::Limit(limit) => same(limit.value(self.machine.work.single)),
             Expr::Variable(name, _) => match self.names.get(name.as_str()).cloned() {
                 Some((at, kind)) => return Ok((Box::new(move |w| w.cells[at]), kind)),
                 None => return wrong(format!("`{name}` has no value yet")),
             },
             Expr::Constant(block, name, index) => {
-                let index = index.as_ref().map_or(Ok(same(0.0)), |index| self.of(&Kind::Whole, index))?;
+                let index = index.as_ref().map_or(Ok(same(0.0)), |index| self.of(&ValueType::Integer, index))?;
                 let constant = self.machine.program.blocks[*block].constants.iter().find(|c| c.name == *name);
                 let values = constant.map_or(&[][..], |c| &c.values);
                 then(index, move |w, k| match values.get(k as usize) {
@@ -208,14 +209,14 @@ impl<'p> Resolver<'p> {
                 Box::new(move |w| place(w).map_or(f64::NAN, |at| w.cells[at]))
             }
             Expr::Part(_) => return wrong("a state is no number".into()),
-            Expr::Call(name, arguments) if name == "real" => self.of(&Kind::Whole, &arguments[0])?,
+            Expr::Call(name, arguments) if name == "real" => self.of(&ValueType::Integer, &arguments[0])?,
             Expr::Call(name, arguments) if name == "whole" => {
-                let value = self.of(&Kind::Real, &arguments[0])?;
+                let value = self.of(&ValueType::Real, &arguments[0])?;
                 let whole = then(value, |w, v| {
                     let fits = (0.0..1e9).contains(&v);
                     if fits { v.trunc() } else { w.fail(format!("{v} is taken for a whole number")) }
                 });
-                return Ok((whole, Kind::Whole));
+                return Ok((whole, ValueType::Integer));
             }
             Expr::Call(name, arguments) => match counted::operation(name) {
                 Some(operation) => {
@@ -234,27 +235,27 @@ impl<'p> Resolver<'p> {
                     })
                 }
             },
-            Expr::Negative(expr) => then(self.of(&Kind::Real, expr)?, |_, v| -v),
+            Expr::Negative(expr) => then(self.of(&ValueType::Real, expr)?, |_, v| -v),
             Expr::Binary(op, left, right) => {
                 let (a, kind) = self.value(left)?;
                 let (b, op) = (self.of(&kind, right)?, *op);
                 return Ok(match kind {
-                    Kind::Real => (both(a, b, move |w, a, b| w.real(op, a, b)), kind),
+                    ValueType::Real => (both(a, b, move |w, a, b| w.real(op, a, b)), kind),
                     _ => (both(a, b, move |w, a, b| w.whole(op, a, b)), kind),
                 });
             }
         };
-        Ok((value, Kind::Real))
+        Ok((value, ValueType::Real))
     }
 
-    fn holds(&mut self, expr: &'p Expr) -> Result<Act<'p, bool>, Error> {
+    fn holds(&mut self, expr: &'p Expr) -> Result<Closure<'p, bool>, Error> {
         let Expr::Binary(op, left, right) = expr else { return wrong(format!("{expr:?} neither holds nor not")) };
         if matches!(op, Op::And | Op::Or) {
             let (left, right, enough) = (self.holds(left)?, self.holds(right)?, *op == Op::Or);
             return Ok(Box::new(move |w| if left(w) == enough { enough } else { right(w) }));
         }
         let (a, kind) = self.value(left)?;
-        let (b, counts) = (self.of(&kind, right)?, usize::from(kind == Kind::Real));
+        let (b, counts) = (self.of(&kind, right)?, usize::from(kind == ValueType::Real));
         let compares = match op {
             Op::Less => f64::lt,
             Op::AtMost => f64::le,
@@ -271,7 +272,7 @@ impl<'p> Resolver<'p> {
     }
 
     /// The cell of the root of a place, how far from where that begins is what is meant, and what it is.
-    fn meant(&self, place: &Place) -> Result<(usize, usize, Kind), Error> {
+    fn meant(&self, place: &Place) -> Result<(usize, usize, ValueType), Error> {
         let Some((begins, kind)) = self.names.get(place.root.as_str()) else {
             return wrong(format!("`{}` has no value yet", place.root));
         };
@@ -280,12 +281,14 @@ impl<'p> Resolver<'p> {
     }
 
     /// The cell of a number, if there is one of its index.
-    fn place(&mut self, place: &'p Place) -> Result<Act<'p, Option<usize>>, Error> {
+    fn place(&mut self, place: &'p Place) -> Result<Closure<'p, Option<usize>>, Error> {
         Ok(match (self.meant(place)?, &place.index) {
-            ((at, _, Kind::Real | Kind::Whole), None) if place.path.is_empty() => Box::new(move |_| Some(at)),
-            ((begins, before, Kind::Real), None) => Box::new(move |w| Some(w.cells[begins] as usize + before)),
-            ((begins, before, Kind::Room(n)), Some(index)) => {
-                let index = self.of(&Kind::Whole, index)?;
+            ((at, _, ValueType::Real | ValueType::Integer), None) if place.path.is_empty() => {
+                Box::new(move |_| Some(at))
+            }
+            ((begins, before, ValueType::Real), None) => Box::new(move |w| Some(w.cells[begins] as usize + before)),
+            ((begins, before, ValueType::Array(n)), Some(index)) => {
+                let index = self.of(&ValueType::Integer, index)?;
                 Box::new(move |w| {
                     let k = index(w) as usize;
                     if k >= n {
@@ -300,7 +303,7 @@ impl<'p> Resolver<'p> {
 }
 
 /// What is wrong is told when it is reached.
-fn later<'p, T: Default + 'p>(act: Result<Act<'p, T>, Error>) -> Act<'p, T> {
+fn later<'p, T: Default + 'p>(act: Result<Closure<'p, T>, Error>) -> Closure<'p, T> {
     act.unwrap_or_else(|error| {
         Box::new(move |w| {
             w.wrong.get_or_insert_with(|| error.clone());
@@ -309,18 +312,18 @@ fn later<'p, T: Default + 'p>(act: Result<Act<'p, T>, Error>) -> Act<'p, T> {
     })
 }
 
-fn same<'p>(v: f64) -> Act<'p> {
+fn same<'p>(v: f64) -> Closure<'p> {
     Box::new(move |_| v)
 }
 
-fn then<'p>(value: Act<'p>, act: impl Fn(&mut Work, f64) -> f64 + 'p) -> Act<'p> {
+fn then<'p>(value: Closure<'p>, act: impl Fn(&mut Work, f64) -> f64 + 'p) -> Closure<'p> {
     Box::new(move |w| {
         let v = value(w);
         act(w, v)
     })
 }
 
-fn both<'p, T>(a: Act<'p>, b: Act<'p>, act: impl Fn(&mut Work, f64, f64) -> T + 'p) -> Act<'p, T> {
+fn both<'p, T>(a: Closure<'p>, b: Closure<'p>, act: impl Fn(&mut Work, f64, f64) -> T + 'p) -> Closure<'p, T> {
     Box::new(move |w| {
         let (a, b) = (a(w), b(w));
         act(w, a, b)

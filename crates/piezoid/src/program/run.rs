@@ -1,7 +1,7 @@
 //! Running a program here, number by number: what it gives in either precision, and what it takes.
 
-use super::resolve::{Ready, Resolver};
-use super::{Expr, Function, Kind, Op, Program};
+use super::resolve::{ResolvedFunction, Resolver};
+use super::{Expr, Function, Op, Program, ValueType};
 use crate::error::Error;
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ pub struct Machine<'p> {
     block: String,
     pub(super) work: Work,
     /// The functions, in the order of the program.
-    pub(super) ready: Vec<Ready<'p>>,
+    pub(super) ready: Vec<ResolvedFunction<'p>>,
     /// What it has taken so far.
     pub counts: Counts,
     /// Of a machine that is watched, the cells of the largest size of what each expression gave, below 0 before there is one.
@@ -138,12 +138,12 @@ impl<'p> Machine<'p> {
     /// [`Error::Content`] where there is no such function, it takes what is no real number and no state of the machine, or it counts
     /// beyond what there is.
     pub fn call(&mut self, name: &str, numbers: &[f64]) -> Result<Vec<f64>, Error> {
-        let (function, Ready { run, takes, gives }) = self.ready(name)?;
+        let (function, ResolvedFunction { run, takes, gives }) = self.ready(name)?;
         let mut numbers = numbers.iter();
         for (k, parameter) in function.takes.iter().enumerate() {
             self.work.cells[takes + k] = match &parameter.kind {
-                Kind::Real => self.work.round(numbers.next().copied().unwrap_or(f64::NAN)),
-                Kind::Part(block) if *block == self.block => 0.0,
+                ValueType::Real => self.work.round(numbers.next().copied().unwrap_or(f64::NAN)),
+                ValueType::Part(block) if *block == self.block => 0.0,
                 kind => return wrong(format!("`{name}` takes {kind:?} as `{}`, which is not at hand", parameter.name)),
             };
         }
@@ -157,7 +157,7 @@ impl<'p> Machine<'p> {
     }
 
     /// The function of this name, if its names are looked up.
-    pub(super) fn ready(&self, name: &str) -> Result<(&'p Function, Ready<'p>), Error> {
+    pub(super) fn ready(&self, name: &str) -> Result<(&'p Function, ResolvedFunction<'p>), Error> {
         let known = self.program.functions.iter().zip(&self.ready).find(|(function, _)| function.name == name);
         match known {
             Some((function, ready)) => Ok((function, ready.clone())),

@@ -9,7 +9,7 @@
 //!
 //! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. It does not do: states that are copied on the way.
 
-use super::{Argument, Expr, Function, Kind, Op, Place, Program, Step};
+use super::{Argument, Expr, Function, Op, Place, Program, Statement, ValueType};
 use crate::error::Error;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -41,7 +41,7 @@ impl Program {
     pub fn slope(&mut self, name: &str) -> Result<(), Error> {
         let unknown = || Error::Content(format!("program: there is no function `{name}`"));
         let root = self.function(name).ok_or_else(unknown)?;
-        let mut moving = Moving::default();
+        let mut moving = Dependent::default();
         moving.takes.insert(name.into(), vec![true; root.takes.len()]);
         loop {
             let before = moving.clone();
@@ -68,7 +68,7 @@ impl Program {
 
 /// What depends on the input.
 #[derive(Debug, Clone, Default, PartialEq)]
-struct Moving {
+struct Dependent {
     /// Of each function that is given something that does: which parameters.
     takes: BTreeMap<String, Vec<bool>>,
     /// Names in functions: (function, name).
@@ -79,24 +79,25 @@ struct Moving {
     returns: BTreeSet<String>,
 }
 
-impl Moving {
+impl Dependent {
     fn watch(&mut self, program: &Program, function: &Function) {
         let Some(takes) = self.takes.get(&function.name).cloned() else { return };
-        for (parameter, _) in function.takes.iter().zip(takes).filter(|(p, moves)| *moves && p.kind == Kind::Real) {
+        for (parameter, _) in function.takes.iter().zip(takes).filter(|(p, moves)| *moves && p.kind == ValueType::Real)
+        {
             self.names.insert((function.name.clone(), parameter.name.clone()));
         }
         for step in &function.steps {
             step.all(&mut |step| match step {
-                Step::Let(names, expr) if self.expr(program, function, expr) => {
+                Statement::Let(names, expr) if self.expr(program, function, expr) => {
                     self.names.extend(names.iter().map(|name| (function.name.clone(), name.clone())));
                 }
-                Step::Set(place, expr) if self.expr(program, function, expr) => {
+                Statement::Set(place, expr) if self.expr(program, function, expr) => {
                     match field(program, function, place) {
                         Some(field) => self.fields.insert(field),
                         None => self.names.insert((function.name.clone(), place.root.clone())),
                     };
                 }
-                Step::Do(expr) => drop(self.expr(program, function, expr)),
+                Statement::Do(expr) => drop(self.expr(program, function, expr)),
                 _ => {}
             });
         }
@@ -140,7 +141,7 @@ fn field(program: &Program, function: &Function, place: &Place) -> Option<(Strin
     let parameter = function.takes.iter().find(|p| p.name == place.root)?;
     let (last, path) = place.path.split_last()?;
     match program.within(parameter.kind.clone(), path) {
-        Ok((_, Kind::Part(block))) => Some((block, last.clone())),
+        Ok((_, ValueType::Part(block))) => Some((block, last.clone())),
         _ => None,
     }
 }
@@ -148,7 +149,7 @@ fn field(program: &Program, function: &Function, place: &Place) -> Option<(Strin
 /// A function, being written with slopes.
 struct Slopes<'p> {
     program: &'p Program,
-    moving: &'p Moving,
+    moving: &'p Dependent,
     function: &'p Function,
     temporaries: usize,
 }
@@ -185,25 +186,25 @@ impl Slopes<'_> {
         known && (self.moving.returns.contains(name) || arguments.iter().any(|a| matches!(a, Expr::Part(_))))
     }
 
-    fn steps(&mut self, steps: &[Step]) -> Result<Vec<Step>, Error> {
+    fn steps(&mut self, steps: &[Statement]) -> Result<Vec<Statement>, Error> {
         let mut out = Vec::new();
         for step in steps {
             match step {
-                Step::Note(_) => out.push(step.clone()),
-                Step::Let(names, expr) => {
+                Statement::Note(_) => out.push(step.clone()),
+                Statement::Let(names, expr) => {
                     let (value, slope) = self.dual(expr, &mut out)?;
-                    out.push(Step::Let(names.clone(), value));
+                    out.push(Statement::Let(names.clone(), value));
                     if self.moves(&names[0]) {
-                        out.push(Step::Let(vec![slope_of(&names[0])], slope.unwrap_or(Expr::Real(0.0))));
+                        out.push(Statement::Let(vec![slope_of(&names[0])], slope.unwrap_or(Expr::Real(0.0))));
                     }
                 }
-                Step::Room(name, n) => {
+                Statement::Array(name, n) => {
                     out.push(step.clone());
                     if self.moves(name) {
-                        out.push(Step::Room(slope_of(name), *n));
+                        out.push(Statement::Array(slope_of(name), *n));
                     }
                 }
-                Step::Set(place, expr) => {
+                Statement::Set(place, expr) => {
                     let moves = match field(self.program, self.function, place) {
                         Some(field) => self.moving.fields.contains(&field),
                         None => self.moves(&place.root),
@@ -212,22 +213,22 @@ impl Slopes<'_> {
                     if moves {
                         // The slope first: it may need the value that was.
                         let beside = Place { root: slope_of(&place.root), ..place.clone() };
-                        out.push(Step::Set(beside, slope.unwrap_or(Expr::Real(0.0))));
+                        out.push(Statement::Set(beside, slope.unwrap_or(Expr::Real(0.0))));
                     }
-                    out.push(Step::Set(place.clone(), value));
+                    out.push(Statement::Set(place.clone(), value));
                 }
-                Step::Do(expr) => drop(self.dual(expr, &mut out)?),
-                Step::If(holds, yes, no) => {
+                Statement::Do(expr) => drop(self.dual(expr, &mut out)?),
+                Statement::If(holds, yes, no) => {
                     let (yes, no) = (self.steps(yes)?, self.steps(no)?);
-                    out.push(Step::If(holds.clone(), yes, no));
+                    out.push(Statement::If(holds.clone(), yes, no));
                 }
-                Step::For { name, from, to, down, steps } => {
+                Statement::For { name, from, to, down, steps } => {
                     let steps = self.steps(steps)?;
                     let (name, from, to) = (name.clone(), from.clone(), to.clone());
-                    out.push(Step::For { name, from, to, down: *down, steps });
+                    out.push(Statement::For { name, from, to, down: *down, steps });
                 }
-                Step::While(holds, steps) => out.push(Step::While(holds.clone(), self.steps(steps)?)),
-                Step::Copy { name, .. } => {
+                Statement::While(holds, steps) => out.push(Statement::While(holds.clone(), self.steps(steps)?)),
+                Statement::Copy { name, .. } => {
                     let what = format!("program: `{name}` is a copied state, and has no slope");
                     return Err(Error::Content(what));
                 }
@@ -237,12 +238,12 @@ impl Slopes<'_> {
     }
 
     /// `expr` as something that may stand twice.
-    fn once(&mut self, expr: Expr, out: &mut Vec<Step>) -> Expr {
+    fn once(&mut self, expr: Expr, out: &mut Vec<Statement>) -> Expr {
         if !matches!(expr, Expr::Negative(_) | Expr::Binary(..) | Expr::Call(..)) {
             return expr;
         }
         let name = self.temporary();
-        out.push(Step::Let(vec![name.clone()], expr));
+        out.push(Statement::Let(vec![name.clone()], expr));
         Expr::Variable(name, false)
     }
 
@@ -252,7 +253,7 @@ impl Slopes<'_> {
     }
 
     /// The value and the slope, if there is one; what stands in both goes into `out`.
-    fn dual(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Result<(Expr, Option<Expr>), Error> {
+    fn dual(&mut self, expr: &Expr, out: &mut Vec<Statement>) -> Result<(Expr, Option<Expr>), Error> {
         Ok(match expr {
             Expr::Variable(name, false) if self.moves(name) => {
                 (expr.clone(), Some(Expr::Variable(slope_of(name), false)))
@@ -305,12 +306,12 @@ impl Slopes<'_> {
                 let call = Expr::Call(slope_of(name), given);
                 let returns = self.program.function(name).map_or(0, |f| f.returns.len());
                 if returns == 0 {
-                    out.push(Step::Do(call));
+                    out.push(Statement::Do(call));
                     return Ok((Expr::Real(0.0), None));
                 }
                 let value = self.temporary();
                 let slope = slope_of(&value);
-                out.push(Step::Let(vec![value.clone(), slope.clone()], call));
+                out.push(Statement::Let(vec![value.clone(), slope.clone()], call));
                 let moves = self.moving.returns.contains(name);
                 (Expr::Variable(value, false), moves.then_some(Expr::Variable(slope, false)))
             }
@@ -323,7 +324,7 @@ impl Slopes<'_> {
         op: Op,
         (left, left_slope): (Expr, Option<Expr>),
         (right, right_slope): (Expr, Option<Expr>),
-        out: &mut Vec<Step>,
+        out: &mut Vec<Statement>,
     ) -> (Expr, Option<Expr>) {
         match (op, left_slope, right_slope) {
             (_, None, None) => (binary(op, left, right), None),

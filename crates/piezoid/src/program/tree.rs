@@ -2,15 +2,15 @@
 
 /// What a name stands for.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Kind {
+pub enum ValueType {
     /// A real number.
     Real,
     /// A whole number, not negative.
-    Whole,
+    Integer,
     /// The state of the block of this name.
     Part(String),
     /// Room for so many numbers.
-    Room(usize),
+    Array(usize),
 }
 
 /// A function.
@@ -25,7 +25,7 @@ pub struct Function {
     /// What it is given.
     pub takes: Vec<Argument>,
     /// What it does.
-    pub steps: Vec<Step>,
+    pub steps: Vec<Statement>,
     /// What it returns.
     pub returns: Vec<Expr>,
 }
@@ -36,14 +36,14 @@ pub struct Argument {
     /// Its name.
     pub name: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: ValueType,
     /// Whether the function changes it, as it may a state.
     pub changed: bool,
 }
 
 /// A statement.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Step {
+pub enum Statement {
     /// A comment.
     Note(String),
     /// New names for what an expression gives.
@@ -60,13 +60,13 @@ pub enum Step {
         zero: bool,
     },
     /// Room for so many numbers, all zero.
-    Room(String, usize),
+    Array(String, usize),
     /// A new value for what has a name.
     Set(Place, Expr),
     /// A call for what it changes.
     Do(Expr),
     /// One way or the other.
-    If(Expr, Vec<Step>, Vec<Step>),
+    If(Expr, Vec<Statement>, Vec<Statement>),
     /// Once for each whole number from the first to below the second, or back down.
     For {
         /// The whole number.
@@ -78,10 +78,10 @@ pub enum Step {
         /// Whether from the last to the first.
         down: bool,
         /// What is done.
-        steps: Vec<Step>,
+        steps: Vec<Statement>,
     },
     /// As long as it holds.
-    While(Expr, Vec<Step>),
+    While(Expr, Vec<Statement>),
 }
 
 /// Where a number or a state stands: a name, or the field of a state, or what is counted off in one.
@@ -101,7 +101,7 @@ pub enum Expr {
     /// A real number.
     Real(f64),
     /// A whole number.
-    Whole(usize),
+    Integer(usize),
     /// A property of the numbers at hand.
     Limit(Limit),
     /// A variable; whether it is whole.
@@ -181,7 +181,7 @@ impl Expr {
     /// Whether it is a whole number.
     pub fn whole(&self) -> bool {
         match self {
-            Expr::Whole(_) | Expr::Variable(_, true) => true,
+            Expr::Integer(_) | Expr::Variable(_, true) => true,
             Expr::Call(name, _) => name == "whole",
             Expr::Binary(op, left, _) => op.binds() >= Op::Add.binds() && left.whole(),
             _ => false,
@@ -193,8 +193,8 @@ impl Function {
     /// Whether it gives the variable of this name another value later.
     pub fn changes(&self, name: &str) -> bool {
         let mut changes = false;
-        let mut look = |step: &Step| {
-            changes |= matches!(step, Step::Set(place, _) if place.root == name && place.path.is_empty());
+        let mut look = |step: &Statement| {
+            changes |= matches!(step, Statement::Set(place, _) if place.root == name && place.path.is_empty());
         };
         self.steps.iter().for_each(|step| step.all(&mut look));
         changes
@@ -209,12 +209,12 @@ impl Function {
             _ => {}
         });
         let given: Vec<&str> = self.takes.iter().map(|p| &*p.name).collect();
-        let idle = |step: &Step| match step {
-            Step::Let(names, value) => names.iter().all(|name| !read.contains(name)) && value.changes_nothing(),
-            Step::Set(Place { root, .. }, value) => {
+        let idle = |step: &Statement| match step {
+            Statement::Let(names, value) => names.iter().all(|name| !read.contains(name)) && value.changes_nothing(),
+            Statement::Set(Place { root, .. }, value) => {
                 !read.contains(root) && !given.contains(&&**root) && value.changes_nothing()
             }
-            Step::Room(name, _) => !read.contains(name),
+            Statement::Array(name, _) => !read.contains(name),
             _ => false,
         };
         forget(&mut self.steps, &idle)
@@ -237,39 +237,39 @@ impl Function {
 }
 
 /// Leaves out steps that are `idle`, however deep. Returns whether there were any.
-fn forget(steps: &mut Vec<Step>, idle: &impl Fn(&Step) -> bool) -> bool {
+fn forget(steps: &mut Vec<Statement>, idle: &impl Fn(&Statement) -> bool) -> bool {
     let before = steps.len();
     steps.retain(|step| !idle(step));
     let mut any = steps.len() < before;
     for step in steps {
         match step {
-            Step::If(_, yes, no) => any |= forget(yes, idle) | forget(no, idle),
-            Step::For { steps, .. } | Step::While(_, steps) => any |= forget(steps, idle),
+            Statement::If(_, yes, no) => any |= forget(yes, idle) | forget(no, idle),
+            Statement::For { steps, .. } | Statement::While(_, steps) => any |= forget(steps, idle),
             _ => {}
         }
     }
     any
 }
 
-impl Step {
+impl Statement {
     fn expressions(&self, see: &mut impl FnMut(&Expr)) {
         match self {
-            Step::Note(_) | Step::Copy { .. } | Step::Room(..) => {}
-            Step::Let(_, expr) | Step::Do(expr) => expr.all(see),
-            Step::Set(place, expr) => {
+            Statement::Note(_) | Statement::Copy { .. } | Statement::Array(..) => {}
+            Statement::Let(_, expr) | Statement::Do(expr) => expr.all(see),
+            Statement::Set(place, expr) => {
                 place.index.iter().for_each(|index| index.all(see));
                 expr.all(see);
             }
-            Step::If(holds, yes, no) => {
+            Statement::If(holds, yes, no) => {
                 holds.all(see);
                 yes.iter().chain(no).for_each(|step| step.expressions(see));
             }
-            Step::For { from, to, steps, .. } => {
+            Statement::For { from, to, steps, .. } => {
                 from.all(see);
                 to.all(see);
                 steps.iter().for_each(|step| step.expressions(see));
             }
-            Step::While(holds, steps) => {
+            Statement::While(holds, steps) => {
                 holds.all(see);
                 steps.iter().for_each(|step| step.expressions(see));
             }
@@ -277,11 +277,11 @@ impl Step {
     }
 
     /// Hands this step and all within it to `see`.
-    pub fn all<'s>(&'s self, see: &mut impl FnMut(&'s Step)) {
+    pub fn all<'s>(&'s self, see: &mut impl FnMut(&'s Statement)) {
         see(self);
         match self {
-            Step::If(_, yes, no) => yes.iter().chain(no).for_each(|step| step.all(see)),
-            Step::For { steps, .. } | Step::While(_, steps) => steps.iter().for_each(|step| step.all(see)),
+            Statement::If(_, yes, no) => yes.iter().chain(no).for_each(|step| step.all(see)),
+            Statement::For { steps, .. } | Statement::While(_, steps) => steps.iter().for_each(|step| step.all(see)),
             _ => {}
         }
     }

@@ -99,7 +99,7 @@ pub(super) fn clipped(record: &Record) -> Option<Finding> {
     for (sign, end) in [(1.0, ends(u.iter().copied()).1), (-1.0, -ends(u.iter().copied()).0)] {
         let stands = runs(u.len(), 0, |t| sign * u[t] == end);
         let long = stands.into_iter().filter(|run| run.len() >= SHORTEST && slides_in(u, run));
-        all.extend(long.map(|run| (arches(y, &run, sign * (u_follows(u, y)), MOVED * (high - low)), run)));
+        all.extend(long.map(|run| (arches(y, &run, sign * (output_sign(u, y)), MOVED * (high - low)), run)));
     }
     let arched: Vec<Range<usize>> = all.iter().filter(|(arched, _)| *arched).map(|(_, run)| run.clone()).collect();
     if arched.len() < 2 || (arched.len() as f64) < CUT * all.len() as f64 {
@@ -211,7 +211,7 @@ fn arches(y: &[f64], run: &Range<usize>, sign: f64, height: f64) -> bool {
 }
 
 /// 1 where the output rises with the input, -1 where it falls.
-fn u_follows(u: &[f64], y: &[f64]) -> f64 {
+fn output_sign(u: &[f64], y: &[f64]) -> f64 {
     let (mu, my) = (crate::series::mean(u), crate::series::mean(y));
     u.iter().zip(y).map(|(u, y)| (u - mu) * (y - my)).sum::<f64>().signum()
 }

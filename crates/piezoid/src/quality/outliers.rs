@@ -59,12 +59,12 @@ pub(super) fn outliers(record: &Record, usable: &[bool]) -> Option<Finding> {
     }
     let (low, high) = ends(record.y().iter().copied());
     let smallest = (SMALLEST * (high - low)).max(3.0 * resolution(record.y()));
-    let turns = off_neighbours(record.u());
+    let reversals = off_neighbours(record.u());
     let mut y = record.y().to_vec();
     let mut found: BTreeMap<usize, f64> = BTreeMap::new();
     // Large spikes bend the explanation of all the rest: they are taken out before smaller ones are believed.
     for _ in 0..ROUNDS {
-        let spikes = spikes(record.u(), &turns, &y, smallest, usable);
+        let spikes = spikes(record.u(), &reversals, &y, smallest, usable);
         let largest = spikes.iter().fold(0.0, |m: f64, (_, size)| m.max(size.abs()));
         for (t, size) in spikes.into_iter().filter(|(_, size)| size.abs() > 0.5 * largest) {
             *found.entry(t).or_default() += size;
@@ -92,10 +92,10 @@ pub(super) fn outliers(record: &Record, usable: &[bool]) -> Option<Finding> {
 }
 
 /// The spikes of `y` with their sizes, as far as its present state tells.
-fn spikes(u: &[f64], turns: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -> Vec<(usize, f64)> {
+fn spikes(u: &[f64], reversals: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -> Vec<(usize, f64)> {
     let n = y.len();
     let mut i = off_neighbours(y);
-    let gain = sharp_gain(turns, &i);
+    let gain = sharp_gain(reversals, &i);
     let explained = by_input(u, &i, LAGS, RIDGE);
     i.iter_mut().zip(&explained).for_each(|(i, explained)| *i -= explained);
     let power: f64 = SHAPE.iter().map(|p| p * p).sum();
@@ -112,7 +112,7 @@ fn spikes(u: &[f64], turns: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -
         let usual: Vec<f64> = i[t.saturating_sub(AROUND)..(t + AROUND).min(n)].iter().map(|i| i.abs()).collect();
         // A median of absolute values is 0.6745 standard deviations of a normal scatter.
         let scatter = quantile(usual, 0.5) / 0.6745;
-        let turn = turns[t - past - 2..=t + 2].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+        let turn = reversals[t - past - 2..=t + 2].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
         let beside = i[t - BESIDE..t - 2].iter().chain(&i[t + 3..=t + BESIDE]).fold(0.0, |m: f64, i| m.max(i.abs()));
         (size.abs() > SCATTER * scatter && size.abs() > SHARP * gain * turn && size.abs() > ALONE * beside)
             .then_some((t, size))
@@ -131,9 +131,9 @@ fn off_neighbours(x: &[f64]) -> Vec<f64> {
 
 /// The sharpest answer of the output to the sharper turns of the input, over these: in the middle of all, so that a few
 /// spikes do not tell.
-fn sharp_gain(turns: &[f64], answers: &[f64]) -> f64 {
-    let sharpest = turns.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-    let sharp = (0..turns.len()).filter(|t| turns[*t].abs() > 0.5 * sharpest);
+fn sharp_gain(reversals: &[f64], answers: &[f64]) -> f64 {
+    let sharpest = reversals.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let sharp = (0..reversals.len()).filter(|t| reversals[*t].abs() > 0.5 * sharpest);
     let answer = |t: usize| answers[t..(t + ANSWERS).min(answers.len())].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-    quantile(sharp.map(|t| answer(t) / turns[t].abs()).collect(), 0.5)
+    quantile(sharp.map(|t| answer(t) / reversals[t].abs()).collect(), 0.5)
 }

@@ -1,11 +1,11 @@
 //! CSV files from outside: measured ones, written ones, and bytes that are no CSV at all.
 
-use crate::formats::{Selection, Table};
+use crate::formats::{ColumnSelection, Table};
 use crate::{Error, Record};
 use proptest::prelude::*;
 
 fn record(bytes: &[u8]) -> Result<Record, Error> {
-    Table::parse(bytes)?.record(&Selection::default())
+    Table::parse(bytes)?.record(&ColumnSelection::default())
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn the_reference_of_the_measured_test_file_is_not_its_output() {
     let Some(bytes) = super::measured_data::measured("picma-p885/test_am_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts(), record.y()[1]), (14155, 0.005, -119.527853));
-    let reference = Selection { output_col: Some("yref_um".into()), ..Selection::default() };
+    let reference = ColumnSelection { output_col: Some("yref_um".into()), ..ColumnSelection::default() };
     let reference = Table::parse(&bytes).unwrap().record(&reference).unwrap();
     assert_eq!((reference.y()[1], reference.units().y.as_str()), (0.628215, "um"));
 }
@@ -36,10 +36,10 @@ fn ask(bytes: &[u8]) {
     };
     let first = table.names().next().map(String::from);
     let selections = [
-        Selection::default(),
-        Selection { ts: Some(1e-3), ..Selection::default() },
-        Selection { input_col: first.clone(), time_col: first.clone(), ..Selection::default() },
-        Selection { output_col: first, ts: Some(f64::NAN), ..Selection::default() },
+        ColumnSelection::default(),
+        ColumnSelection { ts: Some(1e-3), ..ColumnSelection::default() },
+        ColumnSelection { input_col: first.clone(), time_col: first.clone(), ..ColumnSelection::default() },
+        ColumnSelection { output_col: first, ts: Some(f64::NAN), ..ColumnSelection::default() },
     ];
     for selection in &selections {
         for refused in [table.record(selection).err(), table.input(selection).err()].into_iter().flatten() {

@@ -3,8 +3,8 @@
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::Record;
-use crate::linear::{Modes, Orders, OutputError, Refinement};
-use crate::progress::unwatched;
+use crate::linear::{ModalFit, Orders, OutputError, Refinement};
+use crate::progress::silent;
 use serde_json::Value;
 
 fn number(row: &Value, key: &str) -> f64 {
@@ -23,7 +23,7 @@ fn the_least_output_error_is_that_of_scipys_least_squares_with_free_pasts_and_of
         let how = Refinement { weights: given.iter().map(|r| number(r, "weight")).collect(), ..Refinement::default() };
         let (a, b) = (numbers(row, "a"), numbers(row, "b"));
         let orders = Orders { na: a.len(), nb: b.len(), delay: number(row, "delay") as usize };
-        let found = OutputError::fit(&records, orders, &how, &mut unwatched).expect("a block that scipy finds");
+        let found = OutputError::fit(&records, orders, &how, &mut silent).expect("a block that scipy finds");
         // Both end where a step would gain less than 1e-12 of the cost: the parameters there are good to its root.
         assert_close(name, &[found.minimum.cost], &[number(row, "cost")], 1e-9, 0.0);
         assert_close(name, found.arx.a(), &a, 1e-6, 1e-6);
@@ -46,7 +46,7 @@ fn modes_that_scipy_runs_late_are_found_again() {
         let name = text(row, "name");
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
-        let found = Modes::fit(&[record], hz.len(), 3, &Refinement::default(), &mut unwatched).expect("modes");
+        let found = ModalFit::fit(&[record], hz.len(), 3, &Refinement::default(), &mut silent).expect("modes");
         let of = |what: fn(&crate::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);

@@ -1,6 +1,6 @@
 //! What the two ways of identification do with measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
 
-use crate::formats::{Selection, Table};
+use crate::formats::{ColumnSelection, Table};
 use crate::hammerstein::Identified;
 use crate::validation::{Offset, ValidateOptions};
 use crate::{IdentifyOptions, Method, Record, identify};
@@ -13,7 +13,7 @@ const HALF: f64 = 20.0;
 
 fn record(name: &str) -> Option<Record> {
     let bytes = super::measured_data::measured(name)?;
-    Some(Table::parse(&bytes).and_then(|t| t.record(&Selection::default())).expect("a record"))
+    Some(Table::parse(&bytes).and_then(|t| t.record(&ColumnSelection::default())).expect("a record"))
 }
 
 fn paper() -> IdentifyOptions {

@@ -1,12 +1,12 @@
 //! What inspection says of measured records: sound ones, and the same with a defect in them.
 
 use crate::Record;
-use crate::formats::{Selection, Table};
+use crate::formats::{ColumnSelection, Table};
 use crate::quality::{Defect, Inspection, Need, inspect};
 
 fn record(name: &str) -> Option<Record> {
     let bytes = super::measured_data::measured(name)?;
-    let whole = Table::parse(&bytes).and_then(|t| t.record(&Selection::default())).expect("a record");
+    let whole = Table::parse(&bytes).and_then(|t| t.record(&ColumnSelection::default())).expect("a record");
     Some(whole.part(1.5, f64::INFINITY).expect("what follows the transient"))
 }
 

@@ -1,6 +1,6 @@
 //! The vector files, which every language is held against: this library gives their numbers to the bit.
 
-use crate::compensation::{Causal, How};
+use crate::compensation::{Causal, FeedForwardSettings};
 use crate::hysteresis::OPERATORS;
 use crate::{Model, System};
 use serde_json::Value;
@@ -21,7 +21,7 @@ fn every_operator_gives_the_numbers_of_its_vector_file() {
         let of = |entry: &str, part: &str| numbers(&vectors[entry][part]);
         assert_eq!(model.simulate(&of("step", "inputs")), of("step", "outputs"), "{name}");
         if !vectors["ff_step"].is_null() {
-            let causal = Causal::new(&model, How::default(), 0).unwrap();
+            let causal = Causal::new(&model, FeedForwardSettings::default(), 0).unwrap();
             assert_eq!(causal.simulate(&of("ff_step", "inputs")), of("ff_step", "outputs"), "{name} backwards");
         }
     }

@@ -8,7 +8,7 @@
 
 use crate::linear::{self, Arx, Orders, Refinement};
 use crate::optimize::{levenberg_marquardt, swarm};
-use crate::progress::unwatched;
+use crate::progress::silent;
 use crate::record::Record;
 use crate::system::System;
 
@@ -29,7 +29,7 @@ const ROUGH: levenberg_marquardt::SearchSettings =
     levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// A record, and what of it counts.
-pub(super) struct Judged {
+pub(super) struct MaskedRecord {
     pub(super) record: Record,
     /// The samples that count.
     pub(super) usable: Vec<bool>,
@@ -40,7 +40,7 @@ pub(super) struct Judged {
 }
 
 /// The free run of a block from where the record counts on.
-pub(super) struct Closest {
+pub(super) struct ClosestFit {
     /// It, with its offset [output unit].
     pub(super) simulated: Vec<f64>,
     /// What it leaves, zero where samples do not count [output unit].
@@ -49,9 +49,9 @@ pub(super) struct Closest {
     pub(super) left: f64,
 }
 
-impl Judged {
+impl MaskedRecord {
     /// The block that leaves least; output error is asked where least squares leaves more than `enough`.
-    pub(super) fn closest(&self, enough: f64) -> Option<Closest> {
+    pub(super) fn closest(&self, enough: f64) -> Option<ClosestFit> {
         let least = |blocks: &mut dyn Iterator<Item = Arx>| {
             blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.left.total_cmp(&b.left))
         };
@@ -69,7 +69,7 @@ impl Judged {
     fn least_squares(&self, orders: Orders) -> Option<Arx> {
         let (estimator, settings) = (linear::Estimator::find("least-squares").ok()?, swarm::SwarmSettings::default());
         let records = std::slice::from_ref(&self.record);
-        Some(estimator.fit(records, orders, &settings, &mut unwatched).ok()?.arx)
+        Some(estimator.fit(records, orders, &settings, &mut silent).ok()?.arx)
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
@@ -77,10 +77,10 @@ impl Judged {
         let part = Record::new(record.ts(), record.u()[..end].to_vec(), record.y()[..end].to_vec()).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
         let how = Refinement { search: ROUGH, ..Refinement::default() };
-        Some(linear::OutputError::fit(&[part], orders, &how, &mut unwatched).ok()?.arx)
+        Some(linear::OutputError::fit(&[part], orders, &how, &mut silent).ok()?.arx)
     }
 
-    fn run(&self, arx: &Arx) -> Option<Closest> {
+    fn run(&self, arx: &Arx) -> Option<ClosestFit> {
         let (u, y) = (self.record.u(), &self.record.y()[self.start..]);
         if !arx.is_stable() {
             return None;
@@ -97,7 +97,7 @@ impl Judged {
             .collect();
         simulated.iter_mut().for_each(|s| *s += offset);
         let left = (errors.iter().map(|e| e * e).sum::<f64>() / counted.len() as f64).sqrt();
-        left.is_finite().then_some(Closest { simulated, errors, left })
+        left.is_finite().then_some(ClosestFit { simulated, errors, left })
     }
 }
 
@@ -121,7 +121,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     /// A resonance that is sampled often, 7 samples late, with noise of 0.3 and a spike that is masked.
-    fn noisy() -> Judged {
+    fn noisy() -> MaskedRecord {
         let u = Prbs { order: 12, offset: 5.0, ..Prbs::default() }.samples(2e-5, 4000).unwrap();
         let block = Arx::new(2e-5, vec![1.95, -0.966], [vec![0.0; 7], vec![0.02, 0.02]].concat()).unwrap();
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
@@ -130,7 +130,7 @@ mod tests {
         y[2000] += 100.0;
         let mut usable = vec![true; 4000];
         usable[2000] = false;
-        Judged { record: Record::new(2e-5, u, y).unwrap(), usable, start: 400, drifts: true }
+        MaskedRecord { record: Record::new(2e-5, u, y).unwrap(), usable, start: 400, drifts: true }
     }
 
     #[test]
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!((careful.errors.len(), careful.errors[1600]), (3600, 0.0));
     }
 
-    fn bridge(judged: &Judged) -> Record {
+    fn bridge(judged: &MaskedRecord) -> Record {
         let record = &judged.record;
         let y = crate::quality::bridged(record.y(), &judged.usable);
         Record::new(record.ts(), record.u().to_vec(), y).unwrap()

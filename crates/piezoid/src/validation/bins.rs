@@ -6,7 +6,7 @@
 //! are gathered in the third-octave bands of IEC 61260, 10^((n - 1/2)/10) to 10^((n + 1/2)/10) Hz; amplitudes likewise in
 //! fifths of a decade. The edges are the same for every record, so records merge.
 
-use super::Run;
+use super::ComparedRun;
 use crate::fourier::power;
 use crate::series::{ends, mean, scatter};
 use crate::waveform::Cycle;
@@ -134,15 +134,15 @@ pub(super) fn alike(a: &Cycle, b: &Cycle) -> bool {
     bin(a) == bin(b)
 }
 
-pub(super) fn by_frequency(run: &Run) -> Vec<Bin> {
+pub(super) fn by_frequency(run: &ComparedRun) -> Vec<Bin> {
     if run.cycles.is_empty() { by_spectrum(run) } else { by_cycle(run, |c| c.hz, BY_FREQUENCY) }
 }
 
-pub(super) fn by_amplitude(run: &Run) -> Vec<Bin> {
+pub(super) fn by_amplitude(run: &ComparedRun) -> Vec<Bin> {
     by_cycle(run, |c| c.amplitude, BY_AMPLITUDE)
 }
 
-fn by_cycle(run: &Run, at: fn(&Cycle) -> f64, a_decade: f64) -> Vec<Bin> {
+fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, a_decade: f64) -> Vec<Bin> {
     let one = |cycle: &Cycle| {
         // The turning point at its end is the first sample of the next.
         let samples = cycle.samples.start..cycle.samples.end - 1;
@@ -161,7 +161,7 @@ fn by_cycle(run: &Run, at: fn(&Cycle) -> f64, a_decade: f64) -> Vec<Bin> {
     Bin::merged(&run.cycles.iter().map(one).collect::<Vec<_>>())
 }
 
-fn by_spectrum(run: &Run) -> Vec<Bin> {
+fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     let record = run.record;
     let errors = run.errors();
     if errors.iter().any(|e| !e.is_finite()) {

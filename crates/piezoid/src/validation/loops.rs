@@ -5,18 +5,18 @@
 //! the ascending one lies below; its closure is how far y at its end is from y at its beginning, over its height:
 //! creep, drift and growing amplitudes keep loops open. Cycles alike in frequency and amplitude are averaged.
 
-use super::Run;
+use super::ComparedRun;
 use super::bins::{alike, band};
 use crate::series::{ends, mean};
-use crate::waveform::{Cycle, turns};
+use crate::waveform::{Cycle, reversals};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
 /// Part of the input's height after a turn whose slope is that of the reversal.
-const AFTER_TURN: f64 = 0.15;
+const AFTER_REVERSAL: f64 = 0.15;
 
 /// The share of its range that an output must come back by to have turned.
-const TURN: f64 = 0.02;
+const REVERSAL: f64 = 0.02;
 
 /// The shape of a loop of y over u.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -37,7 +37,7 @@ pub struct LoopShape {
 
 /// The loops of cycles alike: measured beside the model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Loops {
+pub struct LoopComparison {
     /// Frequency, the mean [Hz].
     pub hz: f64,
     /// Half the height of the input, the mean [input unit].
@@ -51,7 +51,7 @@ pub struct Loops {
 }
 
 /// The loops of a run, by rising frequency, then amplitude.
-pub(super) fn loops(run: &Run) -> Vec<Loops> {
+pub(super) fn loops(run: &ComparedRun) -> Vec<LoopComparison> {
     let mut groups: Vec<Vec<&Cycle>> = Vec::new();
     for cycle in run.cycles {
         match groups.iter_mut().find(|group| alike(group[0], cycle)) {
@@ -63,7 +63,7 @@ pub(super) fn loops(run: &Run) -> Vec<Loops> {
     let one = |group: Vec<&Cycle>| {
         let average = |of: &dyn Fn(&Cycle) -> f64| mean(&group.iter().map(|c| of(c)).collect::<Vec<_>>());
         let shape = |y: &[f64]| average_of(&group.iter().map(|cycle| of(u, y, cycle)).collect::<Vec<_>>());
-        Loops {
+        LoopComparison {
             hz: average(&|c| c.hz),
             amplitude: average(&|c| c.amplitude),
             cycles: group.len(),
@@ -71,7 +71,7 @@ pub(super) fn loops(run: &Run) -> Vec<Loops> {
             model: shape(run.simulated),
         }
     };
-    let mut loops: Vec<Loops> = groups.into_iter().map(one).collect();
+    let mut loops: Vec<LoopComparison> = groups.into_iter().map(one).collect();
     loops.sort_by(|a, b| band(a.hz).total_cmp(&band(b.hz)).then(a.amplitude.total_cmp(&b.amplitude)));
     loops
 }
@@ -88,7 +88,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
     let closing = 0.5 * (y[start] + y[end]) * (u[start] - u[end]);
     let area: f64 =
         closing + x.windows(2).zip(part.windows(2)).map(|(u, y)| 0.5 * (y[0] + y[1]) * (u[1] - u[0])).sum::<f64>();
-    let after = AFTER_TURN * 2.0 * cycle.amplitude;
+    let after = AFTER_REVERSAL * 2.0 * cycle.amplitude;
     let rising: Vec<usize> = (start..=peak).take_while(|&t| u[t] <= u[start] + after).collect();
     let falling: Vec<usize> = (peak..=end).take_while(|&t| u[t] >= u[peak] - after).collect();
     let slope_at = |points: &[usize]| {
@@ -105,7 +105,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
         closure_percent: 100.0 * (y[end] - y[start]) / height,
         slope: slope(x, part),
         slope_after_turn: slope_at(&rising).zip(slope_at(&falling)).map(|(a, b)| 0.5 * (a + b)),
-        reversals: turns(around, TURN).len().saturating_sub(1) as f64,
+        reversals: reversals(around, REVERSAL).len().saturating_sub(1) as f64,
     }
 }
 
@@ -151,9 +151,9 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
-    fn loops_of(u: Vec<f64>, y: Vec<f64>, simulated: &[f64]) -> Vec<Loops> {
+    fn loops_of(u: Vec<f64>, y: Vec<f64>, simulated: &[f64]) -> Vec<LoopComparison> {
         let record = Record::new(TS, u, y).unwrap();
-        loops(&Run { record: &record, simulated, cycles: &cycles(record.u(), TS) })
+        loops(&ComparedRun { record: &record, simulated, cycles: &cycles(record.u(), TS) })
     }
 
     #[test]
@@ -162,7 +162,7 @@ mod tests {
             |lag: f64| (0..4000).map(|t| 10.0 * (TAU * 5.0 * f64::from(t) * TS - lag).sin()).collect::<Vec<f64>>();
         let found = loops_of(wave(0.0), wave(0.2), &wave(0.0));
         assert_eq!((found.len(), found[0].cycles), (1, 9));
-        let Loops { hz, amplitude, measured, model, .. } = found[0];
+        let LoopComparison { hz, amplitude, measured, model, .. } = found[0];
         // y lags u by 0.2 rad: at mid input the branches stand 2 x 10 sin 0.2 apart, and the area is pi 10 10 sin 0.2.
         let width = 100.0 * 0.2f64.sin();
         assert_close(&[hz, amplitude, measured.width_percent], &[5.0, 10.0, width], 1e-3, 0.0);

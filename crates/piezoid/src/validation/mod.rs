@@ -3,33 +3,33 @@
 //! The model sees the input alone. What happened before the record no input tells: of three beginnings (settled at the
 //! first input, at rest before it, in motion as in the record) the free run takes the one that its input makes likely,
 //! unless another leaves clearly less of the first tenth of the record, and says which. The first `skip` seconds are left out of the figures. Beside the figures of a whole record stand those by frequency and by amplitude ([`Bin`]), the
-//! loops as measured and as the model has them ([`Loops`]), whether what is left is noise ([`Whiteness`]), how much of it
+//! loops as measured and as the model has them ([`LoopComparison`]), whether what is left is noise ([`Whiteness`]), how much of it
 //! the sensor itself leaves ([`Floor`]), and in words what the model was never shown and what the record cannot tell.
 //! [`small_signal`] asks a record, without any model, whether it is linear.
 //!
 //! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
 
-mod apart;
-mod beginning;
 mod best_block;
 mod bins;
 mod floor;
+mod initial_condition;
 mod loops;
 mod metrics;
 mod remarks;
+mod residual_noise;
 mod small_signal;
 mod whiteness;
 
 pub use bins::{Bin, Source};
 pub use floor::Floor;
-pub use loops::{LoopShape, Loops};
+pub use loops::{LoopComparison, LoopShape};
 pub use metrics::Metrics;
 pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 
 use crate::error::Error;
 use crate::hammerstein::{InitialCondition, Model};
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use crate::record::{Record, Units};
 use crate::system::System;
 use crate::waveform::cycles;
@@ -46,8 +46,10 @@ pub enum Offset {
     Free,
 }
 
-const OFFSETS: Values =
-    Values::Choice(&[("kept", "the model's own"), ("free", "the one that fits each record best, since sensors drift")]);
+const OFFSETS: OptionKind = OptionKind::Choice(&[
+    ("kept", "the model's own"),
+    ("free", "the one that fits each record best, since sensors drift"),
+]);
 
 options! {
     /// How to compare a model with a record.
@@ -70,7 +72,7 @@ pub struct Validation {
     /// First sample that counts.
     pub start: usize,
     /// What the actuator is taken to have done before the record.
-    pub beginning: InitialCondition,
+    pub initial_condition: InitialCondition,
     /// The mean error that was taken off, where the offset is free [record's unit].
     pub taken_off: Option<f64>,
     /// The error by frequency: of cycles where the input goes to and fro, of spectra where it does not.
@@ -78,7 +80,7 @@ pub struct Validation {
     /// The error by the amplitude of the cycles; empty where the input does not go to and fro.
     pub by_amplitude: Vec<Bin>,
     /// The loops; empty where the input does not go to and fro.
-    pub loops: Vec<Loops>,
+    pub loops: Vec<LoopComparison>,
     /// Whether what is left is noise; none where nothing is left or the record is too short to tell.
     pub whiteness: Option<Whiteness>,
     /// What the sensor leaves by itself; none where the input does not repeat.
@@ -86,7 +88,7 @@ pub struct Validation {
     /// What the reader of the figures should know.
     pub remarks: Vec<String>,
     /// What this record cannot tell about the model, however good the figures are.
-    pub unproven: Vec<String>,
+    pub not_covered: Vec<String>,
 }
 
 impl Model {
@@ -116,7 +118,7 @@ impl Model {
         })?;
         let free_offset = options.offset == Offset::Free;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
-        let (mut simulated, beginning) = beginning::begun(self, record, k, free_offset);
+        let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
         let mut taken_off = None;
         if free_offset {
             let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
@@ -125,20 +127,24 @@ impl Model {
             taken_off = Some(mean);
         }
         let counted = record.part(options.skip, f64::INFINITY)?;
-        let run = Run { record: &counted, simulated: &simulated[start..], cycles: &cycles(counted.u(), counted.ts()) };
+        let run = ComparedRun {
+            record: &counted,
+            simulated: &simulated[start..],
+            cycles: &cycles(counted.u(), counted.ts()),
+        };
         let metrics = Metrics::of(counted.y(), run.simulated);
         let loops = loops::loops(&run);
         Ok(Validation {
             metrics,
             start,
-            beginning,
+            initial_condition,
             taken_off,
             by_frequency: bins::by_frequency(&run),
             by_amplitude: bins::by_amplitude(&run),
             whiteness: Whiteness::of(counted.u(), &run.errors()),
             floor: Floor::of(&counted, metrics.rmse),
             remarks: remarks::remarks(self, &counted, &metrics),
-            unproven: remarks::unproven(self, &counted, &loops),
+            not_covered: remarks::not_covered(self, &counted, &loops),
             loops,
             simulated,
         })
@@ -147,13 +153,13 @@ impl Model {
 
 /// The part of a record that counts, the free run over it, and its cycles.
 #[derive(Debug, Clone, Copy)]
-struct Run<'a> {
+struct ComparedRun<'a> {
     record: &'a Record,
     simulated: &'a [f64],
     cycles: &'a [crate::waveform::Cycle],
 }
 
-impl Run<'_> {
+impl ComparedRun<'_> {
     /// Measured minus simulated.
     fn errors(&self) -> Vec<f64> {
         self.record.y().iter().zip(self.simulated).map(|(y, s)| y - s).collect()

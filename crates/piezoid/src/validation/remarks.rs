@@ -1,6 +1,6 @@
 //! What the reader of the figures should know: what the model was never shown, and what the record cannot tell.
 
-use super::{Loops, Metrics};
+use super::{LoopComparison, Metrics};
 use crate::hammerstein::{Domain, Model};
 use crate::number::short;
 use crate::quality::{Need, around, excites, inspect};
@@ -45,7 +45,7 @@ pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics) -> Vec<
     let frequency = at_frequency(model, record);
     let told = frequency.is_some();
     remarks.extend(frequency);
-    remarks.extend(inner_turns_of(model, record));
+    remarks.extend(inner_reversals_of(model, record));
     remarks.extend(model.identified().map_or_else(Vec::new, |domain| beyond(model, domain, record, told)));
     let fatal = |f: &crate::quality::Finding| f.defect.is_fatal();
     remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(|f| !fatal(f)).map(|f| f.text));
@@ -88,13 +88,13 @@ fn at_frequency(model: &Model, record: &Record) -> Option<String> {
 }
 
 /// The input turns inside the loop, and the block has no loops there.
-fn inner_turns_of(model: &Model, record: &Record) -> Option<String> {
+fn inner_reversals_of(model: &Model, record: &Record) -> Option<String> {
     let (low, high) = model.hysteresis().range()?;
     let operator = model.hysteresis().operator();
-    let turns = inner_turns(record.u(), low, high);
-    (turns > 0 && !operator.minor_loops).then(|| {
+    let reversals = inner_reversals(record.u(), low, high);
+    (reversals > 0 && !operator.minor_loops).then(|| {
         format!(
-            "the input turns {turns} times inside the identified range, and the {} block has no minor loops: at each such turn it \
+            "the input turns {reversals} times inside the identified range, and the {} block has no minor loops: at each such turn it \
              jumps to the other branch of the full loop instead of following a smaller one",
             operator.name
         )
@@ -141,12 +141,12 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, told: bool) -> Vec<St
 }
 
 /// What this record cannot tell about the model.
-pub(super) fn unproven(model: &Model, record: &Record, loops: &[Loops]) -> Vec<String> {
-    let mut unproven = Vec::new();
+pub(super) fn not_covered(model: &Model, record: &Record, loops: &[LoopComparison]) -> Vec<String> {
+    let mut not_covered = Vec::new();
     if let Some(pole) = model.linear().resonance()
         && !excites(record.u(), record.ts(), around(pole.hz))
     {
-        unproven.push(format!(
+        not_covered.push(format!(
             "the resonance at {} Hz (damping {}): the input has no power near it",
             short(pole.hz),
             short(pole.damping)
@@ -157,31 +157,31 @@ pub(super) fn unproven(model: &Model, record: &Record, loops: &[Loops]) -> Vec<S
     let share = identified_range(model).map(|(low, high)| (highest - lowest) / (high - low));
     let widest = loops.iter().map(|l| l.model.width_percent.abs()).reduce(f64::max);
     match (share, widest) {
-        (Some(share), _) if curved && share < SMALL => unproven.push(format!(
+        (Some(share), _) if curved && share < SMALL => not_covered.push(format!(
             "the hysteresis: the input covers {} % of the range that the model was identified on",
             short(100.0 * share)
         )),
         (_, Some(width)) if curved && width < CLOSED => {
-            unproven.push(format!("the hysteresis: at this amplitude the model's loop is {} % wide", short(width)))
+            not_covered.push(format!("the hysteresis: at this amplitude the model's loop is {} % wide", short(width)))
         }
         _ => {}
     }
-    unproven
+    not_covered
 }
 
 /// Turns of `u` that lie inside the range from `low` to `high`, away from its ends.
-fn inner_turns(u: &[f64], low: f64, high: f64) -> usize {
+fn inner_reversals(u: &[f64], low: f64, high: f64) -> usize {
     let margin = INSIDE * (high - low);
-    let (mut extreme, mut trend, mut turns) = (u[0], 0.0, 0);
+    let (mut extreme, mut trend, mut reversals) = (u[0], 0.0, 0);
     for &u in u {
         if (u - extreme) * trend > 0.0 {
             extreme = u;
         } else if (u - extreme).abs() > margin {
-            turns += usize::from(trend != 0.0 && extreme > low + margin && extreme < high - margin);
+            reversals += usize::from(trend != 0.0 && extreme > low + margin && extreme < high - margin);
             (trend, extreme) = ((u - extreme).signum(), u);
         }
     }
-    turns
+    reversals
 }
 
 #[cfg(test)]
@@ -198,9 +198,9 @@ mod tests {
     #[test]
     fn turns_are_counted_inside_the_range_only() {
         let full: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.1).sin()).collect();
-        assert_eq!(inner_turns(&full, -1.0, 1.0), 0);
+        assert_eq!(inner_reversals(&full, -1.0, 1.0), 0);
         let half: Vec<f64> = full.iter().map(|u| 0.5 * u).collect();
-        assert_eq!(inner_turns(&half, -1.0, 1.0), 12);
+        assert_eq!(inner_reversals(&half, -1.0, 1.0), 12);
     }
 
     fn sine(bias: f64, height: f64, hz: f64) -> Vec<f64> {
@@ -210,7 +210,7 @@ mod tests {
     fn said(model: &Model, u: Vec<f64>) -> (Vec<String>, Vec<String>) {
         let y = model.simulate(&u);
         let seen = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
-        (seen.remarks, seen.unproven)
+        (seen.remarks, seen.not_covered)
     }
 
     #[test]

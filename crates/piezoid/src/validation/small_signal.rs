@@ -2,7 +2,7 @@
 //!
 //! - What linear blocks leave: the least that any of orders up to 12 leaves in free run, by least squares and, where that
 //!   leaves much, by output error. Noise is taken off: that between periods where the input repeats, then the mean
-//!   period is looked at; else all that is left, where that goes with nothing that the input does (`apart.rs`).
+//!   period is looked at; else all that is left, where that goes with nothing that the input does (`residual_noise.rs`).
 //! - What noise hides: with sigma its rms in n independent samples, sigma (8 / n)^(1/4) of distortion adds to sigma^2 two
 //!   standard deviations of the mean square, sqrt(8 / n) sigma^2; less is not told from none.
 //! - Gain over level: y = c0 + c1 s + c2 s^2 + c3 s^3 over s, the best block's output from -1 to 1. The gain at the upper
@@ -16,12 +16,12 @@
 //! Reference: Pintelon & Schoukens 2012, System Identification: A Frequency Domain Approach, chapter 4,
 //! doi:10.1002/9781118287422.
 
-use super::apart::independent;
-use super::best_block::Judged;
+use super::best_block::MaskedRecord;
 use super::bins::band;
 use super::floor::Repeated;
 use super::loops::loops;
-use super::{Loops, Run};
+use super::residual_noise::independent;
+use super::{ComparedRun, LoopComparison};
 use crate::error::Error;
 use crate::fourier::plain_power;
 use crate::number::short;
@@ -98,9 +98,11 @@ impl Linearity {
             // The mean period stands for the record, twice over: once to get under way.
             Some(r) => {
                 let record = Record::new(record.ts(), [&*r.u, &r.u].concat(), [&*r.y, &r.y].concat())?;
-                Judged { usable: vec![true; record.len()], start: r.period, drifts: false, record }
+                MaskedRecord { usable: vec![true; record.len()], start: r.period, drifts: false, record }
             }
-            None => Judged { usable: seen.usable, start: record.len() / 10, drifts: true, record: record.clone() },
+            None => {
+                MaskedRecord { usable: seen.usable, start: record.len() / 10, drifts: true, record: record.clone() }
+            }
         };
         let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
         let closest = judged.closest(averaged.unwrap_or(0.0).hypot(0.01 * LINEAR * std));
@@ -128,7 +130,7 @@ impl Linearity {
             });
         };
         let gains = closest.map(|c| gain_over_level(&c.simulated, &judged.record.y()[judged.start..]));
-        let run = Run { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
+        let run = ComparedRun { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
         let hidden = hidden_percent.unwrap_or(0.0);
         let mut linearity = Linearity {
             left_percent: left.map(percent),
@@ -220,7 +222,7 @@ impl Linearity {
 }
 
 /// Slopes by amplitude at the frequency that has loops of most amplitudes: between frequencies the gain differs anyway.
-fn gain_by_amplitude(loops: &[Loops]) -> Vec<[f64; 2]> {
+fn gain_by_amplitude(loops: &[LoopComparison]) -> Vec<[f64; 2]> {
     let most = loops.chunk_by(|a, b| band(a.hz) == band(b.hz)).max_by_key(|same| same.len()).unwrap_or_default();
     most.iter().map(|l| [l.amplitude, l.measured.slope]).collect()
 }

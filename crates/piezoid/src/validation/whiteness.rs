@@ -85,7 +85,7 @@ impl Whiteness {
     }
 
     /// Whether the errors go with the input.
-    pub fn follows_input(&self) -> bool {
+    pub fn correlates_with_input(&self) -> bool {
         self.cross_correlation.iter().any(|c| c.abs() > self.cross_correlation_bound)
     }
 
@@ -110,7 +110,7 @@ impl Whiteness {
             .zip(-lags..)
             .fold((0.0, 0), |m: (f64, isize), (c, k)| if c.abs() > m.0.abs() { (*c, k) } else { m });
         let (c, k, bound) = (short(largest.0), largest.1, short(self.cross_correlation_bound));
-        match (self.follows_input(), largest.1) {
+        match (self.correlates_with_input(), largest.1) {
             (false, _) => format!(
                 "it does not go with the input (correlation {c} at most, within the bound of {bound}): what the input does, as \
                  far as a line can follow, is in the model"
@@ -187,7 +187,7 @@ mod tests {
         let u = prbs(2000);
         let seen: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(2000, seed)).unwrap()).collect();
         let not_white = seen.iter().filter(|w| !w.is_white()).count();
-        let followers = seen.iter().filter(|w| w.follows_input()).count();
+        let followers = seen.iter().filter(|w| w.correlates_with_input()).count();
         assert!((1..=9).contains(&not_white) && followers <= 9, "{not_white} {followers}");
     }
 
@@ -203,7 +203,7 @@ mod tests {
             })
             .collect();
         let seen = Whiteness::of(&u, &e).unwrap();
-        assert!(!seen.is_white() && !seen.follows_input(), "{seen:?}");
+        assert!(!seen.is_white() && !seen.correlates_with_input(), "{seen:?}");
         assert_close(&[seen.autocorrelation[0]], &[0.9], 0.05, 0.0);
         assert!(seen.verdict[0].contains("not white") && seen.verdict[1].contains("does not go with the input"));
     }
@@ -213,7 +213,7 @@ mod tests {
         let (u, w) = (prbs(4000), noise(4000, 4));
         let e: Vec<f64> = (0..4000).map(|t| w[t] + if t >= 7 { 0.2 * u[t - 7] } else { 0.0 }).collect();
         let seen = Whiteness::of(&u, &e).unwrap();
-        assert!(seen.follows_input() && seen.verdict[1].contains("7 samples before"), "{:?}", seen.verdict);
+        assert!(seen.correlates_with_input() && seen.verdict[1].contains("7 samples before"), "{:?}", seen.verdict);
         assert_close(&[seen.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
     }
 

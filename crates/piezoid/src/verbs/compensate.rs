@@ -2,12 +2,12 @@
 
 use super::File;
 use crate::compensation::shaping::Shaping;
-use crate::compensation::{Compensated, FeedForward, How};
+use crate::compensation::{Compensated, FeedForward, FeedForwardSettings};
 use crate::error::Error;
 use crate::excitation::LimitOptions;
-use crate::formats::{Selection, Table};
+use crate::formats::{ColumnSelection, Table};
 use crate::hammerstein::Model;
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use crate::record::Units;
 use crate::system::System;
 use crate::validation::Metrics;
@@ -17,9 +17,9 @@ options! {
     /// How to compensate.
     pub struct CompensateOptions {
         /// Come as close as the limits allow instead of refusing.
-        clip: bool = false, OptionRow::new(Values::Switch);
+        clip: bool = false, OptionRow::new(OptionKind::Switch);
         /// Correct, this many times at most, what the model's free run leaves.
-        sweeps: usize = 0, OptionRow::new(Values::Whole(0, u64::MAX));
+        sweeps: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     } with limits: LimitOptions with shape: Shaping
 }
 
@@ -45,9 +45,9 @@ impl CompensateOptions {
     ///
     /// # Errors
     /// As [`LimitOptions::limits`].
-    pub fn how(&self) -> Result<How, Error> {
+    pub fn settings(&self) -> Result<FeedForwardSettings, Error> {
         let limits = self.limits.limits()?.unwrap_or_default();
-        Ok(How { limits, clip: self.clip, sweeps: self.sweeps, ..How::default() })
+        Ok(FeedForwardSettings { limits, clip: self.clip, sweeps: self.sweeps, ..FeedForwardSettings::default() })
     }
 
     /// The voltage for the reference `r` [output unit].
@@ -55,7 +55,7 @@ impl CompensateOptions {
     /// # Errors
     /// Limits without sense, a model without an inverse, and a reference that cannot be shaped or reached.
     pub fn of(&self, model: &Model, r: Vec<f64>) -> Result<Compensation, Error> {
-        let inverse = FeedForward::new(model, self.how()?)?;
+        let inverse = FeedForward::new(model, self.settings()?)?;
         let shaped = self.shape.of(model, r.clone())?;
         let made = inverse.whole(&shaped)?;
         let (ts, units, reach) = (model.ts(), model.units().clone(), inverse.reach());
@@ -66,7 +66,7 @@ impl CompensateOptions {
     ///
     /// # Errors
     /// As [`CompensateOptions::of`], and files without a model or a reference.
-    pub fn run(&self, model: &File, reference: &File, columns: &Selection) -> Result<Compensation, Error> {
+    pub fn run(&self, model: &File, reference: &File, columns: &ColumnSelection) -> Result<Compensation, Error> {
         let model = model.model()?;
         self.of(&model, reference.reference(columns, &model)?)
     }

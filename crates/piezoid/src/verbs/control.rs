@@ -1,16 +1,17 @@
 //! Schemes of control along references, on a simulated actuator.
 
 use super::File;
-use crate::compensation::{FeedForward, How};
+use crate::compensation::{FeedForward, FeedForwardSettings};
 use crate::control::{
-    Attempt, ClosedLoopRun, Comparison, ControlLoop, Drive, MarginTarget, NamedReference, Reference, Scheme, Tolerance,
+    ClosedLoopRun, Comparison, ControlLoop, MarginTarget, NamedReference, Reference, ReferenceResult, Scheme,
+    Tolerance, TunedScheme,
 };
 use crate::error::Error;
 use crate::excitation::LimitOptions;
-use crate::formats::{Selection, Table};
+use crate::formats::{ColumnSelection, Table};
 use crate::hammerstein::Model;
 use crate::number::{round, short};
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use crate::plant::Spec;
 use crate::progress::Progress;
 use crate::record::Units;
@@ -45,15 +46,15 @@ const PERIODS: f64 = 4.0;
 /// Its length at most [samples].
 const LONGEST: f64 = 1e6;
 
-const COUNT: Values = Values::Whole(0, u64::MAX);
-const PERCENT: Values = Values::Number { least: 0.0, open: false, below: 100.0 };
+const COUNT: OptionKind = OptionKind::Integer(0, u64::MAX);
+const PERCENT: OptionKind = OptionKind::Number { least: 0.0, open: false, below: 100.0 };
 
 options! {
     /// What controllers are tuned to.
     #[derive(Copy)]
     pub struct TuneOptions {
         /// Samples by which readings come late; controllers are tuned for it.
-        late: usize = 0, OptionRow::new(Values::Whole(0, ControlLoop::LATEST as u64));
+        late: usize = 0, OptionRow::new(OptionKind::Integer(0, ControlLoop::LATEST as u64));
         /// Gain margin to tune to [dB].
         gain_margin: f64 = MarginTarget::default().gain_db, OptionRow::positive("dB");
         /// Phase margin to tune to [degrees].
@@ -65,11 +66,11 @@ impl TuneOptions {
     /// `scheme` for `model`, tuned.
     ///
     /// # Errors
-    /// As [`Drive::new`].
-    pub fn drive(&self, scheme: Scheme, model: &Model, how: How) -> Result<Drive, Error> {
+    /// As [`TunedScheme::new`].
+    pub fn drive(&self, scheme: Scheme, model: &Model, settings: FeedForwardSettings) -> Result<TunedScheme, Error> {
         let target =
             MarginTarget { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..MarginTarget::default() };
-        Drive::new(scheme, model, how, self.late, &target)
+        TunedScheme::new(scheme, model, settings, self.late, &target)
     }
 }
 
@@ -77,9 +78,9 @@ options! {
     /// What to compare, along what.
     pub struct ControlOptions {
         /// What to compare, such as feed-forward+pi.
-        controller: Vec<String> = Vec::new(), OptionRow::new(Values::Texts("NAME")).absent("six schemes");
+        controller: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("NAME")).absent("six schemes");
         /// What to follow: files, or names such as sine:5.
-        reference: Vec<String> = Vec::new(), OptionRow::new(Values::Texts("FILE|NAME[:HZ]")).absent("ten");
+        reference: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("FILE|NAME[:HZ]")).absent("ten");
         /// Peak of named references, in the model's output unit.
         amplitude: Option<f64> = None, OptionRow::positive("").absent("0.8 of what it can hold");
         /// Samples of the reference that are known ahead.
@@ -87,11 +88,11 @@ options! {
         /// Noise of the sensor, rms in the model's output unit.
         noise: Option<f64> = None, OptionRow::not_negative("").absent("the plant's own");
         /// Let feed-forward come as close as the limits allow instead of refusing.
-        clip: bool = false, OptionRow::new(Values::Switch);
+        clip: bool = false, OptionRow::new(OptionKind::Switch);
         /// Also try plants whose values lie within this many percent of these, along the first reference.
         tolerance: Option<f64> = None, OptionRow { unit: "%", ..OptionRow::new(PERCENT) };
         /// How many.
-        draws: usize = 200, OptionRow::new(Values::Whole(1, u64::MAX)).requires("tolerance");
+        draws: usize = 200, OptionRow::new(OptionKind::Integer(1, u64::MAX)).requires("tolerance");
         /// Seed of the noise and of the draws.
         seed: u64 = 1, OptionRow::new(COUNT);
     } with limits: LimitOptions with tuning: TuneOptions
@@ -112,12 +113,12 @@ impl ControlOptions {
         (plant, spec): (&str, &Spec),
         model: &File,
         files: &[File],
-        columns: &Selection,
+        columns: &ColumnSelection,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
         self.schemes()?;
         let (file, model, mut spec) = (model, model.model()?, spec.clone());
-        let how = self.how()?;
+        let settings = self.settings()?;
         if let Some(noise) = self.noise {
             let unit = &model.units().y;
             let none = || Error::Content(format!("its output is in {unit}, which is no length: leave the noise out"));
@@ -129,7 +130,7 @@ impl ControlOptions {
             false => self.reference.iter().map(String::as_str).collect(),
         };
         let wanted = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
-            (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, how),
+            (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, settings),
             (None, Some(file)) => Ok(NamedReference::new(file.short(), model.ts(), file.reference(columns, &model)?)),
             (None, None) => {
                 Err(Reference::find(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
@@ -150,9 +151,9 @@ impl ControlOptions {
         wanted: Vec<NamedReference>,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
-        let (how, mut drives, mut notes) = (self.how()?, Vec::new(), Vec::new());
+        let (settings, mut drives, mut notes) = (self.settings()?, Vec::new(), Vec::new());
         for scheme in self.schemes()? {
-            match self.tuning.drive(scheme, model, how) {
+            match self.tuning.drive(scheme, model, settings) {
                 // Of the usual ones, those that the model gives.
                 Err(e) if self.controller.is_empty() && scheme.law.is_some() => {
                     notes.push(format!("{} is left out: {e}", scheme.name()));
@@ -175,8 +176,12 @@ impl ControlOptions {
         Ok(compared)
     }
 
-    fn how(&self) -> Result<How, Error> {
-        Ok(How { limits: self.limits.limits()?.unwrap_or_default(), clip: self.clip, ..How::default() })
+    fn settings(&self) -> Result<FeedForwardSettings, Error> {
+        Ok(FeedForwardSettings {
+            limits: self.limits.limits()?.unwrap_or_default(),
+            clip: self.clip,
+            ..FeedForwardSettings::default()
+        })
     }
 
     fn schemes(&self) -> Result<Vec<Scheme>, Error> {
@@ -193,9 +198,9 @@ impl ControlOptions {
         kind: &Reference,
         hz: f64,
         model: &Model,
-        how: How,
+        settings: FeedForwardSettings,
     ) -> Result<NamedReference, Error> {
-        let (peak, ts) = (self.amplitude.map_or_else(|| held(model, how), Ok)?, model.ts());
+        let (peak, ts) = (self.amplitude.map_or_else(|| held(model, settings), Ok)?, model.ts());
         let n = (SECONDS.max(PERIODS / hz) / ts).round();
         if n > LONGEST {
             let least = short(PERIODS / (LONGEST * ts));
@@ -214,7 +219,7 @@ impl Comparison {
     /// There is none, and as [`csv::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
-        let Some((drive, Attempt { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
+        let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
             return Err(Error::Content("there is no run: nothing was followed".into()));
         };
         let (ts, units) = (drive.model().ts(), drive.model().units());
@@ -237,9 +242,9 @@ impl Comparison {
                 let along = &wanted.name;
                 match attempt {
                     Err(error) => told.push(format!("{}, {along}: {error}", d.name())),
-                    Ok(Attempt { fed, run, .. }) => {
+                    Ok(ReferenceResult { feed_forward, run, .. }) => {
                         // A feed-forward says the same under every controller.
-                        for note in &fed.notes {
+                        for note in &feed_forward.notes {
                             let note = format!("{}, {along}: {note}", d.drive.scheme.feed.name);
                             if !told.contains(&note) {
                                 told.push(note);
@@ -269,8 +274,8 @@ fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
 }
 
 /// The peak of named references: 0.8 of what can be held to both sides of 0.
-fn held(model: &Model, how: How) -> Result<f64, Error> {
-    let (low, high) = FeedForward::new(model, how)?.reach();
+fn held(model: &Model, settings: FeedForwardSettings) -> Result<f64, Error> {
+    let (low, high) = FeedForward::new(model, settings)?.reach();
     let both = high.min(-low);
     if both > 0.0 {
         return Ok(SHARE * both);

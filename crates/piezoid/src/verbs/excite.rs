@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::excitation::{Excitation, LimitOptions, Usage};
 use crate::formats::Table;
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use serde_json::Value;
 
 options! {
@@ -14,7 +14,7 @@ options! {
         /// Length of the signal.
         duration: f64 = 1.0, OptionRow::positive("s").required();
         /// Clip to the driver's limits instead of refusing.
-        clip: bool = false, OptionRow::new(Values::Switch);
+        clip: bool = false, OptionRow::new(OptionKind::Switch);
     } with limits: LimitOptions
 }
 

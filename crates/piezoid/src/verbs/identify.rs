@@ -2,9 +2,9 @@
 
 use super::{Compared, File};
 use crate::error::Error;
-use crate::formats::Selection;
+use crate::formats::ColumnSelection;
 use crate::hammerstein::{HiddenLoop, Identified, Model};
-use crate::identification::{IdentifyOptions, Method, Records, identify_watched};
+use crate::identification::{IdentifyOptions, Method, Records, identify_with_progress};
 use crate::linear::{Arx, PoleShare};
 use crate::progress::Progress;
 use crate::validation::{Linearity, Offset, ValidateOptions};
@@ -31,7 +31,7 @@ impl IdentifyOptions {
     pub fn run(
         &self,
         (small, large): (&[File], &[File]),
-        columns: &Selection,
+        columns: &ColumnSelection,
         command: &str,
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
@@ -39,7 +39,7 @@ impl IdentifyOptions {
         let read = |files: &[File]| files.iter().map(|file| file.record(columns)).collect::<Result<Vec<_>, _>>();
         let (small_signal_records, records) = (read(small)?, read(large)?);
         let both = Records { small_signal: &small_signal_records, large_signal: &records };
-        let found = identify_watched(both, self, progress)?;
+        let found = identify_with_progress(both, self, progress)?;
         // The joint method gives each record an offset of its own.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };

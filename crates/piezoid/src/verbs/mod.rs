@@ -16,7 +16,7 @@ pub use simulate::{SimulateOptions, Simulated};
 pub use validate::{Compared, Validated};
 
 use crate::error::Error;
-use crate::formats::{Selection, Signal, Table};
+use crate::formats::{ColumnSelection, Signal, Table};
 use crate::hammerstein::Model;
 use crate::record::{Record, Units};
 use crate::system::System;
@@ -56,7 +56,7 @@ impl File {
     ///
     /// # Errors
     /// It holds none, or not the columns that are meant.
-    pub fn record(&self, columns: &Selection) -> Result<Record, Error> {
+    pub fn record(&self, columns: &ColumnSelection) -> Result<Record, Error> {
         Table::read(&self.name, &self.bytes).and_then(|table| table.record(columns)).map_err(|e| e.of(&self.name))
     }
 
@@ -64,7 +64,7 @@ impl File {
     ///
     /// # Errors
     /// As [`File::record`].
-    pub fn input(&self, columns: &Selection) -> Result<Signal, Error> {
+    pub fn input(&self, columns: &ColumnSelection) -> Result<Signal, Error> {
         Table::read(&self.name, &self.bytes).and_then(|table| table.input(columns)).map_err(|e| e.of(&self.name))
     }
 
@@ -72,7 +72,7 @@ impl File {
     ///
     /// # Errors
     /// As [`File::record`]; one that is sampled otherwise than the model, or in a unit that cannot be converted.
-    pub fn reference(&self, columns: &Selection, model: &Model) -> Result<Vec<f64>, Error> {
+    pub fn reference(&self, columns: &ColumnSelection, model: &Model) -> Result<Vec<f64>, Error> {
         let read = || {
             let Signal { ts, samples, unit } = Table::read(&self.name, &self.bytes)?.reference(columns)?;
             Record::same_sampling("the model", model.ts(), "the reference", ts)?;

@@ -2,14 +2,14 @@
 
 use super::File;
 use crate::error::Error;
-use crate::formats::{Selection, Signal, Table};
+use crate::formats::{ColumnSelection, Signal, Table};
 use crate::hammerstein::InitialCondition;
-use crate::options::{OptionRow, Values, options};
+use crate::options::{OptionKind, OptionRow, options};
 use crate::plant::{Plant, Spec};
 use crate::record::{Record, Units};
 use crate::system::System;
 
-const BEGINNINGS: Values = Values::Choice(&[
+const BEGINNINGS: OptionKind = OptionKind::Choice(&[
     ("rest", "rest, and a jump to the first input"),
     ("settled", "the first input, which had stood for long"),
     ("motion", "the same as in the record"),
@@ -22,7 +22,7 @@ options! {
         /// What came before: rest; the first input, which had stood for long; or the same as in the record.
         begin: InitialCondition = InitialCondition::Rest, OptionRow::new(BEGINNINGS);
         /// Seed of the plant's noise.
-        seed: u64 = 1, OptionRow::new(Values::Whole(0, u64::MAX));
+        seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     }
 }
 
@@ -46,7 +46,7 @@ impl SimulateOptions {
     ///
     /// # Errors
     /// A file without an input, and a plant that cannot be sampled so.
-    pub fn plant(&self, plant: &Spec, input: &File, columns: &Selection) -> Result<Simulated, Error> {
+    pub fn plant(&self, plant: &Spec, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
         let Signal { ts, samples: u, .. } = input.input(columns)?;
         let plant = Plant::new(plant, ts)?.with_seed(self.seed);
         let settled = || plant.settled(u.first().copied().unwrap_or_default());
@@ -64,7 +64,7 @@ impl SimulateOptions {
     ///
     /// # Errors
     /// Files without an input or a model, and an input of another unit or sampling.
-    pub fn model(&self, model: &File, input: &File, columns: &Selection) -> Result<Simulated, Error> {
+    pub fn model(&self, model: &File, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
         let Signal { ts, samples: u, unit } = input.input(columns)?;
         let model = model.model()?;
         let units = model.units().clone();

@@ -2,7 +2,7 @@
 
 use super::{File, merge, short};
 use crate::error::Error;
-use crate::formats::Selection;
+use crate::formats::ColumnSelection;
 use crate::hammerstein::Model;
 use crate::number::round;
 use crate::record::Record;
@@ -32,7 +32,7 @@ impl ValidateOptions {
     ///
     /// # Errors
     /// Files without records, and what [`validate`] refuses.
-    pub fn run(&self, model: &Model, data: &[File], columns: &Selection) -> Result<Validated, Error> {
+    pub fn run(&self, model: &Model, data: &[File], columns: &ColumnSelection) -> Result<Validated, Error> {
         let mut unit = None;
         let mut compare = |file: &File| {
             let record = file.record(columns)?;
@@ -62,9 +62,9 @@ impl Compared {
     /// All about it as a document.
     pub fn to_json(&self) -> Value {
         let v = &self.validation;
-        let mut object = json!({"file": self.name, "unit": self.record.units().y, "beginning": v.beginning});
+        let mut object = json!({"file": self.name, "unit": self.record.units().y, "beginning": v.initial_condition});
         merge(&mut object, json!(v.metrics));
-        merge(&mut object, json!({"remarks": v.remarks, "unproven": v.unproven}));
+        merge(&mut object, json!({"remarks": v.remarks, "unproven": v.not_covered}));
         merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
         merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
         object
@@ -86,13 +86,13 @@ impl Validated {
     }
 
     /// What none of the records can tell.
-    pub fn unproven(&self) -> Vec<String> {
+    pub fn not_covered(&self) -> Vec<String> {
         let Some((first, others)) = self.files.split_first() else { return Vec::new() };
         let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
         let by_all = |text: &&String| {
-            others.iter().all(|c| c.validation.unproven.iter().any(|other| subject(other) == subject(text)))
+            others.iter().all(|c| c.validation.not_covered.iter().any(|other| subject(other) == subject(text)))
         };
-        first.validation.unproven.iter().filter(by_all).cloned().collect()
+        first.validation.not_covered.iter().filter(by_all).cloned().collect()
     }
 
     /// All figures as a document.
@@ -100,7 +100,7 @@ impl Validated {
         let mut total = json!(self.total());
         let [by_frequency, by_amplitude] = self.bins();
         merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
-        merge(&mut total, json!({"unproven": self.unproven()}));
+        merge(&mut total, json!({"unproven": self.not_covered()}));
         json!({"files": self.files.iter().map(Compared::to_json).collect::<Vec<_>>(), "total": total})
     }
 }

@@ -4,7 +4,7 @@ use crate::series::ends;
 use std::ops::Range;
 
 /// The share of its range that an input must come back by to have turned.
-const TURN: f64 = 0.02;
+const REVERSAL: f64 = 0.02;
 
 /// Bend of the logarithm of length or height over three cycles, up to which an input goes to and fro: in the middle of
 /// all. Sweeps and growing amplitudes have none; the bits of a PRBS and the peaks of a multisine of random phases have
@@ -26,10 +26,10 @@ pub(crate) struct Cycle {
 
 /// The whole cycles of `u`, sampled every `ts` [s]; none where it does not go to and fro regularly.
 pub(crate) fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
-    let turns = turns(u, TURN);
+    let reversals = reversals(u, REVERSAL);
     // A lower turning point is lower than the upper one that follows.
-    let first = usize::from(turns.len() > 1 && u[turns[0]] > u[turns[1]]);
-    let found: Vec<Cycle> = turns[first.min(turns.len())..]
+    let first = usize::from(reversals.len() > 1 && u[reversals[0]] > u[reversals[1]]);
+    let found: Vec<Cycle> = reversals[first.min(reversals.len())..]
         .windows(3)
         .step_by(2)
         .map(|w| {
@@ -50,11 +50,11 @@ pub(crate) fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
 
 /// The samples at which `x` turns: its extremes between movements of more than a `share` of its range. Of an extreme that
 /// is held, the sample in the middle. Either end of the record counts where it is an extreme of all.
-pub(crate) fn turns(x: &[f64], share: f64) -> Vec<usize> {
+pub(crate) fn reversals(x: &[f64], share: f64) -> Vec<usize> {
     let (low, high) = ends(x.iter().copied());
     let guard = share * (high - low);
     let outermost = |x: f64| (x - low).min(high - x) < 0.5 * guard;
-    let mut turns = Vec::new();
+    let mut reversals = Vec::new();
     // The direction, and where the extreme of it was met first and last.
     let (mut trend, mut first, mut last) = (0.0, 0, 0);
     for (t, &now) in x.iter().enumerate() {
@@ -62,7 +62,7 @@ pub(crate) fn turns(x: &[f64], share: f64) -> Vec<usize> {
         if trend == 0.0 {
             // Not yet under way.
             if (now - x[0]).abs() > guard {
-                turns.extend(outermost(x[0]).then_some(0));
+                reversals.extend(outermost(x[0]).then_some(0));
                 (trend, first, last) = ((now - x[0]).signum(), t, t);
             }
         } else if beyond > 0.0 {
@@ -70,12 +70,12 @@ pub(crate) fn turns(x: &[f64], share: f64) -> Vec<usize> {
         } else if beyond == 0.0 {
             last = t;
         } else if -beyond > guard {
-            turns.push(first.midpoint(last));
+            reversals.push(first.midpoint(last));
             (trend, first, last) = (-trend, t, t);
         }
     }
-    turns.extend((trend != 0.0 && outermost(x[first])).then_some(first.midpoint(last)));
-    turns
+    reversals.extend((trend != 0.0 && outermost(x[first])).then_some(first.midpoint(last)));
+    reversals
 }
 
 #[cfg(test)]

@@ -14,12 +14,12 @@ pub(crate) fn in_motion(u: &[f64]) -> bool {
     let Some(&first) = u.first() else { return false };
     let (low, high) = ends(u.iter().copied());
     let least = MOVED * (high - low);
-    first.abs() > least && u.iter().take(a_fifth(u) + 1).any(|v| (v - first).abs() > least)
+    first.abs() > least && u.iter().take(samples_per_fifth(u) + 1).any(|v| (v - first).abs() > least)
 }
 
 /// The sample from which `u` does most nearly again what it does first: what comes before it may have come before the record.
-fn again(u: &[f64]) -> usize {
-    let n = a_fifth(u).min(LONGEST).min(u.len() / 4);
+fn repetition_start(u: &[f64]) -> usize {
+    let n = samples_per_fifth(u).min(LONGEST).min(u.len() / 4);
     let apart = |t: &usize| u[*t..].iter().zip(&u[..n]).map(|(v, first)| (v - first) * (v - first)).sum::<f64>();
     // Past its first movement: before, a slow input is always like itself.
     let moments = 2 * n..u.len() - n;
@@ -27,12 +27,12 @@ fn again(u: &[f64]) -> usize {
 }
 
 /// The inputs before those of a record that began in motion: as in it, and then as in it once more up to its first motion.
-pub(crate) fn lead(u: &[f64]) -> Vec<f64> {
-    u.iter().chain(&u[..again(u)]).copied().collect()
+pub(crate) fn inputs_before(u: &[f64]) -> Vec<f64> {
+    u.iter().chain(&u[..repetition_start(u)]).copied().collect()
 }
 
 /// The samples in which `u` moves a fifth of its range, on average.
-fn a_fifth(u: &[f64]) -> usize {
+fn samples_per_fifth(u: &[f64]) -> usize {
     let (low, high) = ends(u.iter().copied());
     let path: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
     let samples = 0.2 * (high - low) * (u.len() - 1) as f64 / path;
@@ -59,9 +59,9 @@ mod tests {
     #[test]
     fn a_motion_comes_again_a_turn_later() {
         let u = sine(50.0, 1.0);
-        assert_eq!(again(&u) % 200, 0);
+        assert_eq!(repetition_start(&u) % 200, 0);
         let fading: Vec<f64> = (0..).zip(u).map(|(t, u)| (u - 50.0) * (-f64::from(t) / 3000.0).exp()).collect();
-        assert!(again(&fading).abs_diff(200) < 4, "{}", again(&fading));
-        assert_eq!((again(&[3.0]), again(&[3.0, 4.0, 5.0])), (0, 0));
+        assert!(repetition_start(&fading).abs_diff(200) < 4, "{}", repetition_start(&fading));
+        assert_eq!((repetition_start(&[3.0]), repetition_start(&[3.0, 4.0, 5.0])), (0, 0));
     }
 }

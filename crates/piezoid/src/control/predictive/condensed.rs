@@ -39,7 +39,7 @@ pub(super) struct Condensed {
 
 /// How a sample's program ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Ended {
+pub(super) struct SolveResult {
     /// Rows taken in and let go.
     pub(super) changes: usize,
     /// Whether no row is broken.
@@ -104,7 +104,7 @@ impl Condensed {
 
     /// Replaces the free optimum `x` = H^-1 g by that within the limits `low` and `high` of each row. `scratch`, of length
     /// [`Condensed::scratch`], carries the multipliers from sample to sample and begins as zeros.
-    pub(super) fn solve(&self, x: &mut [f64], low: &[f64], high: &[f64], scratch: &mut [f64]) -> Ended {
+    pub(super) fn solve(&self, x: &mut [f64], low: &[f64], high: &[f64], scratch: &mut [f64]) -> SolveResult {
         let mut w = self.cut(scratch);
         w.last.copy_from_slice(w.lambda);
         w.lambda.fill(0.0);
@@ -148,7 +148,7 @@ impl Condensed {
         };
         let given = |(x, back): (&mut f64, &[f64])| *x -= dot(back, w.lambda);
         x.iter_mut().zip(self.back.chunks_exact(w.lambda.len())).for_each(given);
-        Ended { changes, solved }
+        SolveResult { changes, solved }
     }
 
     fn m(&self, i: usize, j: usize) -> f64 {

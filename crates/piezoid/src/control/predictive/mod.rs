@@ -34,18 +34,18 @@ mod tests;
 
 pub use settings::{PredictiveSettings, Solver};
 
-use super::{Controller, ControllerInput, Law};
+use super::{Controller, ControllerInput, ControllerKind};
 use crate::error::{Error, finite};
 use crate::hammerstein::Model;
 use crate::linear::Arx;
 use crate::number::short;
 use crate::system::System;
-use condensed::{Ended, dot};
+use condensed::{SolveResult, dot};
 use horizon::Horizon;
 use kalman::Observer;
 use nalgebra::{DVector, DVectorView, DVectorViewMut};
 use realisation::Realisation;
-use state::{Layout, Parts};
+use state::{Parts, StateLayout};
 use std::sync::Arc;
 
 /// How near to a limit z counts as there, and what is not worth crossing a dead zone for, over the range of z.
@@ -92,7 +92,7 @@ pub struct Predictive {
 
 /// What is planned at one sample.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// z of this sample and the next N - 1 [z's unit].
     pub z: Vec<f64>,
     /// The displacement they lead to, from the first that they act on [output unit].
@@ -116,7 +116,7 @@ impl Predictive {
         settings.check()?;
         let (bottom, top) = settings.voltage;
         let unsuited = |because: String| Error::Unsuited { what: "predictive control".into(), because };
-        if let Some(u) = model.hysteresis().falls(bottom, top) {
+        if let Some(u) = model.hysteresis().falling_input(bottom, top) {
             return Err(unsuited(format!("its operator falls with its input at {u} V: choose an operator that rises")));
         }
         let major = (model.settled_hidden(bottom), model.settled_hidden(top));
@@ -125,7 +125,7 @@ impl Predictive {
             return Err(unsuited(format!("its hysteresis does not move between {bottom} and {top} V")));
         }
         let plant = Realisation::new(model.creep(), model.linear());
-        settings.affordable(plant.order(), model.ts())?;
+        settings.check_computing_time(plant.order(), model.ts())?;
 
         let steady = model.linear().dc_gain().abs();
         let h = plant.impulse(plant.delay + settings.horizon);
@@ -193,9 +193,9 @@ impl Predictive {
         (a.min(b), a.max(b))
     }
 
-    fn layout(&self) -> Layout {
+    fn layout(&self) -> StateLayout {
         let program = &self.horizon.program;
-        Layout {
+        StateLayout {
             observer: self.plant.order(),
             late: self.settings.late,
             model: self.model.order(),
@@ -206,14 +206,14 @@ impl Predictive {
     }
 
     /// As [`Controller::step`], with the whole plan: `r` is the reference from this sample on, `y` the last reading [output unit].
-    pub fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
+    pub(crate) fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
         let (u, ended) = self.advance(x, r, y);
         let parts = self.layout().parts(x);
         let y = self.horizon.response(parts.s, parts.z).add_scalar(self.model.offset());
         Plan { z: parts.z.to_vec(), y: y.as_slice().to_vec(), u, solved: ended.solved, changes: ended.changes }
     }
 
-    fn advance(&self, x: &mut [f64], r: &[f64], y: f64) -> (f64, Ended) {
+    fn advance(&self, x: &mut [f64], r: &[f64], y: f64) -> (f64, SolveResult) {
         let mut parts = self.layout().parts(x);
         self.observe(&mut parts, y);
         self.without_limits(&mut parts, r);
@@ -286,11 +286,11 @@ impl Predictive {
     }
 
     /// The program by the interior-point method.
-    fn interior(&self, parts: &mut Parts<'_>) -> Ended {
+    fn interior(&self, parts: &mut Parts<'_>) -> SolveResult {
         let g = &self.horizon.program.h * DVector::from_column_slice(parts.z);
         let found = interior::solve(&self.horizon.program, g.as_slice(), parts.low, parts.high);
         found.iter().for_each(|z| parts.z.copy_from_slice(z));
-        Ended { changes: 0, solved: found.is_some() }
+        SolveResult { changes: 0, solved: found.is_some() }
     }
 }
 
@@ -321,8 +321,8 @@ impl Controller for Predictive {
     /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands, and
     /// without any z. A reading that is not finite is left out, and so is such a sample of the reference; one that is wildly off
     /// counts as ten strokes off. The feed-forward is not asked for.
-    fn step(&self, x: &mut [f64], now: &ControllerInput) -> f64 {
-        self.advance(x, now.ahead, now.y).0
+    fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
+        self.advance(x, input.ahead, input.y).0
     }
 
     fn law(&self) -> Option<Arx> {
@@ -333,11 +333,11 @@ impl Controller for Predictive {
 /// Share of the sampling rate up to which a model must be known to be planned on.
 const KNOWN: f64 = 0.05;
 
-pub(super) const ROW: Law = Law {
+pub(super) const ROW: ControllerKind = ControllerKind {
     name: "predictive",
     summary: "plans 20 samples ahead on the whole model, within its limits; needs no feed-forward",
     reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
-    fed: false,
+    uses_feed_forward: false,
     tune: |path, _| {
         if let Some(known) = path.known_hz().filter(|known| *known < KNOWN / path.linear().ts()) {
             let because = format!(

@@ -98,17 +98,17 @@ impl PredictiveSettings {
     }
 
     /// Refuses a horizon that cannot run every `ts` [s] on states of length `order`.
-    pub(super) fn affordable(&self, order: usize, ts: f64) -> Result<(), Error> {
-        let affordable = |n: usize| {
+    pub(super) fn check_computing_time(&self, order: usize, ts: f64) -> Result<(), Error> {
+        let check_computing_time = |n: usize| {
             let soft = self.rows(n) + 1 - 2 * n;
             let once = order * (order + n) + n * n + condensed::operations(n, self.rows(n), n + soft);
             once as f64 <= self.multiplications_per_second * ts
         };
         let n = self.horizon;
-        if affordable(n) {
+        if check_computing_time(n) {
             return Ok(());
         }
-        let longest = (1..n).rev().find(|&shorter| affordable(shorter)).unwrap_or(0);
+        let longest = (1..n).rev().find(|&shorter| check_computing_time(shorter)).unwrap_or(0);
         let rule = format!(
             "takes longer than a sample of {ts} s at {} multiplications a second in the worst case; the longest that does \
              not is {longest}",

@@ -25,7 +25,7 @@ pub(super) struct Parts<'x> {
 
 /// Their lengths.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
+pub(super) struct StateLayout {
     pub(super) observer: usize,
     pub(super) late: usize,
     pub(super) model: usize,
@@ -34,7 +34,7 @@ pub(super) struct Layout {
     pub(super) scratch: usize,
 }
 
-impl Layout {
+impl StateLayout {
     pub(super) fn length(self) -> usize {
         2 * self.observer + self.late + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
     }

@@ -13,16 +13,16 @@ const NOT_FINITE: [&str; 15] = [
 pub(super) struct NotANumber;
 
 /// Reads numbers with the decimal signs that a separator allows.
-pub(super) struct Numbers {
+pub(super) struct NumberReader {
     /// Whether a comma can be a decimal sign, because it is not the separator.
     comma: bool,
     /// The last cell with its comma made a point.
     pointed: String,
 }
 
-impl Numbers {
+impl NumberReader {
     pub(super) fn new(separator: char) -> Self {
-        Numbers { comma: separator != ',', pointed: String::new() }
+        NumberReader { comma: separator != ',', pointed: String::new() }
     }
 
     /// Point or comma, where the cell has one and it could be either.
@@ -108,16 +108,16 @@ mod tests {
                 problem(cell, false),
                 format!("`{cell}` is not a finite number: repair the sample, or end the record above this line")
             );
-            assert!(Numbers::new(',').read(cell).is_err());
+            assert!(NumberReader::new(',').read(cell).is_err());
         }
     }
 
     #[test]
     fn a_decimal_comma_is_read_where_it_does_not_separate() {
-        assert_eq!(Numbers::new(';').read("-1,5e-3").ok(), Some(-1.5e-3));
-        assert!(Numbers::new(',').read("-1,5").is_err());
-        assert!(Numbers::new(';').read("1.234,5").is_err());
-        assert!(Numbers::new(';').read("1,234,5").is_err());
+        assert_eq!(NumberReader::new(';').read("-1,5e-3").ok(), Some(-1.5e-3));
+        assert!(NumberReader::new(',').read("-1,5").is_err());
+        assert!(NumberReader::new(';').read("1.234,5").is_err());
+        assert!(NumberReader::new(';').read("1,234,5").is_err());
     }
 
     #[test]

@@ -121,7 +121,7 @@ impl Stamps {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::{Selection, Table};
+    use crate::formats::{ColumnSelection, Table};
     use crate::record::Units;
 
     fn stamps(ts: f64, rows: usize) -> Vec<String> {
@@ -155,6 +155,6 @@ mod tests {
         let units = Units { u: "mV".into(), y: "a;\"b\", c".into() };
         let record = Record::new(0.3, vec![-0.0, 1e-300], vec![f64::MAX, f64::MIN_POSITIVE]).unwrap().with_units(units);
         let text = record.to_csv().unwrap();
-        assert_eq!(Table::parse(text.as_bytes()).unwrap().record(&Selection::default()).unwrap(), record);
+        assert_eq!(Table::parse(text.as_bytes()).unwrap().record(&ColumnSelection::default()).unwrap(), record);
     }
 }

@@ -1,9 +1,9 @@
 //! Data sets: their type, shape and place, and the filters their chunks went through.
 
-use super::File;
+use super::Hdf5File;
 use super::object::{FILTERS, LAYOUT, Object, SPACE, TYPE, attribute};
 use crate::Error;
-use crate::formats::bytes::{self, Kind, Numbers, damaged, length, part};
+use crate::formats::bytes::{self, NumberFormat, NumberKind, damaged, length, part};
 
 /// The classes of MATLAB that are numbers.
 const NUMBERS: [&str; 11] =
@@ -12,7 +12,7 @@ const NUMBERS: [&str; 11] =
 /// Samples, or what is no vector of such.
 type Samples = Result<Vec<f64>, String>;
 
-impl<'a> File<'a> {
+impl<'a> Hdf5File<'a> {
     /// The samples of a data set; nothing where it is a line of text or the like.
     pub(super) fn samples(&mut self, data: &Object<'a>) -> Result<Option<Samples>, Error> {
         let left = |what: &str| Ok(Some(Err(what.to_string())));
@@ -50,7 +50,7 @@ impl<'a> File<'a> {
         data: &Object<'a>,
         layout: &[u8],
         dims: &[usize],
-        numbers: Numbers,
+        numbers: NumberFormat,
         n: usize,
     ) -> Result<Samples, Error> {
         let len = n.checked_mul(numbers.size).ok_or_else(|| damaged(format!("a data set of {n} samples")))?;
@@ -87,7 +87,7 @@ impl<'a> File<'a> {
         tree: usize,
         filters: Option<&[u8]>,
         (dims, chunk): (&[usize], &[usize]),
-        numbers: Numbers,
+        numbers: NumberFormat,
         n: usize,
     ) -> Result<Samples, Error> {
         let filters = match filters.map_or(Ok(Ok(Vec::new())), pipeline)? {
@@ -195,15 +195,17 @@ fn dims(space: &[u8]) -> Result<Vec<usize>, Error> {
 }
 
 /// How numbers are stored, or what is no real number.
-fn numbers(kind: &[u8]) -> Result<Result<Numbers, &'static str>, Error> {
+fn numbers(kind: &[u8]) -> Result<Result<NumberFormat, &'static str>, Error> {
     let number = |at, size| length(kind, at, size, false);
     let (bits, size) = (number(1, 1)?, number(4, 4)?);
-    let numbers = |kind| Numbers { kind, size, big: bits & 1 == 1 };
+    let numbers = |kind| NumberFormat { kind, size, big: bits & 1 == 1 };
     Ok(match number(0, 1)? & 15 {
         0 if matches!(size, 1 | 2 | 4 | 8) && number(10, 2)? == 8 * size => {
-            Ok(numbers(if bits & 8 > 0 { Kind::Signed } else { Kind::Unsigned }))
+            Ok(numbers(if bits & 8 > 0 { NumberKind::Signed } else { NumberKind::Unsigned }))
         }
-        1 if matches!(size, 2 | 4 | 8) && number(10, 2)? == 8 * size && bits & 0x40 == 0 => Ok(numbers(Kind::Float)),
+        1 if matches!(size, 2 | 4 | 8) && number(10, 2)? == 8 * size && bits & 0x40 == 0 => {
+            Ok(numbers(NumberKind::Float))
+        }
         0 | 1 => Err("numbers of an unusual type"),
         3 => Err("text"),
         6 => Err("complex numbers, or several in one"),
@@ -216,7 +218,7 @@ fn numbers(kind: &[u8]) -> Result<Result<Numbers, &'static str>, Error> {
     })
 }
 
-fn enumeration(kind: &[u8]) -> Result<Result<Numbers, &'static str>, Error> {
+fn enumeration(kind: &[u8]) -> Result<Result<NumberFormat, &'static str>, Error> {
     match kind.get(8..) {
         Some(base) if length(base, 0, 1, false)? & 15 == 0 => numbers(base),
         _ => Ok(Err("names")),

@@ -1,11 +1,11 @@
 //! Groups: names and addresses, in B-trees of version 1 or in messages of their own.
 
 use super::object::{LINK, Object, SYMBOLS};
-use super::{File, newer};
+use super::{Hdf5File, newer};
 use crate::Error;
 use crate::formats::bytes::{damaged, length, part, text};
 
-impl<'a> File<'a> {
+impl<'a> Hdf5File<'a> {
     /// What stands in a group: names, and addresses of their objects. Links to elsewhere are not followed.
     pub(super) fn links(&mut self, group: &Object<'a>) -> Result<Vec<(String, usize)>, Error> {
         let mut links = Vec::new();

@@ -1,6 +1,6 @@
 //! Objects: the messages in their heads, of versions 1 and 2.
 
-use super::{File, newer};
+use super::{Hdf5File, newer};
 use crate::Error;
 use crate::formats::bytes::{damaged, length, part, text};
 
@@ -50,7 +50,7 @@ impl<'a> Object<'a> {
     }
 }
 
-impl<'a> File<'a> {
+impl<'a> Hdf5File<'a> {
     /// The object whose head stands at an address.
     pub(super) fn object(&mut self, at: usize) -> Result<Object<'a>, Error> {
         let second = part(self.bytes, at, 4)? == b"OHDR";

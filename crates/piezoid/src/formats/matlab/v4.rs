@@ -2,11 +2,11 @@
 
 use crate::Error;
 use crate::formats::Channel;
-use crate::formats::bytes::{Kind, Numbers, damaged, length, part, size, text, vector, whole};
+use crate::formats::bytes::{NumberFormat, NumberKind, damaged, length, part, size, text, vector, whole};
 
 /// The head of a matrix.
-struct Head {
-    numbers: Numbers,
+struct MatrixHead {
+    numbers: NumberFormat,
     /// Numbers, text, or a sparse matrix.
     kind: u64,
     dims: [usize; 2],
@@ -15,26 +15,26 @@ struct Head {
 }
 
 /// The head at this place, where there can be one. Nothing marks such a file, but hardly anything else passes.
-fn head(file: &[u8], at: usize) -> Option<Head> {
+fn head(file: &[u8], at: usize) -> Option<MatrixHead> {
     let big = whole(file, at, 4, false).ok()? > 9999;
     let number = |k: usize| length(file, at + 4 * k, 4, big).ok();
     // Four decimal digits: machine, 0, type of number, kind of matrix.
     let code = whole(file, at, 4, big).ok()?;
     let (machine, zero, kind) = (code / 1000, code / 100 % 10, code % 10);
     let (number_kind, bytes) = match code / 10 % 10 {
-        0 => (Kind::Float, 8),
-        1 => (Kind::Float, 4),
-        2 => (Kind::Signed, 4),
-        3 => (Kind::Signed, 2),
-        4 => (Kind::Unsigned, 2),
-        5 => (Kind::Unsigned, 1),
+        0 => (NumberKind::Float, 8),
+        1 => (NumberKind::Float, 4),
+        2 => (NumberKind::Signed, 4),
+        3 => (NumberKind::Signed, 2),
+        4 => (NumberKind::Unsigned, 2),
+        5 => (NumberKind::Unsigned, 1),
         _ => return None,
     };
     let (complex, name) = (number(3)?, number(4)?);
     let fits = machine == u64::from(big) && zero == 0 && kind <= 2 && complex <= 1 && (1..=1024).contains(&name);
     let [.., 0] = part(file, at + 20, name).ok()? else { return None };
-    let numbers = Numbers { kind: number_kind, size: bytes, big };
-    fits.then_some(Head { numbers, kind, dims: [number(1)?, number(2)?], complex: complex == 1, name })
+    let numbers = NumberFormat { kind: number_kind, size: bytes, big };
+    fits.then_some(MatrixHead { numbers, kind, dims: [number(1)?, number(2)?], complex: complex == 1, name })
 }
 
 /// Whether a file begins with a matrix.
@@ -47,7 +47,7 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
     let mut channels = Vec::new();
     let mut at = 0;
     while at < file.len() {
-        let Head { numbers, kind, dims, complex, name: len } =
+        let MatrixHead { numbers, kind, dims, complex, name: len } =
             head(file, at).ok_or_else(|| damaged(format!("no matrix stands at byte {at}")))?;
         let name = text(part(file, at + 20, len)?);
         at += 20 + len;

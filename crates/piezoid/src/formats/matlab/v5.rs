@@ -6,7 +6,9 @@
 
 use crate::Error;
 use crate::formats::Channel;
-use crate::formats::bytes::{DEEPEST, Kind, Numbers, Unpacking, damaged, length, part, shape, size, text, vector};
+use crate::formats::bytes::{
+    DEEPEST, NumberFormat, NumberKind, Unpacking, damaged, length, part, shape, size, text, vector,
+};
 
 /// Bytes of the text that a file begins with, and of version and byte order.
 const HEAD: usize = 128;
@@ -44,26 +46,26 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
 }
 
 /// What a variable, field or cell holds.
-enum Value {
+enum MatValue {
     /// Samples, or what is no vector of such.
     Samples(Result<Vec<f64>, String>),
     /// A line of text.
     Text,
-    Fields(Vec<(String, Value)>),
+    Fields(Vec<(String, MatValue)>),
 }
 
 /// The channels of a variable: its own, or those of its fields.
-fn flat(name: String, value: Value, channels: &mut Vec<Channel>) {
+fn flat(name: String, value: MatValue, channels: &mut Vec<Channel>) {
     match value {
-        Value::Samples(samples) => channels.push(Channel { name, unit: None, samples }),
-        Value::Text => {}
-        Value::Fields(fields) => fields.into_iter().for_each(|(name, value)| flat(name, value, channels)),
+        MatValue::Samples(samples) => channels.push(Channel { name, unit: None, samples }),
+        MatValue::Text => {}
+        MatValue::Fields(fields) => fields.into_iter().for_each(|(name, value)| flat(name, value, channels)),
     }
 }
 
 /// The name and the value of an array.
-fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, Value), Error> {
-    let other = |what: &str| Value::Samples(Err(what.into()));
+fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, MatValue), Error> {
+    let other = |what: &str| MatValue::Samples(Err(what.into()));
     if kind != MATRIX || depth > DEEPEST {
         return Err(damaged(format!("an element of type {kind}, {depth} deep, where an array should stand")));
     }
@@ -80,11 +82,11 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
         1 => cells(&mut parts, &dims, depth)?,
         2 if size(&dims)? == 1 => fields(&mut parts, depth)?,
         2 => other(&format!("structures, {}", shape(&dims))),
-        4 if size(&dims)? == 0 || dims.first() == Some(&1) => Value::Text,
+        4 if size(&dims)? == 0 || dims.first() == Some(&1) => MatValue::Text,
         4 => other("text"),
         5 => other("a sparse matrix"),
         6..=15 if flags & COMPLEX > 0 => other("complex numbers"),
-        6..=15 => Value::Samples(match vector(&dims)? {
+        6..=15 => MatValue::Samples(match vector(&dims)? {
             Ok(n) => Ok(parts.numbers(n)?),
             Err(what) => Err(what),
         }),
@@ -94,22 +96,22 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
 }
 
 /// Cells, one array each.
-fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<Value, Error> {
+fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<MatValue, Error> {
     let count = size(dims)?;
     let mut samples = Vec::new();
     for _ in 0..count {
         let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
         match value {
             value if count == 1 => return Ok(value),
-            Value::Samples(Ok(single)) if single.len() == 1 => samples.extend(single),
-            _ => return Ok(Value::Samples(Err(format!("cells, {}", shape(dims))))),
+            MatValue::Samples(Ok(single)) if single.len() == 1 => samples.extend(single),
+            _ => return Ok(MatValue::Samples(Err(format!("cells, {}", shape(dims))))),
         }
     }
-    Ok(Value::Samples(vector(dims)?.map(|_| samples)))
+    Ok(MatValue::Samples(vector(dims)?.map(|_| samples)))
 }
 
 /// The fields of one structure.
-fn fields(parts: &mut Elements<'_>, depth: usize) -> Result<Value, Error> {
+fn fields(parts: &mut Elements<'_>, depth: usize) -> Result<MatValue, Error> {
     let width = parts.lengths()?.first().copied().unwrap_or(0).max(1);
     let (_, names) = parts.next()?;
     let mut fields = Vec::new();
@@ -117,7 +119,7 @@ fn fields(parts: &mut Elements<'_>, depth: usize) -> Result<Value, Error> {
         let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
         fields.push((text(name), value));
     }
-    Ok(Value::Fields(fields))
+    Ok(MatValue::Fields(fields))
 }
 
 /// Elements one after the other.
@@ -154,21 +156,21 @@ impl<'a> Elements<'a> {
     fn numbers(&mut self, count: usize) -> Result<Vec<f64>, Error> {
         let (kind, bytes) = self.next()?;
         let (number, size) = match kind {
-            1 => (Kind::Signed, 1),
-            2 => (Kind::Unsigned, 1),
-            3 => (Kind::Signed, 2),
-            4 => (Kind::Unsigned, 2),
-            5 => (Kind::Signed, 4),
-            6 => (Kind::Unsigned, 4),
-            7 => (Kind::Float, 4),
-            9 => (Kind::Float, 8),
-            12 => (Kind::Signed, 8),
-            13 => (Kind::Unsigned, 8),
+            1 => (NumberKind::Signed, 1),
+            2 => (NumberKind::Unsigned, 1),
+            3 => (NumberKind::Signed, 2),
+            4 => (NumberKind::Unsigned, 2),
+            5 => (NumberKind::Signed, 4),
+            6 => (NumberKind::Unsigned, 4),
+            7 => (NumberKind::Float, 4),
+            9 => (NumberKind::Float, 8),
+            12 => (NumberKind::Signed, 8),
+            13 => (NumberKind::Unsigned, 8),
             other => return Err(damaged(format!("numbers of the unknown type {other}"))),
         };
         if count.checked_mul(size) != Some(bytes.len()) {
             return Err(damaged(format!("{} bytes for {count} numbers of {size} bytes", bytes.len())));
         }
-        Ok(Numbers { kind: number, size, big: self.big }.read(bytes, size).unwrap_or_default())
+        Ok(NumberFormat { kind: number, size, big: self.big }.read(bytes, size).unwrap_or_default())
     }
 }

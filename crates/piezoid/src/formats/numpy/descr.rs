@@ -2,12 +2,12 @@
 
 use super::literal::{Literal, parse};
 use crate::Error;
-use crate::formats::bytes::{DEEPEST, Kind, Numbers, damaged, shape, size};
+use crate::formats::bytes::{DEEPEST, NumberFormat, NumberKind, damaged, shape, size};
 use crate::formats::quote::quoted;
 
 /// The head of a file.
 #[derive(Debug, PartialEq)]
-pub(super) struct Head {
+pub(super) struct ArrayHead {
     pub(super) descr: Descr,
     pub(super) dims: Vec<usize>,
 }
@@ -15,7 +15,7 @@ pub(super) struct Head {
 /// The type of an element.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Descr {
-    Numbers(Numbers),
+    Numbers(NumberFormat),
     /// Instants or spans of time, whole numbers of 8 bytes: in this unit, of which so many are a second.
     Instants {
         big: bool,
@@ -28,7 +28,7 @@ pub(super) enum Descr {
 }
 
 /// Reads the head of a file.
-pub(super) fn head(bytes: &[u8]) -> Result<Head, Error> {
+pub(super) fn head(bytes: &[u8]) -> Result<ArrayHead, Error> {
     let text = String::from_utf8_lossy(bytes);
     let wrong = || damaged(format!("the description of an array, {:.60?}", text.trim()));
     let Literal::Dict(entries) = parse(&text)? else { return Err(wrong()) };
@@ -37,7 +37,7 @@ pub(super) fn head(bytes: &[u8]) -> Result<Head, Error> {
         found.map(|(_, value)| value).ok_or_else(wrong)
     };
     let descr = descr(entry("descr")?, 0).ok_or_else(wrong)?;
-    Ok(Head { descr, dims: dims(entry("shape")?).ok_or_else(wrong)? })
+    Ok(ArrayHead { descr, dims: dims(entry("shape")?).ok_or_else(wrong)? })
 }
 
 fn dims(literal: &Literal) -> Option<Vec<usize>> {
@@ -91,12 +91,12 @@ fn plain(code: &str) -> Option<Descr> {
     let (digits, unit) = rest[kind.len_utf8()..].split_once('[').unwrap_or((&rest[kind.len_utf8()..], ""));
     let size: usize = if kind == 'O' { 8 } else { digits.parse().ok()? };
     let (big, what) = (order == '>', || format!("of type {}", quoted(code)));
-    let numbers = |kind| Some(Descr::Numbers(Numbers { kind, size, big }));
+    let numbers = |kind| Some(Descr::Numbers(NumberFormat { kind, size, big }));
     match kind {
-        'f' if matches!(size, 2 | 4 | 8) => numbers(Kind::Float),
-        'i' if matches!(size, 1 | 2 | 4 | 8) => numbers(Kind::Signed),
-        'u' if matches!(size, 1 | 2 | 4 | 8) => numbers(Kind::Unsigned),
-        'b' if size == 1 => numbers(Kind::Unsigned),
+        'f' if matches!(size, 2 | 4 | 8) => numbers(NumberKind::Float),
+        'i' if matches!(size, 1 | 2 | 4 | 8) => numbers(NumberKind::Signed),
+        'u' if matches!(size, 1 | 2 | 4 | 8) => numbers(NumberKind::Unsigned),
+        'b' if size == 1 => numbers(NumberKind::Unsigned),
         'M' | 'm' if size == 8 => Some(match seconds(unit.trim_end_matches(']')) {
             Some((unit, per_second)) => Descr::Instants { big, unit, per_second },
             None => Descr::Other(what(), size),

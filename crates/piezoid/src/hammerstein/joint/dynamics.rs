@@ -5,11 +5,11 @@
 //! ```
 //! The ladder of creep has such poles of its own; two of a kind in series tell nothing apart.
 
-use super::Joint;
+use super::JointOptions;
 use crate::creep::Lag;
 use crate::error::Error;
 use crate::linear::{Arx, Orders, OutputError, Pole, Refinement};
-use crate::progress::unwatched;
+use crate::progress::silent;
 use crate::record::Record;
 use crate::system::System;
 use std::f64::consts::TAU;
@@ -18,22 +18,22 @@ use std::f64::consts::TAU;
 pub(super) const NOTHING: f64 = 1.01;
 
 /// The frequency below which a real pole is creep, which has a block of its own [Hz].
-pub(super) fn slowest_pole(how: &Joint, lags: &[Lag]) -> f64 {
-    lags.first().filter(|_| how.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
+pub(super) fn slowest_pole(settings: &JointOptions, lags: &[Lag]) -> f64 {
+    lags.first().filter(|_| settings.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
 }
 
 /// A pole of the block that is creep.
-pub(super) fn creeping(arx: &Arx, slowest: f64) -> Option<Pole> {
+pub(super) fn creep_pole(arx: &Arx, slowest: f64) -> Option<Pole> {
     arx.poles().into_iter().find(|pole| is_lag(pole) && pole.hz < slowest)
 }
 
 /// The frequency of a lag as long as the longest record [Hz]. To the records a slower one is a constant, whose gain could be anything.
-pub(super) fn told_from<'r>(records: impl Iterator<Item = &'r Record>) -> f64 {
+pub(super) fn slowest_observable<'r>(records: impl Iterator<Item = &'r Record>) -> f64 {
     1.0 / (TAU * records.map(Record::duration).fold(f64::MIN_POSITIVE, f64::max))
 }
 
 /// The block with lags slower than `slowest` [Hz] made as quick as that, which changes its static gain.
-pub(super) fn quickened(arx: Arx, slowest: f64) -> Result<Arx, Error> {
+pub(super) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Error> {
     let ts = arx.ts();
     let mut denominator = arx.denominator();
     for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest) {
@@ -58,7 +58,7 @@ pub(super) struct Dynamics {
 impl Dynamics {
     /// What remains without its poles that are creep: G less r q^-d / (1 - p q^-1) for each. None where that is a gain.
     pub(super) fn without_creep(mut self, slowest: f64) -> Result<Option<Self>, Error> {
-        while let Some(pole) = creeping(&self.arx, slowest) {
+        while let Some(pole) = creep_pole(&self.arx, slowest) {
             if self.arx.a().len() == 1 {
                 return Ok(None);
             }
@@ -97,8 +97,7 @@ pub(super) fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) ->
     let mut delays = vec![latest, latest / 2, 0];
     delays.dedup();
     let of = |delay: usize| {
-        let found =
-            OutputError::fit(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched)?;
+        let found = OutputError::fit(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut silent)?;
         if found.arx.dc_gain() * gain > 0.0 {
             return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
         }
@@ -153,8 +152,8 @@ mod tests {
             let a = vec![1.7424 + p, -0.9453 - 1.7424 * p, 0.9453 * p];
             Arx::new(5e-4, a, vec![0.0, 3.4, 3.3]).unwrap()
         };
-        assert_close(quickened(block(p(0.01)), 0.5).unwrap().a(), block(p(0.5)).a(), 1e-9, 0.0);
-        assert_eq!(quickened(block(p(1.0)), 0.5).unwrap().b(), block(p(1.0)).b());
-        assert_eq!(quickened(block(p(1.0)), 0.5).unwrap().a(), block(p(1.0)).a());
+        assert_close(with_slow_lags_limited(block(p(0.01)), 0.5).unwrap().a(), block(p(0.5)).a(), 1e-9, 0.0);
+        assert_eq!(with_slow_lags_limited(block(p(1.0)), 0.5).unwrap().b(), block(p(1.0)).b());
+        assert_eq!(with_slow_lags_limited(block(p(1.0)), 0.5).unwrap().a(), block(p(1.0)).a());
     }
 }

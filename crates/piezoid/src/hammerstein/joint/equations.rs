@@ -9,8 +9,8 @@
 //! Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201.
 
 use super::estimate::Estimate;
-use super::layout::Layout;
-use super::products::Stretch;
+use super::layout::ColumnLayout;
+use super::products::Segment;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -20,21 +20,21 @@ const ERROR: f64 = 0.003;
 
 /// Sums of squares in the weights and the steps of the other parameters.
 #[derive(Debug, Clone)]
-pub(super) struct Normal {
+pub(super) struct ReducedEquations {
     pub(super) h: DMatrix<f64>,
     pub(super) g: DVector<f64>,
     pub(super) yy: f64,
     pub(super) samples: f64,
 }
 
-impl Normal {
+impl ReducedEquations {
     /// The sum of squares that `x` leaves.
     pub(super) fn left(&self, x: &DVector<f64>) -> f64 {
         (self.yy + x.dot(&(&self.h * x - &self.g * 2.0))).max(0.0)
     }
 
-    fn sum<'a>(n: usize, parts: impl Iterator<Item = &'a Normal>) -> Self {
-        let zero = Normal { h: DMatrix::zeros(n, n), g: DVector::zeros(n), yy: 0.0, samples: 0.0 };
+    fn sum<'a>(n: usize, parts: impl Iterator<Item = &'a ReducedEquations>) -> Self {
+        let zero = ReducedEquations { h: DMatrix::zeros(n, n), g: DVector::zeros(n), yy: 0.0, samples: 0.0 };
         parts.fold(zero, |mut sum, part| {
             sum.h += &part.h;
             sum.g += &part.g;
@@ -47,16 +47,16 @@ impl Normal {
 
 /// The equations of a run, and the way back to its own coefficients: v = v0 - V x.
 #[derive(Debug, Clone)]
-pub(super) struct OfRun {
+pub(super) struct RecordEquations {
     pub(super) run: usize,
-    pub(super) normal: Normal,
+    pub(super) normal: ReducedEquations,
     carried: DMatrix<f64>,
     carried_y: DVector<f64>,
 }
 
-impl OfRun {
+impl RecordEquations {
     /// Of some stretches of one run.
-    fn of(estimate: &Estimate, layout: &Layout, parts: &[&Stretch]) -> Self {
+    fn of(estimate: &Estimate, layout: &ColumnLayout, parts: &[&Segment]) -> Self {
         let (p, m, y) = (layout.parameters(), layout.own(), layout.columns());
         let gram = parts[1..].iter().fold(parts[0].gram.clone(), |sum, part| sum + &part.gram);
         let samples = parts.iter().map(|part| part.samples).sum();
@@ -75,13 +75,13 @@ impl OfRun {
             Some(own) => (own.solve(&crossed), own.solve(&crossed_y)),
             None => (DMatrix::zeros(m, p), DVector::zeros(m)),
         };
-        let normal = Normal {
+        let normal = ReducedEquations {
             h: gram.view((0, 0), (p, p)) - crossed.tr_mul(&carried),
             g: gram.view((0, y), (p, 1)).column(0) - crossed.tr_mul(&carried_y),
             yy: gram[(y, y)] - crossed_y.dot(&carried_y),
             samples,
         };
-        OfRun { run: parts[0].run, normal, carried, carried_y }
+        RecordEquations { run: parts[0].run, normal, carried, carried_y }
     }
 
     /// The run's own coefficients where the parameters are `x`.
@@ -93,37 +93,37 @@ impl OfRun {
 /// The equations of each run over the stretches that are `taken`, and their sum.
 pub(super) fn equations(
     estimate: &Estimate,
-    stretches: &[Stretch],
-    taken: impl Fn(&Stretch) -> bool + Sync,
-) -> (Normal, Vec<OfRun>) {
-    let layout = Layout::of(estimate);
-    let runs = stretches.chunk_by(|p, q| p.run == q.run).collect::<Vec<_>>();
-    let of = |run: &&[Stretch]| {
-        let parts: Vec<&Stretch> = run.iter().filter(|s| s.samples > 0.0 && taken(s)).collect();
-        (!parts.is_empty()).then(|| OfRun::of(estimate, &layout, &parts))
+    segments: &[Segment],
+    taken: impl Fn(&Segment) -> bool + Sync,
+) -> (ReducedEquations, Vec<RecordEquations>) {
+    let layout = ColumnLayout::of(estimate);
+    let runs = segments.chunk_by(|p, q| p.run == q.run).collect::<Vec<_>>();
+    let of = |run: &&[Segment]| {
+        let parts: Vec<&Segment> = run.iter().filter(|s| s.samples > 0.0 && taken(s)).collect();
+        (!parts.is_empty()).then(|| RecordEquations::of(estimate, &layout, &parts))
     };
-    let each: Vec<OfRun> = runs.par_iter().filter_map(of).collect();
-    (Normal::sum(layout.parameters(), each.iter().map(|run| &run.normal)), each)
+    let each: Vec<RecordEquations> = runs.par_iter().filter_map(of).collect();
+    (ReducedEquations::sum(layout.parameters(), each.iter().map(|run| &run.normal)), each)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{estimate, stretch};
+    use super::super::testing::{estimate, segment};
     use super::*;
     use crate::testing::assert_close;
 
     #[test]
     fn elimination_gives_what_all_equations_together_give() {
         let estimate = estimate("prandtl-ishlinskii", 3);
-        let layout = Layout::of(&estimate);
+        let layout = ColumnLayout::of(&estimate);
         let (p, m) = (layout.parameters(), layout.own());
-        let stretches = [stretch(&layout, 0, None, 1), stretch(&layout, 0, None, 2), stretch(&layout, 1, None, 3)];
-        let (normal, each) = equations(&estimate, &stretches, |_| true);
+        let segments = [segment(&layout, 0, None, 1), segment(&layout, 0, None, 2), segment(&layout, 1, None, 3)];
+        let (normal, each) = equations(&estimate, &segments, |_| true);
         let x = normal.h.clone().cholesky().unwrap().solve(&normal.g);
 
         // All unknowns at once: the parameters, then what belongs to the first run, then to the second.
         let (mut h, mut g) = (DMatrix::<f64>::zeros(p + 2 * m, p + 2 * m), DVector::<f64>::zeros(p + 2 * m));
-        for part in &stretches {
+        for part in &segments {
             let place = |k: usize| if k < p { k } else { k + part.run * m };
             for i in 0..p + m {
                 g[place(i)] += part.gram[(i, p + m)];
@@ -135,15 +135,15 @@ mod tests {
         for (k, run) in each.iter().enumerate() {
             assert_close(&run.own(&x), &all.as_slice()[p + k * m..][..m], 1e-6, 1e-7);
         }
-        let yy: f64 = stretches.iter().map(|part| part.gram[(p + m, p + m)]).sum();
+        let yy: f64 = segments.iter().map(|part| part.gram[(p + m, p + m)]).sum();
         assert_close(&[normal.left(&x)], &[yy - g.dot(&all)], 1e-6, 0.0);
     }
 
     #[test]
     fn only_the_stretches_taken_count() {
         let estimate = estimate("prandtl-ishlinskii", 3);
-        let layout = Layout::of(&estimate);
-        let [one, other] = [stretch(&layout, 0, Some(0), 1), stretch(&layout, 0, Some(1), 2)];
+        let layout = ColumnLayout::of(&estimate);
+        let [one, other] = [segment(&layout, 0, Some(0), 1), segment(&layout, 0, Some(1), 2)];
         let (taken, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0));
         let (alone, _) = equations(&estimate, &[one], |_| true);
         assert_eq!((taken.h, taken.g, taken.samples), (alone.h, alone.g, alone.samples));

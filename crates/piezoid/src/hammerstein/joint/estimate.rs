@@ -1,7 +1,7 @@
 //! What the joint way has found so far: every parameter of a model, before it is one.
 
-use super::layout::Layout;
-use super::runs::Run;
+use super::layout::ColumnLayout;
+use super::runs::TrainingRecord;
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
 use crate::error::Error;
@@ -30,9 +30,9 @@ impl Estimate {
         self.linear.ts()
     }
 
-    /// The estimate with the parameters `x`, in the order of [`Layout`]; none where G is unstable or they make no sense.
+    /// The estimate with the parameters `x`, in the order of [`ColumnLayout`]; none where G is unstable or they make no sense.
     pub(super) fn moved(&self, x: &[f64]) -> Option<Self> {
-        let layout = Layout::of(self);
+        let layout = ColumnLayout::of(self);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
         let within = |(shape, &p): (ShapeParameter, &f64)| p.clamp(shape.low, shape.high);
         let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape]).map(within).collect();
@@ -69,7 +69,7 @@ pub(super) struct Responses<'a> {
 
 impl<'a> Responses<'a> {
     /// The responses before the first sample of a run, its past being what it is.
-    pub(super) fn before(estimate: &'a Estimate, run: &Run) -> Self {
+    pub(super) fn before(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
         let u = run.record.u();
         let mut responses = Responses::settled(estimate, u[0]);
         if !run.past.is_empty() {

@@ -1,10 +1,10 @@
 //! Errors of what was held out, and what they tell.
 
-use super::equations::{Normal, equations};
+use super::equations::{ReducedEquations, equations};
 use super::estimate::Estimate;
-use super::products::Stretch;
+use super::products::Segment;
 use super::runs::FOLDS;
-use super::solve::{Freed, Prior};
+use super::solve::{FreeParameters, Prior};
 use crate::series::{mean, scatter};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -47,14 +47,14 @@ impl HeldOut {
     }
 }
 
-/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `freed`
+/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `free`
 /// parameters are fitted anew without a fold.
 pub(super) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,
-    stretches: &[Stretch],
+    segments: &[Segment],
     damping: f64,
-    freed: Freed,
+    free: FreeParameters,
     fixed: Option<f64>,
 ) -> HeldOut {
     let lambdas: Vec<f64> = match fixed {
@@ -63,17 +63,17 @@ pub(super) fn cross_validate(
         None => LAMBDAS.to_vec(),
     };
     let folds: Vec<usize> =
-        (0..FOLDS).filter(|fold| stretches.iter().any(|s| s.fold == Some(*fold) && s.judged)).collect();
+        (0..FOLDS).filter(|fold| segments.iter().any(|s| s.fold == Some(*fold) && s.judged)).collect();
     let of = |&fold: &usize| -> Vec<(f64, DVector<f64>)> {
-        let (train, _) = equations(estimate, stretches, |s| s.fold != Some(fold));
-        let tests: Vec<Normal> = stretches
+        let (train, _) = equations(estimate, segments, |s| s.fold != Some(fold));
+        let tests: Vec<ReducedEquations> = segments
             .iter()
             .filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0)
             .map(|s| equations(estimate, std::slice::from_ref(s), |_| true).0)
             .collect();
         // From smooth to rough, each starting from the signs found before.
         let mut positive = vec![true; prior.now().len()];
-        let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, freed, &mut positive) {
+        let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, free, &mut positive) {
             None => (f64::INFINITY, prior.now().clone()),
             Some(x) => {
                 let steps = prior.steps(&x);
@@ -122,9 +122,9 @@ mod tests {
             .collect();
         let estimate = estimate("proportional", 1);
         let runs = of(&[], &records, &mut Vec::new()).unwrap();
-        let stretches = products(&estimate, &runs, &[]);
+        let segments = products(&estimate, &runs, &[]);
         let prior = Prior::of(&estimate);
-        let found = cross_validate(&estimate, &prior, &stretches, 1e-6, Freed::Weights, Some(0.0));
+        let found = cross_validate(&estimate, &prior, &segments, 1e-6, FreeParameters::Weights, Some(0.0));
         assert_eq!(found.folds.len(), 3);
 
         let about_mean = |x: &[f64]| x.iter().map(|v| v - mean(x)).collect::<Vec<_>>();

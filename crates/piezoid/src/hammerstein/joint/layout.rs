@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// The columns: those of the parameters, then those of a record's own past and constant.
 #[derive(Debug, Clone)]
-pub(super) struct Layout {
+pub(super) struct ColumnLayout {
     /// Weights of the hysteresis.
     pub(super) weights: Range<usize>,
     /// Gains of creep.
@@ -26,7 +26,7 @@ pub(super) struct Layout {
     pub(super) trend: usize,
 }
 
-impl Layout {
+impl ColumnLayout {
     pub(super) fn of(estimate: &Estimate) -> Self {
         let mut end = 0;
         let mut next = |n: usize| {
@@ -35,7 +35,7 @@ impl Layout {
         };
         let (na, nb) = (estimate.linear.a().len(), estimate.linear.b().len());
         let lags = estimate.lags.len();
-        Layout {
+        ColumnLayout {
             weights: next(estimate.basis.len()),
             gains: next(lags),
             shape: next(estimate.basis.shape().len()),

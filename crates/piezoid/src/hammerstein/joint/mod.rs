@@ -13,11 +13,11 @@
 //! iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017, DOI
 //! 10.1016/j.automatica.2017.06.044 (a survey). It does not do: hysteresis inside the loop of the dynamics.
 
+mod check;
 mod dynamics;
 mod equations;
 mod estimate;
 mod held_out;
-mod judge;
 mod layout;
 mod products;
 mod refine;
@@ -36,8 +36,8 @@ mod uncertainty;
 pub use trials::OperatorTrial;
 pub use uncertainty::FittedParameter;
 
-use super::paper::{Identified, common_units, unexcited};
-use super::rich::LinearPart;
+use super::large_signal::LinearPart;
+use super::paper::{Identified, common_units, unexcited_resonance};
 use super::{Domain, InitialCondition, Model};
 use crate::creep::Lag;
 use crate::driver::DriverModel;
@@ -48,12 +48,12 @@ use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
 use crate::system::System;
-use dynamics::{creeping, told_from};
+use dynamics::{creep_pole, slowest_observable};
 use estimate::{Estimate, Responses};
-use layout::Layout;
+use layout::ColumnLayout;
 use refine::{Fitted, refine};
-use runs::Run;
-use solve::Freed;
+use runs::TrainingRecord;
+use solve::FreeParameters;
 
 /// The shortest time constant of creep [samples], and the longest over the longest record.
 const QUICKEST: f64 = 10.0;
@@ -67,7 +67,7 @@ const CREEPS: f64 = 0.1;
 
 /// How to identify jointly.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Joint {
+pub(crate) struct JointOptions {
     /// Name of the hysteresis operator. Of several, which commas separate, and of all (`auto`) the simplest is taken that
     /// foretells held-out parts as well as the best.
     pub operator: String,
@@ -83,13 +83,13 @@ pub(crate) struct Joint {
     pub seed: u64,
 }
 
-impl Default for Joint {
+impl Default for JointOptions {
     fn default() -> Self {
-        Joint { operator: "auto".into(), order: None, elements: None, creep: true, driver: None, seed: 0 }
+        JointOptions { operator: "auto".into(), order: None, elements: None, creep: true, driver: None, seed: 0 }
     }
 }
 
-/// Identifies all parts together: `small` are small-signal records (a PRBS), `rich` those that exercise the hysteresis. The
+/// Identifies all parts together: `small` are small-signal records (a PRBS), `large_signal` those that exercise the hysteresis. The
 /// first list may be empty.
 ///
 /// # Errors
@@ -97,31 +97,32 @@ impl Default for Joint {
 /// identified from; an operator that is not known; [`Error::Cancelled`].
 pub(crate) fn identify_joint(
     small: &[Record],
-    rich: &[Record],
-    how: &Joint,
+    large_signal: &[Record],
+    settings: &JointOptions,
     progress: &mut Progress,
 ) -> Result<Identified, Error> {
-    if let Some(elements) = how.elements.filter(|n| *n > MOST) {
+    if let Some(elements) = settings.elements.filter(|n| *n > MOST) {
         return Err(Error::parameter("elements", elements, format!("must be at most {MOST}")));
     }
-    let units = common_units(small.iter().chain(rich))?;
+    let units = common_units(small.iter().chain(large_signal))?;
     let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
-    let (small, rich) = (convert(small)?, convert(rich)?);
-    let Some(first) = rich.first().or(small.first()) else {
+    let (small, large_signal) = (convert(small)?, convert(large_signal)?);
+    let Some(first) = large_signal.first().or(small.first()) else {
         let remedy = "give a small-signal record, a rich one, or both".into();
         return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
     };
     let (ts, mut notes) = (first.ts(), Vec::new());
     // Without any other, small-signal records are all there is to find hysteresis from.
-    let (beside, rich) = if rich.is_empty() { (&[][..], small.clone()) } else { (&small[..], rich) };
-    let candidates = trials::candidates(&how.operator, &rich, small.is_empty(), &mut notes)?;
-    let mut runs = runs::of(beside, &rich, &mut notes)?;
+    let (beside, large_signal) =
+        if large_signal.is_empty() { (&[][..], small.clone()) } else { (&small[..], large_signal) };
+    let candidates = trials::candidates(&settings.operator, &large_signal, small.is_empty(), &mut notes)?;
+    let mut runs = runs::of(beside, &large_signal, &mut notes)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
-    let lags = if how.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
-    let faster = if how.driver.is_some() { ts / DriverModel::SUBSTEPS as f64 } else { ts };
-    let frequencies = rich.iter().filter_map(|r| crate::waveform::dominant_frequency(r.u(), ts)).collect();
+    let lags = if settings.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
+    let faster = if settings.driver.is_some() { ts / DriverModel::SUBSTEPS as f64 } else { ts };
+    let frequencies = large_signal.iter().filter_map(|r| crate::waveform::dominant_frequency(r.u(), ts)).collect();
     let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
-    let design = BasisDesign { ts: faster, range, elements: how.elements, frequencies };
+    let design = BasisDesign { ts: faster, range, elements: settings.elements, frequencies };
 
     let total = candidates.len() + 1;
     let mut watch_at = |done: usize, what: &str| -> Result<(), Error> {
@@ -132,18 +133,19 @@ pub(crate) fn identify_joint(
     };
     let mut watch = |_| watch_at(0, "linear block");
     watch(0)?;
-    let bridged = |run: &Run| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
+    let bridged =
+        |run: &TrainingRecord| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
     let bridged = runs.iter().map(bridged).collect::<Result<Vec<_>, Error>>()?;
     let (linear, reason) = match small.is_empty() {
-        false => structure::of_small(&bridged[..small.len()], &bridged[beside.len()..], how, &lags)?,
-        true => structure::of_rich(&bridged, &mut runs, how, &design, &lags, &mut watch)?,
+        false => structure::from_small_signal(&bridged[..small.len()], &bridged[beside.len()..], settings, &lags)?,
+        true => structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &mut watch)?,
     };
     notes.push(format!("linear block: {reason}"));
 
     let mut trials: Vec<(OperatorTrial, Option<Fitted>)> = Vec::new();
     for (done, row) in candidates.iter().enumerate() {
         let mut watch = |_| watch_at(done + 1, row.name);
-        let fitted = fit(row, &design, &linear, &lags, how, &mut runs, &mut watch);
+        let fitted = fit(row, &design, &linear, &lags, settings, &mut runs, &mut watch);
         let trial = match fitted {
             Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
             Err(why) if candidates.len() == 1 => return Err(why),
@@ -153,11 +155,11 @@ pub(crate) fn identify_joint(
         trials.push(trial);
     }
     let (fitted, trials) = trials::choose(trials)?;
-    notes.extend(judge::judge(&fitted, &runs)?);
+    notes.extend(check::check_fit(&fitted, &runs)?);
     notes.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
     let model = fitted.estimate.model(offset)?.with_units(units);
-    let model = match Domain::of(small.iter().chain(&rich)) {
+    let model = match Domain::of(small.iter().chain(&large_signal)) {
         Some(domain) => model.with_identified(domain),
         None => model,
     };
@@ -173,7 +175,7 @@ pub(crate) fn identify_joint(
              linear block does not have"
         )
     }));
-    notes.extend(unexcited(model.linear(), small.iter().chain(&rich)));
+    notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
     Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
 }
@@ -184,16 +186,16 @@ fn fit(
     design: &BasisDesign,
     linear: &crate::linear::Arx,
     lags: &[Lag],
-    how: &Joint,
-    runs: &mut [Run],
-    watch: refine::Watch,
+    settings: &JointOptions,
+    runs: &mut [TrainingRecord],
+    watch: refine::StepCallback,
 ) -> Result<Fitted, Error> {
-    let start = Estimate::new(how.driver, (row.basis)(design)?, lags.to_vec(), linear.clone());
+    let start = Estimate::new(settings.driver, (row.basis)(design)?, lags.to_vec(), linear.clone());
     watch(0)?;
-    let elsewhere = search::search(&start, runs, how.seed)?;
-    let here = refine(start, runs, Freed::All, watch)?;
+    let elsewhere = search::search(&start, runs, settings.seed)?;
+    let here = refine(start, runs, FreeParameters::All, watch)?;
     let Some(elsewhere) = elsewhere else { return Ok(here) };
-    let there = refine(elsewhere, runs, Freed::All, watch)?;
+    let there = refine(elsewhere, runs, FreeParameters::All, watch)?;
     Ok(better(here, there, runs))
 }
 
@@ -202,20 +204,20 @@ const ALIKE: f64 = 0.95;
 
 /// The fit that foretells held-out parts better; where both do so alike, the one that runs free better. An operator that hardly forgets
 /// foretells what is held out, since what came before is known there, and is of no use to whoever does not know it.
-fn better(here: Fitted, there: Fitted, runs: &[Run]) -> Fitted {
+fn better(here: Fitted, there: Fitted, runs: &[TrainingRecord]) -> Fitted {
     let [a, b] = [&here, &there].map(|fitted| fitted.held_out.rms_pp());
     let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there, runs) < free_run(&here, runs) };
     if there_is { there } else { here }
 }
 
 /// Mean square, over the squared heights of the records, of what the model leaves of them in free run, each with a constant of its own.
-fn free_run(fitted: &Fitted, runs: &[Run]) -> f64 {
+fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
     runs.iter().map(|run| (run.scale * left_of(run, &model).1).powi(2)).sum()
 }
 
 /// What a free run of the model leaves of a record: its mean, and the rms about it.
-fn left_of(run: &Run, model: &Model) -> (f64, f64) {
+fn left_of(run: &TrainingRecord, model: &Model) -> (f64, f64) {
     let (u, y) = (run.record.u(), run.record.y());
     let simulated = model.resume(&mut model.before(u, InitialCondition::of(u)[0]), u);
     let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
@@ -234,14 +236,14 @@ const SLOW: f64 = 20.0;
 
 /// The constant in the output of the model: the middle one of all records, whose sensors may have drifted. Where the fit cannot tell
 /// constant and state of a slow lag apart, it is what the free run asks for.
-fn offset(fitted: &Fitted, runs: &[Run], notes: &mut Vec<String>, unit: &str) -> f64 {
+fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, unit: &str) -> f64 {
     let estimate = &fitted.estimate;
-    let layout = Layout::of(estimate);
+    let layout = ColumnLayout::of(estimate);
     let constant = layout.constant - layout.parameters();
-    let slow = creeping(&estimate.linear, SLOW * told_from(runs.iter().map(|run| run.record))).is_some();
+    let slow = creep_pole(&estimate.linear, SLOW * slowest_observable(runs.iter().map(|run| run.record))).is_some();
     let free = estimate.model(0.0).ok().filter(|_| slow);
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
-    let of = |(run, own): (&Run, &Vec<f64>)| {
+    let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
         let first = products::dot(Responses::before(estimate, run).now(), &estimate.weights);
         let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
         let Some((mean, rms)) = free.as_ref().map(|model| left_of(run, model)) else { return fits };

@@ -10,9 +10,9 @@
 //! creep. Columns are produced a sample at a time and multiplied a block at a time, so no record is too long.
 
 use super::estimate::{Estimate, Responses};
-use super::layout::Layout;
-use super::runs::Run;
-use super::signals::{AllPole, Filter, Ladder};
+use super::layout::ColumnLayout;
+use super::runs::TrainingRecord;
+use super::signals::{AllPole, Ladder, LinearFilter};
 use crate::driver::DriverModel;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ const ROWS: usize = 40_000;
 
 /// Products of the columns with one another and with y, over a stretch of a run.
 #[derive(Debug, Clone)]
-pub(super) struct Stretch {
+pub(super) struct Segment {
     /// Index of the run.
     pub(super) run: usize,
     /// The fold it is held out in; none is always trained on.
@@ -39,25 +39,25 @@ pub(super) struct Stretch {
 }
 
 /// The products of each stretch of each run. `own` are the runs' own coefficients as last found; none are needed at first.
-pub(super) fn products(estimate: &Estimate, runs: &[Run], own: &[Vec<f64>]) -> Vec<Stretch> {
-    let rich: usize = runs.iter().filter(|r| r.rich).map(|r| r.record.len()).sum();
-    let thin = rich.div_ceil(ROWS).max(1);
-    let of = |(k, run): (usize, &Run)| {
+pub(super) fn products(estimate: &Estimate, runs: &[TrainingRecord], own: &[Vec<f64>]) -> Vec<Segment> {
+    let large_signal: usize = runs.iter().filter(|r| r.large_signal).map(|r| r.record.len()).sum();
+    let thin = large_signal.div_ceil(ROWS).max(1);
+    let of = |(k, run): (usize, &TrainingRecord)| {
         let own = own.get(k).map_or(&[] as &[f64], Vec::as_slice);
-        of_run(estimate, k, run, own, if run.rich { thin } else { 1 })
+        of_run(estimate, k, run, own, if run.large_signal { thin } else { 1 })
     };
     runs.par_iter().enumerate().flat_map_iter(of).collect()
 }
 
-fn of_run(estimate: &Estimate, index: usize, run: &Run, own: &[f64], thin: usize) -> Vec<Stretch> {
-    let layout = Layout::of(estimate);
+fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], thin: usize) -> Vec<Segment> {
+    let layout = ColumnLayout::of(estimate);
     let (u, y) = (run.record.u(), run.record.y());
-    let mut columns = Columns::new(estimate, run, &layout, own);
+    let mut columns = RunColumns::new(estimate, run, &layout, own);
     let size = layout.columns() + 1;
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
     let mut block = DMatrix::zeros(size, BLOCK);
     let mut start = 0;
-    let stretch = |&(end, fold): &(usize, Option<usize>)| {
+    let segment = |&(end, fold): &(usize, Option<usize>)| {
         let mut gram = DMatrix::zeros(size, size);
         let (mut filled, mut samples) = (0, 0.0);
         for t in std::mem::replace(&mut start, end)..end {
@@ -78,9 +78,9 @@ fn of_run(estimate: &Estimate, index: usize, run: &Run, own: &[f64], thin: usize
                 filled = 0;
             }
         }
-        Stretch { run: index, fold, judged: run.rich, gram, samples }
+        Segment { run: index, fold, judged: run.large_signal, gram, samples }
     };
-    run.stretches.iter().map(stretch).collect()
+    run.segments.iter().map(segment).collect()
 }
 
 /// Whether row `t` is kept: one in `thin`, at places that follow no period.
@@ -90,9 +90,9 @@ fn kept(t: usize, thin: usize) -> bool {
 }
 
 /// The columns of a run, sample by sample.
-struct Columns<'a> {
+struct RunColumns<'a> {
     estimate: &'a Estimate,
-    layout: &'a Layout,
+    layout: &'a ColumnLayout,
     own: &'a [f64],
     responses: Responses<'a>,
     /// The responses before the first sample: z counts from there.
@@ -102,7 +102,7 @@ struct Columns<'a> {
     lags: Vec<f64>,
     fading: Vec<f64>,
     ladder: Ladder,
-    filter: Filter<'a>,
+    filter: LinearFilter<'a>,
     /// What enters the filter: responses and slopes behind creep, lags, fading lags.
     entering: Vec<f64>,
     y_by_a: AllPole<'a>,
@@ -112,8 +112,8 @@ struct Columns<'a> {
     trend: f64,
 }
 
-impl<'a> Columns<'a> {
-    fn new(estimate: &'a Estimate, run: &Run, layout: &'a Layout, own: &'a [f64]) -> Self {
+impl<'a> RunColumns<'a> {
+    fn new(estimate: &'a Estimate, run: &TrainingRecord, layout: &'a ColumnLayout, own: &'a [f64]) -> Self {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let rates: Vec<f64> = estimate.lags.iter().map(|lag| -(-estimate.ts() / lag.tau_s).exp_m1()).collect();
         let gains: Vec<f64> = estimate.lags.iter().map(|lag| lag.gain).collect();
@@ -121,10 +121,10 @@ impl<'a> Columns<'a> {
         let slopes = slopes(estimate, run);
         let behind_creep = layout.weights.len() + slopes.len();
         let width = behind_creep + 2 * rates.len();
-        Columns {
+        RunColumns {
             first: responses.now().to_vec(),
             ladder: Ladder::new(&rates, &gains, behind_creep),
-            filter: Filter::new(a, b, width),
+            filter: LinearFilter::new(a, b, width),
             entering: vec![0.0; width],
             y_by_a: AllPole::new(a, layout.state.len()),
             zc_by_a: AllPole::new(a, b.len()),
@@ -186,7 +186,7 @@ impl<'a> Columns<'a> {
 }
 
 /// dz/dp_j along a run, counted from its first sample.
-fn slopes(estimate: &Estimate, run: &Run) -> Vec<Vec<f64>> {
+fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
     let u = run.record.u();
     let steps = if estimate.driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
     // The inputs the hysteresis block sees; the first stands for the way there from rest.
@@ -241,8 +241,8 @@ mod tests {
     }
 
     /// The free run, a sample at a time, as the law says it.
-    fn free_run(estimate: &Estimate, run: &Run, own: &[f64]) -> Vec<f64> {
-        let layout = Layout::of(estimate);
+    fn free_run(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Vec<f64> {
+        let layout = ColumnLayout::of(estimate);
         let own_of = |column: usize| own[column - layout.parameters()];
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let mut responses = Responses::before(estimate, run);
@@ -281,14 +281,14 @@ mod tests {
         let driver = DriverModel::new(3e-4, Some(4e3)).unwrap();
         for (row, driver) in OPERATORS.iter().flat_map(|row| [(row, None), (row, Some(driver))]) {
             let estimate = estimate(row, driver);
-            let layout = Layout::of(&estimate);
+            let layout = ColumnLayout::of(&estimate);
             let x = super::super::solve::Prior::of(&estimate).now().as_slice().to_vec();
             let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
             for (record, moving) in records.iter().zip([false, true]) {
-                let run = Run::new(record, "record", true, vec![true; record.len()]).unwrap();
+                let run = TrainingRecord::new(record, "record", true, vec![true; record.len()]).unwrap();
                 assert_eq!(!run.past.is_empty(), moving);
-                let run = Run { drifts: true, ..run };
-                let mut columns = Columns::new(&estimate, &run, &layout, &own);
+                let run = TrainingRecord { drifts: true, ..run };
+                let mut columns = RunColumns::new(&estimate, &run, &layout, &own);
                 let mut rows = DMatrix::zeros(layout.columns() + 1, record.len());
                 for (t, &u) in record.u().iter().enumerate() {
                     columns.step(t, u, rows.column_mut(t).as_mut_slice());
@@ -324,7 +324,7 @@ mod tests {
             let y = u.iter().enumerate().map(|(t, u)| u + offset + if t == 300 { spike } else { 0.0 }).collect();
             let record = Record::new(TS, u.clone(), y).unwrap();
             let usable = (0..600).map(|t| t != 300).collect();
-            let run = Run::new(&record, "record", true, usable).unwrap();
+            let run = TrainingRecord::new(&record, "record", true, usable).unwrap();
             products(&estimate, &[run], &[])[0].gram.clone()
         };
         let plain = sums(0.0, 0.0);

@@ -5,7 +5,7 @@ use crate::hammerstein::paper::called;
 use crate::quality::{Defect, Need, bridged, inspect};
 use crate::record::Record;
 use crate::series::{ends, scatter};
-use crate::waveform::{in_motion, lead};
+use crate::waveform::{in_motion, inputs_before};
 
 /// Stretches a record is cut into when parts of it are held out.
 const STRETCHES: usize = 10;
@@ -19,12 +19,12 @@ const COVERED: f64 = 0.02;
 
 /// A record.
 #[derive(Debug, Clone)]
-pub(super) struct Run<'a> {
+pub(super) struct TrainingRecord<'a> {
     pub(super) record: &'a Record,
     /// What users call it.
     pub(super) name: String,
     /// Whether it exercises the hysteresis; else it is a small-signal record.
-    pub(super) rich: bool,
+    pub(super) large_signal: bool,
     /// The inputs it is taken to have had before; none if it came from rest and settled.
     pub(super) past: Vec<f64>,
     /// 1 / peak-to-peak of y: what its errors are multiplied by.
@@ -38,24 +38,24 @@ pub(super) struct Run<'a> {
     /// Samples that may be fitted.
     pub(super) usable: Vec<bool>,
     /// Where stretches end, and the fold each belongs to; none is always trained on.
-    pub(super) stretches: Vec<(usize, Option<usize>)>,
+    pub(super) segments: Vec<(usize, Option<usize>)>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> TrainingRecord<'a> {
     /// None where what is usable of the output never moves.
-    pub(super) fn new(record: &'a Record, name: &str, rich: bool, usable: Vec<bool>) -> Option<Self> {
+    pub(super) fn new(record: &'a Record, name: &str, large_signal: bool, usable: Vec<bool>) -> Option<Self> {
         let (low, high) = ends(sound(record.y(), &usable));
-        (low < high).then(|| Run {
+        (low < high).then(|| TrainingRecord {
             record,
             name: name.into(),
-            rich,
-            past: if in_motion(record.u()) { lead(record.u()) } else { Vec::new() },
+            large_signal,
+            past: if in_motion(record.u()) { inputs_before(record.u()) } else { Vec::new() },
             scale: 1.0 / (high - low),
             level: 0.5 * (low + high),
             drifts: false,
             heavier: 1.0,
             usable,
-            stretches: vec![(record.len(), None)],
+            segments: vec![(record.len(), None)],
         })
     }
 
@@ -80,9 +80,13 @@ fn sound<'s>(x: &'s [f64], usable: &'s [bool]) -> impl Iterator<Item = f64> + 's
 ///
 /// # Errors
 /// Refuses a record nothing can be identified from.
-pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record], notes: &mut Vec<String>) -> Result<Vec<Run<'a>>, Error> {
+pub(super) fn of<'a>(
+    small: &'a [Record],
+    large_signal: &'a [Record],
+    notes: &mut Vec<String>,
+) -> Result<Vec<TrainingRecord<'a>>, Error> {
     let mut runs = Vec::new();
-    for (kind, records, is_rich) in [("small-signal record", small, false), ("rich record", rich, true)] {
+    for (kind, records, is_rich) in [("small-signal record", small, false), ("rich record", large_signal, true)] {
         for (k, record) in records.iter().enumerate() {
             let (seen, name) = (inspect(record, &Need::default()), called(kind, k, records.len()));
             let refused = |because: String| Error::Unidentifiable {
@@ -95,9 +99,9 @@ pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record], notes: &mut Vec<St
             }
             notes.extend(seen.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
             let drifts = seen.findings.iter().any(|finding| finding.defect == Defect::Drift);
-            let run = Run::new(record, &name, is_rich, seen.usable);
+            let run = TrainingRecord::new(record, &name, is_rich, seen.usable);
             let still = || refused("what is sound of the output never moves: measure again".into());
-            runs.push(Run { drifts, ..run.ok_or_else(still)? });
+            runs.push(TrainingRecord { drifts, ..run.ok_or_else(still)? });
         }
     }
     fold(&mut runs);
@@ -107,34 +111,35 @@ pub(super) fn of<'a>(small: &'a [Record], rich: &'a [Record], notes: &mut Vec<St
 /// Says what is held out in turn: whole rich records where at least three can be foretold by the others, else stretches
 /// of each. With it goes a stretch of each small-signal record, which nobody is judged by, so that what is known from these alone
 /// has an error too.
-fn fold(runs: &mut [Run]) {
-    let range = |run: &Run| ends(run.record.u().iter().copied());
-    let rich: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].rich).collect();
-    let (low, high) = ends(rich.iter().flat_map(|&k| <[f64; 2]>::from(range(&runs[k]))));
+fn fold(runs: &mut [TrainingRecord]) {
+    let range = |run: &TrainingRecord| ends(run.record.u().iter().copied());
+    let large_signal: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].large_signal).collect();
+    let (low, high) = ends(large_signal.iter().flat_map(|&k| <[f64; 2]>::from(range(&runs[k]))));
     let slack = COVERED * (high - low);
     let foretold = |&k: &usize| {
-        let (others_low, others_high) =
-            ends(rich.iter().filter(|&&other| other != k).flat_map(|&other| <[f64; 2]>::from(range(&runs[other]))));
+        let (others_low, others_high) = ends(
+            large_signal.iter().filter(|&&other| other != k).flat_map(|&other| <[f64; 2]>::from(range(&runs[other]))),
+        );
         let (low, high) = range(&runs[k]);
         low >= others_low - slack && high <= others_high + slack
     };
-    let whole: Vec<usize> = rich.iter().copied().filter(foretold).collect();
+    let whole: Vec<usize> = large_signal.iter().copied().filter(foretold).collect();
     if whole.len() >= 3 {
         for (fold, k) in whole.into_iter().enumerate() {
             let n = runs[k].record.len();
-            runs[k].stretches = vec![(n, Some(fold % FOLDS))];
+            runs[k].segments = vec![(n, Some(fold % FOLDS))];
         }
     } else {
-        for k in rich {
+        for k in large_signal {
             let n = runs[k].record.len();
-            let stretch = |s: usize| ((s + 1) * n / STRETCHES, Some(s % FOLDS));
-            runs[k].stretches = (0..STRETCHES).map(stretch).collect();
+            let segment = |s: usize| ((s + 1) * n / STRETCHES, Some(s % FOLDS));
+            runs[k].segments = (0..STRETCHES).map(segment).collect();
         }
     }
     let folds =
-        runs.iter().flat_map(|run| &run.stretches).filter_map(|(_, fold)| *fold).max().map_or(1, |last| last + 1);
-    for run in runs.iter_mut().filter(|run| !run.rich) {
+        runs.iter().flat_map(|run| &run.segments).filter_map(|(_, fold)| *fold).max().map_or(1, |last| last + 1);
+    for run in runs.iter_mut().filter(|run| !run.large_signal) {
         let n = run.record.len();
-        run.stretches = (0..folds).map(|fold| ((fold + 1) * n / folds, Some(fold))).collect();
+        run.segments = (0..folds).map(|fold| ((fold + 1) * n / folds, Some(fold))).collect();
     }
 }

@@ -6,12 +6,12 @@
 use super::equations::equations;
 use super::estimate::Estimate;
 use super::products::products;
-use super::runs::Run;
-use super::solve::{Freed, Prior};
+use super::runs::TrainingRecord;
+use super::solve::{FreeParameters, Prior};
 use crate::error::Error;
 use crate::hysteresis::ShapeParameter;
 use crate::optimize::{Bounds, swarm};
-use crate::progress::unwatched;
+use crate::progress::silent;
 use crate::record::Record;
 
 /// Samples the swarm looks at, of all runs together.
@@ -25,25 +25,25 @@ const PARTICLES: usize = 12;
 const ITERATIONS: usize = 12;
 
 /// The estimate, its weights not known yet, with the best shape a swarm finds; none where there is nothing to search.
-pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Option<Estimate>, Error> {
+pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) -> Result<Option<Estimate>, Error> {
     let shape = estimate.basis.shape();
     if shape.is_empty() || shape.len() > MOST {
         return Ok(None);
     }
-    let rich: Vec<&Run> = runs.iter().filter(|run| run.rich).collect();
-    let each = SAMPLES / rich.len().max(1);
+    let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
+    let each = SAMPLES / large_signal.len().max(1);
     // The ends: amplitudes that rise are largest there.
-    let from = |run: &Run| run.record.len().saturating_sub(each);
-    let end = |run: &&Run| {
+    let from = |run: &TrainingRecord| run.record.len().saturating_sub(each);
+    let end = |run: &&TrainingRecord| {
         let (record, from) = (run.record, from(run));
         Record::new(record.ts(), record.u()[from..].to_vec(), record.y()[from..].to_vec())
     };
-    let parts: Vec<Record> = rich.iter().map(end).collect::<Result<_, _>>()?;
-    let part = |(part, run): (_, &&Run)| {
-        let end = Run::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
-        Some(Run { drifts: run.drifts, ..end })
+    let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
+    let part = |(part, run): (_, &&TrainingRecord)| {
+        let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
+        Some(TrainingRecord { drifts: run.drifts, ..end })
     };
-    let parts: Vec<Run> = parts.iter().zip(&rich).filter_map(part).collect();
+    let parts: Vec<TrainingRecord> = parts.iter().zip(&large_signal).filter_map(part).collect();
 
     let at = |x: &[f64]| -> Option<Estimate> {
         let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();
@@ -55,7 +55,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
         let (normal, _) = equations(&estimate, &products(&estimate, &parts, &[]), |_| true);
         let prior = Prior::of(&estimate);
         let mut positive = vec![true; prior.now().len()];
-        match prior.solve(&normal, 1e-6, 1e-6, Freed::Weights, &mut positive) {
+        match prior.solve(&normal, 1e-6, 1e-6, FreeParameters::Weights, &mut positive) {
             Some(x) => normal.left(&prior.steps(&x)),
             None => f64::INFINITY,
         }
@@ -68,7 +68,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[Run], seed: u64) -> Result<Opt
         ..swarm::SwarmSettings::default()
     };
     let bounds = Bounds::new(vec![0.0; shape.len()], vec![1.0; shape.len()])?;
-    let found = settings.minimise(&cost, bounds, &mut unwatched)?;
+    let found = settings.minimise(&cost, bounds, &mut silent)?;
     Ok(at(&found.x))
 }
 

@@ -28,7 +28,7 @@ impl Ladder {
 }
 
 /// G = B/A on `width` signals.
-pub(super) struct Filter<'a> {
+pub(super) struct LinearFilter<'a> {
     a: &'a [f64],
     b: &'a [f64],
     width: usize,
@@ -39,10 +39,10 @@ pub(super) struct Filter<'a> {
     t: usize,
 }
 
-impl<'a> Filter<'a> {
+impl<'a> LinearFilter<'a> {
     pub(super) fn new(a: &'a [f64], b: &'a [f64], width: usize) -> Self {
         let ring = |n: usize| vec![0.0; n * width];
-        Filter { a, b, width, inputs: ring(b.len()), outputs: ring(a.len()), out: vec![0.0; width], t: 0 }
+        LinearFilter { a, b, width, inputs: ring(b.len()), outputs: ring(a.len()), out: vec![0.0; width], t: 0 }
     }
 
     pub(super) fn step(&mut self, v: &[f64]) -> &[f64] {
@@ -120,7 +120,7 @@ mod tests {
         let rates: Vec<f64> = lags.iter().map(|l| -(-1e-3 / l.tau_s).exp_m1()).collect();
         let gains: Vec<f64> = lags.iter().map(|l| l.gain).collect();
         let signal = |k: usize, t: usize| (t as f64 * (0.1 + 0.07 * k as f64)).sin() + k as f64;
-        let (mut ladder, mut filter) = (Ladder::new(&rates, &gains, 3), Filter::new(arx.a(), arx.b(), 3));
+        let (mut ladder, mut filter) = (Ladder::new(&rates, &gains, 3), LinearFilter::new(arx.a(), arx.b(), 3));
         let mut together = vec![Vec::new(); 3];
         for t in 0..400 {
             let mut v = [0, 1, 2].map(|k| signal(k, t));

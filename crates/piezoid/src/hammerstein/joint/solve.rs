@@ -7,9 +7,9 @@
 //! A lag of creep tends to the gain of the quicker one before it, the quickest to no more than is usual.
 //! A factor may stand in G or in w alike: the static gain of G is held, and w carries it.
 
-use super::equations::Normal;
+use super::equations::ReducedEquations;
 use super::estimate::Estimate;
-use super::layout::Layout;
+use super::layout::ColumnLayout;
 use crate::creep::Lag;
 use crate::optimize::non_negative;
 use nalgebra::{DMatrix, DVector};
@@ -28,7 +28,7 @@ const USUAL: f64 = 0.03;
 
 /// Which parameters move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Freed {
+pub(super) enum FreeParameters {
     /// The weights.
     Weights,
     /// The weights and the gains of creep.
@@ -40,7 +40,7 @@ pub(super) enum Freed {
 /// What is known of the parameters beside the data.
 #[derive(Debug)]
 pub(super) struct Prior {
-    layout: Layout,
+    layout: ColumnLayout,
     /// Where all parameters stand.
     now: DVector<f64>,
     /// D'D.
@@ -56,7 +56,7 @@ pub(super) struct Prior {
 
 impl Prior {
     pub(super) fn of(estimate: &Estimate) -> Self {
-        let layout = Layout::of(estimate);
+        let layout = ColumnLayout::of(estimate);
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let gains = estimate.lags.iter().map(|lag| lag.gain);
         let shape = estimate.basis.shape().into_iter().map(|shape| shape.value);
@@ -95,20 +95,20 @@ impl Prior {
     }
 
     /// What roughness costs at `x`.
-    pub(super) fn penalty(&self, normal: &Normal, lambda: f64, x: &DVector<f64>) -> f64 {
+    pub(super) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
         let w = x.rows_range(self.layout.weights.clone());
         self.size(normal) * lambda * w.dot(&(&self.smooth * w))
     }
 
-    /// The parameters that solve `normal`, only the `freed` ones moving; `damping` holds the steps of the others than
+    /// The parameters that solve `normal`, only the `free` ones moving; `damping` holds the steps of the others than
     /// weights short. `positive` says which are guessed to be positive, and is left as found. `None` where the equations have
     /// no solution.
     pub(super) fn solve(
         &self,
-        normal: &Normal,
+        normal: &ReducedEquations,
         lambda: f64,
         damping: f64,
-        freed: Freed,
+        free: FreeParameters,
         positive: &mut [bool],
     ) -> Option<DVector<f64>> {
         let (layout, size) = (&self.layout, self.size(normal));
@@ -135,12 +135,12 @@ impl Prior {
         }
         let held = self.hold_static_gain(&mut h, &mut g);
 
-        let end = match freed {
-            Freed::Weights => weights,
-            Freed::Creep => layout.gains.end,
-            Freed::All => layout.parameters(),
+        let end = match free {
+            FreeParameters::Weights => weights,
+            FreeParameters::Creep => layout.gains.end,
+            FreeParameters::All => layout.parameters(),
         };
-        if freed == Freed::Weights {
+        if free == FreeParameters::Weights {
             layout.gains.clone().for_each(|k| g.axpy(-self.now[k], &h.column(k), 1.0));
         }
         let moving: Vec<usize> = (0..end).filter(|k| held.as_ref().is_none_or(|held| held.0 != *k)).collect();
@@ -179,7 +179,7 @@ impl Prior {
     }
 
     /// The mean size of the weights' columns.
-    fn size(&self, normal: &Normal) -> f64 {
+    fn size(&self, normal: &ReducedEquations) -> f64 {
         self.layout.weights.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / self.layout.weights.len() as f64
     }
 }
@@ -187,19 +187,19 @@ impl Prior {
 #[cfg(test)]
 mod tests {
     use super::super::equations::equations;
-    use super::super::testing::{estimate, stretch};
+    use super::super::testing::{estimate, segment};
     use super::*;
 
     #[test]
     fn no_weight_that_is_freed_or_held_at_zero_would_lower_the_cost() {
         let estimate = estimate("prandtl-ishlinskii", 12);
-        let layout = Layout::of(&estimate);
+        let layout = ColumnLayout::of(&estimate);
         let mut held = 0;
         for (seed, lambda) in [(1, 0.0), (2, 1e-6), (3, 1e-3), (4, 0.1)] {
-            let (normal, _) = equations(&estimate, &[stretch(&layout, 0, None, seed)], |_| true);
+            let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, seed)], |_| true);
             let prior = Prior::of(&estimate);
             let mut positive = vec![true; layout.parameters()];
-            let x = prior.solve(&normal, lambda, 1e-6, Freed::Weights, &mut positive).unwrap();
+            let x = prior.solve(&normal, lambda, 1e-6, FreeParameters::Weights, &mut positive).unwrap();
             // Of nothing but the weights: all else stays where it stands.
             assert_eq!(x.rows_range(layout.weights.end..), prior.now().rows_range(layout.weights.end..));
             let w = x.rows_range(layout.weights.clone()).into_owned();
@@ -223,11 +223,11 @@ mod tests {
     #[test]
     fn the_static_gain_of_the_linear_block_stays() {
         let estimate = estimate("prandtl-ishlinskii", 4);
-        let layout = Layout::of(&estimate);
-        let (normal, _) = equations(&estimate, &[stretch(&layout, 0, None, 5)], |_| true);
+        let layout = ColumnLayout::of(&estimate);
+        let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 5)], |_| true);
         let prior = Prior::of(&estimate);
         let mut positive = vec![true; layout.parameters()];
-        let x = prior.solve(&normal, 0.0, 1e-3, Freed::All, &mut positive).unwrap();
+        let x = prior.solve(&normal, 0.0, 1e-3, FreeParameters::All, &mut positive).unwrap();
         let steps = &x - prior.now();
         let moved = steps.rows_range(layout.a.start..layout.b.end).amax();
         assert!(moved > 1e-9 && prior.gain.dot(&steps).abs() < 1e-9 * moved.max(1.0), "{steps}");

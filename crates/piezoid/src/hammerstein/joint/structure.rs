@@ -5,23 +5,25 @@
 //! gain on, is refined together with it. Records that hold few frequencies tell few coefficients: a block of order n needs
 //! n + 1 of them. The simplest structure is taken that foretells held-out parts as well as the best.
 
-use super::Joint;
-use super::dynamics::{Dynamics, NOTHING, creeping, dynamics, quickened, slowest_pole, told_from};
+use super::JointOptions;
+use super::dynamics::{
+    Dynamics, NOTHING, creep_pole, dynamics, slowest_observable, slowest_pole, with_slow_lags_limited,
+};
 use super::estimate::{Estimate, Responses};
 use super::products::dot;
-use super::refine::{Fitted, Watch, refine};
-use super::runs::Run;
-use super::solve::Freed;
+use super::refine::{Fitted, StepCallback, refine};
+use super::runs::TrainingRecord;
+use super::solve::FreeParameters;
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hammerstein::Model;
-use crate::hammerstein::rich::{affine, lines, rich_enough};
+use crate::hammerstein::large_signal::{affine, lines, require_excitation};
 use crate::hysteresis::{BasisDesign, Operator, Proportional};
-use crate::linear::{Arx, Choice, Estimator, Orders, OutputError, Refinement, refine as refine_alone, select};
+use crate::linear::{Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, refine as refine_alone, select};
 use crate::number::short;
 use crate::optimize::swarm;
-use crate::progress::unwatched;
+use crate::progress::silent;
 use crate::record::Record;
 use crate::series::scatter;
 use crate::system::System;
@@ -40,25 +42,33 @@ const COARSE: usize = 12;
 
 /// The linear block of small-signal records, and why it is this one. Its gain has the sign of that of the rich records:
 /// hysteresis that jumps at reversals may turn small signals round.
-pub(super) fn of_small(small: &[Record], rich: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
-    let (linear, reason) = by_small(small, how, lags)?;
-    let linear = quickened(linear, told_from(small.iter().chain(rich)))?;
-    let turned = linear.proportional(0.0, rich)?.0 < 0.0;
+pub(super) fn from_small_signal(
+    small: &[Record],
+    large_signal: &[Record],
+    settings: &JointOptions,
+    lags: &[Lag],
+) -> Result<(Arx, String), Error> {
+    let (linear, reason) = select_on_small_signal(small, settings, lags)?;
+    let linear = with_slow_lags_limited(linear, slowest_observable(small.iter().chain(large_signal)))?;
+    let turned = linear.proportional(0.0, large_signal)?.0 < 0.0;
     Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
 }
 
-fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String), Error> {
-    let slowest = slowest_pole(how, lags);
-    rich_enough(small, 1)?;
-    let seen: Vec<Record> = small.iter().map(|record| behind(record, how)).collect::<Result<_, _>>()?;
+fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
+    let slowest = slowest_pole(settings, lags);
+    require_excitation(small, 1)?;
+    let seen: Vec<Record> = small.iter().map(|record| behind(record, settings)).collect::<Result<_, _>>()?;
     let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
-    if let Some(n) = how.order {
-        rich_enough(small, n)?;
+    if let Some(n) = settings.order {
+        require_excitation(small, n)?;
         return of_order(&seen, n);
     }
-    let found =
-        select(&seen, &Choice { order: most, delay: DELAY, parallel: true, ..Choice::default() }, &mut unwatched)?;
-    let creeps = |arx: &Arx| creeping(arx, slowest).is_some();
+    let found = select(
+        &seen,
+        &OrderSearch { order: most, delay: DELAY, parallel: true, ..OrderSearch::default() },
+        &mut silent,
+    )?;
+    let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
     }
@@ -68,7 +78,7 @@ fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String)
     match near.min_by_key(|c| (c.orders.na, std::cmp::Reverse(c.orders.delay))) {
         None => Ok((found.fit.arx, found.reason)),
         Some(near) => {
-            let fit = refine_alone(&seen, &near.arx, &Refinement::default(), &mut unwatched)?;
+            let fit = refine_alone(&seen, &near.arx, &Refinement::default(), &mut silent)?;
             let (n, delay) = (near.orders.na, near.orders.delay);
             Ok((fit.arx, format!("order {n} with delay {delay}; {}, but has a lag as slow as creep", found.reason)))
         }
@@ -77,8 +87,7 @@ fn by_small(small: &[Record], how: &Joint, lags: &[Lag]) -> Result<(Arx, String)
 
 /// The block of order `n`, with the delay that leaves least.
 fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
-    let of =
-        |delay| OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut unwatched);
+    let of = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut silent);
     let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
     // The longest delay that costs nothing.
@@ -86,38 +95,38 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
     let reason = format!("order {n} as asked, with the delay of {} that leaves least", chosen.orders.delay);
     let predicted =
-        Estimator::find("least-squares")?.fit(records, Orders::of(n), &swarm::SwarmSettings::default(), &mut unwatched);
-    let doubt = predicted.ok().and_then(|fit| fit.too_low(records)).unwrap_or_default();
+        Estimator::find("least-squares")?.fit(records, Orders::of(n), &swarm::SwarmSettings::default(), &mut silent);
+    let doubt = predicted.ok().and_then(|fit| fit.order_too_low(records)).unwrap_or_default();
     Ok((chosen.arx, reason + &doubt))
 }
 
 /// The record with its input as it arrives behind the driver.
-fn behind(record: &Record, how: &Joint) -> Result<Record, Error> {
-    if how.driver.is_none() {
+fn behind(record: &Record, settings: &JointOptions) -> Result<Record, Error> {
+    if settings.driver.is_none() {
         return Ok(record.clone());
     }
     let ts = record.ts();
     let nothing = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
-    let alone = Model::driven(how.driver, nothing, Arx::gain(ts, 1.0)?, 0.0)?;
+    let alone = Model::driven(settings.driver, nothing, Arx::gain(ts, 1.0)?, 0.0)?;
     let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
     Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
 }
 
 /// The linear block of rich records alone, and why it is this one.
-pub(super) fn of_rich(
-    rich: &[Record],
-    runs: &mut [Run],
-    how: &Joint,
+pub(super) fn from_large_signal(
+    large_signal: &[Record],
+    runs: &mut [TrainingRecord],
+    settings: &JointOptions,
     design: &BasisDesign,
     lags: &[Lag],
-    watch: Watch,
+    watch: StepCallback,
 ) -> Result<(Arx, String), Error> {
-    let ts = rich[0].ts();
+    let ts = large_signal[0].ts();
     let coarse = BasisDesign { elements: Some(COARSE), ..design.clone() };
     let start = |linear: Arx| -> Result<Estimate, Error> {
-        Ok(Estimate::new(how.driver, (Operator::find("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
+        Ok(Estimate::new(settings.driver, (Operator::find("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
     };
-    let (gain, first) = start_gain(rich)?;
+    let (gain, first) = start_gain(large_signal)?;
     let late = |d: usize, next: f64| {
         Arx::new(
             ts,
@@ -125,17 +134,17 @@ pub(super) fn of_rich(
             [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat(),
         )
     };
-    let plain = refine(start(late(first, 0.0)?)?, runs, Freed::Creep, watch)?;
+    let plain = refine(start(late(first, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
     let waits = delay(&hidden(&plain, runs)?);
     let delayed = |d: usize| if d == 0 { "a gain".into() } else { format!("a gain with a delay of {d} samples") };
     let mut tried: Vec<(String, Fitted)> = vec![(delayed(first), plain)];
-    if how.order.unwrap_or(0) == 0 {
+    if settings.order.unwrap_or(0) == 0 {
         if waits > first {
-            let fit = refine(start(late(waits, 0.0)?)?, runs, Freed::Creep, watch)?;
+            let fit = refine(start(late(waits, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
             tried.push((delayed(waits), fit));
         }
         let from = waits.saturating_sub(1);
-        let fit = refine(start(late(from, 0.5)?)?, runs, Freed::All, watch)?;
+        let fit = refine(start(late(from, 0.5)?)?, runs, FreeParameters::All, watch)?;
         // What a share beyond 0 or 1 does is no delay.
         if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
             tried.push((format!("a gain with a delay between {from} and {} samples", from + 1), fit));
@@ -143,20 +152,20 @@ pub(super) fn of_rich(
     }
 
     // Dynamics, found from the z of what is best so far, as far as the records can tell them.
-    let orders = match how.order {
+    let orders = match settings.order {
         Some(n) => n..=n,
-        None => 1..=lines(rich).len().saturating_sub(1).min(ORDER),
+        None => 1..=lines(large_signal).len().saturating_sub(1).min(ORDER),
     };
     let least = tried.iter().min_by(|p, q| p.1.held_out.rms_pp().total_cmp(&q.1.held_out.rms_pp()));
     let hidden = hidden(&least.unwrap_or(&tried[0]).1, runs)?;
     let latest = delay(&hidden).saturating_sub(1);
-    let slowest = slowest_pole(how, lags);
+    let slowest = slowest_pole(settings, lags);
     let mut found: Vec<Dynamics> = Vec::new();
     for n in orders.filter(|n| *n > 0) {
         match dynamics(&hidden, n, latest, gain) {
-            Ok(one) if how.order.is_some() => found.push(one),
+            Ok(one) if settings.order.is_some() => found.push(one),
             Ok(one) => found.extend(one.without_creep(slowest)?),
-            Err(why) if how.order.is_some() => return Err(why),
+            Err(why) if settings.order.is_some() => return Err(why),
             Err(_) => {}
         }
     }
@@ -166,16 +175,16 @@ pub(super) fn of_rich(
     let mut left_out = Vec::new();
     for one in found {
         let (n, delay) = (one.arx.a().len(), one.arx.delay());
-        let linear = quickened(one.arx, told_from(rich.iter()))?;
-        let fit = refine(start(rescaled(&linear, gain)?)?, runs, Freed::All, watch)?;
-        match creeping(&fit.estimate.linear, slowest) {
-            Some(pole) if how.order.is_none() => left_out.push((n, pole.hz)),
+        let linear = with_slow_lags_limited(one.arx, slowest_observable(large_signal.iter()))?;
+        let fit = refine(start(rescaled(&linear, gain)?)?, runs, FreeParameters::All, watch)?;
+        match creep_pole(&fit.estimate.linear, slowest) {
+            Some(pole) if settings.order.is_none() => left_out.push((n, pole.hz)),
             _ => tried.push((format!("order {n} with a delay of {delay} samples"), fit)),
         }
     }
     let best = tried.iter().map(|t| &t.1.held_out).min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
     let as_good = |t: &(String, Fitted)| best.as_ref().is_none_or(|best| t.1.held_out.is_as_good_as(best));
-    let (chosen, why) = match how.order {
+    let (chosen, why) = match settings.order {
         Some(n) if n > 0 => (tried.len() - 1, "the order asked for is taken"),
         _ => (tried.iter().position(as_good).unwrap_or(0), "the simplest as good as the best is taken"),
     };
@@ -190,9 +199,9 @@ pub(super) fn of_rich(
 
 /// The gain to start from, and the delay with it [samples]: the sign of the slowest record, since near a resonance the output
 /// opposes the input, at the delay where that clearly goes with its input: one that acts a sample late says nothing at once.
-fn start_gain(rich: &[Record]) -> Result<(f64, usize), Error> {
+fn start_gain(large_signal: &[Record]) -> Result<(f64, usize), Error> {
     let hz = |record: &&Record| dominant_frequency(record.u(), record.ts()).unwrap_or(0.0);
-    let slowest = rich.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&rich[0]);
+    let slowest = large_signal.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&large_signal[0]);
     let lagged = |d: usize| -> Result<f64, Error> {
         let (u, y) = (&slowest.u()[..slowest.len() - d], &slowest.y()[d..]);
         Ok(affine(&[Record::new(slowest.ts(), u.to_vec(), y.to_vec())?])?.0)
@@ -202,15 +211,15 @@ fn start_gain(rich: &[Record]) -> Result<(f64, usize), Error> {
     let strongest = later.into_iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
     match strongest.filter(|(gain, _)| gain.abs() > CLEARLY * at_once.abs()) {
         Some(late) => Ok(late),
-        None => Ok((affine(rich)?.0.copysign(at_once), 0)),
+        None => Ok((affine(large_signal)?.0.copysign(at_once), 0)),
     }
 }
 
 /// The runs with z behind creep, from zero at the first sample, in the place of u, and without their drift.
-fn hidden(fitted: &Fitted, runs: &[Run]) -> Result<Vec<Record>, Error> {
+fn hidden(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Record>, Error> {
     let estimate = &fitted.estimate;
     let creep = Creep::new(estimate.ts(), estimate.lags.clone())?;
-    let of = |(run, own): (&Run, &Vec<f64>)| {
+    let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
         let mut responses = Responses::before(estimate, run);
         let first = dot(responses.now(), &estimate.weights);
         let later = run.record.u()[1..].iter().map(|&u| dot(responses.next(u), &estimate.weights) - first);

@@ -1,8 +1,8 @@
 //! Equations the tests of this module solve.
 
 use super::estimate::Estimate;
-use super::layout::Layout;
-use super::products::Stretch;
+use super::layout::ColumnLayout;
+use super::products::Segment;
 use crate::hysteresis::{BasisDesign, Operator};
 use crate::linear::Arx;
 use nalgebra::DMatrix;
@@ -19,8 +19,8 @@ pub(super) fn estimate(name: &str, elements: usize) -> Estimate {
 }
 
 /// Products of columns of noise.
-pub(super) fn stretch(layout: &Layout, run: usize, fold: Option<usize>, seed: u64) -> Stretch {
+pub(super) fn segment(layout: &ColumnLayout, run: usize, fold: Option<usize>, seed: u64) -> Segment {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = DMatrix::<f64>::from_fn(200, layout.columns() + 1, |_, _| StandardNormal.sample(&mut random));
-    Stretch { run, fold, judged: true, gram: rows.tr_mul(&rows), samples: 200.0 }
+    Segment { run, fold, judged: true, gram: rows.tr_mul(&rows), samples: 200.0 }
 }

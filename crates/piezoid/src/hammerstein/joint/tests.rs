@@ -5,7 +5,7 @@ use crate::excitation::{Prbs, RisingSine};
 use crate::hammerstein::Model;
 use crate::hysteresis::Operator;
 use crate::linear::Arx;
-use crate::progress::unwatched;
+use crate::progress::silent;
 use crate::system::System;
 use crate::testing::assert_close;
 use std::f64::consts::TAU;
@@ -13,8 +13,8 @@ use std::ops::ControlFlow;
 
 /// Prandtl and Ishlinskii's operator behind a resonance at 60 Hz, sampled every `ts` [s], `delay` samples late.
 fn plant(ts: f64, delay: usize) -> Model {
-    let (radius, turn) = ((-0.1 * TAU * 60.0 * ts).exp(), TAU * 60.0 * ts * 0.99f64.sqrt());
-    let a = vec![2.0 * radius * turn.cos(), -radius * radius];
+    let (radius, angle) = ((-0.1 * TAU * 60.0 * ts).exp(), TAU * 60.0 * ts * 0.99f64.sqrt());
+    let a = vec![2.0 * radius * angle.cos(), -radius * radius];
     let half = 0.5 * (1.0 - a[0] - a[1]);
     let b = [vec![0.0; delay], vec![1.1 * half, 0.9 * half]].concat();
     let block = (Operator::find("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
@@ -33,7 +33,7 @@ fn prbs(plant: &Model) -> Record {
 }
 
 /// Rising sines of these frequencies [Hz], over `seconds`, each with an offset of its own.
-fn rich(plant: &Model, seconds: f64, hz_and_offset: &[(f64, f64)]) -> Vec<Record> {
+fn large_signal(plant: &Model, seconds: f64, hz_and_offset: &[(f64, f64)]) -> Vec<Record> {
     let of = |&(frequency, offset): &(f64, f64)| {
         let sine = RisingSine { amplitude: 30.0, frequency, ..RisingSine::default() };
         record(plant, sine.samples(plant.ts(), (seconds / plant.ts()) as usize).unwrap(), offset)
@@ -41,12 +41,12 @@ fn rich(plant: &Model, seconds: f64, hz_and_offset: &[(f64, f64)]) -> Vec<Record
     hz_and_offset.iter().map(of).collect()
 }
 
-fn named(operator: &str) -> Joint {
-    Joint { operator: operator.into(), ..Joint::default() }
+fn named(operator: &str) -> JointOptions {
+    JointOptions { operator: operator.into(), ..JointOptions::default() }
 }
 
-fn identified(small: &[Record], rich: &[Record], how: &Joint) -> Identified {
-    identify_joint(small, rich, how, &mut unwatched).unwrap()
+fn identified(small: &[Record], large_signal: &[Record], settings: &JointOptions) -> Identified {
+    identify_joint(small, large_signal, settings, &mut silent).unwrap()
 }
 
 /// The largest error on an input nobody has seen, over the peak-to-peak, about its mean.
@@ -64,8 +64,8 @@ fn off(model: &Model, plant: &Model) -> f64 {
 fn order_and_delay_are_those_of_the_plant() {
     for delay in [0, 2] {
         let plant = plant(5e-4, delay);
-        let rich = rich(&plant, 0.5, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
-        let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+        let large_signal = large_signal(&plant, 0.5, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+        let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
         let (linear, reason) = (found.model.linear(), &found.linear.reason);
         assert_eq!((linear.a().len(), linear.delay()), (2, delay), "{reason}");
         assert_close(linear.a(), plant.linear().a(), 1e-4, 0.0);
@@ -76,22 +76,22 @@ fn order_and_delay_are_those_of_the_plant() {
 #[test]
 fn of_operators_that_are_named_those_alone_are_tried_and_the_better_is_taken() {
     let plant = plant(5e-4, 1);
-    let rich = rich(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
-    let found = identified(&[prbs(&plant)], &rich, &named("bouc-wen, prandtl-ishlinskii"));
+    let large_signal = large_signal(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let found = identified(&[prbs(&plant)], &large_signal, &named("bouc-wen, prandtl-ishlinskii"));
     let tried: Vec<_> = found.trials.iter().map(|trial| (trial.operator, trial.verdict)).collect();
     assert_eq!(tried, [("bouc-wen", ""), ("prandtl-ishlinskii", "taken")]);
     assert_eq!(found.model.hysteresis().operator().name, "prandtl-ishlinskii");
-    let error = identify_joint(&[], &rich, &named("bouc-wen,prandl"), &mut unwatched).unwrap_err().to_string();
+    let error = identify_joint(&[], &large_signal, &named("bouc-wen,prandl"), &mut silent).unwrap_err().to_string();
     assert!(error.contains("no operator called `prandl`"), "{error}");
 }
 
 #[test]
 fn an_order_that_is_asked_for_and_too_low_is_told_of() {
     let plant = plant(5e-4, 1);
-    let rich = rich(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0)]);
+    let large_signal = large_signal(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0)]);
     for (order, is_told) in [(1, true), (2, false)] {
-        let how = Joint { order: Some(order), ..named("prandtl-ishlinskii") };
-        let notes = identified(&[prbs(&plant)], &rich, &how).notes;
+        let settings = JointOptions { order: Some(order), ..named("prandtl-ishlinskii") };
+        let notes = identified(&[prbs(&plant)], &large_signal, &settings).notes;
         assert_eq!(notes.iter().any(|note| note.contains("is too low")), is_told, "{notes:?}");
     }
 }
@@ -99,8 +99,8 @@ fn an_order_that_is_asked_for_and_too_low_is_told_of() {
 #[test]
 fn each_record_has_an_offset_of_its_own_however_large_and_the_model_the_middle_one() {
     let plant = plant(5e-4, 1);
-    let rich = rich(&plant, 0.4, &[(11.0, -1e6), (29.0, 5.0), (61.0, 1e9)]);
-    let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+    let large_signal = large_signal(&plant, 0.4, &[(11.0, -1e6), (29.0, 5.0), (61.0, 1e9)]);
+    let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
     assert!(off(&found.model, &plant) < 1e-4, "{}", off(&found.model, &plant));
     // Of 0, -1e6, 5 and 1e9 beside the plant's own.
     assert!((found.model.offset() - 5.3).abs() < 1e-2, "{}", found.model.offset());
@@ -119,10 +119,10 @@ fn a_record_that_begins_in_motion_and_one_that_drifts_tell_as_much() {
         let y = r.y().iter().enumerate().map(|(t, y)| y + 0.005 * t as f64).collect();
         Record::new(5e-4, r.u().to_vec(), y).unwrap()
     };
-    let still = rich(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let still = large_signal(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
     let moved = [&still[..], &[moving(10.0), moving(40.0)]].concat();
-    for (rich, says) in [(moved, None), (still.iter().map(drifting).collect(), Some("drifts by"))] {
-        let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+    for (large_signal, says) in [(moved, None), (still.iter().map(drifting).collect(), Some("drifts by"))] {
+        let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
         assert!(off(&found.model, &plant) < 1e-3, "{says:?}: {}", off(&found.model, &plant));
         assert!(says.is_none_or(|says| found.notes.iter().any(|note| note.contains(says))), "{:?}", found.notes);
     }
@@ -132,8 +132,8 @@ fn a_record_that_begins_in_motion_and_one_that_drifts_tell_as_much() {
 fn another_sampling_period_changes_nothing_of_what_is_found() {
     for (ts, seconds) in [(2e-3, 1.2), (5e-4, 0.4), (1e-4, 0.2)] {
         let plant = plant(ts, 1);
-        let rich = rich(&plant, seconds, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
-        let found = identified(&[prbs(&plant)], &rich, &named("prandtl-ishlinskii"));
+        let large_signal = large_signal(&plant, seconds, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+        let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
         let resonance = found.model.linear().resonance().unwrap();
         assert_close(&[resonance.hz, resonance.damping], &[60.0, 0.1], 1e-3, 0.0);
         assert!(off(&found.model, &plant) < 1e-4, "{ts} s: {}", off(&found.model, &plant));
@@ -143,7 +143,7 @@ fn another_sampling_period_changes_nothing_of_what_is_found() {
 #[test]
 fn work_that_is_cancelled_ends_there_whatever_it_was_doing() {
     let plant = plant(5e-4, 1);
-    let (small, rich) = ([prbs(&plant)], rich(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
+    let (small, large_signal) = ([prbs(&plant)], large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
     for small in [&small[..], &[]] {
         let calls = |last: usize| {
             let mut calls = 0;
@@ -151,7 +151,7 @@ fn work_that_is_cancelled_ends_there_whatever_it_was_doing() {
                 calls += 1;
                 if calls > last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let found = identify_joint(small, &rich, &named("dahl"), &mut count);
+            let found = identify_joint(small, &large_signal, &named("dahl"), &mut count);
             (found.map(|_| ()), calls)
         };
         let (whole, all) = calls(usize::MAX);
@@ -169,10 +169,10 @@ fn work_that_is_cancelled_ends_there_whatever_it_was_doing() {
 #[test]
 fn one_thread_and_two_find_the_same_to_the_bit() {
     let plant = plant(5e-4, 1);
-    let rich = rich(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let large_signal = large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| identified(&[prbs(&plant)], &rich, &named("bouc-wen")).model.to_json())
+        pool.install(|| identified(&[prbs(&plant)], &large_signal, &named("bouc-wen")).model.to_json())
     };
     assert_eq!(on(1), on(2));
 }
@@ -180,30 +180,30 @@ fn one_thread_and_two_find_the_same_to_the_bit() {
 #[test]
 fn records_that_tell_nothing_are_refused_or_told_of() {
     let plant = plant(5e-4, 1);
-    let sound = rich(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let sound = large_signal(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
     let with = |r: &Record, of: &dyn Fn(usize, f64) -> f64| {
         let y = r.y().iter().enumerate().map(|(t, y)| of(t, *y)).collect();
         Record::new(r.ts(), r.u().to_vec(), y).unwrap()
     };
     let small = [prbs(&plant)];
-    let how = named("prandtl-ishlinskii");
+    let settings = named("prandtl-ishlinskii");
     // Numbers that have nothing to do with the input.
     let unrelated: Vec<Record> = sound.iter().map(|r| with(r, &|t, _| ((t * t) as f64 * 0.618_034).fract())).collect();
-    let message = identify_joint(&small, &unrelated, &how, &mut unwatched).unwrap_err().to_string();
+    let message = identify_joint(&small, &unrelated, &settings, &mut silent).unwrap_err().to_string();
     assert!(message.contains("no better than by a constant") && message.contains("rich record 2"), "{message}");
 
     let noisy = with(&small[0], &|t, _| ((t * t) as f64 * 0.618_034).fract());
     let twins = [&sound[..], &sound[..1]].concat();
-    for (small, rich, says) in [
+    for (small, large_signal, says) in [
         (vec![noisy], sound.clone(), "small-signal record: the model leaves"),
         (small.to_vec(), twins, "rich record 1 and rich record 4 are the same"),
         (small.to_vec(), cut(&sound[..1], 30), "few for"),
         (small.to_vec(), cut(&sound[..1], 30), "turns back"),
     ] {
-        let notes = identified(&small, &rich, &how).notes;
+        let notes = identified(&small, &large_signal, &settings).notes;
         assert!(notes.iter().any(|note| note.contains(says)), "{says}: {notes:?}");
     }
-    let notes = identified(&small, &sound, &how).notes;
+    let notes = identified(&small, &sound, &settings).notes;
     assert_eq!(notes.len(), 1, "{notes:?}");
 }
 

@@ -6,7 +6,7 @@ use crate::hysteresis::{OPERATORS, Operator};
 use crate::number::short;
 use crate::record::Record;
 use crate::series::ends;
-use crate::waveform::turns;
+use crate::waveform::reversals;
 use serde::Serialize;
 
 /// Share of the inputs' range by which a turn must stay off its ends to begin a minor loop, and how many such turns show
@@ -39,7 +39,7 @@ pub struct OperatorTrial {
 /// records stand `alone`, rate belongs to the linear block they tell, for nothing tells the two apart.
 pub(super) fn candidates(
     name: &str,
-    rich: &[Record],
+    large_signal: &[Record],
     alone: bool,
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'static Operator>, Error> {
@@ -47,13 +47,13 @@ pub(super) fn candidates(
         return Operator::list(name);
     }
     let all = || OPERATORS.iter().copied().filter(|o| o.rate_independent || !alone);
-    let (low, high) = ends(rich.iter().flat_map(|record| record.u()).copied());
+    let (low, high) = ends(large_signal.iter().flat_map(|record| record.u()).copied());
     let margin = INSIDE * (high - low);
     let inner = |record: &Record| {
         let inside = |&&t: &&usize| (low + margin..high - margin).contains(&record.u()[t]);
-        turns(record.u(), 0.5 * INSIDE).iter().filter(inside).count()
+        reversals(record.u(), 0.5 * INSIDE).iter().filter(inside).count()
     };
-    if rich.iter().map(inner).sum::<usize>() >= ENOUGH {
+    if large_signal.iter().map(inner).sum::<usize>() >= ENOUGH {
         return Ok(all().collect());
     }
     notes.push(

@@ -12,7 +12,7 @@
 //!
 //! References: P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI 10.1049/ip-cta:20010375 (sums of plays
 //! that rise have an inverse); T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997), DOI 10.1016/S0965-9978(96)00051-8
-//! (trials). It does not do: operators that fall somewhere ([`falls`] tells), of which it finds one input of several, and none
+//! (trials). It does not do: operators that fall somewhere ([`falling_input`] tells), of which it finds one input of several, and none
 //! where what both ends reach lies on the same side of z.
 
 mod program;
@@ -46,7 +46,7 @@ const SMALL: usize = 256;
 
 /// The input between `ends` that the next step answers with `z`, by trials.
 pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
-    in_room(x.len(), |copy| {
+    with_scratch(x.len(), |copy| {
         between(ends, z, |u| {
             copy.copy_from_slice(x);
             operator.step(copy, u)
@@ -55,7 +55,7 @@ pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64,
 }
 
 /// What `run` does with room for `n` numbers.
-pub(crate) fn in_room<R: Copy + From<f64>, T>(n: usize, run: impl FnOnce(&mut [R]) -> T) -> T {
+pub(crate) fn with_scratch<R: Copy + From<f64>, T>(n: usize, run: impl FnOnce(&mut [R]) -> T) -> T {
     let mut small = [R::from(0.0); SMALL];
     match small.get_mut(..n) {
         Some(room) => run(room),
@@ -164,7 +164,7 @@ fn found((u, d): (f64, Dual)) -> Inverted {
 impl dyn Hysteresis + '_ {
     /// Whether this rises with its input wherever a major loop between `low` and `high` and a smaller one within it lead;
     /// else where it falls [input unit]. Without rising it has several inverses or none.
-    pub fn falls(&self, low: f64, high: f64) -> Option<f64> {
+    pub fn falling_input(&self, low: f64, high: f64) -> Option<f64> {
         let leg = |from: f64, to: f64| (1..=WATCHED).map(move |t| from + (to - from) * t as f64 / WATCHED as f64);
         let (q, h) = (0.25 * (high - low), 0.5 * (high - low));
         let turns = [low, high, low, low + h + q, low + q, low + h, low + q];
@@ -172,8 +172,8 @@ impl dyn Hysteresis + '_ {
         let z = self.resume(&mut self.settled(low), &path);
         let (bottom, top) = ends(z.iter().copied());
         let slack = 1e-9 * (top - bottom);
-        let falls = |k: &usize| (z[*k] - z[k - 1]) * (path[*k] - path[k - 1]).signum() < -slack;
-        (1..path.len()).find(falls).map(|k| path[k])
+        let falling_input = |k: &usize| (z[*k] - z[k - 1]) * (path[*k] - path[k - 1]).signum() < -slack;
+        (1..path.len()).find(falling_input).map(|k| path[k])
     }
 }
 
@@ -204,7 +204,7 @@ mod tests {
                 found.push(back.u);
                 operator.step(&mut x, u);
             }
-            if operator.falls(-30.0, 30.0).is_none() && o.minor_loops {
+            if operator.falling_input(-30.0, 30.0).is_none() && o.minor_loops {
                 assert_close(&found, &given, 1e-7, 1e-7);
             }
         }
@@ -214,7 +214,7 @@ mod tests {
     fn slopes_find_what_trials_find_to_rounding_and_say_what_a_step_says_to_the_bit() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
-            let rises = operator.falls(-30.0, 30.0).is_none() && o.minor_loops;
+            let rises = operator.falling_input(-30.0, 30.0).is_none() && o.minor_loops;
             let mut x = operator.settled(0.0);
             for t in 0..300 {
                 let z = 0.9 * operator.step(&mut x.clone(), wander(t)) + 0.3;
@@ -285,7 +285,7 @@ mod tests {
         // What the stop of threshold 3 holds back outweighs the input for 6 after a reversal.
         let stop = r#"{"operator": "stop", "range": [-20, 20], "thresholds": [3], "weights": [1, 1.5]}"#;
         let stop = load(&serde_json::from_str(stop).unwrap(), 5e-4).unwrap();
-        let at = stop.falls(-20.0, 20.0).unwrap();
+        let at = stop.falling_input(-20.0, 20.0).unwrap();
         assert!((-20.0..-13.9).contains(&at), "{at}");
         let mut x = stop.settled(0.0);
         for t in 0..300 {
@@ -294,7 +294,7 @@ mod tests {
             assert_close(&[back.z, stop.step(&mut x.clone(), back.u)], &[z, z], 1e-11, 1e-11);
             stop.step(&mut x, wander(t));
         }
-        let falling = |o: &&&Operator| (o.example)(5e-4).unwrap().falls(-30.0, 30.0).is_some();
+        let falling = |o: &&&Operator| (o.example)(5e-4).unwrap().falling_input(-30.0, 30.0).is_some();
         let names: Vec<&str> = OPERATORS.iter().filter(falling).map(|o| o.name).collect();
         assert_eq!(names, ["two-branch", "rate-scheduled"], "these jump at a turn, the others rise");
     }

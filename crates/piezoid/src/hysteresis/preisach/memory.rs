@@ -14,7 +14,7 @@ use crate::program::Block;
 pub(super) const CAPACITY: usize = 64;
 
 /// Where the branch begins that the input is on.
-pub(super) enum Branch {
+pub(super) enum BranchStart {
     /// At rest: no reversal is remembered.
     Rest,
     /// At the last reversal, whose input this is.
@@ -44,34 +44,34 @@ impl Memory {
 
     /// Moves the input to `u`, which is not where it is. Returns the branch it is on then, the value where that branch
     /// began (none at rest), and the value now, which the caller brings up to date.
-    pub(super) fn travel(self, x: &mut [f64], u: f64) -> (Branch, &[f64], &mut [f64]) {
+    pub(super) fn travel(self, x: &mut [f64], u: f64) -> (BranchStart, &[f64], &mut [f64]) {
         self.turn(x, u);
         self.wipe_out(x, u);
         x[1] = u;
         let n = count(x);
         let (now, past) = x[2..].split_at_mut(self.value);
         match n.checked_sub(1) {
-            None => (Branch::Rest, &[], now),
+            None => (BranchStart::Rest, &[], now),
             Some(last) => {
                 let reversal = &past[last * (1 + self.value)..(last + 1) * (1 + self.value)];
-                (Branch::From(reversal[0]), &reversal[1..], now)
+                (BranchStart::From(reversal[0]), &reversal[1..], now)
             }
         }
     }
 
     /// Where the branch begins that moving to `u` would lead to, and the value there (none at rest); the state stays. None
     /// where something would have to be forgotten first.
-    pub(super) fn ahead(self, x: &[f64], u: f64) -> Option<(Branch, &[f64])> {
+    pub(super) fn ahead(self, x: &[f64], u: f64) -> Option<(BranchStart, &[f64])> {
         let (stored, turned) = (count(x), self.turns(x, u));
         if turned && stored == CAPACITY {
             return None;
         }
         let reversal = |i: usize| if i < stored { self.reversal(x, i) } else { x[1] };
         Some(match kept(reversal, stored + usize::from(turned), x[1], u).checked_sub(1) {
-            None => (Branch::Rest, &[]),
+            None => (BranchStart::Rest, &[]),
             Some(i) => {
                 let at = if i < stored { self.place(i) } else { 1 };
-                (Branch::From(x[at]), &x[at + 1..at + 1 + self.value])
+                (BranchStart::From(x[at]), &x[at + 1..at + 1 + self.value])
             }
         })
     }

@@ -28,7 +28,7 @@ use crate::program::Block;
 use crate::system::System;
 use everett::Everett;
 use grid::{Grid, cell, cells};
-use memory::{Branch, Memory};
+use memory::{BranchStart, Memory};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::Arc;
@@ -47,13 +47,13 @@ const MOST: usize = 200;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Preisach {
     ts: f64,
-    params: Params,
+    params: PreisachParams,
     everett: Everett,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Params {
+struct PreisachParams {
     /// The inputs it was identified on [input unit].
     range: (f64, f64),
     /// Edges of the cells [input unit].
@@ -71,11 +71,11 @@ pub(super) static OPERATOR: Operator = Operator {
     minor_loops: true,
     rate_independent: true,
     wipes_out: true,
-    basis: |design| Ok(Box::new(Cells::new(design)?)),
+    basis: |design| Ok(Box::new(CellBasis::new(design)?)),
     load: |params, ts| Ok(Arc::new(Preisach::new(ts, parse("preisach", params)?)?)),
     example: |ts| {
         let design = BasisDesign { ts, range: (-30.0, 30.0), elements: Some(10), frequencies: Vec::new() };
-        let cells = Cells::new(&design)?;
+        let cells = CellBasis::new(&design)?;
         let n = cells.grid.rows();
         let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
         let weights = (0..n).flat_map(|i| (0..=i).map(move |j| density(i, j)));
@@ -87,7 +87,7 @@ pub(super) static OPERATOR: Operator = Operator {
 const SUM: Memory = Memory { value: 1 };
 
 impl Preisach {
-    fn new(ts: f64, params: Params) -> Result<Self, Error> {
+    fn new(ts: f64, params: PreisachParams) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         finite("range", &[params.range.0, params.range.1])?;
         finite("slope", &[params.slope])?;
@@ -105,11 +105,11 @@ impl Preisach {
 
 impl Preisach {
     /// The sum over the cells at `u`, on a branch that began with the value `start`.
-    fn sum<R: Real>(&self, branch: Branch, start: &[f64], u: R) -> R {
+    fn sum<R: Real>(&self, branch: BranchStart, start: &[f64], u: R) -> R {
         match branch {
-            Branch::Rest => self.everett.since_rest(u),
-            Branch::From(r) if u.value() >= r => R::from(start[0]) + self.everett.between(r.into(), u),
-            Branch::From(r) => R::from(start[0]) - self.everett.between(u, r.into()),
+            BranchStart::Rest => self.everett.since_rest(u),
+            BranchStart::From(r) if u.value() >= r => R::from(start[0]) + self.everett.between(r.into(), u),
+            BranchStart::From(r) => R::from(start[0]) - self.everett.between(u, r.into()),
         }
     }
 
@@ -258,14 +258,14 @@ fn hysteresis_ahead(x: hysteresis, u) {
 ///
 /// State: as [`memory`] says, the value being one number a cell.
 #[derive(Debug, Clone, PartialEq)]
-struct Cells {
+struct CellBasis {
     ts: f64,
     range: (f64, f64),
     grid: Grid,
     memory: Memory,
 }
 
-impl Cells {
+impl CellBasis {
     fn new(design: &BasisDesign) -> Result<Self, Error> {
         let rows = design.elements.unwrap_or(ROWS).clamp(1, MOST - 2 * BEYOND);
         let (low, high) = design.range;
@@ -274,11 +274,11 @@ impl Cells {
         let levels: Vec<f64> = (0..=rows + 2 * BEYOND).map(level).collect();
         check(&levels)?;
         let memory = Memory { value: cells(levels.len() - 1) };
-        Ok(Cells { ts: design.ts, range: design.range, grid: Grid::new(levels), memory })
+        Ok(CellBasis { ts: design.ts, range: design.range, grid: Grid::new(levels), memory })
     }
 }
 
-impl Basis for Cells {
+impl Basis for CellBasis {
     fn len(&self) -> usize {
         1 + self.memory.value
     }
@@ -295,8 +295,8 @@ impl Basis for Cells {
         if u != self.memory.input(x) {
             let (branch, start, now) = self.memory.travel(x, u);
             match branch {
-                Branch::Rest => self.grid.since_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
-                Branch::From(r) => {
+                BranchStart::Rest => self.grid.since_rest(u, |k, share| now[k] = if u < 0.0 { -share } else { share }),
+                BranchStart::From(r) => {
                     now.copy_from_slice(start);
                     self.grid.between(r.min(u), r.max(u), if u >= r { 1.0 } else { -1.0 }, now);
                 }
@@ -345,7 +345,7 @@ impl Basis for Cells {
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), Basis::len(self))?;
         let (slope, weights) = (weights[0], weights[1..].to_vec());
-        let params = Params { range: self.range, levels: self.grid.levels().to_vec(), slope, weights };
+        let params = PreisachParams { range: self.range, levels: self.grid.levels().to_vec(), slope, weights };
         Ok(Arc::new(Preisach::new(self.ts, params)?))
     }
 }
@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn the_block_is_the_weighted_sum_of_its_cells() {
         let design = BasisDesign { ts: 1e-3, range: (-20.0, 31.0), elements: Some(9), frequencies: Vec::new() };
-        let cells = Cells::new(&design).unwrap();
+        let cells = CellBasis::new(&design).unwrap();
         let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| 0.1 + (k as f64 * 2.3).sin().abs()).collect();
         let block = cells.operator(&weights).unwrap();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; Basis::len(&cells)]);
@@ -381,7 +381,7 @@ mod tests {
     #[test]
     fn a_block_is_what_a_crowd_of_relays_does() {
         let example = (OPERATOR.example)(1e-3).unwrap();
-        let p: Params = parse("preisach", Value::Object(example.params())).unwrap();
+        let p: PreisachParams = parse("preisach", Value::Object(example.params())).unwrap();
         // 60 x 60 relays a cell, each by the book: up beyond alpha, down beyond beta, at rest up where alpha + beta < 0.
         let (n, m) = (p.levels.len() - 1, 60);
         let mut relays = Vec::new();
@@ -432,7 +432,7 @@ mod tests {
     #[test]
     fn a_narrow_range_far_from_rest_is_as_exact_as_any() {
         let design = BasisDesign { ts: 1e-3, range: (-68.5, -68.4), elements: Some(7), frequencies: Vec::new() };
-        let cells = Cells::new(&design).unwrap();
+        let cells = CellBasis::new(&design).unwrap();
         let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k > 0))).collect();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; weights.len()]);
         Basis::step(&cells, &mut x, -68.43, &mut phi);

@@ -1,8 +1,8 @@
 //! Expressions: what binds tighter comes first, and whole numbers keep to themselves.
 
 use super::{Read, Reader};
-use crate::program::words::Word;
-use crate::program::{Expr, Kind, Limit, Op, Place};
+use crate::program::tokens::Token;
+use crate::program::{Expr, Limit, Op, Place, ValueType};
 
 impl Reader<'_> {
     pub(super) fn place(&mut self) -> Read<Place> {
@@ -22,14 +22,14 @@ impl Reader<'_> {
     }
 
     /// What stands at a place.
-    pub(super) fn kind_at(&self, place: &Place) -> Read<Kind> {
+    pub(super) fn kind_at(&self, place: &Place) -> Read<ValueType> {
         let Some(kind) = self.kind(&place.root).cloned() else {
             return self.wrong(format!("`{}` is not known", place.root));
         };
         let (_, kind) = self.program.within(kind, &place.path).or_else(|what| self.wrong(what))?;
         match (&place.index, kind) {
             (None, kind) => Ok(kind),
-            (Some(index), Kind::Room(_)) if index.whole() => Ok(Kind::Real),
+            (Some(index), ValueType::Array(_)) if index.whole() => Ok(ValueType::Real),
             (Some(_), kind) => self.wrong(format!("{kind:?} is counted off by what is not whole")),
         }
     }
@@ -63,9 +63,9 @@ impl Reader<'_> {
             }
             left = match (op, &left, &right) {
                 (Op::Divide, Expr::Real(a), Expr::Real(b)) => Expr::Real(a / b),
-                (Op::Add, Expr::Variable(..), Expr::Whole(0)) => left,
-                (Op::Add, Expr::Whole(a), Expr::Whole(b)) => Expr::Whole(a + b),
-                (Op::Subtract, Expr::Whole(a), Expr::Whole(b)) if a >= b => Expr::Whole(a - b),
+                (Op::Add, Expr::Variable(..), Expr::Integer(0)) => left,
+                (Op::Add, Expr::Integer(a), Expr::Integer(b)) => Expr::Integer(a + b),
+                (Op::Subtract, Expr::Integer(a), Expr::Integer(b)) if a >= b => Expr::Integer(a - b),
                 _ => Expr::Binary(op, Box::new(left), Box::new(right)),
             };
         }
@@ -85,21 +85,21 @@ impl Reader<'_> {
             return Ok(inner);
         }
         match self.words.get(self.at) {
-            Some(Word::Real(value)) => {
+            Some(Token::Real(value)) => {
                 self.at += 1;
                 Ok(Expr::Real(*value))
             }
-            Some(Word::Whole(value)) => {
+            Some(Token::Integer(value)) => {
                 self.at += 1;
-                Ok(Expr::Whole(*value))
+                Ok(Expr::Integer(*value))
             }
-            Some(Word::Name(name)) if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) => {
+            Some(Token::Name(name)) if matches!(self.words.get(self.at + 1), Some(Token::Sign("("))) => {
                 let name = name.clone();
                 self.at += 2;
                 let gives = self.program.function(&name).is_none_or(|f| !f.returns.is_empty());
                 if gives { self.call(name) } else { self.wrong(format!("`{name}` gives nothing")) }
             }
-            Some(Word::Name(_)) => self.named(),
+            Some(Token::Name(_)) => self.named(),
             _ => self.wrong("a number is missing"),
         }
     }
@@ -126,8 +126,8 @@ impl Reader<'_> {
         }
         for (parameter, argument) in function.takes.iter().zip(&arguments) {
             let fits = match (&parameter.kind, argument) {
-                (Kind::Part(block), Expr::Part(place)) => self.kind_at(place)? == Kind::Part(block.clone()),
-                (kind, argument) => argument.whole() == (*kind == Kind::Whole),
+                (ValueType::Part(block), Expr::Part(place)) => self.kind_at(place)? == ValueType::Part(block.clone()),
+                (kind, argument) => argument.whole() == (*kind == ValueType::Integer),
             };
             if !fits {
                 return self.wrong(format!("`{name}` takes another {}", parameter.name));
@@ -145,17 +145,19 @@ impl Reader<'_> {
         let name = &place.root;
         if self.kind(name).is_some() {
             return match self.kind_at(&place)? {
-                Kind::Whole => Ok(Expr::Variable(place.root, true)),
-                Kind::Real if place.path.is_empty() && place.index.is_none() => Ok(Expr::Variable(place.root, false)),
-                Kind::Real => Ok(Expr::At(place)),
-                Kind::Part(_) => Ok(Expr::Part(place)),
-                Kind::Room(_) => self.wrong(format!("`{name}` is several numbers")),
+                ValueType::Integer => Ok(Expr::Variable(place.root, true)),
+                ValueType::Real if place.path.is_empty() && place.index.is_none() => {
+                    Ok(Expr::Variable(place.root, false))
+                }
+                ValueType::Real => Ok(Expr::At(place)),
+                ValueType::Part(_) => Ok(Expr::Part(place)),
+                ValueType::Array(_) => self.wrong(format!("`{name}` is several numbers")),
             };
         }
         let number = self.program.blocks.len() - 1;
         let block = &self.program.blocks[number];
         if let Some((_, value)) = block.counts.iter().find(|(known, _)| known == name) {
-            return Ok(Expr::Whole(*value));
+            return Ok(Expr::Integer(*value));
         }
         if let Some(constant) = block.constants.iter().find(|c| c.name == *name) {
             return match constant.table == place.index.is_some() {

@@ -2,13 +2,13 @@
 
 mod expressions;
 
-use super::words::{Word, words};
-use super::{Argument, Expr, Function, Kind, Op, Program, Step};
+use super::tokens::{Token, tokens};
+use super::{Argument, Expr, Function, Op, Program, Statement, ValueType};
 use crate::error::Error;
 
 /// Reads `text` into the last block of `program`.
 pub(super) fn functions(program: &mut Program, text: &str) -> Result<(), Error> {
-    let words = words(text)?;
+    let words = tokens(text)?;
     let mut at = 0;
     while at < words.len() {
         let mut reader =
@@ -22,10 +22,10 @@ pub(super) fn functions(program: &mut Program, text: &str) -> Result<(), Error> 
 
 struct Reader<'r> {
     program: &'r Program,
-    words: &'r [Word],
+    words: &'r [Token],
     at: usize,
     /// What names stand for, the innermost last.
-    names: Vec<(String, Kind)>,
+    names: Vec<(String, ValueType)>,
     /// Names of states that are changed.
     changed: Vec<String>,
     /// The function being read.
@@ -43,8 +43,8 @@ impl Reader<'_> {
 
     fn is(&self, sign: &str) -> bool {
         match self.words.get(self.at) {
-            Some(Word::Sign(s)) => *s == sign,
-            Some(Word::Name(name)) => name == sign,
+            Some(Token::Sign(s)) => *s == sign,
+            Some(Token::Name(name)) => name == sign,
             _ => false,
         }
     }
@@ -62,7 +62,7 @@ impl Reader<'_> {
 
     fn name(&mut self) -> Read<String> {
         match self.words.get(self.at) {
-            Some(Word::Name(name)) => {
+            Some(Token::Name(name)) => {
                 self.at += 1;
                 Ok(name.clone())
             }
@@ -70,11 +70,11 @@ impl Reader<'_> {
         }
     }
 
-    fn kind(&self, name: &str) -> Option<&Kind> {
+    fn kind(&self, name: &str) -> Option<&ValueType> {
         self.names.iter().find(|(known, _)| known == name).map(|(_, kind)| kind)
     }
 
-    fn introduce(&mut self, name: &str, kind: Kind) -> Read<()> {
+    fn introduce(&mut self, name: &str, kind: ValueType) -> Read<()> {
         if self.kind(name).is_some() {
             return self.wrong(format!("`{name}` hides what has that name"));
         }
@@ -84,7 +84,7 @@ impl Reader<'_> {
 
     fn function(&mut self) -> Read<Function> {
         let mut about = Vec::new();
-        while let Some(Word::Note(note)) = self.words.get(self.at) {
+        while let Some(Token::Note(note)) = self.words.get(self.at) {
             about.push(note.clone());
             self.at += 1;
         }
@@ -99,9 +99,9 @@ impl Reader<'_> {
         while !self.pass(")") {
             let name = self.name()?;
             let kind = match self.pass(":").then(|| self.name()).transpose()? {
-                None => Kind::Real,
-                Some(whole) if whole == "whole" => Kind::Whole,
-                Some(block) if self.program.block(&block).is_some() => Kind::Part(block),
+                None => ValueType::Real,
+                Some(whole) if whole == "whole" => ValueType::Integer,
+                Some(block) if self.program.block(&block).is_some() => ValueType::Part(block),
                 Some(block) => return self.wrong(format!("there is no block `{block}`")),
             };
             self.introduce(&name, kind.clone())?;
@@ -133,7 +133,7 @@ impl Reader<'_> {
         Ok(Function { block: self.program.blocks.len() - 1, about, name, takes, steps, returns })
     }
 
-    fn steps(&mut self) -> Read<Vec<Step>> {
+    fn steps(&mut self) -> Read<Vec<Statement>> {
         self.expect("{")?;
         let known = self.names.len();
         let mut steps = Vec::new();
@@ -144,10 +144,10 @@ impl Reader<'_> {
         Ok(steps)
     }
 
-    fn step(&mut self) -> Read<Step> {
-        if let Some(Word::Note(note)) = self.words.get(self.at) {
+    fn step(&mut self) -> Read<Statement> {
+        if let Some(Token::Note(note)) = self.words.get(self.at) {
             self.at += 1;
-            return Ok(Step::Note(note.clone()));
+            return Ok(Statement::Note(note.clone()));
         }
         if self.pass("let") {
             return self.new_names();
@@ -156,7 +156,7 @@ impl Reader<'_> {
             return self.choice();
         }
         if self.pass("while") {
-            return Ok(Step::While(self.asked()?, self.steps()?));
+            return Ok(Statement::While(self.asked()?, self.steps()?));
         }
         if self.pass("for") {
             let name = self.name()?;
@@ -167,22 +167,22 @@ impl Reader<'_> {
             }
             let down = self.pass("down");
             let known = self.names.len();
-            self.introduce(&name, Kind::Whole)?;
+            self.introduce(&name, ValueType::Integer)?;
             let steps = self.steps()?;
             self.names.truncate(known);
-            return Ok(Step::For { name, from, to, down, steps });
+            return Ok(Statement::For { name, from, to, down, steps });
         }
-        if matches!(self.words.get(self.at + 1), Some(Word::Sign("("))) {
+        if matches!(self.words.get(self.at + 1), Some(Token::Sign("("))) {
             let name = self.name()?;
             self.expect("(")?;
             let call = self.call(name)?;
             self.expect(";")?;
-            return Ok(Step::Do(call));
+            return Ok(Statement::Do(call));
         }
         self.change()
     }
 
-    fn new_names(&mut self) -> Read<Step> {
+    fn new_names(&mut self) -> Read<Statement> {
         let mut names = vec![self.name()?];
         while self.pass(",") {
             names.push(self.name()?);
@@ -191,11 +191,11 @@ impl Reader<'_> {
         if self.pass("[") {
             self.expr()?;
             self.expect(";")?;
-            let Expr::Whole(n) = self.expr()? else { return self.wrong("room is for a known number of numbers") };
+            let Expr::Integer(n) = self.expr()? else { return self.wrong("room is for a known number of numbers") };
             self.expect("]")?;
             self.expect(";")?;
-            self.introduce(&names[0], Kind::Room(n))?;
-            return Ok(Step::Room(names[0].clone(), n));
+            self.introduce(&names[0], ValueType::Array(n))?;
+            return Ok(Statement::Array(names[0].clone(), n));
         }
         for (word, zero) in [("copy", false), ("zero", true)] {
             if self.is(word) {
@@ -204,15 +204,15 @@ impl Reader<'_> {
                 let of = self.place()?;
                 self.expect(")")?;
                 self.expect(";")?;
-                let Kind::Part(block) = self.kind_at(&of)? else { return self.wrong("only a state is copied") };
+                let ValueType::Part(block) = self.kind_at(&of)? else { return self.wrong("only a state is copied") };
                 let name = names[0].clone();
-                self.introduce(&name, Kind::Part(block.clone()))?;
-                return Ok(Step::Copy { name, of, block, zero });
+                self.introduce(&name, ValueType::Part(block.clone()))?;
+                return Ok(Statement::Copy { name, of, block, zero });
             }
         }
         let value = self.expr()?;
         self.expect(";")?;
-        let kind = if value.whole() { Kind::Whole } else { Kind::Real };
+        let kind = if value.whole() { ValueType::Integer } else { ValueType::Real };
         for name in &names {
             self.introduce(name, kind.clone())?;
         }
@@ -223,7 +223,7 @@ impl Reader<'_> {
         if gives != names.len() {
             return self.wrong(format!("{} names for {gives} numbers", names.len()));
         }
-        Ok(Step::Let(names, value))
+        Ok(Statement::Let(names, value))
     }
 
     /// What holds or not, and changes nothing by being asked.
@@ -233,7 +233,7 @@ impl Reader<'_> {
         if self.changed.len() > changed { self.wrong("a condition changes a state") } else { Ok(holds) }
     }
 
-    fn choice(&mut self) -> Read<Step> {
+    fn choice(&mut self) -> Read<Statement> {
         self.expect("if")?;
         let (holds, yes) = (self.asked()?, self.steps()?);
         let no = match self.pass("else") {
@@ -241,16 +241,18 @@ impl Reader<'_> {
             true if self.is("if") => vec![self.choice()?],
             true => self.steps()?,
         };
-        Ok(Step::If(holds, yes, no))
+        Ok(Statement::If(holds, yes, no))
     }
 
-    fn change(&mut self) -> Read<Step> {
+    fn change(&mut self) -> Read<Statement> {
         let place = self.place()?;
         let kind = self.kind_at(&place)?;
         let now = match &kind {
-            Kind::Whole => Expr::Variable(place.root.clone(), true),
-            Kind::Real if place.path.is_empty() && place.index.is_none() => Expr::Variable(place.root.clone(), false),
-            Kind::Real => Expr::At(place.clone()),
+            ValueType::Integer => Expr::Variable(place.root.clone(), true),
+            ValueType::Real if place.path.is_empty() && place.index.is_none() => {
+                Expr::Variable(place.root.clone(), false)
+            }
+            ValueType::Real => Expr::At(place.clone()),
             _ => return self.wrong("only numbers are changed"),
         };
         let op = [("+=", Op::Add), ("-=", Op::Subtract), ("*=", Op::Multiply), ("/=", Op::Divide)];
@@ -260,7 +262,7 @@ impl Reader<'_> {
         }
         let value = self.expr()?;
         self.expect(";")?;
-        if value.whole() != (kind == Kind::Whole) {
+        if value.whole() != (kind == ValueType::Integer) {
             return self.wrong(format!("`{}` is whole where the other is not", place.root));
         }
         self.changed.push(place.root.clone());
@@ -268,6 +270,6 @@ impl Reader<'_> {
             None => value,
             Some((_, op)) => Expr::Binary(op, Box::new(now), Box::new(value)),
         };
-        Ok(Step::Set(place, value))
+        Ok(Statement::Set(place, value))
     }
 }

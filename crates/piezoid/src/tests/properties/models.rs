@@ -2,7 +2,7 @@
 
 use super::strategies::*;
 use crate::excitation::Limits;
-use crate::hysteresis::{Pair, RateScheduled, Reading, TwoBranch};
+use crate::hysteresis::{HeldInput, Pair, RateScheduled, TwoBranch};
 use crate::linear::Arx;
 use crate::tests::close::assert_close;
 use crate::validation::Metrics;
@@ -62,8 +62,8 @@ proptest! {
             places.push(slow.len() - 1);
             u.push(value);
         }
-        let quick = TwoBranch::new(TS, branches.clone(), Reading::Held).expect("a block");
-        let patient = TwoBranch::new(1.0, branches, Reading::Held).expect("a block");
+        let quick = TwoBranch::new(TS, branches.clone(), HeldInput::Held).expect("a block");
+        let patient = TwoBranch::new(1.0, branches, HeldInput::Held).expect("a block");
         // Settled at the first input, since the way there from rest has a direction of its own.
         let run = |block: &TwoBranch, u: &[f64]| block.resume(&mut block.settled(u[0]), u);
         let z = run(&patient, &slow);
@@ -75,7 +75,7 @@ proptest! {
     fn two_branches_read_the_branch_of_the_direction_and_stay_between_both(
         branches in branches(), u in drive(2..60),
     ) {
-        for reading in [Reading::Held, Reading::Printed] {
+        for reading in [HeldInput::Held, HeldInput::Printed] {
             let block = TwoBranch::new(TS, branches.clone(), reading).expect("a block");
             let z = block.resume(&mut block.settled(u[0]), &u);
             for t in 0..u.len() {
@@ -83,7 +83,7 @@ proptest! {
                 prop_assert!(up.min(down) <= z[t] && z[t] <= up.max(down), "{} at {} V", z[t], u[t]);
                 if t > 0 && u[t] != u[t - 1] {
                     prop_assert_eq!(z[t], if u[t] > u[t - 1] { up } else { down });
-                } else if t > 0 && reading == Reading::Printed {
+                } else if t > 0 && reading == HeldInput::Printed {
                     prop_assert_eq!(z[t], down);
                 }
             }
@@ -95,8 +95,8 @@ proptest! {
         branches in branches(), low in 0.1..50.0f64, factor in 1.01..100.0f64, u in drive(2..80),
     ) {
         let pair = |frequency_hz| Pair { frequency_hz, branches: branches.clone() };
-        let scheduled = RateScheduled::new(TS, vec![pair(low), pair(low * factor)], Reading::Held).expect("two frequencies");
-        let z = TwoBranch::new(TS, branches.clone(), Reading::Held).expect("a block").simulate(&u);
+        let scheduled = RateScheduled::new(TS, vec![pair(low), pair(low * factor)], HeldInput::Held).expect("two frequencies");
+        let z = TwoBranch::new(TS, branches.clone(), HeldInput::Held).expect("a block").simulate(&u);
         // (1 - s) z + s z is z but for its rounding.
         assert_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
     }

@@ -84,11 +84,11 @@ pub(crate) fn branches() -> impl Strategy<Value = Branches> {
 pub(crate) fn operators() -> impl Strategy<Value = Vec<Arc<dyn Hysteresis>>> {
     (branches(), branches(), -5.0..5.0f64).prop_map(|(low, high, gain)| {
         let pair = |frequency_hz, branches: &Branches| Pair { frequency_hz, branches: branches.clone() };
-        let scheduled = RateScheduled::new(TS, vec![pair(5.0, &low), pair(200.0, &high)], Reading::Held);
+        let scheduled = RateScheduled::new(TS, vec![pair(5.0, &low), pair(200.0, &high)], HeldInput::Held);
         let mut all: Vec<Arc<dyn Hysteresis>> = vec![
             Arc::new(Proportional::new(TS, gain).expect("a gain")),
-            Arc::new(TwoBranch::new(TS, low, Reading::Held).expect("a block")),
-            Arc::new(TwoBranch::new(TS, high, Reading::Printed).expect("a block")),
+            Arc::new(TwoBranch::new(TS, low, HeldInput::Held).expect("a block")),
+            Arc::new(TwoBranch::new(TS, high, HeldInput::Printed).expect("a block")),
             Arc::new(scheduled.expect("two pairs")),
         ];
         all.extend(OPERATORS.iter().map(|o| (o.example)(TS).expect("an example")));

@@ -8,7 +8,7 @@ use crate::fourier::{LINE, power};
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::number::round;
 use crate::optimize::swarm;
-use crate::progress::unwatched;
+use crate::progress::silent;
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::system::System;
@@ -37,7 +37,7 @@ pub struct LinearPart {
 
 /// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay. Where
 /// they do not tell a block of that order, lower ones are tried.
-pub(super) fn linear_from_rich(records: &[Record], n: usize) -> Result<LinearPart, Error> {
+pub(super) fn linear_from_large_signal(records: &[Record], n: usize) -> Result<LinearPart, Error> {
     let (gain, lines) = (affine(records)?, lines(records));
     let asked = of_order(records, n, gain, &lines)?;
     for lower in (1..n).rev().take_while(|_| asked.fit.is_none()) {
@@ -61,7 +61,7 @@ fn of_order(
         let (arx, reason) = (Arx::gain(records[0].ts(), gain)?, format!("a pure gain: {reason}"));
         Ok(LinearPart { arx, offset, fit: None, reason })
     };
-    if let Some(why) = too_poor(lines, n) {
+    if let Some(why) = missing_excitation(lines, n) {
         return plain(format!("{why}; add a small-signal PRBS record to learn the dynamics"));
     }
     let highest = lines.iter().fold(0.0f64, |h, &l| h.max(l));
@@ -69,7 +69,7 @@ fn of_order(
     let candidates: Vec<(f64, usize, Fit)> = (0..=DELAY_MAX)
         .filter_map(|delay| {
             let orders = Orders { delay, ..Orders::of(n) };
-            let fit = least_squares.fit(records, orders, &swarm::SwarmSettings::default(), &mut unwatched).ok()?;
+            let fit = least_squares.fit(records, orders, &swarm::SwarmSettings::default(), &mut silent).ok()?;
             Some((left_by(&fit, records)?, delay, fit))
         })
         .collect();
@@ -136,8 +136,8 @@ fn left_by(fit: &Fit, records: &[Record]) -> Option<f64> {
 }
 
 /// Refuses records whose inputs hold too few frequencies for a block of order `n`.
-pub(super) fn rich_enough(records: &[Record], n: usize) -> Result<(), Error> {
-    match too_poor(&lines(records), n) {
+pub(super) fn require_excitation(records: &[Record], n: usize) -> Result<(), Error> {
+    match missing_excitation(&lines(records), n) {
         None => Ok(()),
         Some(why) => Err(Error::Unidentifiable {
             what: "the linear block".into(),
@@ -147,7 +147,7 @@ pub(super) fn rich_enough(records: &[Record], n: usize) -> Result<(), Error> {
 }
 
 /// Why these frequencies do not suffice for a block of order `n`, if so.
-fn too_poor(lines: &[f64], n: usize) -> Option<String> {
+fn missing_excitation(lines: &[f64], n: usize) -> Option<String> {
     let needed = Orders::of(n).parameters().div_ceil(2);
     let held = match lines {
         [] => "no frequency at all".into(),
@@ -204,21 +204,21 @@ mod tests {
 
     #[test]
     fn one_frequency_leaves_a_gain_and_says_so() {
-        let part = linear_from_rich(&[record(&[5.0], &beam())], 2).unwrap();
+        let part = linear_from_large_signal(&[record(&[5.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty());
         assert!(part.reason.contains("one frequency (5 Hz)"), "{}", part.reason);
     }
 
     #[test]
     fn frequencies_through_the_resonance_give_the_block_with_its_delay_and_offset() {
-        let part = linear_from_rich(&[record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam())], 2).unwrap();
+        let part = linear_from_large_signal(&[record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam())], 2).unwrap();
         assert!(part.reason.contains("delay of 2 samples"), "{}", part.reason);
         crate::testing::assert_close(&[part.arx.poles()[0].hz, part.offset], &[146.73, -40.0], 1e-3, 0.0);
     }
 
     #[test]
     fn frequencies_far_below_the_resonance_do_not_show_it() {
-        let part = linear_from_rich(&[record(&[1.0, 2.5, 4.0, 6.0], &beam())], 2).unwrap();
+        let part = linear_from_large_signal(&[record(&[1.0, 2.5, 4.0, 6.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty(), "{}", part.reason);
     }
 }

@@ -4,11 +4,11 @@
 //! held out is refused. Noise, too, leaves much of a record: a share tells that something is wrong, not what.
 
 use super::refine::Fitted;
-use super::runs::Run;
+use super::runs::TrainingRecord;
 use crate::error::Error;
 use crate::number::short;
 use crate::series::mean;
-use crate::waveform::turns;
+use crate::waveform::reversals;
 
 /// Share of a record from which that is told, and share of what was held out from which there is no model.
 const MUCH: f64 = 0.3;
@@ -24,11 +24,11 @@ const BACK: f64 = 0.05;
 ///
 /// # Errors
 /// Refuses a model that foretells nothing of what was held out.
-pub(super) fn judge(fitted: &Fitted, runs: &[Run]) -> Result<Vec<String>, Error> {
-    let share = |(run, left): (&Run, &f64)| 100.0 * (left / run.power()).sqrt();
+pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<String>, Error> {
+    let share = |(run, left): (&TrainingRecord, &f64)| 100.0 * (left / run.power()).sqrt();
     let shares: Vec<f64> = runs.iter().zip(&fitted.left).map(share).collect();
-    let rich: Vec<&Run> = runs.iter().filter(|run| run.rich).collect();
-    let power = mean(&rich.iter().map(|run| run.power()).collect::<Vec<_>>());
+    let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
+    let power = mean(&large_signal.iter().map(|run| run.power()).collect::<Vec<_>>());
     let held_out = fitted.held_out.rms_pp() / power.sqrt();
     if held_out.is_nan() || held_out > ALL {
         let each = runs.iter().zip(&shares).map(|(run, share)| format!("{} {} %", run.name, short(*share)));
@@ -49,7 +49,7 @@ pub(super) fn judge(fitted: &Fitted, runs: &[Run]) -> Result<Vec<String>, Error>
     }
     let estimate = &fitted.estimate;
     let parameters = estimate.weights.len() + estimate.basis.shape().len();
-    let samples = rich.iter().flat_map(|run| &run.usable).filter(|usable| **usable).count();
+    let samples = large_signal.iter().flat_map(|run| &run.usable).filter(|usable| **usable).count();
     if samples < FEW * parameters {
         notes.push(format!(
             "{samples} samples of rich records are few for {parameters} parameters of the hysteresis: record longer, or ask for \
@@ -57,14 +57,15 @@ pub(super) fn judge(fitted: &Fitted, runs: &[Run]) -> Result<Vec<String>, Error>
         ));
     }
     // An end of a record is no turn.
-    let inner = |run: &&Run| turns(run.record.u(), BACK).into_iter().any(|t| t > 0 && t + 1 < run.record.len());
-    if !rich.iter().any(inner) {
+    let inner =
+        |run: &&TrainingRecord| reversals(run.record.u(), BACK).into_iter().any(|t| t > 0 && t + 1 < run.record.len());
+    if !large_signal.iter().any(inner) {
         notes
             .push("the input of no rich record turns back, so nothing tells the hysteresis: record whole loops".into());
     }
-    for (k, run) in rich.iter().enumerate() {
-        let same = |other: &&&Run| other.record.u() == run.record.u() && other.record.y() == run.record.y();
-        if let Some(twin) = rich[..k].iter().find(same) {
+    for (k, run) in large_signal.iter().enumerate() {
+        let same = |other: &&&TrainingRecord| other.record.u() == run.record.u() && other.record.y() == run.record.y();
+        if let Some(twin) = large_signal[..k].iter().find(same) {
             notes.push(format!(
                 "{} and {} are the same: what is held out of one is foretold by the other; give it once",
                 twin.name, run.name

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::series::mean;
 use crate::system::System;
-use crate::waveform::{in_motion, lead};
+use crate::waveform::{in_motion, inputs_before};
 
 /// What the actuator did before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -28,15 +28,15 @@ impl InitialCondition {
 impl Model {
     /// The state before the first of the inputs `u`, if the record began like this. Of a record that began in motion it is
     /// the state behind the inputs that may have come before, moved over by what the first input differs from them.
-    pub fn before(&self, u: &[f64], beginning: InitialCondition) -> Vec<f64> {
+    pub fn before(&self, u: &[f64], initial_condition: InitialCondition) -> Vec<f64> {
         let Some(&first) = u.first() else { return self.initial() };
-        match beginning {
+        match initial_condition {
             InitialCondition::Rest => self.initial(),
             InitialCondition::Settled => self.settled(first),
             InitialCondition::Motion => {
                 let mut x = self.settled(first);
                 let [hysteresis, creep, linear, driver] = self.parts(&mut x);
-                let mut z = lead(u);
+                let mut z = inputs_before(u);
                 self.hidden(hysteresis, driver, &mut z);
                 creep.copy_from_slice(&self.creep().settled(mean(&z[..u.len()])));
                 self.creep().respond(creep, &mut z);
@@ -75,7 +75,7 @@ mod tests {
         let model = Model::new((OPERATORS[0].example)(1e-3).unwrap(), arx, 0.0).unwrap().with_creep(creep).unwrap();
         // At its top when it begins; creep has long settled at the middle, 50.
         let u = sine(50.0, TAU / 4.0);
-        let first = |beginning| mean(&model.resume(&mut model.before(&u, beginning), &u)[..200]);
+        let first = |initial_condition| mean(&model.resume(&mut model.before(&u, initial_condition), &u)[..200]);
         let [motion, settled, rest] = InitialCondition::of(&u).map(first);
         crate::testing::assert_close(&[motion], &[50.0 * 1.1 * 2.0 * 1.15], 1e-3, 0.0);
         assert!(settled > 1.02 * motion && rest < 0.9 * motion, "{settled} {rest}");

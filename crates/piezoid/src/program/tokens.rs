@@ -4,10 +4,10 @@ use crate::error::Error;
 
 /// A word.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Word {
+pub(super) enum Token {
     Name(String),
     Real(f64),
-    Whole(usize),
+    Integer(usize),
     Sign(&'static str),
     Note(String),
 }
@@ -19,28 +19,28 @@ const SIGNS: [&str; 28] = [
 ];
 
 /// The words of a text, in order.
-pub(super) fn words(text: &str) -> Result<Vec<Word>, Error> {
+pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Error> {
     let mut words = Vec::new();
     let mut rest = text.trim_start();
     while let Some(first) = rest.chars().next() {
         let length = |ends: &dyn Fn(char) -> bool| rest.find(|c| !ends(c)).unwrap_or(rest.len());
         let taken = if let Some(note) = rest.strip_prefix("//") {
             let note = note.lines().next().unwrap_or_default();
-            words.push(Word::Note(note.trim().into()));
+            words.push(Token::Note(note.trim().into()));
             2 + note.len()
         } else if first.is_ascii_alphabetic() {
             let n = length(&|c| c.is_ascii_alphanumeric() || c == '_');
-            words.push(Word::Name(rest[..n].into()));
+            words.push(Token::Name(rest[..n].into()));
             n
         } else if first.is_ascii_digit() {
             let (number, n) = number(rest)?;
             words.push(number);
             n
         } else if rest.starts_with('.') && !rest.starts_with("..") {
-            words.push(Word::Sign("."));
+            words.push(Token::Sign("."));
             1
         } else if let Some(sign) = SIGNS.iter().find(|sign| rest.starts_with(**sign)) {
-            words.push(Word::Sign(sign));
+            words.push(Token::Sign(sign));
             sign.len()
         } else {
             return Err(Error::Content(format!("a program has no sign `{first}`")));
@@ -51,7 +51,7 @@ pub(super) fn words(text: &str) -> Result<Vec<Word>, Error> {
 }
 
 /// The number that `text` begins with and how long it is: real where it has a point or an exponent.
-fn number(text: &str) -> Result<(Word, usize), Error> {
+fn number(text: &str) -> Result<(Token, usize), Error> {
     let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let mut n = digits(text);
     let whole = n;
@@ -64,9 +64,9 @@ fn number(text: &str) -> Result<(Word, usize), Error> {
     }
     let bad = || Error::Content(format!("`{}` in a program is no number", &text[..n]));
     let number = if n == whole {
-        Word::Whole(text[..n].parse().map_err(|_| bad())?)
+        Token::Integer(text[..n].parse().map_err(|_| bad())?)
     } else {
-        Word::Real(text[..n].parse().map_err(|_| bad())?)
+        Token::Real(text[..n].parse().map_err(|_| bad())?)
     };
     Ok((number, n))
 }

@@ -25,10 +25,11 @@ pub(super) fn independent(u: &[f64], simulated: &[f64], errors: &[f64]) -> Optio
     let own = Whiteness::of(u, errors)?;
     let squares: f64 = errors.iter().map(|e| e * e).sum();
     let rough = errors.windows(3).map(|e| (e[0] - 2.0 * e[1] + e[2]).powi(2)).sum::<f64>() / 6.0;
-    let apart = |w: &Whiteness| w.cross_correlation.iter().all(|c| c.abs() <= w.cross_correlation_bound.max(APART));
+    let residual_noise =
+        |w: &Whiteness| w.cross_correlation.iter().all(|c| c.abs() <= w.cross_correlation_bound.max(APART));
     let is_noise = rough >= WHITE * WHITE * squares
-        && apart(&own)
-        && bent(simulated).iter().all(|bent| Whiteness::of(bent, errors).is_some_and(|w| apart(&w)));
+        && residual_noise(&own)
+        && bent(simulated).iter().all(|bent| Whiteness::of(bent, errors).is_some_and(|w| residual_noise(&w)));
     let colour = 1.0 + 2.0 * own.autocorrelation.iter().map(|r| r * r).sum::<f64>();
     is_noise.then_some(errors.len() as f64 / colour)
 }

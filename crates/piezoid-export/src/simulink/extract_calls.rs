@@ -7,36 +7,36 @@
 //! It is for languages in which a function hands a changed state back beside what it gives. Calls keep their order. Conditions change
 //! nothing, so there is no call in one to take out.
 
-use piezoid::program::{Expr, Function, Program, Step};
+use piezoid::program::{Expr, Function, Program, Statement};
 
 /// A function on its way to one in which calls that change a state stand alone.
-pub(super) struct Alone<'p> {
+pub(super) struct CallExtractor<'p> {
     program: &'p Program,
     known: Vec<String>,
 }
 
-impl<'p> Alone<'p> {
+impl<'p> CallExtractor<'p> {
     /// The same function with such calls in steps of their own.
     pub(super) fn of(function: &Function, program: &'p Program) -> Function {
-        let mut alone = Alone { program, known: known(function) };
+        let mut alone = CallExtractor { program, known: known(function) };
         let mut steps = alone.steps(&function.steps);
         let returns = function.returns.iter().map(|expr| alone.lifted(expr, &mut steps)).collect();
         Function { steps, returns, ..function.clone() }
     }
 
-    fn steps(&mut self, steps: &[Step]) -> Vec<Step> {
+    fn steps(&mut self, steps: &[Statement]) -> Vec<Statement> {
         let mut out = Vec::with_capacity(steps.len());
         for step in steps {
             let step = match step {
-                Step::Let(names, value) => Step::Let(names.clone(), self.kept(value, &mut out)),
-                Step::Do(call) => Step::Do(self.kept(call, &mut out)),
-                Step::Set(place, value) => Step::Set(place.clone(), self.lifted(value, &mut out)),
-                Step::If(holds, yes, no) => Step::If(holds.clone(), self.steps(yes), self.steps(no)),
-                Step::For { name, from, to, down, steps } => {
+                Statement::Let(names, value) => Statement::Let(names.clone(), self.kept(value, &mut out)),
+                Statement::Do(call) => Statement::Do(self.kept(call, &mut out)),
+                Statement::Set(place, value) => Statement::Set(place.clone(), self.lifted(value, &mut out)),
+                Statement::If(holds, yes, no) => Statement::If(holds.clone(), self.steps(yes), self.steps(no)),
+                Statement::For { name, from, to, down, steps } => {
                     let steps = self.steps(steps);
-                    Step::For { name: name.clone(), from: from.clone(), to: to.clone(), down: *down, steps }
+                    Statement::For { name: name.clone(), from: from.clone(), to: to.clone(), down: *down, steps }
                 }
-                Step::While(holds, steps) => Step::While(holds.clone(), self.steps(steps)),
+                Statement::While(holds, steps) => Statement::While(holds.clone(), self.steps(steps)),
                 step => step.clone(),
             };
             out.push(step);
@@ -45,7 +45,7 @@ impl<'p> Alone<'p> {
     }
 
     /// `expr` with its arguments lifted: a call that stands alone stays.
-    fn kept(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
+    fn kept(&mut self, expr: &Expr, out: &mut Vec<Statement>) -> Expr {
         match expr {
             Expr::Call(name, arguments) => {
                 Expr::Call(name.clone(), arguments.iter().map(|a| self.lifted(a, out)).collect())
@@ -55,7 +55,7 @@ impl<'p> Alone<'p> {
     }
 
     /// `expr` with a name for each call in it that changes a state; the call goes before.
-    fn lifted(&mut self, expr: &Expr, out: &mut Vec<Step>) -> Expr {
+    fn lifted(&mut self, expr: &Expr, out: &mut Vec<Statement>) -> Expr {
         match expr {
             Expr::Call(name, _) => {
                 let call = self.kept(expr, out);
@@ -63,7 +63,7 @@ impl<'p> Alone<'p> {
                     return call;
                 }
                 let given = fresh(&format!("from_{name}"), &mut self.known);
-                out.push(Step::Let(vec![given.clone()], call));
+                out.push(Statement::Let(vec![given.clone()], call));
                 Expr::Variable(given, false)
             }
             Expr::Negative(inner) => Expr::Negative(Box::new(self.lifted(inner, out))),
@@ -79,9 +79,11 @@ impl<'p> Alone<'p> {
 /// The names that a function has.
 pub(super) fn known(function: &Function) -> Vec<String> {
     let mut names: Vec<String> = function.takes.iter().map(|p| p.name.clone()).collect();
-    let mut look = |step: &Step| match step {
-        Step::Let(new, _) => names.extend(new.iter().cloned()),
-        Step::Copy { name, .. } | Step::Room(name, _) | Step::For { name, .. } => names.push(name.clone()),
+    let mut look = |step: &Statement| match step {
+        Statement::Let(new, _) => names.extend(new.iter().cloned()),
+        Statement::Copy { name, .. } | Statement::Array(name, _) | Statement::For { name, .. } => {
+            names.push(name.clone())
+        }
         _ => {}
     };
     function.steps.iter().for_each(|step| step.all(&mut look));

@@ -1,16 +1,16 @@
 //! What is exported, put together: the program, what of it is called from outside, and numbers to prove it by.
 
-use super::Wanted;
+use super::ExportRequest;
 use super::vectors::{self, Vectors};
-use piezoid::compensation::{Causal, How};
+use piezoid::compensation::{Causal, FeedForwardSettings};
 use piezoid::error::Error;
 use piezoid::number::short;
-use piezoid::program::{Block, Holds, Program};
+use piezoid::program::{Block, FieldValue, Program};
 use piezoid::record::Units;
 
 /// A program with its interface.
 #[derive(Debug, Clone)]
-pub struct Whole {
+pub struct ExportedProgram {
     /// The blocks and functions.
     pub program: Program,
     /// What is called from outside: the model first, then its feed-forward, then the controller.
@@ -31,16 +31,16 @@ pub struct Entry {
     /// One line.
     pub about: String,
     /// What it takes.
-    pub inputs: Vec<Signal>,
+    pub inputs: Vec<Port>,
     /// What it gives.
-    pub output: Signal,
+    pub output: Port,
     /// Inputs, and what it answers.
     pub vectors: Vectors,
 }
 
 /// A number that passes the interface.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Signal {
+pub struct Port {
     /// Its name.
     pub name: &'static str,
     /// Its unit.
@@ -56,7 +56,7 @@ const LONGEST_UNIT: usize = 40;
 const NOTED: f64 = 1e-5;
 
 impl Entry {
-    fn new([step, reset, state]: [&'static str; 3], about: String, inputs: Vec<Signal>, output: Signal) -> Self {
+    fn new([step, reset, state]: [&'static str; 3], about: String, inputs: Vec<Port>, output: Port) -> Self {
         Entry { step, reset, state, about, inputs, output, vectors: Vectors::default() }
     }
 
@@ -85,13 +85,13 @@ pub(super) fn state_of(block: &str) -> String {
     if block.ends_with("state") { block.into() } else { format!("{block}_state") }
 }
 
-impl Whole {
+impl ExportedProgram {
     /// The model, its inverse if it has one, and the controller if one is wanted.
     ///
     /// # Errors
     /// [`Error::Unsuited`] of a model or controller that has no program.
-    pub fn new(wanted: &Wanted) -> Result<Self, Error> {
-        let model = wanted.model;
+    pub fn new(request: &ExportRequest) -> Result<Self, Error> {
+        let model = request.model;
         let Units { u, y } = model.units();
         for (name, unit) in [("u", u), ("y", y)] {
             if unit.chars().any(char::is_control) || unit.len() > LONGEST_UNIT {
@@ -99,17 +99,17 @@ impl Whole {
                 return Err(Error::parameter(format!("units.{name}"), format!("{unit:?}"), rule));
             }
         }
-        let u = Signal { name: "u", unit: u.clone(), about: "input" };
-        let y = Signal { name: "y", unit: y.clone(), about: "displacement" };
+        let u = Port { name: "u", unit: u.clone(), about: "input" };
+        let y = Port { name: "y", unit: y.clone(), about: "displacement" };
         let about = "the model: input to displacement".into();
         let step = Entry::new(["step", "reset", "state"], about, vec![u.clone()], y.clone());
-        let mut whole = Whole { program: model.program()?, entries: vec![step], notes: Vec::new() };
-        whole.feed_forward(wanted, &u, &y)?;
-        whole.controller(wanted, &u, &y)?;
+        let mut whole = ExportedProgram { program: model.program()?, entries: vec![step], notes: Vec::new() };
+        whole.feed_forward(request, &u, &y)?;
+        whole.controller(request, &u, &y)?;
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
-        whole.held(wanted.options.float)?;
-        let vectors = vectors::of(&whole, wanted)?;
+        whole.held(request.options.float)?;
+        let vectors = vectors::of(&whole, request)?;
         whole.entries.iter_mut().zip(vectors).for_each(|(entry, vectors)| entry.vectors = vectors);
         for entry in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
             let off = short(entry.vectors.off);
@@ -119,23 +119,25 @@ impl Whole {
     }
 
     /// Adds the inverse, or why there is none.
-    fn feed_forward(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
-        if wanted.options.preview > Causal::LATEST {
+    fn feed_forward(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
+        if request.options.preview > Causal::LATEST {
             let rule = format!("must be at most {} samples", Causal::LATEST);
-            return Err(Error::parameter("preview", wanted.options.preview, rule));
+            return Err(Error::parameter("preview", request.options.preview, rule));
         }
-        match Causal::new(wanted.model, wanted.how, wanted.options.preview) {
+        match Causal::new(request.model, request.settings, request.options.preview) {
             // What was asked for is not left out in silence.
-            Err(error) if wanted.how != How::default() || wanted.options.preview > 0 => return Err(error),
+            Err(error) if request.settings != FeedForwardSettings::default() || request.options.preview > 0 => {
+                return Err(error);
+            }
             Err(error) => self.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
                 causal.extend(&mut self.program)?;
-                let late = match wanted.options.preview {
+                let late = match request.options.preview {
                     0 => String::new(),
                     n => format!(", which is to be given {n} samples ahead of time"),
                 };
                 let about = format!("the feed-forward: wanted displacement to input{late}");
-                let r = Signal { name: "r", about: "wanted displacement", ..y.clone() };
+                let r = Port { name: "r", about: "wanted displacement", ..y.clone() };
                 self.entries.push(Entry::new(["ff_step", "ff_reset", "ff_state"], about, vec![r], u.clone()));
             }
         }
@@ -143,8 +145,8 @@ impl Whole {
     }
 
     /// Adds the controller, if one is wanted.
-    fn controller(&mut self, wanted: &Wanted, u: &Signal, y: &Signal) -> Result<(), Error> {
-        let Some(controller) = wanted.controller else { return Ok(()) };
+    fn controller(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
+        let Some(controller) = request.controller else { return Ok(()) };
         let unsuited = || Error::Unsuited {
             what: "export of this controller".into(),
             because: "it plans anew in every sample: take one with a law, such as pi".into(),
@@ -154,9 +156,9 @@ impl Whole {
         }
         let about = self.program.blocks.last().map_or(String::new(), |block| block.about.clone());
         let inputs = vec![
-            Signal { name: "r", about: "what was wanted when y was read", ..y.clone() },
-            Signal { about: "the last reading of the displacement", ..y.clone() },
-            Signal { name: "feed", about: "the feed-forward of this sample, or 0", ..u.clone() },
+            Port { name: "r", about: "what was wanted when y was read", ..y.clone() },
+            Port { about: "the last reading of the displacement", ..y.clone() },
+            Port { name: "feed", about: "the feed-forward of this sample, or 0", ..u.clone() },
         ];
         let names = ["control_step", "control_reset", "control_state"];
         self.entries.push(Entry::new(names, format!("the controller: {about}"), inputs, u.clone()));
@@ -170,7 +172,7 @@ impl Whole {
         for block in self.program.blocks.iter().rev().filter(|block| !block.fields.is_empty()) {
             if within.contains(&&*block.name) {
                 within.extend(block.fields.iter().filter_map(|field| match &field.holds {
-                    Holds::Block(inner) => Some(&**inner),
+                    FieldValue::Block(inner) => Some(&**inner),
                     _ => None,
                 }));
                 states.push(block);
@@ -189,9 +191,9 @@ impl Whole {
         for block in &self.program.blocks {
             let constants = block.constants.iter().map(|c| (&c.name, &c.values[..]));
             let at_rest = block.fields.iter().filter_map(|f| match &f.holds {
-                Holds::Number(value) => Some((&f.name, std::slice::from_ref(value))),
-                Holds::Numbers(values) => Some((&f.name, &values[..])),
-                Holds::Block(_) => None,
+                FieldValue::Number(value) => Some((&f.name, std::slice::from_ref(value))),
+                FieldValue::Numbers(values) => Some((&f.name, &values[..])),
+                FieldValue::Block(_) => None,
             });
             for (name, values) in constants.chain(at_rest) {
                 if let Some(value) = values.iter().find(|v| v.is_nan() || v.abs() > largest) {

@@ -1,7 +1,7 @@
 //! The words of C99 inside functions.
 
 use super::{C, shortest};
-use crate::language::{KEYWORDS, Keywords, Language, Words, less_one};
+use crate::language::{KEYWORDS, Keywords, Language, Printer, less_one};
 use piezoid::program::{Block, Expr, Function, Place};
 
 impl C<'_> {
@@ -15,11 +15,11 @@ impl C<'_> {
         self.pointed(function, &place.root) && place.path.is_empty()
     }
 
-    fn arguments(&self, arguments: &[Expr], words: &Words) -> Vec<String> {
+    fn arguments(&self, arguments: &[Expr], printer: &Printer) -> Vec<String> {
         let argument = |a: &Expr| match a {
-            Expr::Part(place) if self.addressed(words.function, place) => place.root.clone(),
-            Expr::Part(place) => format!("&{}", self.place(place, words)),
-            a => words.expr(a),
+            Expr::Part(place) if self.addressed(printer.function, place) => place.root.clone(),
+            Expr::Part(place) => format!("&{}", self.place(place, printer)),
+            a => printer.expr(a),
         };
         arguments.iter().map(argument).collect()
     }
@@ -31,7 +31,7 @@ impl Language for C<'_> {
     }
 
     fn single(&self) -> bool {
-        self.wanted.options.float
+        self.request.options.float
     }
 
     fn real(&self, value: f64) -> String {
@@ -41,26 +41,26 @@ impl Language for C<'_> {
         format!("{}{}", shortest(value, self.single()), if self.single() { "f" } else { "" })
     }
 
-    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String {
         let name = self.own(&format!("{}_{name}", block.name));
-        index.map_or(name.clone(), |index| format!("{name}[{}]", words.expr(index)))
+        index.map_or(name.clone(), |index| format!("{name}[{}]", printer.expr(index)))
     }
 
-    fn place(&self, place: &Place, words: &Words) -> String {
+    fn place(&self, place: &Place, printer: &Printer) -> String {
         let mut text = place.root.clone();
         for (k, field) in place.path.iter().enumerate() {
-            text += if k == 0 && self.pointed(words.function, &place.root) { "->" } else { "." };
+            text += if k == 0 && self.pointed(printer.function, &place.root) { "->" } else { "." };
             text += field;
         }
-        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
+        place.index.iter().for_each(|index| text += &format!("[{}]", printer.expr(index)));
         text
     }
 
-    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
+    fn call(&self, name: &str, arguments: &[Expr], printer: &Printer) -> String {
         if self.counts.is_some() && name == "wide" {
-            return format!("(int64_t){}", words.expr(&arguments[0]));
+            return format!("(int64_t){}", printer.expr(&arguments[0]));
         }
-        format!("{}({})", self.own(name), self.arguments(arguments, words).join(", "))
+        format!("{}({})", self.own(name), self.arguments(arguments, printer).join(", "))
     }
 
     fn to_real(&self, value: String) -> String {
@@ -75,9 +75,9 @@ impl Language for C<'_> {
         format!("/* {} */", text.replace("*/", "* /"))
     }
 
-    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+    fn fresh(&self, names: &[String], value: &Expr, printer: &Printer) -> Vec<String> {
         let (Some((first, rest)), kind) =
-            (names.split_first(), if value.whole() { "int" } else { self.number_in(words.function) })
+            (names.split_first(), if value.whole() { "int" } else { self.number_in(printer.function) })
         else {
             return Vec::new();
         };
@@ -85,20 +85,20 @@ impl Language for C<'_> {
         let mut lines: Vec<String> = rest.iter().map(|name| format!("{kind} {name} = {zero};")).collect();
         let value = match value {
             Expr::Call(function, arguments) if !rest.is_empty() => {
-                let given = self.arguments(arguments, words);
+                let given = self.arguments(arguments, printer);
                 let given: Vec<String> = given.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
                 format!("{}({})", self.own(function), given.join(", "))
             }
-            value => words.expr(value),
+            value => printer.expr(value),
         };
         // C99 knows no constants among its variables, but who reads it should.
-        let changed = words.function.changes(first);
+        let changed = printer.function.changes(first);
         lines.push(format!("{}{kind} {first} = {value};", if changed { "" } else { "const " }));
         lines
     }
 
-    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
-        let from = if self.addressed(words.function, of) { format!("*{}", of.root) } else { self.place(of, words) };
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, printer: &Printer) -> Vec<String> {
+        let from = if self.addressed(printer.function, of) { format!("*{}", of.root) } else { self.place(of, printer) };
         let copy = format!("{} {name} = {from};", self.state(block));
         if !zero {
             return vec![copy];
@@ -112,13 +112,13 @@ impl Language for C<'_> {
         vec![format!("{} {name}[{n}] = {{{}}};", self.number(), self.real(0.0))]
     }
 
-    fn done(&self, call: &Expr, words: &Words) -> String {
-        let gives = words.gives(call);
-        format!("{}{};", if gives { "(void)" } else { "" }, words.expr(call))
+    fn done(&self, call: &Expr, printer: &Printer) -> String {
+        let gives = printer.gives(call);
+        format!("{}{};", if gives { "(void)" } else { "" }, printer.expr(call))
     }
 
-    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
-        let (first, last, to) = (words.expr(from), words.expr(&less_one(to)), words.expr(to));
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, printer: &Printer) -> String {
+        let (first, last, to) = (printer.expr(from), printer.expr(&less_one(to)), printer.expr(to));
         match down {
             false => format!("for (int {name} = {first}; {name} < {to}; {name}++) {{"),
             true => format!("for (int {name} = {last}; {name} >= {first}; {name}--) {{"),

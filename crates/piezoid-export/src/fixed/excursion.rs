@@ -2,9 +2,9 @@
 
 use super::formats::{adding, fields, fitting};
 use super::number::counts;
-use crate::Wanted;
+use crate::ExportRequest;
+use crate::exported::{Entry, ExportedProgram};
 use crate::vectors::{turned, wander};
-use crate::whole::{Entry, Whole};
 use piezoid::series::ends;
 use piezoid::system::System;
 
@@ -12,7 +12,7 @@ use piezoid::system::System;
 pub(super) const PART: usize = 500;
 
 /// The journeys of an entry: the same inputs from several states.
-pub(super) struct Journeys {
+pub(super) struct TestInputs {
     /// The states they start from: at rest, and where all that is slow has come to at both ends.
     pub(super) starts: Vec<Vec<f64>>,
     /// Over all that the model knows and a tenth more they wander, jump, and sweep from slow to fast.
@@ -20,8 +20,8 @@ pub(super) struct Journeys {
 }
 
 /// The journeys of each entry.
-pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
-    let model = wanted.model;
+pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> Vec<TestInputs> {
+    let model = request.model;
     let (low, high) = model.known_inputs().unwrap_or((-1.0, 1.0));
     let more = 0.05 * (high - low);
     let far = (low - more, high + more);
@@ -51,7 +51,7 @@ pub(super) fn journeys(whole: &Whole, wanted: &Wanted) -> Vec<Journeys> {
             "ff_step" => r.iter().map(|r| vec![*r]).collect(),
             _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.25 * r, *u]).collect(),
         };
-        Journeys { starts: vec![at_rest.clone(), settled(far.0, z.0), settled(far.1, z.1)], inputs }
+        TestInputs { starts: vec![at_rest.clone(), settled(far.0, z.0), settled(far.1, z.1)], inputs }
     };
     whole.entries.iter().map(of).collect()
 }
@@ -86,12 +86,12 @@ fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
 fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
     // By pi / 500 in each sample.
     let faster = (0.9999802608561371, 0.006283143965558951);
-    let (mut turn, mut at) = ((1.0, 0.0), (1.0, 0.0));
+    let (mut angle, mut at) = ((1.0, 0.0), (1.0, 0.0));
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     (0..n)
         .map(|_| {
-            turn = turned(faster, turn);
-            at = turned(turn, at);
+            angle = turned(faster, angle);
+            at = turned(angle, at);
             middle + half * at.1
         })
         .collect()

@@ -2,18 +2,18 @@
 
 use super::{RESERVED, Rust, constant_of, type_of};
 use crate::c::shortest;
-use crate::language::{self, Keywords, Language, Words};
-use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Step};
+use crate::language::{self, Keywords, Language, Printer};
+use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Statement};
 
 /// A function on its way into Rust.
-pub(super) struct Inside<'i> {
+pub(super) struct RustBody<'i> {
     pub(super) rust: &'i Rust<'i>,
     pub(super) function: &'i Function,
     /// Whether it is a method.
     pub(super) own: bool,
 }
 
-impl Inside<'_> {
+impl RustBody<'_> {
     /// A name that is neither a word of the language nor a function, and begins with `_` where nothing reads it.
     pub(super) fn local(&self, name: &str) -> String {
         if self.own && self.function.takes.first().is_some_and(|p| p.name == name) {
@@ -31,8 +31,8 @@ impl Inside<'_> {
             Expr::At(place) | Expr::Part(place) => reads |= place.root == name,
             _ => {}
         });
-        let mut look = |step: &Step| match step {
-            Step::Set(place, _) | Step::Copy { of: place, .. } => reads |= place.root == name,
+        let mut look = |step: &Statement| match step {
+            Statement::Set(place, _) | Statement::Copy { of: place, .. } => reads |= place.root == name,
             _ => {}
         };
         self.function.steps.iter().for_each(|step| step.all(&mut look));
@@ -44,7 +44,7 @@ impl Inside<'_> {
         let program = &self.rust.whole.program;
         let mut changes = false;
         self.function.steps.iter().for_each(|step| {
-            step.all(&mut |step| changes |= matches!(step, Step::Set(place, _) if place.root == name));
+            step.all(&mut |step| changes |= matches!(step, Statement::Set(place, _) if place.root == name));
         });
         self.function.expressions(&mut |expr| {
             if let Expr::Call(called, arguments) = expr {
@@ -69,7 +69,7 @@ const KEYWORDS: Keywords = Keywords {
     ..language::KEYWORDS
 };
 
-impl Language for Inside<'_> {
+impl Language for RustBody<'_> {
     fn keywords(&self) -> &'static Keywords {
         &KEYWORDS
     }
@@ -91,20 +91,20 @@ impl Language for Inside<'_> {
         format!("{}::{name}", self.rust.number())
     }
 
-    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, words: &Words) -> String {
+    fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String {
         let name = constant_of(block, name);
-        index.map_or(name.clone(), |index| format!("{name}[{}]", words.expr(index)))
+        index.map_or(name.clone(), |index| format!("{name}[{}]", printer.expr(index)))
     }
 
-    fn place(&self, place: &Place, words: &Words) -> String {
+    fn place(&self, place: &Place, printer: &Printer) -> String {
         let mut text = self.local(&place.root);
         place.path.iter().for_each(|field| text += &format!(".{field}"));
-        place.index.iter().for_each(|index| text += &format!("[{}]", words.expr(index)));
+        place.index.iter().for_each(|index| text += &format!("[{}]", printer.expr(index)));
         text
     }
 
-    fn call(&self, name: &str, arguments: &[Expr], words: &Words) -> String {
-        let takes = words.program.function(name).map_or(&[][..], |f| &f.takes);
+    fn call(&self, name: &str, arguments: &[Expr], printer: &Printer) -> String {
+        let takes = printer.program.function(name).map_or(&[][..], |f| &f.takes);
         let argument = |(k, a): (usize, &Expr)| match a {
             // Parameters are references already.
             Expr::Part(place) if place.path.is_empty() && self.function.takes.iter().any(|p| p.name == place.root) => {
@@ -112,9 +112,9 @@ impl Language for Inside<'_> {
             }
             Expr::Part(place) => {
                 let changed = takes.get(k).is_some_and(|p| p.changed);
-                format!("&{}{}", if changed { "mut " } else { "" }, self.place(place, words))
+                format!("&{}{}", if changed { "mut " } else { "" }, self.place(place, printer))
             }
-            a => words.expr(a),
+            a => printer.expr(a),
         };
         let given: Vec<String> = arguments.iter().enumerate().map(argument).collect();
         match (self.rust.stepped(name), given.split_first()) {
@@ -137,23 +137,23 @@ impl Language for Inside<'_> {
         format!("// {text}")
     }
 
-    fn fresh(&self, names: &[String], value: &Expr, words: &Words) -> Vec<String> {
+    fn fresh(&self, names: &[String], value: &Expr, printer: &Printer) -> Vec<String> {
         let name = |name: &String| {
             let changes = if self.function.changes(name) { "mut " } else { "" };
             format!("{changes}{}", self.local(name))
         };
         let names: Vec<String> = names.iter().map(name).collect();
         // Of a number that stands alone nobody knows what kind it is.
-        let kind = if matches!(value, Expr::Whole(_)) { ": usize" } else { "" };
+        let kind = if matches!(value, Expr::Integer(_)) { ": usize" } else { "" };
         vec![match &names[..] {
-            [one] => format!("let {one}{kind} = {};", words.expr(value)),
-            more => format!("let ({}) = {};", more.join(", "), words.expr(value)),
+            [one] => format!("let {one}{kind} = {};", printer.expr(value)),
+            more => format!("let ({}) = {};", more.join(", "), printer.expr(value)),
         }]
     }
 
-    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, words: &Words) -> Vec<String> {
+    fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, printer: &Printer) -> Vec<String> {
         let reference = of.path.is_empty() && self.function.takes.iter().any(|p| p.name == of.root);
-        let value = match (zero, self.place(of, words)) {
+        let value = match (zero, self.place(of, printer)) {
             (true, _) => format!("{}::ZERO", type_of(block)),
             (false, of) => format!("{}{of}", if reference { "*" } else { "" }),
         };
@@ -164,7 +164,7 @@ impl Language for Inside<'_> {
         vec![format!("{} = [0.0; {n}];", self.made(name))]
     }
 
-    fn assign(&self, place: &Place, value: &Expr, words: &Words) -> String {
+    fn assign(&self, place: &Place, value: &Expr, printer: &Printer) -> String {
         let itself = |expr: &Expr| match expr {
             Expr::At(now) => now == place,
             Expr::Variable(name, _) => *name == place.root && place.path.is_empty() && place.index.is_none(),
@@ -173,18 +173,18 @@ impl Language for Inside<'_> {
         let (onto, with) = match value {
             Expr::Binary(op, left, right) if op.binds() >= Op::Add.binds() && itself(left) => (Some(*op), right),
             Expr::Binary(op @ (Op::Add | Op::Multiply), left, right) if itself(right) => (Some(*op), left),
-            _ => return format!("{} = {};", self.place(place, words), words.expr(value)),
+            _ => return format!("{} = {};", self.place(place, printer), printer.expr(value)),
         };
         let between = onto.map_or("", |op| KEYWORDS.between(op));
-        format!("{} {between}= {};", self.place(place, words), words.expr(with))
+        format!("{} {between}= {};", self.place(place, printer), printer.expr(with))
     }
 
-    fn done(&self, call: &Expr, words: &Words) -> String {
-        format!("{};", words.expr(call))
+    fn done(&self, call: &Expr, printer: &Printer) -> String {
+        format!("{};", printer.expr(call))
     }
 
-    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, words: &Words) -> String {
-        let (name, from, to) = (self.local(name), words.expr(from), words.expr(to));
+    fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, printer: &Printer) -> String {
+        let (name, from, to) = (self.local(name), printer.expr(from), printer.expr(to));
         match down {
             false => format!("for {name} in {from}..{to} {{"),
             true => format!("for {name} in ({from}..{to}).rev() {{"),

@@ -1,7 +1,7 @@
 //! Back through what the model does before its linear block: driver, hysteresis and creep, one sample at a time.
 
 use super::Model;
-use crate::hysteresis::{Inverted, between, in_room};
+use crate::hysteresis::{Inverted, between, with_scratch};
 use crate::system::System;
 
 impl Model {
@@ -18,7 +18,7 @@ impl Model {
         if self.driver.is_none() {
             return self.hysteresis.invert(&x[..self.hysteresis.order()], z, ends).u;
         }
-        let found = in_room(x.len(), |copy| {
+        let found = with_scratch(x.len(), |copy| {
             between(ends, z, |u| {
                 copy.copy_from_slice(x);
                 self.step_hidden(copy, u)
@@ -33,7 +33,7 @@ impl Model {
     }
 
     /// What creep puts out in the sample of `u`, from the state `x`, of which all but the linear block moves on.
-    pub(crate) fn step_crept(&self, x: &mut [f64], u: f64) -> f64 {
+    pub(crate) fn step_before_linear(&self, x: &mut [f64], u: f64) -> f64 {
         let z = self.step_hidden(x, u);
         let [_, creep, ..] = self.parts(x);
         self.creep.step(creep, z)
@@ -41,26 +41,26 @@ impl Model {
 
     /// The input between `ends` for which creep puts out `wanted` in the next sample, and what it does put out. The state
     /// `x` moves on by this input, all but the linear block.
-    pub(crate) fn invert_crept(&self, x: &mut [f64], wanted: f64, ends: (f64, f64)) -> Inverted {
+    pub(crate) fn invert_before_linear(&self, x: &mut [f64], wanted: f64, ends: (f64, f64)) -> Inverted {
         let [_, creep, ..] = self.parts(x);
         let z = self.creep.invert(creep, wanted);
         let u = self.invert_hidden(x, z, ends);
-        Inverted { u, z: self.step_crept(x, u) }
+        Inverted { u, z: self.step_before_linear(x, u) }
     }
 
     /// The input between `ends` that holds the output `y` for long, or the nearest to it.
-    pub(crate) fn holding(&self, y: f64, ends: (f64, f64)) -> f64 {
-        self.holding_crept((y - self.offset) / self.linear.dc_gain(), ends).u
+    pub(crate) fn static_input(&self, y: f64, ends: (f64, f64)) -> f64 {
+        self.static_input_before_linear((y - self.offset) / self.linear.dc_gain(), ends).u
     }
 
     /// The input between `ends` for which creep puts out `wanted` where it has stood for long, and what it does put out.
-    pub(crate) fn holding_crept(&self, wanted: f64, ends: (f64, f64)) -> Inverted {
-        between(ends, wanted, |u| self.settled_crept(u))
+    pub(crate) fn static_input_before_linear(&self, wanted: f64, ends: (f64, f64)) -> Inverted {
+        between(ends, wanted, |u| self.settled_before_linear(u))
     }
 
     /// What creep puts out where `u` has stood for long.
-    pub(crate) fn settled_crept(&self, u: f64) -> f64 {
-        self.step_crept(&mut self.settled(u), u)
+    pub(crate) fn settled_before_linear(&self, u: f64) -> f64 {
+        self.step_before_linear(&mut self.settled(u), u)
     }
 }
 
@@ -84,8 +84,8 @@ mod tests {
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
                 let (mut there, mut back) = (model.settled(0.0), model.settled(0.0));
                 for t in 0..200 {
-                    let crept = model.step_crept(&mut there, wander(t));
-                    let found = model.invert_crept(&mut back, crept, (-30.0, 30.0));
+                    let crept = model.step_before_linear(&mut there, wander(t));
+                    let found = model.invert_before_linear(&mut back, crept, (-30.0, 30.0));
                     assert_close(&[found.z, found.u], &[crept, wander(t)], 1e-6, 1e-6);
                 }
             }
