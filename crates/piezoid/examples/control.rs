@@ -6,12 +6,11 @@
 //! the rms error in % of the height. `gain` is the best straight line, without compensation. Feed-forward with a controller
 //! has the smallest errors; a controller alone is too slow for the triangle, because it must not excite the resonance.
 
-use piezoid::compensation::How;
-use piezoid::control::{Comparison, Drive, MarginTarget, NamedReference, Reference, Scheme};
 use piezoid::excitation::{Prbs, RisingSine};
+use piezoid::formats::ColumnSelection;
 use piezoid::plant::{Plant, Preset};
-use piezoid::progress::unwatched;
-use piezoid::{Error, IdentifyOptions, Record, Records, identify};
+use piezoid::progress::silent;
+use piezoid::{ControlOptions, Error, File, IdentifyOptions, Record, Records, identify};
 
 /// Sampling period [s].
 const TS: f64 = 5e-4;
@@ -28,17 +27,10 @@ fn main() -> Result<(), Error> {
     let options = IdentifyOptions { operator: "generalised-prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
     let model = identify(Records { small_signal: &[small], large_signal: &[large] }, &options)?.model;
 
-    let schemes = ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "predictive"];
-    let drive = |name: &&str| Drive::new(Scheme::named(name)?, &model, How::default(), 0, &MarginTarget::default());
-    let drives = schemes.iter().map(drive).collect::<Result<Vec<_>, _>>()?;
-    let reference = |(kind, hz): (&str, f64)| {
-        Ok(NamedReference::new(format!("{kind} {hz} Hz"), TS, (Reference::find(kind)?.samples)(TS, 2000, 400.0, hz)?))
-    };
-    let references =
-        [("sine", 5.0), ("triangle", 20.0)].into_iter().map(reference).collect::<Result<Vec<_>, Error>>()?;
-
-    let spec = (Preset::find("pl140")?.spec)();
-    let compared = Comparison::run(("pl140", &spec), drives, references, 1, None, &mut unwatched)?;
+    let references = vec!["sine:5".into(), "triangle:20".into()];
+    let options = ControlOptions { reference: references, amplitude: Some(400.0), ..ControlOptions::default() };
+    let (spec, model) = ((Preset::find("pl140")?.spec)(), File::new("model.json", model.to_json()));
+    let compared = options.run(("pl140", &spec), &model, &[], &ColumnSelection::default(), &mut silent)?;
     for result in &compared.driven {
         print!("{:30}", result.name());
         for (attempt, reference) in result.attempts.iter().zip(&compared.wanted) {

@@ -8,7 +8,7 @@
 //! taken. Below stand creep and modes with their standard errors.
 
 use piezoid::excitation::{Prbs, RisingSine};
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use piezoid::plant::Plant;
 use piezoid::{Error, IdentifyOptions, Record, Records, identify};
 
@@ -29,7 +29,7 @@ fn rising(frequency: f64) -> Result<Record, Error> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut small, mut large) = (Vec::new(), Vec::new());
     for path in std::env::args().skip(1) {
-        large.push(Record::from_csv(&std::fs::read(path)?, &Selection::default())?);
+        large.push(Record::from_csv(&std::fs::read(path)?, &ColumnSelection::default())?);
     }
     if large.is_empty() {
         small.push(measure(Prbs::default().samples(TS, 4094)?)?);

@@ -8,7 +8,7 @@
 //! that describes everything reaches an error of 1 floor; this one has 3.4.
 
 use piezoid::excitation::{Prbs, RisingSine, Triangle};
-use piezoid::formats::Selection;
+use piezoid::formats::ColumnSelection;
 use piezoid::plant::Plant;
 use piezoid::{Error, IdentifyOptions, Model, Record, Records, identify};
 
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (model, record) = match arguments.as_slice() {
         [model, record] => (
             Model::from_json(&std::fs::read_to_string(model)?)?,
-            Record::from_csv(&std::fs::read(record)?, &Selection::default())?,
+            Record::from_csv(&std::fs::read(record)?, &ColumnSelection::default())?,
         ),
         _ => simulated()?,
     };
