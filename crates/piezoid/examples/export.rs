@@ -1,4 +1,4 @@
-//! Exports a model with its feed-forward as C.
+//! Exports a model with its feed-forward and a controller as C.
 //!
 //! `cargo run --release -p piezoid --example export -- FOLDER` writes the files; without a folder it only lists them.
 //!
@@ -9,7 +9,7 @@
 use piezoid::excitation::{Prbs, RisingSine};
 use piezoid::plant::Plant;
 use piezoid::{Error, IdentifyOptions, Record, Records, identify};
-use piezoid_export::Export;
+use piezoid_export::ExportOptions;
 use std::path::Path;
 
 /// Sampling period [s].
@@ -27,14 +27,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
     let model = identify(Records { small_signal: &[small], large_signal: &[large] }, &options)?.model;
 
-    let made = model.export("c", "bender")?;
+    let controller = Some("integral-notch".into());
+    let options = ExportOptions { name: "bender".into(), controller, ..ExportOptions::default() };
+    let made = options.run("c", &model, None, None)?;
     made.notes.iter().for_each(|note| println!("note: {note}"));
     let folder = std::env::args().nth(1);
     for file in &made.files {
-        println!("{}: {} bytes", file.path, file.bytes.len());
+        println!("{}: {} bytes", file.name, file.bytes.len());
         if let Some(folder) = &folder {
             std::fs::create_dir_all(folder)?;
-            std::fs::write(Path::new(folder).join(&file.path), &file.bytes)?;
+            std::fs::write(Path::new(folder).join(&file.name), &file.bytes)?;
         }
     }
     Ok(())

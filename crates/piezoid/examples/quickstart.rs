@@ -35,7 +35,7 @@ fn main() -> Result<(), Error> {
     println!("largest voltage along the sine: {:.2} V", voltage.iter().fold(0.0f64, |most, u| most.max(u.abs())));
 
     for file in model.export("c", "bender")?.files {
-        println!("{}: {} bytes", file.path, file.bytes.len());
+        println!("{}: {} bytes", file.name, file.bytes.len());
     }
     Ok(())
 }
