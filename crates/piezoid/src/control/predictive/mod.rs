@@ -92,7 +92,7 @@ pub struct Predictive {
 
 /// What is planned at one sample.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Plan {
+pub struct Plan {
     /// z of this sample and the next N - 1 [z's unit].
     pub z: Vec<f64>,
     /// The displacement they lead to, from the first that they act on [output unit].
@@ -206,7 +206,7 @@ impl Predictive {
     }
 
     /// As [`Controller::step`], with the whole plan: `r` is the reference from this sample on, `y` the last reading [output unit].
-    pub(crate) fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
+    pub fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
         let (u, ended) = self.advance(x, r, y);
         let parts = self.layout().parts(x);
         let y = self.horizon.response(parts.s, parts.z).add_scalar(self.model.offset());
