@@ -1,5 +1,5 @@
-//! Accuracy of joint identification on validation data, compared with the paper's method: two twins of a bender with creep,
-//! noise and a driver, records that a user could take, and one model for all frequencies.
+//! Accuracy of joint identification on validation data, compared with the paper's method: two twins of a bender with
+//! creep, noise and a driver, records that a user could take, and one model for all frequencies.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example accuracy -- docs

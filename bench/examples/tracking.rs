@@ -1,5 +1,5 @@
-//! Tracking errors of two twins of a bender under each control scheme, with models identified from records alone, and over
-//! plants with tolerances.
+//! Tracking errors of two twins of a bender under each control scheme, with models identified from records alone, and
+//! over plants with tolerances.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example tracking -- docs

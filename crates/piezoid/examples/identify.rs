@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{name:32}{n:3} parameters, held out {:.3} %  {}", trial.held_out_percent, trial.verdict);
     }
     for parameter in &found.parameters {
-        println!("{:32}{:.5} +- {:.5}", parameter.name, parameter.value, parameter.error);
+        println!("{:32}{:.5} +- {:.1e}", parameter.name, parameter.value, parameter.error);
     }
     Ok(())
 }
