@@ -92,7 +92,8 @@ impl Twin {
         Ok(Twin { plant: Plant::new(spec, TS)?, spec: spec.clone() })
     }
 
-    /// Measures the response to a drive from rest [um], at the largest amplitude within the limit. The seed sets the noise.
+    /// Measures the response to a drive from rest [um], at the largest amplitude within the limit. The seed sets the
+    /// noise.
     fn measure(&self, drive: impl Fn(f64) -> Result<Vec<f64>, Error>, seed: f64) -> Result<Record, Error> {
         let plant = self.plant.clone().with_seed(seed as u64);
         let mut amplitude = AMPLITUDE;
@@ -252,14 +253,16 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
     text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
 
-/// The records of a twin on which the best joint model is less than [`TIMES`] times better than the best of the paper's.
+/// The records of a twin on which the best joint model is less than [`TIMES`] times better than the best of the
+/// paper's.
 fn near(outcomes: &[Outcome]) -> String {
     let [_, tuned, .., given] = outcomes else { return String::new() };
     let near = times(tuned, given).filter(|(.., times)| *times < TIMES);
     let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
     let (joint, paper, twin) = (given.way.name, tuned.way.name, given.twin);
     format!(
-        "\nOn `{twin}` the error of `{joint}` is less than {TIMES} times smaller than that of `{paper}` on these records: {}.\n",
+        "\nOn `{twin}` the error of `{joint}` is less than {TIMES} times smaller than that of `{paper}` on \
+         these records: {}.\n",
         near.join(", ")
     )
 }
@@ -282,9 +285,9 @@ fn table(twins: &[Vec<Outcome>]) -> String {
 
 /// The largest error over the kinds of record against frequency, one panel per twin.
 fn figure(twins: &[Vec<Outcome>]) -> Figure {
-    let caption = "Error of the free run on validation data, the largest of three kinds of record at each frequency: the paper's \
-                   method, the same with its best settings, and the joint model without and with the driver given. Each method \
-                   has one model for all frequencies.";
+    let caption = "Error of the free run on validation data, the largest of three kinds of record at each frequency: the \
+                   paper's method, the same with its best settings, and the joint model without and with the driver \
+                   given. Each method has one model for all frequencies.";
     let panel = |outcomes: &Vec<Outcome>| {
         let axes = Axes::new(Axis::log("f [Hz]").ticks(&VALIDATION), Axis::log("rms error [% of peak-to-peak]"));
         outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {

@@ -24,7 +24,8 @@ const TS: f64 = 5e-4;
 /// Frequency [Hz] and damping ratio of the resonance behind the hysteresis.
 const RESONANCE: (f64, f64) = (147.0, 0.06);
 
-/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the examples.
+/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the
+/// examples.
 const RISING: [(f64, f64); 6] = [(5.0, 30.0), (20.0, 30.0), (80.0, 30.0), (5.0, 20.0), (20.0, 20.0), (80.0, 20.0)];
 const DURATION: f64 = 0.8;
 
@@ -42,8 +43,8 @@ fn plant(truth: &Operator) -> Result<Model, Error> {
     Model::new((truth.example)(TS)?, linear, 0.3)
 }
 
-/// The rms error [% of peak-to-peak] of the operator `model`, identified jointly on records of `truth`, on its validation data:
-/// a modulated sine and a staircase.
+/// The rms error [% of peak-to-peak] of the operator `model`, identified jointly on records of `truth`, on its
+/// validation data: a modulated sine and a staircase.
 pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let plant = plant(truth)?;
     let record = |u: Vec<f64>| Record::new(TS, u.clone(), plant.simulate(&u));

@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release -p piezoid --example compensate`
 //!
-//! The path is a triangle of 1000 um from end to end. The program prints the rms error of the bender in % of that height:
-//! with the straight line from displacement to voltage that a data sheet suggests (5 %), and with the inverse of the model
-//! (0.1 %).
+//! The path is a triangle of 1000 um from end to end. The program prints the rms error of the bender in % of that
+//! height: with the straight line from displacement to voltage that a data sheet suggests (5 %), and with the inverse
+//! of the model (0.1 %).
 
 use piezoid::excitation::{Prbs, RisingSine, Triangle};
 use piezoid::plant::Plant;

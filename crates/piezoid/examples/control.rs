@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release -p piezoid --example control`
 //!
-//! Each scheme is made from a model identified from records, and follows a sine and a triangle of 400 um. The table gives
-//! the rms error in % of the height. `gain` is the best straight line, without compensation. A controller alone is too slow
-//! for the triangle, because it must not excite the resonance. `learning` has the smallest errors, after ten trials on the
-//! bender.
+//! Each scheme is made from a model identified from records, and follows a sine and a triangle of 400 um. The table
+//! gives the rms error in % of the height. `gain` is the best straight line, without compensation. A controller alone
+//! is too slow for the triangle, because it must not excite the resonance. `learning` has the smallest errors, after
+//! ten trials on the bender.
 
 use piezoid::excitation::{Prbs, RisingSine};
 use piezoid::formats::ColumnSelection;

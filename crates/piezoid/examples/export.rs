@@ -3,8 +3,8 @@
 //! `cargo run --release -p piezoid --example export -- FOLDER` writes the files; without a folder it only lists them.
 //!
 //! The files are a header, a source file, a self-test with vectors, and a page that describes them. In the folder,
-//! `cc bender.c bender_test.c -lm -o bender_test && ./bender_test` checks that the C code is bit-identical to the model.
-//! Other targets are `fixed`, `fmu2`, `fmu3`, `simulink`, `st` and `rust`.
+//! `cc bender.c bender_test.c -lm -o bender_test && ./bender_test` checks that the C code is bit-identical to the
+//! model. Other targets are `fixed`, `fmu2`, `fmu3`, `simulink`, `st` and `rust`.
 
 use piezoid::excitation::{Prbs, RisingSine};
 use piezoid::plant::Plant;

@@ -3,9 +3,9 @@
 //! `cargo run --release -p piezoid --example validate`, or with your own files:
 //! `cargo run --release -p piezoid --example validate -- model.json record.csv`
 //!
-//! The model runs freely: it sees only the input. The program prints the errors of the whole record and by amplitude, and
-//! compares them with the noise floor, which is the scatter of the sensor between repetitions of the input. A model that
-//! describes everything has an error of one noise floor; this one has 3.4.
+//! The model runs freely: it sees only the input. The program prints the errors of the whole record and by amplitude,
+//! and compares them with the noise floor, which is the scatter of the sensor between repetitions of the input. A model
+//! that describes everything has an error of one noise floor; this one has 3.4.
 
 use piezoid::excitation::{Prbs, RisingSine, Triangle};
 use piezoid::formats::ColumnSelection;
