@@ -191,13 +191,22 @@ impl Error {
         }
     }
 
-    pub(crate) fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
+    /// The same, ending so that options which would settle it follow.
+    pub fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
         Error::Advised { error: Box::new(self), options }
     }
 
     /// The same about the file of this name.
     pub fn of(self, name: &str) -> Self {
         Error::File { name: name.into(), error: Box::new(self) }
+    }
+
+    /// The same about the file of this name, unless it is about an option or another file.
+    pub fn about(self, name: &str) -> Self {
+        match self {
+            Error::Parameter { .. } | Error::Unknown { .. } | Error::File { .. } => self,
+            other => other.of(name),
+        }
     }
 }
 

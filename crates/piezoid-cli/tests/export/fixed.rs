@@ -2,7 +2,7 @@
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there};
 use piezoid::control::Pi;
-use piezoid_export::{ExportRequest, ExportTarget};
+use piezoid_export::{ExportRequest, target};
 use std::path::Path;
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow";
@@ -77,8 +77,7 @@ fn a_controller_counts_the_same_where_the_feed_forward_has_to_stay_behind() {
 fn what_cannot_be_counted_is_refused_with_the_reason() {
     for name in REFUSED {
         let model = model(name, None).unwrap();
-        let error =
-            (ExportTarget::find("fixed").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
+        let error = (target("fixed").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
         assert!(error.contains("needs the largest floating-point number"), "{error}");
     }
 }

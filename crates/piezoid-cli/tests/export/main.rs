@@ -19,7 +19,7 @@ use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{ExportRequest, ExportTarget, Exported};
+use piezoid_export::{ExportRequest, Exported, target};
 use skipped::skipped;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -46,7 +46,7 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
 
 /// What `target` makes of a model, written into a folder.
 fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exported {
-    let made = (ExportTarget::find(target_name).unwrap().make)(wanted).unwrap();
+    let made = (target(target_name).unwrap().make)(wanted).unwrap();
     for File { path, bytes } in &made.files {
         let path = folder.join(path);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();

@@ -5,7 +5,7 @@ use piezoid::Model;
 use piezoid::control::Pi;
 use piezoid::linear::Arx;
 use piezoid::record::Units;
-use piezoid_export::{ExportRequest, ExportTarget, ExportedProgram};
+use piezoid_export::{ExportRequest, ExportedProgram, target};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -198,8 +198,7 @@ fn names_that_matlab_or_octave_has_taken_are_refused() {
         ("2fast", "must be a letter"),
         ("an_actuator_of_forty_one_characters_a_name", "must be a letter"),
     ] {
-        let error =
-            (ExportTarget::find("simulink").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
+        let error = (target("simulink").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
         assert!(error.contains(name) && error.contains(says), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::structured_text::{Library, Value};
 use crate::{exported, models, there};
-use piezoid_export::{ExportRequest, ExportTarget};
+use piezoid_export::{ExportRequest, target};
 use std::process::Command;
 
 #[test]
@@ -10,8 +10,7 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
     let mut tried = 0;
     for (name, model) in models() {
         for single in [false, true] {
-            let made =
-                (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name).single(single)).unwrap();
+            let made = (target("st").unwrap().make)(&ExportRequest::new(&model, &name).single(single)).unwrap();
             let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
             let library = Library::read(&texts.collect::<String>(), single);
             let mut program = library.instance(&format!("{name}_test"));
@@ -31,7 +30,7 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
 #[test]
 fn a_sample_that_differs_is_found() {
     let (name, model) = models().swap_remove(0);
-    let made = (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
+    let made = (target("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
     let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
     let text = texts.collect::<String>().replace("offset : LREAL := 2.0", "offset : LREAL := 2.0000001");
     let library = Library::read(&text, false);

@@ -212,8 +212,7 @@ mod tests {
     }
 
     fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
-        (ExportTarget::find(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") })
-            .unwrap()
+        (target(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") }).unwrap()
     }
 
     fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
@@ -256,7 +255,7 @@ mod tests {
     fn the_same_model_gives_the_same_bytes_and_another_another_token() {
         let token = |version: &str, model: &Model, single: bool| {
             let request = ExportRequest::new(model, "bender").single(single);
-            let made = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
+            let made = (target(version).unwrap().make)(&request).unwrap();
             let xml = text(&made.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
@@ -303,7 +302,7 @@ mod tests {
     #[test]
     fn names_of_headers_are_refused() {
         let model = model("um");
-        let error = (ExportTarget::find("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
+        let error = (target("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
         assert!(error.to_string().contains("take another"), "{error}");
     }
 
