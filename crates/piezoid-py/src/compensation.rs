@@ -16,7 +16,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What compensation may use.
 pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
-    options::<CompensateOptions>(settings)?.how().map_err(raised)
+    options::<CompensateOptions>(settings)?.settings().map_err(raised)
 }
 
 /// A voltage, what the model makes of it, and the rest as a document.

@@ -21,12 +21,12 @@ mod section;
 mod table;
 mod text;
 
-pub use section::{Fact, Section};
-pub use table::{Cell, PageTable};
-pub use text::Text;
+pub(crate) use section::{Fact, Section};
+pub(crate) use table::{Cell, PageTable};
+pub(crate) use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{self, escape};
+use crate::plot::{Figure, escape};
 use section::Numbering;
 use std::fmt::Write;
 
