@@ -1,5 +1,5 @@
-//! How accurate joint identification is on data it has not seen, beside the paper's method: two twins of a bender with
-//! creep, noise and a driver, records a user could take, and one model of all frequencies.
+//! Accuracy of joint identification on validation data, compared with the paper's method: two twins of a bender with
+//! creep, noise and a driver, records that a user could take, and one model for all frequencies.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example accuracy -- docs
@@ -30,31 +30,31 @@ const SEEN: [(f64, f64); 6] = [(1.0, 8.0), (5.0, 4.0), (20.0, 3.0), (40.0, 3.0),
 /// Periods of the PRBS, of 2047 samples each.
 const PERIODS: usize = 3;
 
-/// Frequencies of the records to be foretold [Hz].
-const UNSEEN: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
+/// Frequencies of the validation records [Hz].
+const VALIDATION: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
 
-/// Their least length, and their least number of periods [s].
+/// Their smallest length [s], and their smallest number of periods.
 const DURATION: f64 = 2.0;
 const CYCLES: f64 = 6.0;
 
-/// The largest amplitude [V], lowered where the tip would leave this distance to either side [um].
+/// The largest amplitude [V], reduced if the tip would exceed this distance to either side [um].
 const AMPLITUDE: f64 = 28.0;
 const REACH: f64 = 1200.0;
 
-/// The drive of a record to be foretold, by frequency [Hz], amplitude [V] and number of samples.
+/// The drive of a validation record, by frequency [Hz], amplitude [V] and number of samples.
 type DriveSignal = fn(f64, f64, usize) -> Result<Vec<f64>, Error>;
 
-/// A kind of record to be foretold.
+/// A kind of validation record.
 pub(crate) struct RecordKind {
     pub(crate) name: &'static str,
     drive: DriveSignal,
 }
 
-/// The kinds there are; none of them is identified from.
+/// The kinds of validation records; none is used for identification.
 pub(crate) static KINDS: [RecordKind; 3] = [
     RecordKind {
         name: "staircase",
-        drive: |frequency, amplitude, n| Staircase { amplitude, frequency, ..Staircase::default() }.samples(TS, n),
+        drive: |frequency, amplitude, n| Staircase { amplitude, frequency, ..Default::default() }.samples(TS, n),
     },
     RecordKind {
         name: "modulated sine",
@@ -63,19 +63,19 @@ pub(crate) static KINDS: [RecordKind; 3] = [
     RecordKind {
         name: "multisine",
         drive: |hz, amplitude, n| {
-            let random = Multisine { seed: 1, ..Multisine::default() };
+            let random = Multisine { seed: 1, ..Default::default() };
             Multisine { amplitude, frequency_low: hz / 12.0, frequency_high: hz, ..random }.samples(TS, n)
         },
     },
 ];
 
-/// A sine whose amplitude comes and goes at a frequency that its own is no multiple of.
+/// A sine whose amplitude varies with a frequency that is incommensurable with its own.
 fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
-    let turns = TAU * hz * TS * t as f64;
-    amplitude * (0.5 + 0.5 * (turns * SQRT_2 / 9.0).sin()) * turns.sin()
+    let phase = TAU * hz * TS * t as f64;
+    amplitude * (0.5 + 0.5 * (phase * SQRT_2 / 9.0).sin()) * phase.sin()
 }
 
-/// A twin on a bench.
+/// A twin on which records are measured.
 pub(crate) struct Twin {
     plant: Plant,
     spec: Spec,
@@ -92,7 +92,8 @@ impl Twin {
         Ok(Twin { plant: Plant::new(spec, TS)?, spec: spec.clone() })
     }
 
-    /// Measures a drive from rest [um], at the largest amplitude that keeps the tip within reach. The seed is of the noise.
+    /// The response to a drive from rest [um], at the largest amplitude that keeps the tip within reach. `seed` is that
+    /// of the noise.
     fn measure(&self, drive: impl Fn(f64) -> Result<Vec<f64>, Error>, seed: f64) -> Result<Record, Error> {
         let plant = self.plant.clone().with_seed(seed as u64);
         let mut amplitude = AMPLITUDE;
@@ -113,41 +114,40 @@ impl Twin {
         self.measure(|_| prbs.samples(TS, PERIODS * prbs.period() as usize), 0.0)
     }
 
-    /// A record of each frequency to identify from.
+    /// One record per frequency to identify from.
     fn sines(&self, drive: DriveSignal) -> Result<Vec<Record>, Error> {
         let record = |(hz, s)| self.measure(|amplitude| drive(hz, amplitude, (s / TS) as usize), hz);
         SEEN.into_iter().map(record).collect()
     }
 
-    /// One joint model of all frequencies, from the PRBS and rising sines.
+    /// One joint model for all frequencies, from the PRBS and rising sines.
     pub(crate) fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
-        let rising =
-            |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
-        let options = IdentifyOptions { operator: operator.into(), seed: 0, ..IdentifyOptions::default() };
+        let rising = |frequency, amplitude, n| RisingSine { amplitude, frequency, ..Default::default() }.samples(TS, n);
+        let options = IdentifyOptions { operator: operator.into(), seed: 0, ..Default::default() };
         let options = if driver { options.with_driver_of(&self.spec) } else { options };
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, &options)
     }
 
     /// The paper's model, whose loops need steady sines.
     fn paper(&self, options: IdentifyOptions) -> Result<Identified, Error> {
-        let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
+        let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Default::default() }.samples(TS, n);
         let options = IdentifyOptions { method: Method::Paper, ..options };
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(steady)? }, &options)
     }
 
-    /// A record to be foretold.
-    pub(crate) fn unseen(&self, kind: &RecordKind, hz: f64) -> Result<Record, Error> {
+    /// A validation record.
+    pub(crate) fn validation(&self, kind: &RecordKind, hz: f64) -> Result<Record, Error> {
         let n = (DURATION.max(CYCLES / hz) / TS) as usize;
         self.measure(|amplitude| (kind.drive)(hz, amplitude, n), 1000.0 + hz)
     }
 }
 
-/// What a free run of `model` from rest leaves of a record [% rms of peak-to-peak].
+/// The error of a free run of `model` from rest [% rms of peak-to-peak].
 pub(crate) fn error(model: &Model, record: &Record) -> f64 {
     Metrics::of(record.y(), &model.simulate(record.u())).rms_pp_percent
 }
 
-/// The least, the middle and the largest of some errors.
+/// Minimum, median and maximum of some errors.
 pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     let mut sorted = errors.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -155,15 +155,15 @@ pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     [sorted[0], 0.5 * (low + high), sorted[sorted.len() - 1]]
 }
 
-/// A way to identify.
+/// A method of identification.
 struct IdentificationMethod {
     name: &'static str,
     role: Role,
     identify: fn(&Twin) -> Result<Identified, Error>,
 }
 
-/// The paper's ways, then the joint ones.
-static WAYS: [IdentificationMethod; 4] = [
+/// The paper's methods, then the joint ones.
+static METHODS: [IdentificationMethod; 4] = [
     IdentificationMethod {
         name: "paper",
         role: Role::Descending,
@@ -174,7 +174,7 @@ static WAYS: [IdentificationMethod; 4] = [
         role: Role::Muted,
         identify: |twin| {
             let (order, estimator, split) = (Some(4), Some("output-error".into()), Some(Split::Direction));
-            twin.paper(IdentifyOptions { order, estimator, split, ..IdentifyOptions::default() })
+            twin.paper(IdentifyOptions { order, estimator, split, ..Default::default() })
         },
     },
     IdentificationMethod {
@@ -186,45 +186,46 @@ static WAYS: [IdentificationMethod; 4] = [
 ];
 const PAPER: std::ops::Range<usize> = 0..2;
 
-/// What one way made of one twin.
+/// Result of one method on one twin.
 struct Outcome {
     twin: &'static str,
-    way: &'static IdentificationMethod,
+    method: &'static IdentificationMethod,
     operator: &'static str,
-    /// By kind, then by frequency [% rms of peak-to-peak]; infinite where the run diverged.
+    /// By kind, then by frequency [% rms of peak-to-peak]; infinite if the run diverged.
     errors: Vec<Vec<f64>>,
 }
 
-/// An error that says no more than that the run diverged [% of peak-to-peak].
+/// An error from which the run counts as diverged [% of peak-to-peak].
 const DIVERGED: f64 = 1000.0;
 
-/// How many times below the paper's errors the joint ones are meant to be.
+/// Intended ratio of the paper's errors to the joint ones.
 const TIMES: f64 = 10.0;
 
-/// What every way makes of a twin.
+/// The results of every method on a twin.
 fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     let twin = Twin::new(name)?;
-    let of_kind = |kind| UNSEEN.into_iter().map(|hz| twin.unseen(kind, hz)).collect::<Result<Vec<_>, _>>();
-    let unseen = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
-    let outcome = |way: &'static IdentificationMethod| {
-        let model = (way.identify)(&twin)?.model;
-        let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
-        let errors: Vec<Vec<f64>> = unseen.iter().map(|records| records.iter().map(left).collect()).collect();
-        eprintln!("{name}, {}: {errors:.3?}", way.name);
-        Ok(Outcome { twin: name, way, operator: model.hysteresis().operator().name, errors })
+    let of_kind = |kind| VALIDATION.into_iter().map(|hz| twin.validation(kind, hz)).collect::<Result<Vec<_>, _>>();
+    let validation = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
+    let outcome = |method: &'static IdentificationMethod| {
+        let model = (method.identify)(&twin)?.model;
+        let percent = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
+        let errors: Vec<Vec<f64>> = validation.iter().map(|records| records.iter().map(percent).collect()).collect();
+        eprintln!("{name}, {}: {errors:.3?}", method.name);
+        Ok(Outcome { twin: name, method, operator: model.hysteresis().operator().name, errors })
     };
-    WAYS.iter().map(outcome).collect()
+    METHODS.iter().map(outcome).collect()
 }
 
-/// How many times below the errors of one outcome those of another are, by kind and frequency.
+/// Ratios of the errors of one outcome to those of another, by kind and frequency.
 fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'static str, f64, f64)> + 'a {
     let of_kind = |((kind, p), j): ((&'static RecordKind, &'a Vec<f64>), &'a Vec<f64>)| {
-        UNSEEN.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
+        VALIDATION.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
     };
     KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)
 }
 
-/// Least, median and worst by way, and how far below the paper's the joint errors are; then the records where that is not far.
+/// Minimum, median and maximum by method, and the ratios of the paper's errors to the joint ones; then the records with
+/// small ratios.
 fn summary(twins: &[Vec<Outcome>]) -> String {
     let titles =
         ["twin", "identified", "operator", "least", "median", "worst", "below `paper`", "below `paper, helped`"];
@@ -234,34 +235,34 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         let [lowest, median, worst] = range(&o.errors.concat());
         let least = |paper| times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
         let below = |paper| {
-            if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
+            if PAPER.contains(&(k % METHODS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
         };
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
         let [paper, helped] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
-        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, helped]);
+        text += &row(&[name, o.method.name.into(), operator, lowest, median, worst, paper, helped]);
     }
     text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
 }
 
-/// The records of a twin on which the best joint model is not far below the best of the paper's.
+/// The records of a twin on which the best joint model is not far better than the best of the paper's.
 fn near(outcomes: &[Outcome]) -> String {
     let [_, helped, .., given] = outcomes else { return String::new() };
     let near = times(helped, given).filter(|(.., times)| *times < TIMES);
     let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
-    let (way, than) = (given.way.name, helped.way.name);
-    format!("\n`{}`, {way}: less than {TIMES} times below `{than}` are {}.\n", given.twin, near.join(", "))
+    let (method, than) = (given.method.name, helped.method.name);
+    format!("\n`{}`, {method}: less than {TIMES} times below `{than}` are {}.\n", given.twin, near.join(", "))
 }
 
 /// Every error.
 fn table(twins: &[Vec<Outcome>]) -> String {
     let titles = ["twin", "record", "identified"].map(String::from).into_iter();
-    let titles: Vec<String> = titles.chain(UNSEEN.map(|hz| hz.to_string())).collect();
-    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(UNSEEN.len()) + "\n";
+    let titles: Vec<String> = titles.chain(VALIDATION.map(|hz| hz.to_string())).collect();
+    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(VALIDATION.len()) + "\n";
     for outcomes in twins {
         for (k, kind) in KINDS.iter().enumerate() {
             for o in outcomes {
-                let names = [format!("`{}`", o.twin), kind.name.into(), o.way.name.into()].into_iter();
+                let names = [format!("`{}`", o.twin), kind.name.into(), o.method.name.into()].into_iter();
                 text += &row(&names.chain(o.errors[k].iter().map(|e| cell(*e))).collect::<Vec<_>>());
             }
         }
@@ -269,20 +270,20 @@ fn table(twins: &[Vec<Outcome>]) -> String {
     text
 }
 
-/// The largest error of the kinds of record against frequency, a panel a twin.
+/// The largest error over the kinds of record against frequency, one panel per twin.
 fn figure(twins: &[Vec<Outcome>]) -> Figure {
-    let caption = "Error of the free run on records not seen, the largest of three kinds at each frequency: of the paper's method, \
-                   of the same helped, and of the joint model without and with the driver given. Each has one model of all \
-                   frequencies.";
+    let caption = "Error of the free run on validation records, the largest of three kinds at each frequency: of the paper's method, \
+of the same with its best settings, and of the joint model without and with the driver given. Each has one model for all \
+frequencies.";
     let panel = |outcomes: &Vec<Outcome>| {
-        let axes = Axes::new(Axis::log("f [Hz]").ticks(&UNSEEN), Axis::log("rms error [% of peak-to-peak]"));
+        let axes = Axes::new(Axis::log("f [Hz]").ticks(&VALIDATION), Axis::log("rms error [% of peak-to-peak]"));
         outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {
             let largest = |k: usize| o.errors.iter().map(|of_kind| of_kind[k]).fold(0.0, f64::max);
-            let errors: Vec<f64> = (0..UNSEEN.len()).map(largest).collect();
-            axes.with(Series::marked(&UNSEEN, &errors).role(o.way.role).named(o.way.name))
+            let errors: Vec<f64> = (0..VALIDATION.len()).map(largest).collect();
+            axes.with(Series::marked(&VALIDATION, &errors).role(o.method.role).named(o.method.name))
         })
     };
-    twins.iter().map(panel).fold(Figure::new("Accuracy on data not seen", caption), Figure::panel)
+    twins.iter().map(panel).fold(Figure::new("Accuracy on validation data", caption), Figure::panel)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

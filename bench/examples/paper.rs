@@ -1,4 +1,4 @@
-//! The paper rebuilt: its Table 1 beside what the study leaves, and over the test signals that it may have used.
+//! The paper's experiment: its Table 1 and the errors of the study, also over the possible test signals.
 //!
 //! `cargo run --release -p piezoid-bench --example paper -- docs` writes the tables of docs/paper.md and its figures.
 
@@ -10,7 +10,7 @@ use piezoid::plant::Preset;
 use piezoid::progress::silent;
 use piezoid_report::study::{METHODS, Study, TestSignal};
 
-/// Figures of the study that docs/ keep: their names there, and here.
+/// Figures of the study in docs/: their names in the study, and in docs/.
 const KEPT: [(&str, &str); 3] =
     [("paper-error", "error"), ("paper-test-signal", "test_signal"), ("paper-deviation", "deviation")];
 
@@ -27,7 +27,7 @@ fn table_1(study: &Study) -> String {
     text
 }
 
-/// For both readings of the rule and for the block of Table 2, the nearest test signals of each form.
+/// The closest test signals of each form, for both readings of the rule and for the block of Table 2.
 fn signals(study: &Study) -> String {
     let heads = ["method", "test signal"].map(String::from).into_iter();
     let heads = heads.chain(Study::PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);

@@ -1,12 +1,12 @@
-//! How closely two twins of a bender follow references under each scheme of control, their models identified from their records
-//! alone, and what tolerances make of it.
+//! Tracking errors of the control schemes on two twins of a bender, with models identified from their records alone,
+//! and their spread over a tolerance.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example tracking -- docs
 //! ```
 //! writes the errors into docs/control.md, between comments, and draws docs/control.svg.
 
-#[allow(dead_code)] // all but the twins on their bench
+#[allow(dead_code)] // only the twins are used
 #[path = "accuracy.rs"]
 pub(crate) mod accuracy;
 
@@ -22,7 +22,7 @@ use piezoid::progress::silent;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
 
-/// The schemes side by side.
+/// The schemes in the comparison.
 pub(crate) const SCHEMES: [&str; 6] =
     ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
 
@@ -43,34 +43,29 @@ pub(crate) const PATHS: [(&str, f64); 10] = [
 /// Their peak, 80 % of the catalogue's displacement [um].
 const PEAK: f64 = 800.0;
 
-/// Samples known ahead where not all is.
+/// Preview for the schemes that run sample by sample [samples].
 const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
 
-/// Along which reference tolerances are tried, and their seed.
+/// The reference for the tolerance, and the seed of the draws.
 pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
 const SEED: u64 = 7;
 
 /// A reference.
-pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
+pub(crate) fn reference((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
     let n = (f64::max(1.0, 4.0 / hz) / TS) as usize;
     Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
 }
 
-/// A scheme for a model, its reference known so far ahead.
+/// A scheme tuned to a model, with a preview of `ahead` samples.
 pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<TunedScheme, Error> {
-    let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-    let mut drive = TunedScheme::new(
-        Scheme::named(name)?,
-        model,
-        FeedForwardSettings { limits, ..FeedForwardSettings::default() },
-        0,
-        &MarginTarget::default(),
-    )?;
+    let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+    let settings = FeedForwardSettings { limits, ..Default::default() };
+    let mut drive = TunedScheme::new(Scheme::named(name)?, model, settings, 0, &MarginTarget::default())?;
     drive.ahead = ahead;
     Ok(drive)
 }
 
-/// Drives on a twin along these references.
+/// Runs the schemes on a twin along these references.
 pub(crate) fn compared(
     twin: &'static str,
     drives: Vec<TunedScheme>,
@@ -78,11 +73,11 @@ pub(crate) fn compared(
     tolerance: Option<&Tolerance>,
 ) -> Result<Comparison, Error> {
     let plant = Preset::find(twin)?;
-    let paths = paths.iter().copied().map(wanted).collect::<Result<Vec<_>, _>>()?;
+    let paths = paths.iter().copied().map(reference).collect::<Result<Vec<_>, _>>()?;
     Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut silent)
 }
 
-/// The rms error along each reference [% of its height]; infinite where it was refused.
+/// The rms error along each reference [% of its height]; infinite for an error.
 pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     let percent = |a: &Result<piezoid::control::ReferenceResult, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
@@ -103,7 +98,7 @@ fn code(name: impl std::fmt::Display) -> String {
     format!("`{name}`")
 }
 
-/// The loops of every feedback with a law.
+/// The margins of every controller with a linear law.
 fn margins(drives: &[TunedScheme]) -> String {
     let titles =
         ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "where flattest [Hz]"];
@@ -115,7 +110,7 @@ fn margins(drives: &[TunedScheme]) -> String {
     row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
 }
 
-/// What draws of tolerance leave under each scheme.
+/// The spread of the errors of each scheme over the tolerance.
 fn spreads(drawn: &Comparison) -> String {
     let titles = ["controller", "this plant", "median", "9 of 10", "worst", "unstable"];
     let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
@@ -128,7 +123,7 @@ fn spreads(drawn: &Comparison) -> String {
     row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
 }
 
-/// Errors along triangles of the first twin by frequency, and over tolerances.
+/// Errors by frequency along triangles on the first twin, and over the tolerance.
 fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
     let role = |name: &str| match SCHEMES.iter().position(|s| *s == name) {
         Some(0) | None => Role::Muted,
@@ -150,8 +145,8 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
         let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
         axes.with(Series::line(&percent, &shares).role(role(&d.name())))
     });
-    let caption = "Tracking error of the twin pl140 under a model identified from its records: by frequency of a triangle of 80 % of the \
-                   stroke, and over plants whose values lie within 20 %.";
+    let caption = "Tracking error of the twin pl140 with a model identified from its records: by frequency of a triangle of 80 % of the \
+stroke, and over plants whose parameters lie within 20 %.";
     Figure::new("Control side by side", caption).panel(by_frequency).panel(by_share)
 }
 
@@ -183,7 +178,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tried: Vec<&str> =
         ["gain", "feed-forward"].into_iter().chain(feedbacks.iter().copied()).chain(with).chain(["learning"]).collect();
     let drives = all(&models[0], &tried, usize::MAX)?;
-    let drawn = compared(TWINS[0], drives, &[TRIED], Some(&Tolerance { seed: SEED, ..Tolerance::default() }))?;
+    let drawn = compared(TWINS[0], drives, &[TRIED], Some(&Tolerance { seed: SEED, ..Default::default() }))?;
     page::write(&page, "tolerance", &spreads(&drawn))?;
     Ok(std::fs::write(folder.join("control.svg"), figure(&tracked[0], &drawn).svg())?)
 }

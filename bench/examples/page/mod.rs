@@ -1,11 +1,11 @@
-//! What examples that write a table into a page of docs/ share.
+//! Shared by examples that write a table into a page of docs/.
 
-#![allow(dead_code)] // none of them needs all of it
+#![allow(dead_code)] // no example uses all of it
 
 use std::error::Error;
 use std::path::Path;
 
-/// Two digits; 0 below a millionth of peak-to-peak, `-` where nothing came out.
+/// Two digits; 0 below a millionth of peak-to-peak, `-` for a missing result.
 pub(crate) fn cell(percent: f64) -> String {
     match percent {
         p if !p.is_finite() => "-".into(),
@@ -19,7 +19,7 @@ pub(crate) fn row(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// Replaces what stands in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
+/// Replaces the text of `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
 pub(crate) fn write(page: &Path, name: &str, table: &str) -> Result<(), Box<dyn Error>> {
     let (from, to) = (format!("<!-- {name}: written by `cargo xtask docs` -->"), format!("<!-- end of {name} -->"));
     let absent = |line: &str| format!("{} has no line {line}", page.display());
