@@ -14,7 +14,7 @@ use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::validation::Metrics;
 use piezoid::{Error, IdentifyOptions, Record, Records, System, identify};
-use piezoid_report::plot::style;
+use piezoid_report::plot::Figure;
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt::Write;
 
@@ -94,7 +94,7 @@ fn map(errors: &[Vec<f64>]) -> String {
          <title>Who explains whom</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
          .soft{{fill:var(--pz-soft)}}.bold{{font-weight:600;fill:var(--pz-model)}}</style>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"var(--pz-paper)\"/>\n",
-        style()
+        Figure::style()
     );
     svg += &text(14, 22, "start", "", "rms error on unseen records [% of peak-to-peak]");
     svg += &text(14, HEAD - 10, "start", "soft", "truth");

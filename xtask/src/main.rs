@@ -1,8 +1,9 @@
-//! The project's own automation: `cargo xtask test|python|bench|golden|docs`.
+//! The project's own automation: `cargo xtask test|tidy|python|bench|golden|docs`.
 //!
 //! Needs a Rust toolchain with rustfmt and clippy; all but `docs` need Python 3 too. What is missing is said.
 
 mod skipped;
+mod tidy;
 
 use skipped::Skipped;
 use std::path::{Path, PathBuf};
@@ -13,8 +14,9 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// What can be done, each with what it is for.
-const VERBS: [(&str, &str, Work); 5] = [
+const VERBS: [(&str, &str, Work); 6] = [
     ("test", "format, clippy with warnings denied, all tests, documentation, then `python`", test),
+    ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
@@ -56,6 +58,7 @@ fn test() -> Result<(), String> {
     step(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     skipped.step(&mut cargo(&["test", "--workspace"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
+    tidy::tidy()?;
     python_tests(&mut skipped)?;
     eprint!("{skipped}");
     Ok(())

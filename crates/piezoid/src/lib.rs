@@ -41,14 +41,17 @@ pub mod hysteresis;
 mod identification;
 mod intervals;
 pub mod linear;
+#[doc(hidden)]
 pub mod number;
 pub mod optimize;
 mod options;
 pub mod plant;
+#[doc(hidden)]
 pub mod program;
 pub mod progress;
 mod quality;
 pub mod record;
+#[doc(hidden)]
 pub mod series;
 mod spline;
 pub mod system;

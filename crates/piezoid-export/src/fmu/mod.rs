@@ -198,7 +198,7 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Compiler, target};
+    use super::super::{Compiler, ExportTarget};
     use super::*;
     use piezoid::hammerstein::Model;
     use piezoid::hysteresis::Operator;
