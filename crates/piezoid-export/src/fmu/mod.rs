@@ -198,7 +198,7 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Compiler, ExportTarget};
+    use super::super::Compiler;
     use super::*;
     use piezoid::hammerstein::Model;
     use piezoid::hysteresis::Operator;
@@ -214,7 +214,8 @@ mod tests {
     }
 
     fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
-        (target(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") }).unwrap()
+        (ExportTarget::find(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") })
+            .unwrap()
     }
 
     fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
@@ -257,7 +258,7 @@ mod tests {
     fn the_token_depends_on_the_model_alone() {
         let token = |version: &str, model: &Model, single: bool| {
             let request = ExportRequest::new(model, "bender").single(single);
-            let made = (target(version).unwrap().make)(&request).unwrap();
+            let made = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
             let xml = text(&made.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
@@ -298,7 +299,7 @@ mod tests {
     #[test]
     fn names_of_headers_are_errors() {
         let model = model("um");
-        let error = (target("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
+        let error = (ExportTarget::find("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
         assert!(error.to_string().contains("choose another name"), "{error}");
     }
 

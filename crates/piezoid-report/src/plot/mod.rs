@@ -19,7 +19,7 @@
 //!     .with(Series::dashed(&[0.0, 60.0], &[0.0, 120.0]).named("separating line"));
 //! let figure = Figure::new("Hysteresis at 5 Hz", "The loop opens by 13 % of its height.").panel(panel);
 //! let file: String = figure.svg(); // a document of its own
-//! let part: String = figure.inline(); // for a page that carries [`Figure::style`]
+//! let part: String = figure.inline(); // for a page with `Figure::style()`
 //! # assert!(file.starts_with("<svg ") && part.starts_with("<svg "));
 //! ```
 
@@ -119,7 +119,7 @@ impl Figure {
         format!("{head}<style>\n{}</style>\n{ground}{body}", Figure::style())
     }
 
-    /// An element for a page that carries [`style`] once.
+    /// An element for a page with [`Figure::style`].
     pub fn inline(&self) -> String {
         let (body, size) = self.draw();
         let [w, h] = size.map(text::px);
