@@ -1,7 +1,7 @@
 //! Export: the model, its inverse and its controller in the languages of the machines that drive actuators.
 //!
-//! What is exported is put together once, as a [`Program`](piezoid::program::Program), and every target prints it: same arithmetic, same
-//! order, same bits. Nothing that is written holds a date or a path.
+//! What is exported is put together once, as a [`Program`](piezoid::program::Program), and every target prints it: same
+//! arithmetic, same order, same bits. Nothing that is written holds a date or a path.
 
 mod c;
 mod exported;
@@ -70,7 +70,7 @@ impl ExportOptions {
         let settings = FeedForwardSettings {
             limits: self.limits.limits()?.unwrap_or_default(),
             clip: self.clip,
-            ..FeedForwardSettings::default()
+            ..Default::default()
         };
         let drive = self.controller.as_deref().map(|name| self.tuned(name, model, settings)).transpose()?;
         let controller = drive.as_ref().map(TunedScheme::controller);
@@ -128,7 +128,7 @@ pub struct ExportRequest<'w> {
 impl<'w> ExportRequest<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
     pub fn new(model: &'w Model, name: &str) -> Self {
-        let options = ExportOptions { name: name.into(), ..ExportOptions::default() };
+        let options = ExportOptions { name: name.into(), ..Default::default() };
         ExportRequest {
             model,
             options,
@@ -156,7 +156,8 @@ impl<'w> ExportRequest<'w> {
 pub struct Compiler {
     /// For which machines, as FMI 3.0 names them: `x86_64-linux`.
     pub platform: &'static str,
-    /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same files.
+    /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same
+    /// files.
     pub run: fn(&[File]) -> Result<Vec<u8>, Error>,
 }
 
@@ -263,7 +264,8 @@ pub fn target(name: &str) -> Result<&'static ExportTarget, Error> {
     TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
 }
 
-/// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of their words.
+/// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of
+/// their words.
 fn named(name: &str, reserved: &str) -> Result<(), Error> {
     let fits = name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')

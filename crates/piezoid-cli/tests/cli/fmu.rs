@@ -269,7 +269,7 @@ fn without_a_compiler_the_sources_go_alone_and_a_note_says_so() {
     bench.write("m.json", BOUC_WEN);
     let mut command = bench.command("export --model m.json --target fmu2 --name alone -o out");
     let told = command.env("PATH", "").output().unwrap();
-    Run::of("export", &told).ok().says(&["alone.fmu has sources alone", "no C compiler"]);
+    Run::of("export", &told).ok().says(&["alone.fmu contains sources only", "no C compiler"]);
     let inside = unpacked(&bench.bytes("out/alone.fmu"));
     let names: Vec<&str> = inside.keys().map(String::as_str).collect();
     let sources = ["sources/alone.c", "sources/alone.h", "sources/alone_fmu.c"];
