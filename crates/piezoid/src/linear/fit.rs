@@ -126,7 +126,8 @@ impl Estimator {
     /// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
     /// let least_squares = linear::Estimator::find("least-squares")?;
     /// let record = Record::new(5e-4, u, y)?;
-    /// let fit = least_squares.fit(&[record], Orders::of(2), &SwarmSettings::default(), &mut piezoid::progress::silent)?;
+    /// let (settings, mut silent) = (SwarmSettings::default(), piezoid::progress::silent);
+    /// let fit = least_squares.fit(&[record], Orders::of(2), &settings, &mut silent)?;
     /// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -207,8 +208,8 @@ impl Fit {
             format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping)
         });
         Some(format!(
-            "; its prediction error is {:.0} % of the records' rms, and order {} predicts {times} times better{resonance}: order {n} is \
-             too low",
+            "; its prediction error is {:.0} % of the records' rms, and order {} predicts {times} times better{resonance}: \
+             order {n} is too low",
             100.0 * share,
             2 * n
         ))

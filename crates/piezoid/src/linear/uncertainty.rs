@@ -189,7 +189,8 @@ impl OutputError {
     /// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![3.0, 2.5])?;
     /// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
     /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
-    /// let records = [Record::new(5e-4, u.clone(), truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect())?];
+    /// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
+    /// let records = [Record::new(5e-4, u, y)?];
     /// let (settings, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
     /// let fit = OutputError::fit(&records, orders, &settings, &mut piezoid::progress::silent)?;
     /// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
