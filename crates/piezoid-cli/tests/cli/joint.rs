@@ -31,7 +31,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     };
     assert!((parameter("mode 1 frequency [Hz]") / 146.7 - 1.0).abs() < 1e-3);
     assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
-    let run = run.prints(&["mode 1 ", "share %", "at once", "ms beyond the hold"]);
+    let run = run.prints(&["mode 1 ", "share %", "feed-through", "ms beyond the hold"]);
     assert!(run.out.lines().all(|line| line.chars().count() <= 80), "{}", run.out);
     let reading = &found["linear"]["reading"];
     let mode = &reading["poles"][0];
