@@ -26,7 +26,7 @@ struct Taken {
 
 /// Builds, runs the self-test on the board, and counts.
 fn on_the_board(wanted: &Wanted) -> Vec<Taken> {
-    let (name, folder) = (wanted.options.name, tempfile::tempdir().unwrap());
+    let (name, folder) = (&*wanted.options.name, tempfile::tempdir().unwrap());
     exported("c", wanted, folder.path());
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/cortex");
     std::fs::write(folder.path().join("count.c"), counting(name, &Whole::new(wanted).unwrap())).unwrap();

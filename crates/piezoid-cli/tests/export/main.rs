@@ -47,8 +47,8 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
 /// What `target` makes of a model, written into a folder.
 fn exported(target_name: &str, wanted: &Wanted, folder: &Path) -> Made {
     let made = (target(target_name).unwrap().make)(wanted).unwrap();
-    for File { path, bytes } in &made.files {
-        let path = folder.join(path);
+    for File { name, bytes } in &made.files {
+        let path = folder.join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, bytes).unwrap();
     }
