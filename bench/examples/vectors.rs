@@ -1,4 +1,5 @@
-//! Writes the vector files: a model of every operator, inputs, and what it answers, for other languages to be held against.
+//! Writes the vector files: a model of every operator, inputs, and what it answers, for other languages to be held
+//! against.
 //!
 //! `cargo run -p piezoid-bench --example vectors -- crates/piezoid/tests/vectors`
 

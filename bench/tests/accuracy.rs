@@ -18,7 +18,7 @@ const FREQUENCIES: [f64; 4] = [5.0, 40.0, 160.0, 400.0];
 fn is_foretold(twin: &str, operator: &str) {
     let on_bench = Twin::new(twin).expect("a twin");
     let model = on_bench.joint(operator, true).expect("a model").model;
-    let records = KINDS.iter().flat_map(|kind| FREQUENCIES.map(|hz| on_bench.unseen(kind, hz).expect("a record")));
+    let records = KINDS.iter().flat_map(|kind| FREQUENCIES.map(|hz| on_bench.validation(kind, hz).expect("a record")));
     let errors: Vec<f64> = records.map(|record| error(&model, &record)).collect();
     let [_, median, worst] = range(&errors);
     assert!(median <= 0.35 && worst <= 1.2, "{twin} as {operator}: median {median} %, worst {worst} %: {errors:.3?}");
@@ -42,7 +42,7 @@ fn what_is_left_where_the_driver_slews_is_not_hysteresis() {
     let spec = Spec::from_json(&spec.to_string()).expect("a specification");
     let on_bench = Twin::of(&spec).expect("a twin without hysteresis");
     let model = on_bench.joint("proportional", true).expect("a model").model;
-    let left = |hz| error(&model, &on_bench.unseen(&KINDS[1], hz).expect("a record"));
+    let left = |hz| error(&model, &on_bench.validation(&KINDS[1], hz).expect("a record"));
     assert!(left(160.0) < 0.05, "{} % at 160 Hz", left(160.0));
     assert!((0.7..1.2).contains(&left(400.0)), "{} % at 400 Hz", left(400.0));
 }

@@ -26,6 +26,7 @@ use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions, options};
+use serde_json::Value;
 
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
@@ -36,7 +37,8 @@ options! {
         float: bool = false, OptionRow::new(OptionKind::Switch);
         /// Samples of the reference that the feed-forward is given ahead of time.
         preview: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not predictive.
+        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not
+        /// predictive.
         controller: Option<String> = None, OptionRow::new(NAME);
         /// Come as close to it as the limits allow instead of refusing.
         clip: bool = false, OptionRow::new(OptionKind::Switch).requires("reference").group(WAVEFORMS);
@@ -51,8 +53,8 @@ const NAME: OptionKind = OptionKind::Text("NAME");
 const WAVEFORMS: &str = "Waveforms";
 
 impl ExportOptions {
-    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the requested
-    /// displacement [output unit].
+    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the
+    /// requested displacement [output unit].
     ///
     /// # Errors
     /// No such target, options that it does not take, a controller or a model that it cannot hold.
@@ -78,7 +80,7 @@ impl ExportOptions {
     /// Refuses what would count for nothing.
     fn fit(&self, target: &ExportTarget, is_followed: bool) -> Result<(), Error> {
         let given = self.changed().into_iter().map(|(row, value)| (row.name, value));
-        for (name, value) in given.chain(is_followed.then(|| ("reference", "given".into()))) {
+        for (name, value) in given.chain(is_followed.then(|| ("reference", "true".into()))) {
             let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
             if !takers.is_empty() && !takers.contains(&target.name) {
                 let rule = format!("is not for the target {}, but for {}", target.name, takers.join(", "));
@@ -87,7 +89,8 @@ impl ExportOptions {
         }
         match self.tuning.changed().first() {
             Some((row, value)) if self.controller.is_none() => {
-                Err(Error::parameter(row.name, value, "is what a controller is tuned to: name one"))
+                let error = Error::parameter(row.name, value, "is what a controller is tuned to: ");
+                Err(error.advised(vec![("controller", Value::Null)]))
             }
             _ => Ok(()),
         }
@@ -184,6 +187,28 @@ pub struct ExportTarget {
 impl std::fmt::Debug for ExportTarget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Target").field(&self.name).finish()
+    }
+}
+
+impl ExportTarget {
+    /// The target called `name`.
+    ///
+    /// ```
+    /// use piezoid_export::{ExportRequest, ExportTarget};
+    /// use piezoid::{Model, hysteresis::Operator, linear::Arx};
+    /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
+    /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
+    /// let made = (ExportTarget::find("c")?.make)(&ExportRequest::new(&model, "bender"))?;
+    /// assert_eq!(made.files[0].name, "bender.h");
+    /// assert!(ExportTarget::find("cpp").unwrap_err().to_string().contains("known are c"));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        let known = || TARGETS.iter().map(|t| t.name);
+        TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
     }
 }
 

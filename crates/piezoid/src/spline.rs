@@ -16,11 +16,8 @@ pub(crate) struct Spline {
 }
 
 impl Spline {
-    /// Interpolates `y` at the knots `x`, which must be strictly ascending.
-    ///
-    /// # Errors
-    /// Returns an error if there are no knots, if lengths differ, if a number is not finite, if knots are not
-    /// ascending, or if the coefficients overflow.
+    /// Interpolates `y` at the knots `x`, which must be strictly ascending. Returns an error if there are no knots, if
+    /// lengths differ, if a number is not finite, if knots are not ascending, or if the coefficients overflow.
     pub(crate) fn new(x: &[f64], y: &[f64]) -> Result<Self, Error> {
         finite("knots x", x)?;
         finite("knots y", y)?;

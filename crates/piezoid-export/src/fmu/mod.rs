@@ -196,7 +196,7 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Compiler, target};
+    use super::super::{Compiler, ExportTarget};
     use super::*;
     use piezoid::hammerstein::Model;
     use piezoid::hysteresis::Operator;
@@ -212,7 +212,8 @@ mod tests {
     }
 
     fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
-        (target(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") }).unwrap()
+        (ExportTarget::find(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") })
+            .unwrap()
     }
 
     fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
@@ -255,7 +256,7 @@ mod tests {
     fn the_same_model_gives_the_same_bytes_and_another_another_token() {
         let token = |version: &str, model: &Model, single: bool| {
             let request = ExportRequest::new(model, "bender").single(single);
-            let made = (target(version).unwrap().make)(&request).unwrap();
+            let made = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
             let xml = text(&made.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
@@ -302,7 +303,7 @@ mod tests {
     #[test]
     fn names_of_headers_are_refused() {
         let model = model("um");
-        let error = (target("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
+        let error = (ExportTarget::find("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
         assert!(error.to_string().contains("take another"), "{error}");
     }
 

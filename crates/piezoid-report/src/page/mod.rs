@@ -21,12 +21,12 @@ mod section;
 mod table;
 mod text;
 
-pub use section::{Fact, Section};
-pub use table::{Cell, PageTable};
-pub use text::Text;
+pub(crate) use section::{Fact, Section};
+pub(crate) use table::{Cell, PageTable};
+pub(crate) use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{self, escape};
+use crate::plot::{Figure, escape};
 use section::Numbering;
 use std::fmt::Write;
 
@@ -65,7 +65,7 @@ impl Page {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
              <style>\n{}{}</style>\n</head>\n<body>\n",
-            plot::style(),
+            Figure::style(),
             include_str!("style.css")
         );
         let subtitle = if subtitle.is_empty() { subtitle } else { format!("<p class=\"subtitle\">{subtitle}</p>\n") };

@@ -20,7 +20,7 @@
 //!     .with(Series::dashed(&[0.0, 60.0], &[0.0, 120.0]).named("separating line"));
 //! let figure = Figure::new("Hysteresis at 5 Hz", "The loop opens by 13 % of its height.").panel(panel);
 //! let file: String = figure.svg(); // a document of its own
-//! let part: String = figure.inline(); // for a page that carries `plot::style()`
+//! let part: String = figure.inline(); // for a page that carries [`Figure::style`]
 //! # assert!(file.starts_with("<svg ") && part.starts_with("<svg "));
 //! ```
 
@@ -49,13 +49,6 @@ use panel::{Panel, RIGHT};
 use path::Point;
 use svg::Svg;
 
-/// The style sheet of all figures: what a page needs once to show [`Figure::inline`]. Its names begin with `pz-`.
-///
-/// It also offers the colours of the figures to the page: `--pz-paper`, `--pz-ink`, `--pz-brass`...
-pub fn style() -> String {
-    palette::properties() + include_str!("style.css")
-}
-
 /// Margin around a figure that is a document of its own [units of the drawing].
 const MARGIN: f64 = 14.0;
 
@@ -72,6 +65,13 @@ pub struct Figure {
 }
 
 impl Figure {
+    /// The style sheet of all figures: what a page needs once to show [`Figure::inline`]. Its names begin with `pz-`.
+    ///
+    /// It also offers the colours of the figures to the page: `--pz-paper`, `--pz-ink`, `--pz-brass`...
+    pub fn style() -> String {
+        palette::properties() + include_str!("style.css")
+    }
+
     /// An empty figure. The title names it; the caption says what is seen, for those who cannot see it too.
     pub fn new(title: impl Into<String>, caption: impl Into<String>) -> Self {
         let (title, caption) = (title.into(), caption.into());
@@ -117,7 +117,7 @@ impl Figure {
         let fill = palette::ground("paper");
         let ground = format!("<rect class=\"pz-paper-fill\" fill=\"{fill}\" x=\"{from}\" y=\"{from}\"{sized}/>\n");
         let head = self.head(&format!("{from} {from} {w} {h}"), &sized);
-        format!("{head}<style>\n{}</style>\n{ground}{body}", style())
+        format!("{head}<style>\n{}</style>\n{ground}{body}", Figure::style())
     }
 
     /// An element for a page that carries [`style`] once.

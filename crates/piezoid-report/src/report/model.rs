@@ -16,7 +16,7 @@ pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
         None => section,
     };
     let section = match model.driver() {
-        Some(driver) => section.heading("DriverModel").text(limits(driver, model)),
+        Some(driver) => section.heading("Driver").text(limits(driver, model)),
         None => section,
     };
     let section = hysteresis::block(section, model, trials);

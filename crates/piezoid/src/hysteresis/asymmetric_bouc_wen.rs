@@ -23,7 +23,6 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, w_1 of -h.
 ///
@@ -51,8 +50,11 @@ pub(super) static OPERATOR: Operator = Operator {
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let law = AsymmetricBoucWen { beta: 0.03, gamma_over_beta: 0.25, loading_skew: 0.3, unloading_skew: -0.2 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
+        Weighted::example(
+            ts,
+            AsymmetricBoucWen { beta: 0.03, gamma_over_beta: 0.25, loading_skew: 0.3, unloading_skew: -0.2 },
+            vec![1.4, 0.5],
+        )
     },
 };
 

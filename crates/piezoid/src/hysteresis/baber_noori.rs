@@ -25,7 +25,6 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, w_1 of -h.
 ///
@@ -60,10 +59,7 @@ pub(super) static OPERATOR: Operator = Operator {
         let wear = 1e-4 / (half * half);
         Weighted::basis(design.ts, design.range, BaberNoori::of(&[1.0 / half, 0.0, wear, wear, 0.1, 0.3]))
     },
-    example: |ts| {
-        let law = BaberNoori::of(&[0.05, 0.25, 1e-6, 1e-6, 0.3, 0.4]);
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
-    },
+    example: |ts| Weighted::example(ts, BaberNoori::of(&[0.05, 0.25, 1e-6, 1e-6, 0.3, 0.4]), vec![1.4, 0.5]),
 };
 
 impl BaberNoori {

@@ -26,7 +26,6 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, w_1 of -h.
 ///
@@ -50,10 +49,7 @@ pub(super) static OPERATOR: Operator = Operator {
         let law = BoucWen { beta: 1.0 / design.half(), gamma_over_beta: 0.0 };
         Weighted::basis(design.ts, design.range, law)
     },
-    example: |ts| {
-        let law = BoucWen { beta: 0.02, gamma_over_beta: 0.25 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
-    },
+    example: |ts| Weighted::example(ts, BoucWen { beta: 0.02, gamma_over_beta: 0.25 }, vec![1.4, 0.5]),
 };
 
 /// Bounds of beta: from almost no bend of h over the range to a bend within a sixtieth of it.

@@ -25,7 +25,6 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, w_1 of -h.
 ///
@@ -46,10 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: false,
     load: Weighted::<Dahl>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Dahl { breakaway: design.half(), exponent: 1.0 }),
-    example: |ts| {
-        let law = Dahl { breakaway: 20.0, exponent: 1.4 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
-    },
+    example: |ts| Weighted::example(ts, Dahl { breakaway: 20.0, exponent: 1.4 }, vec![1.4, 0.5]),
 };
 
 /// y after a path of length `s`, in breakaways.

@@ -29,7 +29,6 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: f_1, ..., f_n, then k_0, ..., k_(n-1).
 ///
@@ -58,10 +57,7 @@ pub(super) static OPERATOR: Operator = Operator {
         let degree = design.elements.unwrap_or(DEGREE).clamp(1, MOST);
         Weighted::basis(design.ts, design.range, Duhem { degree, alpha: 1.0 / design.half() })
     },
-    example: |ts| {
-        let law = Duhem { degree: 3, alpha: 0.04 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.1, 0.1, -0.1, 0.4, 0.05, -0.1])?))
-    },
+    example: |ts| Weighted::example(ts, Duhem { degree: 3, alpha: 0.04 }, vec![1.1, 0.1, -0.1, 0.4, 0.05, -0.1]),
 };
 
 impl Law for Duhem {

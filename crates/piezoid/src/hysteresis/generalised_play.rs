@@ -18,14 +18,13 @@
 //! Inverse: Newton's method on the cubic piece of the requested z. Outside the range z is linear.
 
 use super::Operator;
-use super::basis::{BasisDesign, ShapeParameter, curvature};
+use super::basis::{BasisDesign, ShapeParameter};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds;
 use crate::error::{Error, finite};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, then one per threshold, then one per dead zone.
 ///
@@ -64,7 +63,7 @@ pub(super) static OPERATOR: Operator = Operator {
     example: |ts| {
         let law = GeneralisedPlay::new(thresholds::example(), vec![-15.0, 15.0], [0.1, 0.05, -0.05, 0.1]);
         let weights = [&thresholds::example_weights(0.6)[..], &[0.1, -0.1]].concat();
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+        Weighted::example(ts, law, weights)
     },
 };
 
@@ -114,12 +113,12 @@ impl Law for GeneralisedPlay {
         })
     }
 
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len() + self.dead_zones.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn responses(&self) -> usize {
+        1 + self.thresholds.len() + self.dead_zones.len()
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -152,10 +151,6 @@ impl Law for GeneralisedPlay {
 
     fn non_negative(&self, k: usize) -> bool {
         k <= self.thresholds.len()
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, 1 + self.thresholds.len())
     }
 
     fn shape(&self, _: f64, _: f64) -> Vec<ShapeParameter> {

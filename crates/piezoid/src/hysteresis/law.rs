@@ -1,10 +1,10 @@
 //! Operators defined by one [`Law`], the responses phi_k to the input. From a law, [`Weighted`] makes the block that
 //! runs, the basis that is fitted, and the document that is saved.
 
-use super::basis::{Basis, ShapeParameter, counted};
+use super::basis::{Basis, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
 use super::real::{Dual, Real};
-use super::{Hysteresis, Operator, document, parse};
+use super::{Hysteresis, Operator, document, parse, thresholds};
 use crate::error::{Error, finite, positive};
 use crate::program::Block;
 use crate::system::System;
@@ -77,14 +77,25 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     /// Its row of [`super::OPERATORS`].
     const ROW: &'static Operator;
 
-    /// Returns an error if a field is out of its range.
-    fn check(&self) -> Result<(), Error>;
+    /// Returns an error if a field is out of its range; by default it checks the thresholds.
+    fn check(&self) -> Result<(), Error> {
+        thresholds::check(self.thresholds())
+    }
 
-    /// Number of responses phi.
-    fn responses(&self) -> usize;
+    /// Thresholds of a law of plays or stops; the defaults below are for such a law.
+    fn thresholds(&self) -> &[f64] {
+        &[]
+    }
 
-    /// Length of the state, which is 0 at rest.
-    fn order(&self) -> usize;
+    /// Number of responses phi; by default that of the input, then one per threshold.
+    fn responses(&self) -> usize {
+        1 + self.thresholds().len()
+    }
+
+    /// Length of the state, which is 0 at rest; by default one number per threshold.
+    fn order(&self) -> usize {
+        self.thresholds().len()
+    }
 
     /// One sample: advances `x` and passes every phi_k, in order, to `phi`.
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, phi: impl FnMut(usize, R));
@@ -128,9 +139,9 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         true
     }
 
-    /// See [`Basis::roughness`].
+    /// See [`Basis::roughness`]; by default the second differences of the weights of thresholds.
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        Vec::new()
+        curvature(1, 1 + self.thresholds().len())
     }
 
     /// See [`Basis::shape`]; the input range is 2 `half` [input unit], the sampling period `ts` [s].
@@ -198,6 +209,11 @@ impl<L: Law> Weighted<L> {
     pub(super) fn basis(ts: f64, range: (f64, f64), law: L) -> Result<Box<dyn Basis>, Error> {
         let weights = vec![1.0; law.responses()];
         Ok(Box::new(Self::new(ts, range, law, weights)?))
+    }
+
+    /// See [`Operator::example`]: for inputs of +-30.
+    pub(super) fn example(ts: f64, law: L, weights: Vec<f64>) -> Result<Arc<dyn Hysteresis>, Error> {
+        Ok(Arc::new(Self::new(ts, (-30.0, 30.0), law, weights)?))
     }
 
     /// The last input, from the state `x`.

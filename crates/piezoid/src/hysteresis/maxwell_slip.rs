@@ -18,7 +18,7 @@
 //! decreases after a reversal.
 
 use super::Operator;
-use super::basis::{ShapeParameter, curvature};
+use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::rate_play::speeds;
 use super::real::Real;
@@ -26,7 +26,6 @@ use super::thresholds;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, then one per slider.
 ///
@@ -58,8 +57,11 @@ pub(super) static OPERATOR: Operator = Operator {
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let law = MaxwellSlip { thresholds: thresholds::example(), rise: 0.3, rate: 2000.0, attraction: 5e-3 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, thresholds::example_weights(1.2))?))
+        Weighted::example(
+            ts,
+            MaxwellSlip { thresholds: thresholds::example(), rise: 0.3, rate: 2000.0, attraction: 5e-3 },
+            thresholds::example_weights(1.2),
+        )
     },
 };
 
@@ -74,8 +76,8 @@ impl Law for MaxwellSlip {
         require(self.rise > -1.0 && self.rise.is_finite(), "rise", self.rise, rule)
     }
 
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn order(&self) -> usize {
@@ -113,10 +115,6 @@ impl Law for MaxwellSlip {
         let block = block.numbers("slider", vec![0.0; n]).numbers("sliding", vec![0.0; n]);
         let block = block.table("r", &self.thresholds).count("n", n).constant("ts", input.ts);
         block.constant("left_over", left).text(STEP)
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 
     fn shape(&self, half: f64, ts: f64) -> Vec<ShapeParameter> {

@@ -18,12 +18,10 @@
 //! and with negative weights, Newton's method finds the right piece.
 
 use super::Operator;
-use super::basis::curvature;
 use super::inverse::Inverted;
 use super::law::{Input, Law, Weighted};
 use super::real::{Dual, Real};
 use super::thresholds;
-use crate::error::Error;
 use crate::program::Block;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
@@ -45,25 +43,14 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: true,
     load: Weighted::<Play>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Play { thresholds: thresholds::even(design) }),
-    example: |ts| {
-        let law = Play { thresholds: thresholds::example() };
-        Ok(std::sync::Arc::new(Weighted::new(ts, (-30.0, 30.0), law, thresholds::example_weights(0.7))?))
-    },
+    example: |ts| Weighted::example(ts, Play { thresholds: thresholds::example() }, thresholds::example_weights(0.7)),
 };
 
 impl Law for Play {
     const ROW: &'static Operator = &OPERATOR;
 
-    fn check(&self) -> Result<(), Error> {
-        thresholds::check(&self.thresholds)
-    }
-
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
-    }
-
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -94,10 +81,6 @@ impl Law for Play {
         let block = block.numbers("play", vec![0.0; n]).table("r", &self.thresholds);
         let sum = if n <= WRITTEN { written_sum(n) } else { SUM.into() };
         block.count("n", n).count("lanes", LANES).text(&sum).text(STEP).text(if rises { CLOSED } else { "" })
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 }
 

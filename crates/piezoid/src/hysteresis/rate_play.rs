@@ -17,7 +17,7 @@
 //! period, plays decrease when the input moves faster, and z may decrease; then bracketing finds one of several inputs.
 
 use super::Operator;
-use super::basis::{ShapeParameter, curvature};
+use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds;
@@ -25,7 +25,6 @@ use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 /// Weights: w_0 of the input, then one per threshold.
 ///
@@ -54,8 +53,11 @@ pub(super) static OPERATOR: Operator = Operator {
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let law = RatePlay { thresholds: thresholds::example(), growth: 1.0, rate: 3000.0 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, thresholds::example_weights(0.7))?))
+        Weighted::example(
+            ts,
+            RatePlay { thresholds: thresholds::example(), growth: 1.0, rate: 3000.0 },
+            thresholds::example_weights(0.7),
+        )
     },
 };
 
@@ -74,12 +76,8 @@ impl Law for RatePlay {
         require(self.growth >= 0.0 && self.growth.is_finite(), "growth", self.growth, rule)
     }
 
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
-    }
-
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -99,10 +97,6 @@ impl Law for RatePlay {
         // `growth` is the name of a function of programs.
         let block = block.constant("ts", input.ts).constant("widening", self.growth);
         block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).text(STEP)
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 
     fn shape(&self, half: f64, ts: f64) -> Vec<ShapeParameter> {

@@ -80,8 +80,6 @@ pub(super) static OPERATOR: Operator = Operator {
 
 impl RateScheduled {
     /// A block with sampling period `ts` [s] and the rule `reading` for held inputs. Pairs are sorted by frequency.
-    ///
-    /// # Errors
     /// Returns an error if there are no pairs, if two have the same frequency, or if a frequency or `ts` is not
     /// positive.
     pub(crate) fn new(ts: f64, mut pairs: Vec<Pair>, reading: HeldInput) -> Result<Self, Error> {

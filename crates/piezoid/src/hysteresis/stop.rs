@@ -15,14 +15,11 @@
 //! and one of several inputs is found. When all stops slide, the slope of z is w_0; if w_0 = 0, z saturates.
 
 use super::Operator;
-use super::basis::curvature;
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use super::thresholds;
-use crate::error::Error;
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Thresholds r_1 < r_2 < ... [input unit]. Weights: w_0 of the input, then one per threshold.
 ///
@@ -41,25 +38,14 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: true,
     load: Weighted::<Stop>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Stop { thresholds: thresholds::even(design) }),
-    example: |ts| {
-        let law = Stop { thresholds: thresholds::example() };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, thresholds::example_weights(1.2))?))
-    },
+    example: |ts| Weighted::example(ts, Stop { thresholds: thresholds::example() }, thresholds::example_weights(1.2)),
 };
 
 impl Law for Stop {
     const ROW: &'static Operator = &OPERATOR;
 
-    fn check(&self) -> Result<(), Error> {
-        thresholds::check(&self.thresholds)
-    }
-
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
-    }
-
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -73,10 +59,6 @@ impl Law for Stop {
     fn block(&self, block: Block, _: Input) -> Block {
         let n = self.thresholds.len();
         block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).text(STEP)
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 }
 

@@ -124,10 +124,7 @@ fn between<R: Real>((m, v): (R, R), side: R) -> R {
 }
 
 impl Tellinen {
-    /// A block with sampling period `ts` [s] between `branches`.
-    ///
-    /// # Errors
-    /// Returns an error if `ts` is not positive.
+    /// A block with sampling period `ts` [s] between `branches`. Returns an error if `ts` is not positive.
     pub(crate) fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let decay = Decay::of(branches.range(), |u| curves(&branches, u));

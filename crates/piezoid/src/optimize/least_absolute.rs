@@ -22,10 +22,7 @@ pub(crate) struct LeastAbsolute {
 }
 
 /// The x that minimises sum_i |y_i - a_i' x|. `rows` are `[y_i, a_i...]` one after another, with `dimension` numbers in
-/// each a_i.
-///
-/// # Errors
-/// Returns an error if a number is not finite; [`Error::Unidentifiable`] if the solver finds no optimum.
+/// each a_i. Returns an error if a number is not finite; [`Error::Unidentifiable`] if the solver finds no optimum.
 pub(crate) fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
     crate::error::finite("rows", rows)?;
     let stride = dimension + 1;

@@ -66,11 +66,8 @@ const LEAST_DAMPING: f64 = 1e-13;
 /// The largest mu. With a larger one, steps are smaller than rounding errors.
 const MOST_DAMPING: f64 = 1e20;
 
-/// Searches from `start`. If cancelled, returns the best point so far.
-///
-/// # Errors
-/// Returns an error if the start has a wrong length or a cost that is not finite, if there are no iterations, or if the
-/// damping or the tolerance is not positive.
+/// Searches from `start`. If cancelled, returns the best point so far. Returns an error if the start has a wrong length
+/// or a cost that is not finite, if there are no iterations, or if the damping or the tolerance is not positive.
 pub(crate) fn minimise(
     problem: &impl SumOfSquares,
     start: &[f64],

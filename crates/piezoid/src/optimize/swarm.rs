@@ -57,18 +57,6 @@ pub enum GlobalBest {
     Current,
 }
 
-impl GlobalBest {
-    /// Reads `ever` or `current`.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`] with the list of names.
-    pub fn find(name: &str) -> Result<Self, Error> {
-        let known = [("ever", GlobalBest::Ever), ("current", GlobalBest::Current)];
-        let found = known.iter().find(|(known, _)| *known == name).map(|(_, which)| *which);
-        found.ok_or_else(|| Error::unknown("global_best", name, known.map(|(known, _)| known)))
-    }
-}
-
 /// Options of the search. The defaults are those of the paper; if it gives none, the usual values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

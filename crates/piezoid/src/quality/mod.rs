@@ -108,10 +108,8 @@ pub(crate) struct Inspection {
 }
 
 impl Inspection {
-    /// Returns an error if nothing can be identified from the record.
-    ///
-    /// # Errors
-    /// [`Error::Unidentifiable`] with the first fatal finding, or if no sample is usable.
+    /// Returns an error if nothing can be identified from the record. [`Error::Unidentifiable`] with the first fatal
+    /// finding, or if no sample is usable.
     pub(crate) fn sound(&self) -> Result<(), Error> {
         let because = match self.findings.iter().find(|f| f.defect.is_fatal()) {
             Some(finding) => finding.text.clone(),

@@ -3,7 +3,7 @@
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::Record;
-use crate::linear::{Modes, Orders, OutputError, Refinement};
+use crate::linear::{ModalFit, Orders, OutputError, Refinement};
 use crate::progress::silent;
 use serde_json::Value;
 
@@ -46,7 +46,7 @@ fn modes_that_scipy_runs_late_are_found_again() {
         let name = text(row, "name");
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
-        let found = Modes::fit(&[record], hz.len(), 3, &Refinement::default(), &mut silent).expect("modes");
+        let found = ModalFit::fit(&[record], hz.len(), 3, &Refinement::default(), &mut silent).expect("modes");
         let of = |what: fn(&crate::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);

@@ -94,7 +94,7 @@ fn an_operator_that_never_forgets_is_not_taken_for_one_that_foretells() {
     // Seeds 0 and 4 sent bouc-wen where it forgets within 40 periods: as good on what was held out, 15 % in free run.
     let Some(whole) = record("picma-p885/model_1Hz.csv") else { return };
     let first = whole.part(START, HALF).expect("a first half");
-    for seed in 0..5 {
+    for seed in [0, 4] {
         let options = IdentifyOptions { operator: "bouc-wen".into(), seed, ..IdentifyOptions::default() };
         let found = identify(std::slice::from_ref(&first), &options).expect("a model");
         let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
