@@ -149,7 +149,7 @@ impl StartRecords {
         let share = (ENOUGH as f64 / samples as f64).min(1.0);
         let least = 8 * (orders.history() + orders.parameters());
         let first_part = |r: &Record| match ((share * r.len() as f64).ceil() as usize).max(least) {
-            n if n < r.len() => Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()),
+            n if n < r.len() => r.slice(0..n),
             _ => Ok(r.clone()),
         };
         Ok(StartRecords(records.iter().map(first_part).collect::<Result<_, _>>()?))

@@ -193,14 +193,9 @@ fn with_idle_pole(fit: &OutputError) -> Vec<f64> {
 
 /// The first part of each record, and the held-out `share` at its end.
 fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Error> {
-    let part = |r: &Record, range: std::ops::Range<usize>| {
-        Ok::<_, Error>(
-            Record::new(r.ts(), r.u()[range.clone()].to_vec(), r.y()[range].to_vec())?.with_units(r.units().clone()),
-        )
-    };
     let parts = records.iter().map(|r| {
         let at = ((1.0 - share) * r.len() as f64).round() as usize;
-        Ok::<_, Error>((part(r, 0..at)?, part(r, at..r.len())?))
+        Ok::<_, Error>((r.slice(0..at)?, r.slice(at..r.len())?))
     });
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }

@@ -33,7 +33,7 @@ pub static PLANTS: &[Preset] = &[
         name: "pl140",
         summary: "PL140.10, +-1000 um: three modes, Preisach 13 %, creep, 500 mA driver, noisy 16-bit sensor",
         reference: SHEET,
-        spec: || bench(&PL140, preisach(&PL140)),
+        spec: || bench_preisach(&PL140),
     },
     Preset {
         name: "pl140-bouc-wen",
@@ -41,31 +41,15 @@ pub static PLANTS: &[Preset] = &[
         reference: SHEET_BOUC_WEN,
         spec: || bench(&PL140, bouc_wen(&PL140)),
     },
-    Preset {
-        name: "pl128",
-        summary: "PL128.10, +-450 um, resonance near 360 Hz, otherwise like `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL128, preisach(&PL128)),
-    },
-    Preset {
-        name: "pl127",
-        summary: "PL127.10, +-450 um, resonance near 420 Hz, otherwise like `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL127, preisach(&PL127)),
-    },
-    Preset {
-        name: "pl122",
-        summary: "PL122.10, +-310 um, resonance near 600 Hz, otherwise like `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL122, preisach(&PL122)),
-    },
-    Preset {
-        name: "pl112",
-        summary: "PL112.10, +-100 um, resonance near 1800 Hz, otherwise like `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL112, preisach(&PL112)),
-    },
+    as_pl140("pl128", "PL128.10, +-450 um, resonance near 360 Hz, otherwise like `pl140`", || bench_preisach(&PL128)),
+    as_pl140("pl127", "PL127.10, +-450 um, resonance near 420 Hz, otherwise like `pl140`", || bench_preisach(&PL127)),
+    as_pl140("pl122", "PL122.10, +-310 um, resonance near 600 Hz, otherwise like `pl140`", || bench_preisach(&PL122)),
+    as_pl140("pl112", "PL112.10, +-100 um, resonance near 1800 Hz, otherwise like `pl140`", || bench_preisach(&PL112)),
 ];
+
+const fn as_pl140(name: &'static str, summary: &'static str, spec: fn() -> Spec) -> Preset {
+    Preset { name, summary, reference: SHEET, spec }
+}
 
 impl Preset {
     /// The plant called `name`.
@@ -117,6 +101,10 @@ fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
         logged: Logged::Before,
         inner_steps: 20,
     }
+}
+
+fn bench_preisach(bender: &Bender) -> Spec {
+    bench(bender, preisach(bender))
 }
 
 fn preisach(bender: &Bender) -> HysteresisSpec {

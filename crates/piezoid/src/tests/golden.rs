@@ -13,6 +13,11 @@ pub(crate) fn text<'a>(row: &'a Value, key: &str) -> &'a str {
     row[key].as_str().unwrap_or_else(|| panic!("{key} is a text in every row"))
 }
 
+#[track_caller]
+pub(crate) fn number(row: &Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap_or_else(|| panic!("{key} is a number in every row"))
+}
+
 /// The numbers under `key`; null is not allowed.
 #[track_caller]
 pub(crate) fn numbers(row: &Value, key: &str) -> Vec<f64> {

@@ -1,15 +1,11 @@
 //! Output error and modes compared with scipy; `golden/*.py` write the numbers.
 
 use super::close::assert_close;
-use super::golden::{numbers, rows, text};
+use super::golden::{number, numbers, rows, text};
 use crate::Record;
 use crate::linear::{ModalFit, Orders, OutputError, Refinement};
 use crate::progress::silent;
 use serde_json::Value;
-
-fn number(row: &Value, key: &str) -> f64 {
-    row[key].as_f64().expect("a number")
-}
 
 #[test]
 fn the_output_error_is_that_of_scipy_with_free_pasts_and_offsets() {

@@ -1,7 +1,7 @@
 //! Excitations compared with scipy; `golden/*.py` write the numbers.
 
 use super::close::assert_close;
-use super::golden::{numbers, rows, text};
+use super::golden::{number, numbers, rows, text};
 use crate::excitation::{Chirp, Prbs};
 
 /// The bits of a PRBS of 1 V, in the format of scipy's script.
@@ -32,11 +32,10 @@ fn prbs_is_scipys_max_len_seq() {
 #[test]
 fn chirp_is_scipys_chirp() {
     for row in rows(include_str!("../../tests/golden/chirp.json")) {
-        let number = |name: &str| row[name].as_f64().expect("a number");
         let expected = numbers(&row, "u");
         let chirp = Chirp {
-            frequency_start: number("start"),
-            frequency_end: number("end"),
+            frequency_start: number(&row, "start"),
+            frequency_end: number(&row, "end"),
             logarithmic: row["method"] != "linear",
             ..Chirp::default()
         };

@@ -1,7 +1,7 @@
 //! The linear block and its fits compared with scipy and numpy; `golden/*.py` write the numbers.
 
 use super::close::assert_close;
-use super::golden::{numbers, rows, text};
+use super::golden::{number, numbers, rows, text};
 use crate::linear::{self, Arx, Orders};
 use crate::optimize::{least_absolute, swarm};
 use crate::progress::silent;
@@ -77,7 +77,7 @@ fn the_frequency_response_is_scipys_freqz() {
     let rows = rows(include_str!("../../tests/golden/freqz.json"));
     assert_eq!(rows.len(), 10);
     for row in &rows {
-        let (arx, name) = (block(row, ts(row)), text(row, "name"));
+        let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
         let ours: Vec<_> = numbers(row, "hz").into_iter().map(|hz| arx.response(hz)).collect();
         let gain: Vec<f64> = ours.iter().map(|r| r.gain).collect();
         assert_close(name, &gain, &numbers(row, "gain"), RTOL, 0.0);
@@ -110,7 +110,7 @@ fn the_roots_of_polynomials_in_even_powers_are_found() {
 
 #[track_caller]
 fn compare_poles_and_zeros(row: &Value) {
-    let (arx, name) = (block(row, ts(row)), text(row, "name"));
+    let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
     let poles = arx.poles();
     let of = |what: &dyn Fn(&linear::Pole) -> f64| poles.iter().map(what).collect::<Vec<f64>>();
     assert_close(name, &of(&|p| p.hz), &numbers(row, "pole_hz"), RTOL, 0.0);
@@ -159,17 +159,13 @@ fn the_least_absolute_cost_is_that_of_scipys_linear_program() {
     assert_eq!(rows.len(), 5);
     for row in &rows {
         let dimension = row["dimension"].as_u64().expect("dimension") as usize;
-        let cost = row["cost"].as_f64().expect("cost");
+        let cost = number(row, "cost");
         let fit = least_absolute(&numbers(row, "rows"), dimension).expect("an optimum that scipy finds");
         // The interior-point method ends near the vertex of the simplex method: 1e-8, not 1e-12.
         assert_close(text(row, "name"), &[fit.cost, fit.bound], &[cost, cost], 1e-8, 0.0);
         // Only rounding may be below the optimum.
         assert!(fit.cost >= cost * (1.0 - RTOL), "{}: {} is below {cost}", row["name"], fit.cost);
     }
-}
-
-fn ts(row: &Value) -> f64 {
-    row["ts"].as_f64().expect("ts")
 }
 
 fn record(value: &Value) -> Record {

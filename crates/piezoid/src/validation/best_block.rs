@@ -74,8 +74,7 @@ impl MaskedRecord {
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
-        let (record, end) = (&self.record, self.record.len().min(ENOUGH));
-        let part = Record::new(record.ts(), record.u()[..end].to_vec(), record.y()[..end].to_vec()).ok()?;
+        let part = self.record.slice(0..self.record.len().min(ENOUGH)).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
         let settings = Refinement { search: ROUGH, ..Refinement::default() };
         Some(linear::OutputError::fit(&[part], orders, &settings, &mut silent).ok()?.arx)

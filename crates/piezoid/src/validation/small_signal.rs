@@ -85,7 +85,7 @@ impl Linearity {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unidentifiable`] if nothing can be identified from the record ([`inspect`]), or if no linear block fits
+    /// [`Error::Unidentifiable`] if nothing can be identified from the record, or if no linear block fits
     /// and the input is not periodic.
     pub fn of(record: &Record) -> Result<Self, Error> {
         let inspection = inspect(record, &Need::default());
