@@ -1,10 +1,10 @@
-//! What the blocks cost. Groups hold alternatives for the same work side by side: read the ratios, not the times.
+//! Benchmarks of the blocks. Groups hold alternatives for the same work: compare the ratios, not the times.
 
-#![allow(missing_docs)] // criterion's macros make public items of their own
+#![allow(missing_docs)] // the macros of criterion make public items
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use piezoid::compensation::{Causal, FeedForward, FeedForwardSettings};
-use piezoid::control::predictive::{self, Predictive, Solver};
+use piezoid::control::predictive::{Predictive, PredictiveSettings, Solver};
 use piezoid::control::{Controller, ControllerInput};
 use piezoid::creep::Creep;
 use piezoid::driver::DriverModel;
@@ -25,12 +25,12 @@ const TS: f64 = 5e-4;
 
 fn prbs_record() -> Result<Record, Error> {
     let plant = Plant::named("pl140", TS)?;
-    let u = Prbs { order: 12, ..Prbs::default() }.samples(TS, 4095)?;
+    let u = Prbs { order: 12, ..Default::default() }.samples(TS, 4095)?;
     let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
     Record::new(TS, u, y)
 }
 
-/// The swarm's cost: particles on the lanes of the vector unit against one after another.
+/// The cost function of the swarm: particles on the lanes of the vector unit, and one after another.
 fn cost(c: &mut Criterion) {
     let Ok(regression) = prbs_record().and_then(|r| Regression::new(&[r], Orders::of(2))) else { return };
     let cost = AbsoluteError::from(&regression);
@@ -67,7 +67,7 @@ fn estimators(c: &mut Criterion) {
     group.finish();
 }
 
-/// Samples a second of each of these systems, driven by the same sine.
+/// Samples per second of these systems, with the same sine.
 fn side_by_side(c: &mut Criterion, group: &str, systems: Result<Vec<Named>, Error>) {
     let (Ok(systems), Ok(u)) = (systems, sine()) else { return };
     let mut group = c.benchmark_group(group);
@@ -78,7 +78,7 @@ fn side_by_side(c: &mut Criterion, group: &str, systems: Result<Vec<Named>, Erro
     group.finish();
 }
 
-/// The linear blocks, the models, the operators as they are fitted by default, and the twins.
+/// The linear blocks, the models, the operators with default fits, and the twins.
 fn simulation(c: &mut Criterion) {
     side_by_side(c, "linear", linear());
     side_by_side(c, "models", models());
@@ -88,7 +88,7 @@ fn simulation(c: &mut Criterion) {
     side_by_side(c, "twins", ["paper", "pl140"].into_iter().map(twin).collect());
 }
 
-/// Samples a second of what the joint way fits: all responses of an operator, before they are weighted.
+/// Samples per second of the bases of joint identification: all responses of an operator, before they are weighted.
 fn bases(c: &mut Criterion) {
     let Ok(u) = sine() else { return };
     let mut group = c.benchmark_group("bases");
@@ -107,39 +107,27 @@ fn bases(c: &mut Criterion) {
     group.finish();
 }
 
-/// One sample of predictive control on the way along a triangle that voltages of +-12 V cannot follow, by either solver.
+/// One sample of predictive control along a triangle that voltages of +-12 V cannot follow, with both solvers.
 fn predictive(c: &mut Criterion) {
     let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
     let Ok(model) = model else { return };
     let mut group = c.benchmark_group("predictive");
-    let near = predictive::PredictiveSettings {
-        voltage: (-30.0, 30.0),
-        slew: Some(6e4),
-        ..predictive::PredictiveSettings::default()
-    };
-    let far = predictive::PredictiveSettings {
-        voltage: (-12.0, 12.0),
-        slew: Some(3e3),
-        displacement: Some((-300.0, 300.0)),
-        ..near.clone()
-    };
+    let near = PredictiveSettings { voltage: (-30.0, 30.0), slew: Some(6e4), ..Default::default() };
+    let displacement = Some((-300.0, 300.0));
+    let far = PredictiveSettings { voltage: (-12.0, 12.0), slew: Some(3e3), displacement, ..near.clone() };
     for (name, settings) in [("free", near), ("limited", far)] {
         for (by, solver) in [("active set", Solver::ActiveSet), ("interior point", Solver::InteriorPoint)] {
             for horizon in [10, 20, 40] {
-                let settings = predictive::PredictiveSettings {
-                    horizon,
-                    solver,
-                    multiplications_per_second: 1e12,
-                    ..settings.clone()
-                };
+                let multiplications_per_second = 1e12;
+                let settings = PredictiveSettings { horizon, solver, multiplications_per_second, ..settings.clone() };
                 let Ok(mpc) = Predictive::new(&model, settings) else { continue };
                 let r: Vec<f64> = (0..200 + horizon).map(|t| 400.0 * triangle(t as f64 / 100.0)).collect();
                 let (mut x, mut plant) = (mpc.settled(0.0), model.settled(0.0));
                 let (mut t, mut y) = (0, 0.0);
                 group.bench_function(format!("{name}, {by}, {horizon} samples"), |b| {
                     b.iter(|| {
-                        let now = ControllerInput { y, ahead: black_box(&r[t..]), ..ControllerInput::default() };
-                        y = model.step(&mut plant, mpc.step(&mut x, &now));
+                        let input = ControllerInput { y, ahead: black_box(&r[t..]), ..Default::default() };
+                        y = model.step(&mut plant, mpc.step(&mut x, &input));
                         t = (t + 1) % 200;
                     });
                 });
@@ -149,32 +137,32 @@ fn predictive(c: &mut Criterion) {
     group.finish();
 }
 
-/// Back from z to u of the documented examples, which rise as far as their kind does, a sample at a time along a sine: by
-/// each operator's own way, and by trials.
+/// From z to u of the documented examples, sample by sample along a sine: by each operator's own inverse, and by
+/// search.
 fn inverses(c: &mut Criterion) {
-    let Ok(u) = (Sine { amplitude: 24.0, frequency: 20.0, ..Sine::default() }).samples(TS, 1000) else { return };
+    let Ok(u) = (Sine { amplitude: 24.0, frequency: 20.0, ..Default::default() }).samples(TS, 1000) else { return };
     let mut group = c.benchmark_group("inverses");
     group.throughput(Throughput::Elements(u.len() as u64));
     for row in OPERATORS {
         let Ok(own) = (row.example)(TS) else { continue };
-        let mut x = own.initial();
-        let mut met = Vec::new();
+        let (mut x, mut samples) = (own.initial(), Vec::new());
         for &u in &u {
             let before = x.clone();
-            met.push((before, own.step(&mut x, u)));
+            samples.push((before, own.step(&mut x, u)));
         }
-        let ways: [(&str, Arc<dyn Hysteresis>); 2] = [("own", own.clone()), ("trials", Arc::new(Tried(own)))];
-        for (way, operator) in ways {
-            group.bench_function(BenchmarkId::new(row.name, way), |b| {
-                b.iter(|| met.iter().map(|(x, z)| operator.invert(black_box(x), *z, (-30.0, 30.0)).u).sum::<f64>());
+        let inverses: [(&str, Arc<dyn Hysteresis>); 2] =
+            [("own", own.clone()), ("trials", Arc::new(WithoutInverse(own)))];
+        for (name, operator) in inverses {
+            group.bench_function(BenchmarkId::new(row.name, name), |b| {
+                b.iter(|| samples.iter().map(|(x, z)| operator.invert(black_box(x), *z, (-30.0, 30.0)).u).sum::<f64>());
             });
         }
     }
     group.finish();
 }
 
-/// One sample of feed-forward along a sine: back through 30 plays and a resonance, with creep and without, sample by sample
-/// and over the whole record.
+/// One sample of feed-forward along a sine: the inverse of 30 plays and a resonance, with and without creep, sample by
+/// sample and over the whole record.
 fn feed_forward(c: &mut Criterion) {
     let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
     let (Ok(plain), Ok(r)) = (model, sine()) else { return };
@@ -197,35 +185,43 @@ fn feed_forward(c: &mut Criterion) {
     group.finish();
 }
 
-/// From -1 to 1 and back, once in 1.
+/// A triangle from -1 to 1 with period 1.
 fn triangle(turns: f64) -> f64 {
     4.0 * ((turns + 0.25).fract() - 0.5).abs() - 1.0
 }
 
-/// A resonance whose input acts one sample late.
+/// A resonance with an input delay of one sample.
 fn resonant() -> Result<Arx, Error> {
     Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1])
 }
 
-/// An operator without an inverse of its own.
+/// An operator without its own inverse.
 #[derive(Debug)]
-struct Tried(Arc<dyn Hysteresis>);
+struct WithoutInverse(Arc<dyn Hysteresis>);
 
-impl System for Tried {
-    fn ts(&self) -> f64 {
-        self.0.ts()
-    }
+/// Forwards only the required methods of a system.
+macro_rules! forward_system {
+    ($type:ty) => {
+        impl System for $type {
+            fn ts(&self) -> f64 {
+                self.0.ts()
+            }
 
-    fn order(&self) -> usize {
-        self.0.order()
-    }
+            fn order(&self) -> usize {
+                self.0.order()
+            }
 
-    fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        self.0.step(x, u)
-    }
+            fn step(&self, x: &mut [f64], u: f64) -> f64 {
+                self.0.step(x, u)
+            }
+        }
+    };
 }
 
-impl Hysteresis for Tried {
+forward_system!(WithoutInverse);
+forward_system!(Stepped);
+
+impl Hysteresis for WithoutInverse {
     fn operator(&self) -> &'static Operator {
         self.0.operator()
     }
@@ -235,13 +231,13 @@ impl Hysteresis for Tried {
     }
 }
 
-/// The basis of the operator called `name`, of its own number of elements.
+/// The basis of the operator called `name`, with its default number of elements.
 fn basis(name: &str) -> Result<Box<dyn Basis>, Error> {
     let design = BasisDesign { ts: TS, range: (-30.0, 30.0), elements: None, frequencies: vec![5.0, 20.0, 40.0, 80.0] };
     (Operator::find(name)?.basis)(&design)
 }
 
-/// The operator called `name`, of its own number of elements.
+/// The operator called `name`, with its default number of elements.
 fn fitted(name: &str) -> Result<Arc<dyn Hysteresis>, Error> {
     let basis = basis(name)?;
     basis.operator(&vec![0.1; basis.len()])
@@ -274,7 +270,7 @@ fn linear() -> Result<Vec<Named>, Error> {
     Ok(systems)
 }
 
-/// Models by what precedes the paper's linear block.
+/// Models with the paper's linear block, by the block before it.
 fn models() -> Result<Vec<Named>, Error> {
     let model = |hysteresis| Model::new(hysteresis, arx()?, 0.0);
     let driver = DriverModel::new(1e-4, Some(6e4))?;
@@ -294,7 +290,7 @@ fn models() -> Result<Vec<Named>, Error> {
     ])
 }
 
-/// The study as `piezoid study` runs it, on both twins, with figures and page: 5 s on two cores were asked for.
+/// The study as `piezoid study` runs it, on both twins, with figures and page; the requirement was 5 s on two cores.
 fn study(c: &mut Criterion) {
     let mut group = c.benchmark_group("study");
     group.sample_size(10);
@@ -310,26 +306,12 @@ fn study(c: &mut Criterion) {
     group.finish();
 }
 
-/// A system without a run of its own.
+/// A system without its own `simulate`.
 #[derive(Debug)]
 struct Stepped(Model);
 
-impl System for Stepped {
-    fn ts(&self) -> f64 {
-        self.0.ts()
-    }
-
-    fn order(&self) -> usize {
-        self.0.order()
-    }
-
-    fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        self.0.step(x, u)
-    }
-}
-
 fn sine() -> Result<Vec<f64>, Error> {
-    Sine { amplitude: 30.0, frequency: 20.0, ..Sine::default() }.samples(TS, 10_000)
+    Sine { amplitude: 30.0, frequency: 20.0, ..Default::default() }.samples(TS, 10_000)
 }
 
 criterion_group!(benches, cost, estimators, simulation, bases, inverses, feed_forward, predictive, study);

@@ -1,5 +1,5 @@
-//! How accurate joint identification is on data it has not seen, beside the paper's method: two twins of a bender with
-//! creep, noise and a driver, records a user could take, and one model of all frequencies.
+//! Accuracy of joint identification on validation data, compared with the paper's method: two twins of a bender with
+//! creep, noise and a driver, records that a user could take, and one model for all frequencies.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example accuracy -- docs
@@ -30,27 +30,27 @@ const SEEN: [(f64, f64); 6] = [(1.0, 8.0), (5.0, 4.0), (20.0, 3.0), (40.0, 3.0),
 /// Periods of the PRBS, of 2047 samples each.
 const PERIODS: usize = 3;
 
-/// Frequencies of the records to be foretold [Hz].
-const UNSEEN: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
+/// Frequencies of the validation data [Hz].
+const VALIDATION: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
 
-/// Their least length, and their least number of periods [s].
+/// Least duration of a validation record [s], and its least number of periods.
 const DURATION: f64 = 2.0;
 const CYCLES: f64 = 6.0;
 
-/// The largest amplitude [V], lowered where the tip would leave this distance to either side [um].
+/// The largest amplitude [V]; it is reduced where the displacement would exceed this limit [um].
 const AMPLITUDE: f64 = 28.0;
 const REACH: f64 = 1200.0;
 
-/// The drive of a record to be foretold, by frequency [Hz], amplitude [V] and number of samples.
+/// The input of a validation record, from frequency [Hz], amplitude [V] and number of samples.
 type DriveSignal = fn(f64, f64, usize) -> Result<Vec<f64>, Error>;
 
-/// A kind of record to be foretold.
+/// A kind of validation record.
 pub(crate) struct RecordKind {
     pub(crate) name: &'static str,
     drive: DriveSignal,
 }
 
-/// The kinds there are; none of them is identified from.
+/// All kinds; the training data hold none of them.
 pub(crate) static KINDS: [RecordKind; 3] = [
     RecordKind {
         name: "staircase",
@@ -69,7 +69,7 @@ pub(crate) static KINDS: [RecordKind; 3] = [
     },
 ];
 
-/// A sine whose amplitude comes and goes at a frequency that its own is no multiple of.
+/// A sine whose amplitude is modulated at an incommensurate frequency.
 fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
     let turns = TAU * hz * TS * t as f64;
     amplitude * (0.5 + 0.5 * (turns * SQRT_2 / 9.0).sin()) * turns.sin()
@@ -92,7 +92,8 @@ impl Twin {
         Ok(Twin { plant: Plant::new(spec, TS)?, spec: spec.clone() })
     }
 
-    /// Measures a drive from rest [um], at the largest amplitude that keeps the tip within reach. The seed is of the noise.
+    /// Measures the response to a drive from rest [um], at the largest amplitude within the limit. The seed sets the
+    /// noise.
     fn measure(&self, drive: impl Fn(f64) -> Result<Vec<f64>, Error>, seed: f64) -> Result<Record, Error> {
         let plant = self.plant.clone().with_seed(seed as u64);
         let mut amplitude = AMPLITUDE;
@@ -113,13 +114,13 @@ impl Twin {
         self.measure(|_| prbs.samples(TS, PERIODS * prbs.period() as usize), 0.0)
     }
 
-    /// A record of each frequency to identify from.
+    /// A training record for each frequency.
     fn sines(&self, drive: DriveSignal) -> Result<Vec<Record>, Error> {
         let record = |(hz, s)| self.measure(|amplitude| drive(hz, amplitude, (s / TS) as usize), hz);
         SEEN.into_iter().map(record).collect()
     }
 
-    /// One joint model of all frequencies, from the PRBS and rising sines.
+    /// One joint model for all frequencies, from the PRBS and rising sines.
     pub(crate) fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
         let rising =
             |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
@@ -135,19 +136,19 @@ impl Twin {
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(steady)? }, &options)
     }
 
-    /// A record to be foretold.
-    pub(crate) fn unseen(&self, kind: &RecordKind, hz: f64) -> Result<Record, Error> {
+    /// A validation record.
+    pub(crate) fn validation(&self, kind: &RecordKind, hz: f64) -> Result<Record, Error> {
         let n = (DURATION.max(CYCLES / hz) / TS) as usize;
         self.measure(|amplitude| (kind.drive)(hz, amplitude, n), 1000.0 + hz)
     }
 }
 
-/// What a free run of `model` from rest leaves of a record [% rms of peak-to-peak].
+/// The rms error of a free run of `model` from rest [% of peak-to-peak].
 pub(crate) fn error(model: &Model, record: &Record) -> f64 {
     Metrics::of(record.y(), &model.simulate(record.u())).rms_pp_percent
 }
 
-/// The least, the middle and the largest of some errors.
+/// The smallest error, the median and the largest.
 pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     let mut sorted = errors.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -155,14 +156,14 @@ pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     [sorted[0], 0.5 * (low + high), sorted[sorted.len() - 1]]
 }
 
-/// A way to identify.
+/// A method of identification.
 struct IdentificationMethod {
     name: &'static str,
     role: Role,
     identify: fn(&Twin) -> Result<Identified, Error>,
 }
 
-/// The paper's ways, then the joint ones.
+/// The paper's method, then the joint one.
 static WAYS: [IdentificationMethod; 4] = [
     IdentificationMethod {
         name: "paper",
@@ -170,7 +171,7 @@ static WAYS: [IdentificationMethod; 4] = [
         identify: |twin| twin.paper(IdentifyOptions::default()),
     },
     IdentificationMethod {
-        name: "paper, helped",
+        name: "paper, best settings",
         role: Role::Muted,
         identify: |twin| {
             let (order, estimator, split) = (Some(4), Some("output-error".into()), Some(Split::Direction));
@@ -186,7 +187,7 @@ static WAYS: [IdentificationMethod; 4] = [
 ];
 const PAPER: std::ops::Range<usize> = 0..2;
 
-/// What one way made of one twin.
+/// The errors of one method on one twin.
 struct Outcome {
     twin: &'static str,
     way: &'static IdentificationMethod,
@@ -195,69 +196,82 @@ struct Outcome {
     errors: Vec<Vec<f64>>,
 }
 
-/// An error that says no more than that the run diverged [% of peak-to-peak].
+/// An error above this means only that the run diverged [% of peak-to-peak].
 const DIVERGED: f64 = 1000.0;
 
-/// How many times below the paper's errors the joint ones are meant to be.
+/// How many times smaller than the paper's the joint errors are meant to be.
 const TIMES: f64 = 10.0;
 
-/// What every way makes of a twin.
+/// The errors of every method on a twin.
 fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     let twin = Twin::new(name)?;
-    let of_kind = |kind| UNSEEN.into_iter().map(|hz| twin.unseen(kind, hz)).collect::<Result<Vec<_>, _>>();
-    let unseen = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
+    let of_kind = |kind| VALIDATION.into_iter().map(|hz| twin.validation(kind, hz)).collect::<Result<Vec<_>, _>>();
+    let records = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
     let outcome = |way: &'static IdentificationMethod| {
         let model = (way.identify)(&twin)?.model;
         let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
-        let errors: Vec<Vec<f64>> = unseen.iter().map(|records| records.iter().map(left).collect()).collect();
+        let errors: Vec<Vec<f64>> = records.iter().map(|of_kind| of_kind.iter().map(left).collect()).collect();
         eprintln!("{name}, {}: {errors:.3?}", way.name);
         Ok(Outcome { twin: name, way, operator: model.hysteresis().operator().name, errors })
     };
     WAYS.iter().map(outcome).collect()
 }
 
-/// How many times below the errors of one outcome those of another are, by kind and frequency.
+/// How many times smaller the joint errors are than the paper's, by kind and frequency.
 fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'static str, f64, f64)> + 'a {
     let of_kind = |((kind, p), j): ((&'static RecordKind, &'a Vec<f64>), &'a Vec<f64>)| {
-        UNSEEN.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
+        VALIDATION.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
     };
     KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)
 }
 
-/// Least, median and worst by way, and how far below the paper's the joint errors are; then the records where that is not far.
+/// Errors by method and their ratios to the paper's; then the records on which the ratio is small.
 fn summary(twins: &[Vec<Outcome>]) -> String {
-    let titles =
-        ["twin", "identified", "operator", "least", "median", "worst", "below `paper`", "below `paper, helped`"];
+    let titles = [
+        "twin",
+        "method",
+        "operator",
+        "least",
+        "median",
+        "worst",
+        "least ratio to `paper`",
+        "least ratio to `paper, best settings`",
+    ];
     let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
     for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
     {
         let [lowest, median, worst] = range(&o.errors.concat());
         let least = |paper| times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
         let below = |paper| {
-            if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
+            if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1}", least(paper)) }
         };
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
-        let [paper, helped] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
+        let [paper, tuned] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
-        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, helped]);
+        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
     }
-    text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
+    text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
 
-/// The records of a twin on which the best joint model is not far below the best of the paper's.
+/// The records of a twin on which the best joint model is less than [`TIMES`] times better than the best of the
+/// paper's.
 fn near(outcomes: &[Outcome]) -> String {
-    let [_, helped, .., given] = outcomes else { return String::new() };
-    let near = times(helped, given).filter(|(.., times)| *times < TIMES);
+    let [_, tuned, .., given] = outcomes else { return String::new() };
+    let near = times(tuned, given).filter(|(.., times)| *times < TIMES);
     let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
-    let (way, than) = (given.way.name, helped.way.name);
-    format!("\n`{}`, {way}: less than {TIMES} times below `{than}` are {}.\n", given.twin, near.join(", "))
+    let (joint, paper, twin) = (given.way.name, tuned.way.name, given.twin);
+    format!(
+        "\nOn `{twin}` the error of `{joint}` is less than {TIMES} times smaller than that of `{paper}` on \
+         these records: {}.\n",
+        near.join(", ")
+    )
 }
 
 /// Every error.
 fn table(twins: &[Vec<Outcome>]) -> String {
-    let titles = ["twin", "record", "identified"].map(String::from).into_iter();
-    let titles: Vec<String> = titles.chain(UNSEEN.map(|hz| hz.to_string())).collect();
-    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(UNSEEN.len()) + "\n";
+    let titles = ["twin", "record", "method"].map(String::from).into_iter();
+    let titles: Vec<String> = titles.chain(VALIDATION.map(|hz| hz.to_string())).collect();
+    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(VALIDATION.len()) + "\n";
     for outcomes in twins {
         for (k, kind) in KINDS.iter().enumerate() {
             for o in outcomes {
@@ -269,20 +283,20 @@ fn table(twins: &[Vec<Outcome>]) -> String {
     text
 }
 
-/// The largest error of the kinds of record against frequency, a panel a twin.
+/// The largest error over the kinds of record against frequency, one panel per twin.
 fn figure(twins: &[Vec<Outcome>]) -> Figure {
-    let caption = "Error of the free run on records not seen, the largest of three kinds at each frequency: of the paper's method, \
-                   of the same helped, and of the joint model without and with the driver given. Each has one model of all \
-                   frequencies.";
+    let caption = "Error of the free run on validation data, the largest of three kinds of record at each frequency: the \
+                   paper's method, the same with its best settings, and the joint model without and with the driver \
+                   given. Each method has one model for all frequencies.";
     let panel = |outcomes: &Vec<Outcome>| {
-        let axes = Axes::new(Axis::log("f [Hz]").ticks(&UNSEEN), Axis::log("rms error [% of peak-to-peak]"));
+        let axes = Axes::new(Axis::log("f [Hz]").ticks(&VALIDATION), Axis::log("rms error [% of peak-to-peak]"));
         outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {
             let largest = |k: usize| o.errors.iter().map(|of_kind| of_kind[k]).fold(0.0, f64::max);
-            let errors: Vec<f64> = (0..UNSEEN.len()).map(largest).collect();
-            axes.with(Series::marked(&UNSEEN, &errors).role(o.way.role).named(o.way.name))
+            let errors: Vec<f64> = (0..VALIDATION.len()).map(largest).collect();
+            axes.with(Series::marked(&VALIDATION, &errors).role(o.way.role).named(o.way.name))
         })
     };
-    twins.iter().map(panel).fold(Figure::new("Accuracy on data not seen", caption), Figure::panel)
+    twins.iter().map(panel).fold(Figure::new("Accuracy on validation data", caption), Figure::panel)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

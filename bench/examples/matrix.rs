@@ -1,9 +1,9 @@
-//! Who explains whom: each operator as the truth, behind a resonance, identified as each operator.
+//! Each operator identified as each operator: how well one law of hysteresis describes another, behind a resonance.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example matrix -- docs
 //! ```
-//! writes the errors on unseen records into docs/operators.md, between two comments, and draws docs/operators.svg.
+//! writes the errors on validation data into docs/operators.md, between two comments, and draws docs/operators.svg.
 
 mod page;
 
@@ -14,7 +14,7 @@ use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::validation::Metrics;
 use piezoid::{Error, IdentifyOptions, Record, Records, System, identify};
-use piezoid_report::plot::style;
+use piezoid_report::plot::Figure;
 use std::f64::consts::{SQRT_2, TAU};
 use std::fmt::Write;
 
@@ -24,12 +24,13 @@ const TS: f64 = 5e-4;
 /// Frequency [Hz] and damping ratio of the resonance behind the hysteresis.
 const RESONANCE: (f64, f64) = (147.0, 0.06);
 
-/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the examples.
+/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the
+/// examples.
 const RISING: [(f64, f64); 6] = [(5.0, 30.0), (20.0, 30.0), (80.0, 30.0), (5.0, 20.0), (20.0, 20.0), (80.0, 20.0)];
 const DURATION: f64 = 0.8;
 
-/// Amplitude of the records nobody has seen [V].
-const UNSEEN: f64 = 29.0;
+/// Amplitude of the validation data [V].
+const VALIDATION: f64 = 29.0;
 
 /// The example of an operator before a resonance, without noise.
 fn plant(truth: &Operator) -> Result<Model, Error> {
@@ -42,8 +43,8 @@ fn plant(truth: &Operator) -> Result<Model, Error> {
     Model::new((truth.example)(TS)?, linear, 0.3)
 }
 
-/// The rms error [% of peak-to-peak] that `model`, identified jointly on records of `truth`, leaves of two it has not seen: a
-/// sine of a wandering amplitude, and a staircase.
+/// The rms error [% of peak-to-peak] of the operator `model`, identified jointly on records of `truth`, on its
+/// validation data: a modulated sine and a staircase.
 pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let plant = plant(truth)?;
     let record = |u: Vec<f64>| Record::new(TS, u.clone(), plant.simulate(&u));
@@ -51,24 +52,24 @@ pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let small = record(Prbs { order: 10, amplitude: 1.0, ..Prbs::default() }.samples(TS, 1023)?)?;
     let rising =
         |(frequency, amplitude)| record(RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n)?);
-    let rich = RISING.into_iter().map(rising).collect::<Result<Vec<_>, _>>()?;
+    let large = RISING.into_iter().map(rising).collect::<Result<Vec<_>, _>>()?;
     let options = IdentifyOptions { operator: model.name.into(), seed: 0, ..IdentifyOptions::default() };
-    let found = identify(Records { small_signal: &[small], large_signal: &rich }, &options)?.model;
+    let found = identify(Records { small_signal: &[small], large_signal: &large }, &options)?.model;
 
-    let wandering = |t: usize| {
+    let modulated = |t: usize| {
         let t = TS * t as f64;
-        UNSEEN * (0.5 + 0.5 * (TAU * 3.7 * SQRT_2 * t).sin()) * (TAU * 17.3 * t).sin()
+        VALIDATION * (0.5 + 0.5 * (TAU * 3.7 * SQRT_2 * t).sin()) * (TAU * 17.3 * t).sin()
     };
-    let staircase = Staircase { amplitude: UNSEEN, frequency: 3.0, levels: 15, offset: 0.0 }.samples(TS, 4000)?;
-    let left = [(0..4000).map(wandering).collect(), staircase]
+    let staircase = Staircase { amplitude: VALIDATION, frequency: 3.0, levels: 15, offset: 0.0 }.samples(TS, 4000)?;
+    let errors = [(0..4000).map(modulated).collect(), staircase]
         .map(|u| Metrics::of(&plant.simulate(&u), &found.simulate(&u)).rms_pp_percent);
-    Ok((0.5 * (left[0] * left[0] + left[1] * left[1])).sqrt())
+    Ok((0.5 * (errors[0] * errors[0] + errors[1] * errors[1])).sqrt())
 }
 
 /// The errors as the table of docs/operators.md.
 fn table(errors: &[Vec<f64>]) -> String {
     let numbers: Vec<String> = (1..=errors.len()).map(|k| k.to_string()).collect();
-    let mut text = format!("| truth | {} |\n|---|{}\n", numbers.join(" | "), "--:|".repeat(errors.len()));
+    let mut text = format!("| true operator | {} |\n|---|{}\n", numbers.join(" | "), "--:|".repeat(errors.len()));
     for ((row, truth), number) in errors.iter().zip(OPERATORS).zip(&numbers) {
         let cells: Vec<String> = row.iter().map(|e| cell(*e)).collect();
         let _ = writeln!(text, "| {number} `{}` | {} |", truth.name, cells.join(" | "));
@@ -90,13 +91,13 @@ fn map(errors: &[Vec<f64>]) -> String {
     };
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\">\n\
-         <title>Who explains whom</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
+         <title>Each operator identified as each operator</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
          .soft{{fill:var(--pz-soft)}}.bold{{font-weight:600;fill:var(--pz-model)}}</style>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"var(--pz-paper)\"/>\n",
-        style()
+        Figure::style()
     );
-    svg += &text(14, 22, "start", "", "rms error on unseen records [% of peak-to-peak]");
-    svg += &text(14, HEAD - 10, "start", "soft", "truth");
+    svg += &text(14, 22, "start", "", "rms error on validation data [% of peak-to-peak]");
+    svg += &text(14, HEAD - 10, "start", "soft", "true operator");
     svg += &text(NAMES - 14, HEAD - 10, "end", "soft", "identified as");
     for (i, (row, truth)) in errors.iter().zip(OPERATORS).enumerate() {
         let (middle, y) = (HEAD + i * CELL + CELL / 2 + 5, HEAD + i * CELL);

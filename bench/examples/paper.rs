@@ -1,4 +1,4 @@
-//! The paper rebuilt: its Table 1 beside what the study leaves, and over the test signals that it may have used.
+//! The paper reproduced: its Table 1 beside the errors of the study, and over the test signals that it may have used.
 //!
 //! `cargo run --release -p piezoid-bench --example paper -- docs` writes the tables of docs/paper.md and its figures.
 
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: paper FOLDER")?);
     let study = Study::run(Preset::find("paper")?, 1, &mut silent)?;
     let page = folder.join("paper.md");
-    page::write(&page, "verdict", &format!("{}\n", study.verdict()))?;
+    page::write(&page, "verdict", &page::wrapped(&study.verdict()))?;
     page::write(&page, "table 1", &table_1(&study))?;
     page::write(&page, "test signals", &signals(&study))?;
     for (name, figure) in study.figures() {

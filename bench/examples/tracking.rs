@@ -1,5 +1,5 @@
-//! How closely two twins of a bender follow references under each scheme of control, their models identified from their records
-//! alone, and what tolerances make of it.
+//! Tracking errors of two twins of a bender under each control scheme, with models identified from records alone, and
+//! over plants with tolerances.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example tracking -- docs
@@ -43,10 +43,10 @@ pub(crate) const PATHS: [(&str, f64); 10] = [
 /// Their peak, 80 % of the catalogue's displacement [um].
 const PEAK: f64 = 800.0;
 
-/// Samples known ahead where not all is.
+/// Samples of the reference that are known ahead, where not all are.
 const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
 
-/// Along which reference tolerances are tried, and their seed.
+/// The reference for plants with tolerances, and their seed.
 pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
 const SEED: u64 = 7;
 
@@ -56,7 +56,7 @@ pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
     Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
 }
 
-/// A scheme for a model, its reference known so far ahead.
+/// A scheme for a model, with this many samples of its reference known ahead.
 pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<TunedScheme, Error> {
     let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
     let mut drive = TunedScheme::new(
@@ -82,7 +82,7 @@ pub(crate) fn compared(
     Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut silent)
 }
 
-/// The rms error along each reference [% of its height]; infinite where it was refused.
+/// The rms error along each reference [% of its height]; infinite where the reference was refused.
 pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     let percent = |a: &Result<piezoid::control::ReferenceResult, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
@@ -90,7 +90,7 @@ pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     driven.attempts.iter().map(percent).collect()
 }
 
-/// A table of errors by reference; each row begins with these names.
+/// A table of errors by reference; each row begins with its names.
 fn table<'a>(titles: &[&str], rows: impl Iterator<Item = (Vec<String>, &'a SchemeResult)>) -> String {
     let head = titles.iter().map(|t| t.to_string()).chain(PATHS.map(|(kind, hz)| format!("{kind} {hz}")));
     let rule = "|".to_string() + &"---|".repeat(titles.len()) + &"--:|".repeat(PATHS.len()) + "\n";
@@ -103,10 +103,10 @@ fn code(name: impl std::fmt::Display) -> String {
     format!("`{name}`")
 }
 
-/// The loops of every feedback with a law.
+/// The margins of every feedback loop with a law.
 fn margins(drives: &[TunedScheme]) -> String {
     let titles =
-        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "where flattest [Hz]"];
+        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "least bandwidth [Hz]"];
     let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));
     let body = figures.map(|(name, m, least)| {
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
@@ -115,9 +115,9 @@ fn margins(drives: &[TunedScheme]) -> String {
     row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
 }
 
-/// What draws of tolerance leave under each scheme.
+/// The errors of each scheme over plants with tolerances.
 fn spreads(drawn: &Comparison) -> String {
-    let titles = ["controller", "this plant", "median", "9 of 10", "worst", "unstable"];
+    let titles = ["controller", "nominal plant", "median", "90th percentile", "worst", "unstable"];
     let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| cell(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
@@ -150,9 +150,9 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
         let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
         axes.with(Series::line(&percent, &shares).role(role(&d.name())))
     });
-    let caption = "Tracking error of the twin pl140 under a model identified from its records: by frequency of a triangle of 80 % of the \
-                   stroke, and over plants whose values lie within 20 %.";
-    Figure::new("Control side by side", caption).panel(by_frequency).panel(by_share)
+    let caption = "Tracking error of the twin pl140 with a model identified from its records: by frequency of a triangle \
+                   of 80 % of the stroke, and over 200 plants whose parameters lie within 20 %.";
+    Figure::new("Tracking error by controller", caption).panel(by_frequency).panel(by_share)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -174,7 +174,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let known = |ahead: usize| Ok((ahead, compared(TWINS[0], all(&models[0], &causal, ahead)?, &PATHS, None)?));
     let known = AHEAD.into_iter().map(known).collect::<Result<Vec<_>, Error>>()?;
     let rows = known.iter().flat_map(|(n, c)| c.driven.iter().map(move |d| (vec![n.to_string(), code(d.name())], d)));
-    page::write(&page, "ahead", &table(&["known ahead", "controller"], rows))?;
+    page::write(&page, "ahead", &table(&["samples ahead", "controller"], rows))?;
 
     let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();
     page::write(&page, "margins", &margins(&all(&models[0], &feedbacks, usize::MAX)?))?;

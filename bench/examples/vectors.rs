@@ -1,4 +1,4 @@
-//! Writes the vector files: a model of every operator, inputs, and what it answers, for other languages to be held against.
+//! Writes the vector files for tests in other languages: a model of every operator, inputs, and outputs.
 //!
 //! `cargo run -p piezoid-bench --example vectors -- crates/piezoid/tests/vectors`
 
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The operator's example before creep and a resonance, behind a driver or not.
+/// The operator's example with creep and a resonance, with or without a driver.
 fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
     let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;

@@ -1,9 +1,9 @@
-//! Control of a twin by a model identified from its records. Here the operator is named and the schemes are few, for time;
-//! `examples/tracking.rs` leaves the choice to `auto` and tries all, and docs/control.md has what came out.
+//! Control of a twin with a model identified from its records. To save time, the operator is given and there are few
+//! schemes; `examples/tracking.rs` selects the operator with `auto` and runs all, with the results in docs/control.md.
 
 #![allow(clippy::expect_used)] // a test may stop at what must not happen
 
-#[allow(dead_code)] // what writes and draws
+#[allow(dead_code)] // the parts that write and draw
 #[path = "../examples/tracking.rs"]
 mod tracking;
 
@@ -18,7 +18,7 @@ use tracking::{PATHS, TRIED, accuracy, compared, drive, errors};
 
 const TWIN: &str = "pl140";
 
-/// The model, of records and nothing else.
+/// The model, identified from records alone.
 fn model() -> &'static Model {
     static MODEL: OnceLock<Model> = OnceLock::new();
     let identified =
@@ -26,7 +26,7 @@ fn model() -> &'static Model {
     MODEL.get_or_init(identified)
 }
 
-/// The rms error of each scheme along each reference, this many samples known ahead [% of stroke].
+/// The rms error of each scheme along each reference, with this preview [% of stroke].
 fn tracked(names: &[&str], paths: &[(&str, f64)], ahead: usize) -> Vec<Vec<f64>> {
     let drives = names.iter().map(|name| drive(model(), name, ahead)).collect::<Result<Vec<_>, Error>>();
     let compared = compared(TWIN, drives.expect("drives"), paths, None).expect("a comparison");
@@ -39,15 +39,15 @@ fn periodic() -> &'static [(&'static str, f64)] {
 }
 
 #[test]
-fn feed_forward_alone_is_ten_times_nearer_than_the_best_straight_line() {
+fn feed_forward_alone_is_ten_times_better_than_the_best_straight_line() {
     let errors = tracked(&["gain", "feed-forward"], &PATHS, usize::MAX);
     for (path, (line, inverse)) in PATHS.iter().zip(errors[0].iter().zip(&errors[1])) {
         assert!(10.0 * inverse <= *line, "{path:?}: {inverse} after {line} %");
     }
 }
 
-/// How far the twin rings about the levels of steps of 200 um, as a share of a step, under a straight line: in what follows
-/// the first 32 ms of each level, in which a shaped and smoothed step arrives.
+/// Oscillation of the twin at the levels of steps of 200 um, as a share of the largest step, with a straight line. The
+/// first 32 ms of each level, in which a shaped and smoothed step arrives, do not count.
 fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let level = |t: usize| 200.0 * (((t / 200) % 4) as f64 - 1.5);
     let steps: Vec<f64> = (0..4000).map(level).collect();
@@ -56,15 +56,15 @@ fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let wanted = vec![NamedReference { name: "steps".into(), r: shaped(&steps), from: 0 }];
     let done = Comparison::run((plant.name, &(plant.spec)()), vec![line], wanted, 1, None, &mut silent).expect("a run");
     let y = &done.driven[0].attempts[0].as_ref().expect("a run").run.y;
-    let swing = |part: &[f64]| {
+    let oscillation = |part: &[f64]| {
         let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
         high - low
     };
-    y.chunks(200).skip(4).map(|part| swing(&part[64..120])).fold(0.0, f64::max) / 600.0
+    y.chunks(200).skip(4).map(|part| oscillation(&part[64..120])).fold(0.0, f64::max) / 600.0
 }
 
 #[test]
-fn a_shaped_staircase_does_not_ring_the_resonance() {
+fn a_shaped_staircase_does_not_excite_the_resonance() {
     let mode = model().linear().resonance().expect("a mode");
     let zvd = Fir::zvd(TS, mode.hz, mode.damping).expect("a shaper");
     let smooth = Fir::smooth(TS, 0.02).expect("a bell");
@@ -83,17 +83,17 @@ fn stays_within_bounds(name: &str, ahead: usize) {
 }
 
 #[test]
-fn feed_forward_with_feedback_that_knows_a_millisecond_ahead_is_near_enough() {
+fn feed_forward_with_feedback_and_a_preview_of_a_millisecond_meets_the_bounds() {
     stays_within_bounds("feed-forward+integral-notch", 2);
 }
 
 #[test]
-fn predictive_control_that_knows_its_horizon_is_near_enough() {
+fn predictive_control_with_its_preview_meets_the_bounds() {
     stays_within_bounds("predictive", 20);
 }
 
 #[test]
-fn ten_trials_leave_a_thousandth_of_the_stroke() {
+fn ten_learning_trials_reduce_the_error_to_a_thousandth_of_the_stroke() {
     let errors = tracked(&["learning"], periodic(), usize::MAX);
     for (path, error) in periodic().iter().zip(&errors[0]) {
         assert!(*error <= 0.1, "{path:?}: {error} %");
@@ -101,7 +101,7 @@ fn ten_trials_leave_a_thousandth_of_the_stroke() {
 }
 
 #[test]
-fn no_feedback_swings_on_any_of_two_hundred_plants_of_other_tolerance() {
+fn every_feedback_is_stable_on_two_hundred_plants_within_the_tolerance() {
     let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();
     let drives = feedbacks.iter().map(|name| drive(model(), name, 20)).collect::<Result<Vec<_>, Error>>();
     let drawn = compared(TWIN, drives.expect("drives"), &[TRIED], Some(&Tolerance::default())).expect("a comparison");

@@ -1,8 +1,8 @@
-//! Joint identification finds what is there: each operator's example, from records a user could take.
+//! Joint identification recovers each operator's example from records that a user could take.
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
-#[allow(dead_code)] // what draws
+#[allow(dead_code)] // the parts that draw
 #[path = "../examples/matrix.rs"]
 mod matrix;
 
@@ -16,7 +16,8 @@ const PAGE: &str = include_str!("../../docs/operators.md");
 
 /// The table of docs/operators.md: errors by truth and model.
 fn kept() -> Vec<(String, Vec<String>)> {
-    let rows = PAGE.lines().skip_while(|line| !line.starts_with("| truth")).skip(2).take_while(|l| l.starts_with('|'));
+    let rows =
+        PAGE.lines().skip_while(|line| !line.starts_with("| true operator")).skip(2).take_while(|l| l.starts_with('|'));
     rows.map(|line| {
         let mut cells = line.trim_matches('|').split('|').map(|cell| cell.trim().to_string());
         let name = cells.next().and_then(|name| Some(name.split_once(' ')?.1.trim_matches('`').to_string()));
@@ -29,12 +30,12 @@ fn kept() -> Vec<(String, Vec<String>)> {
 fn is_recovered(names: &[&str]) {
     for name in names {
         let row = Operator::find(name).expect("an operator");
-        let left = error(row, row).expect("a model");
-        assert!(left <= RECOVERED, "{name}: {left} % of peak-to-peak");
+        let percent = error(row, row).expect("a model");
+        assert!(percent <= RECOVERED, "{name}: {percent} % of peak-to-peak");
     }
 }
 
-/// The grids and the longest search, which take seconds; the others take less together.
+/// The grids and the longest search, which take seconds each; all others take less together.
 const SLOW: [&str; 3] = ["preisach", "krasnoselskii-pokrovskii", "bouc-wen-baber-noori"];
 
 #[test]
@@ -60,7 +61,7 @@ fn wear_and_pinching_are_recovered() {
 }
 
 #[test]
-fn the_page_of_operators_has_a_section_and_a_place_in_the_matrix_for_each() {
+fn the_page_of_operators_has_a_section_and_a_row_for_each() {
     let rows = kept();
     assert!(rows.iter().map(|(name, _)| name.as_str()).eq(OPERATORS.iter().map(|o| o.name)), "{rows:?}");
     for (k, (name, cells)) in rows.iter().enumerate() {
@@ -71,7 +72,7 @@ fn the_page_of_operators_has_a_section_and_a_place_in_the_matrix_for_each() {
 }
 
 #[test]
-fn the_matrix_in_the_documentation_is_what_comes_out() {
+fn the_matrix_in_the_documentation_is_reproduced() {
     let rows = kept();
     let place = |name: &str| OPERATORS.iter().position(|o: &&Operator| o.name == name).expect("an operator");
     for (truth, model) in [
@@ -85,10 +86,8 @@ fn the_matrix_in_the_documentation_is_what_comes_out() {
         let (i, j) = (place(truth), place(model));
         let now = error(OPERATORS[i], OPERATORS[j]).expect("a model");
         let kept: f64 = rows[i].1[j].parse().expect("a number");
-        // Two digits stand there.
-        assert!(
-            (now - kept).abs() <= 0.06 * kept,
-            "{truth} as {model}: {now} %, the page says {kept}: run `cargo xtask docs`"
-        );
+        // The page has two digits.
+        let alike = (now - kept).abs() <= 0.06 * kept;
+        assert!(alike, "{truth} as {model}: {now} %, the page says {kept}: run `cargo xtask docs`");
     }
 }

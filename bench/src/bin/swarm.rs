@@ -1,7 +1,7 @@
-//! The swarm on the paper's problem, timed: what `bench/swarm.py` sets beside pyswarms.
+//! The swarm on the paper's problem, timed, for the comparison with pyswarms in `bench/swarm.py`.
 //!
-//! `swarm rows` prints the regression, one line `y,psi...` a row. `swarm run SEED` prints seconds, cost, and the
-//! machine's multiply-add peak as JSON.
+//! `swarm rows` prints the regression, one line `y,psi...` per row. `swarm run SEED` prints seconds, cost, and the
+//! machine's peak rate of multiply-adds as JSON.
 
 use multiversion::{multiversion, target::target_cfg_f};
 use piezoid::excitation::Prbs;
@@ -18,12 +18,12 @@ fn main() -> Result<(), Error> {
     let mut arguments = std::env::args().skip(1);
     let verb = arguments.next().unwrap_or_default();
     let seed = arguments.next().and_then(|s| s.parse().ok()).unwrap_or(1);
-    // The twin with noise: the data an experimenter has.
+    // The twin with noise, as an experimenter would have it.
     let plant = Plant::named("pl140", TS)?;
-    let u = Prbs { order: 12, ..Prbs::default() }.samples(TS, 4095)?;
+    let u = Prbs { order: 12, ..Default::default() }.samples(TS, 4095)?;
     let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
     let record = Record::new(TS, u.clone(), y.clone())?;
-    let settings = SwarmSettings { seed, ..SwarmSettings::default() };
+    let settings = SwarmSettings { seed, ..Default::default() };
     let squares = Estimator::find("least-squares")?.fit(&[record], Orders::of(2), &settings, &mut silent)?;
     let offset = squares.offsets[0];
     let centred = Record::new(TS, u, y.iter().map(|y| y - offset).collect())?;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Error> {
     Ok(())
 }
 
-/// Multiply-adds a second that one core does at best: many independent chains, the best of several tries.
+/// Peak multiply-adds per second of one core: many independent chains, the best of several trials.
 fn peak() -> f64 {
     const ROUNDS: usize = 200_000;
     let once = || {
@@ -62,7 +62,7 @@ fn peak() -> f64 {
     (0..20).map(|_| once()).fold(0.0, f64::max)
 }
 
-/// Enough lanes to hide the latency of the multiply-add at any vector width up to 512 bit.
+/// Number of lanes, enough to hide the latency of the multiply-add at any vector width up to 512 bit.
 const LANES: usize = 128;
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]

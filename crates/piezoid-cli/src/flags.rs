@@ -101,24 +101,29 @@ pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
 /// What the library says, with its options as flags.
 pub(crate) fn told(error: &Error) -> String {
     let flag = |name: &str| name.replace('_', "-");
+    let option = |name: &str, value: &Value| match value {
+        Value::Null | Value::Bool(_) => format!("--{}", flag(name)),
+        value => format!("--{} {value}", flag(name)),
+    };
     match error {
         Error::File { name, error } => format!("{name}: {}", told(error)),
+        Error::Advised { error, options } => {
+            let options: Vec<String> = options.iter().map(|(name, value)| option(name, value)).collect();
+            format!("{}give {}", told(error), options.join(" or "))
+        }
         Error::Parameter { name, value, rule } if is_flag(name) => match &**value {
             "true" => format!("--{}: {rule}", flag(name)),
             "false" => format!("--no-{}: {rule}", flag(name)),
             value => format!("--{} {value}: {rule}", flag(name)),
         },
-        other => other.told(&|name, value| match value {
-            Value::Null | Value::Bool(_) => format!("--{}", flag(name)),
-            value => format!("--{} {value}", flag(name)),
-        }),
+        other => other.told(&option),
     }
 }
 
 /// The same as the failure of a verb: of what stands on the command line itself a misuse.
 pub(crate) fn failed(error: Error) -> anyhow::Error {
     let text = told(&error);
-    match &error {
+    match if let Error::Advised { error, .. } = &error { error } else { &error } {
         Error::Unknown { .. } => Misused(text).into(),
         Error::Parameter { name, .. } if is_flag(name) => Misused(text).into(),
         _ => anyhow::Error::msg(text),

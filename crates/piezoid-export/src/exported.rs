@@ -1,4 +1,4 @@
-//! What is exported, put together: the program, what of it is called from outside, and numbers to prove it by.
+//! The exported program: blocks and functions, its interface, and test vectors.
 
 use super::ExportRequest;
 use super::vectors::{self, Vectors};
@@ -8,51 +8,51 @@ use piezoid::number::short;
 use piezoid::program::{Block, FieldValue, Program};
 use piezoid::record::Units;
 
-/// A program with its interface.
+/// A program and its interface.
 #[derive(Debug, Clone)]
 pub struct ExportedProgram {
     /// The blocks and functions.
     pub program: Program,
-    /// What is called from outside: the model first, then its feed-forward, then the controller.
+    /// The interface: the model first, then its feed-forward, then the controller.
     pub entries: Vec<Entry>,
-    /// Why something is not there, and what is worth knowing, one sentence each.
+    /// Omissions and remarks, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// A state and the function that takes it one sample on.
+/// A state and the function that advances it by one sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// The function: `step`, `ff_step` or `control_step`.
     pub step: &'static str,
-    /// The function that begins anew: `reset`, `ff_reset` or `control_reset`.
+    /// The function that resets the state: `reset`, `ff_reset` or `control_reset`.
     pub reset: &'static str,
-    /// The block whose state it is.
+    /// The block of the state.
     pub state: &'static str,
     /// One line.
     pub about: String,
-    /// What it takes.
+    /// Inputs.
     pub inputs: Vec<Port>,
-    /// What it gives.
+    /// Output.
     pub output: Port,
-    /// Inputs, and what it answers.
+    /// Test vectors.
     pub vectors: Vectors,
 }
 
-/// A number that passes the interface.
+/// A signal of the interface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Port {
     /// Its name.
     pub name: &'static str,
     /// Its unit.
     pub unit: String,
-    /// What it is.
+    /// Description.
     pub about: &'static str,
 }
 
 /// The longest name of a unit.
 const LONGEST_UNIT: usize = 40;
 
-/// Share of the stroke from which on the error of single precision is told.
+/// Share of the stroke from which the error of single precision is noted.
 const NOTED: f64 = 1e-5;
 
 impl Entry {
@@ -60,12 +60,12 @@ impl Entry {
         Entry { step, reset, state, about, inputs, output, vectors: Vectors::default() }
     }
 
-    /// `name`, and its kind if it has one: what a thing of its own is called.
+    /// `name` with the kind of the entry, if it has one.
     pub(super) fn named(&self, name: &str) -> String {
         if self.kind().is_empty() { name.into() } else { format!("{name}_{}", self.kind()) }
     }
 
-    /// What examples call one of its states.
+    /// Name of the state in examples.
     pub(super) fn called(&self) -> &'static str {
         match self.kind() {
             "" => "model",
@@ -74,22 +74,22 @@ impl Entry {
         }
     }
 
-    /// What the functions of this entry begin with: nothing, `ff` or `control`.
+    /// Prefix of its functions: nothing, `ff` or `control`.
     pub fn kind(&self) -> &'static str {
         self.step.trim_end_matches("step").trim_end_matches('_')
     }
 }
 
-/// The type of the state of a block, within what it is exported as.
+/// The type of the state of a block, without the prefix of the export.
 pub(super) fn state_of(block: &str) -> String {
     if block.ends_with("state") { block.into() } else { format!("{block}_state") }
 }
 
 impl ExportedProgram {
-    /// The model, its inverse if it has one, and the controller if one is wanted.
+    /// The model, its inverse if it has one, and the controller if requested.
     ///
     /// # Errors
-    /// [`Error::Unsuited`] of a model or controller that has no program.
+    /// [`Error::Unsuited`] for a model or controller without a program.
     pub fn new(request: &ExportRequest) -> Result<Self, Error> {
         let model = request.model;
         let Units { u, y } = model.units();
@@ -118,14 +118,14 @@ impl ExportedProgram {
         Ok(whole)
     }
 
-    /// Adds the inverse, or why there is none.
+    /// Adds the inverse, or a note with the reason for its absence.
     fn feed_forward(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
         if request.options.preview > Causal::LATEST {
             let rule = format!("must be at most {} samples", Causal::LATEST);
             return Err(Error::parameter("preview", request.options.preview, rule));
         }
         match Causal::new(request.model, request.settings, request.options.preview) {
-            // What was asked for is not left out in silence.
+            // A requested feed-forward is not omitted silently.
             Err(error) if request.settings != FeedForwardSettings::default() || request.options.preview > 0 => {
                 return Err(error);
             }
@@ -144,12 +144,12 @@ impl ExportedProgram {
         Ok(())
     }
 
-    /// Adds the controller, if one is wanted.
+    /// Adds the controller, if requested.
     fn controller(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
         let Some(controller) = request.controller else { return Ok(()) };
         let unsuited = || Error::Unsuited {
             what: "export of this controller".into(),
-            because: "it plans anew in every sample: take one with a law, such as pi".into(),
+            because: "it optimises in every sample: choose a linear controller, such as pi".into(),
         };
         for block in controller.blocks().ok_or_else(unsuited)? {
             self.program.add(block)?;
@@ -165,7 +165,7 @@ impl ExportedProgram {
         Ok(())
     }
 
-    /// The blocks whose states entries have, each after those it holds.
+    /// The blocks of the states, each after its inner blocks.
     pub fn states(&self) -> Vec<&Block> {
         let mut within: Vec<&str> = self.entries.iter().map(|entry| entry.state).collect();
         let mut states = Vec::new();
@@ -182,10 +182,10 @@ impl ExportedProgram {
         states
     }
 
-    /// Refuses numbers that the precision has no room for.
+    /// Checks that all numbers are in the range of the precision.
     fn held(&self, single: bool) -> Result<(), Error> {
-        let (largest, kind, else_) = match single {
-            true => (f64::from(f32::MAX), "float", "; take double"),
+        let (largest, kind, instead) = match single {
+            true => (f64::from(f32::MAX), "float", ": use double"),
             false => (f64::MAX, "double", ""),
         };
         for block in &self.program.blocks {
@@ -198,7 +198,7 @@ impl ExportedProgram {
             for (name, values) in constants.chain(at_rest) {
                 if let Some(value) = values.iter().find(|v| v.is_nan() || v.abs() > largest) {
                     let because =
-                        format!("`{name}` of its {} is {value:?}, which a {kind} does not hold{else_}", block.name);
+                        format!("`{name}` of its {} is {value:?}, out of the range of {kind}{instead}", block.name);
                     return Err(Error::Unsuited { what: "export".into(), because });
                 }
             }

@@ -1,19 +1,19 @@
-//! Printing functions in any language: the walk is the same, the words are a [`Language`]'s.
+//! Prints functions in any language: one tree walk, with the syntax of a [`Language`].
 
 use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Program, Statement};
 
-/// The words of a language. Lines come without their indentation.
+/// The syntax of a language. Lines are printed without their indentation.
 pub(super) trait Language {
     /// Its keywords.
     fn keywords(&self) -> &'static Keywords;
 
-    /// Whether its numbers are of single precision.
+    /// True for single precision.
     fn single(&self) -> bool;
 
     /// A real number.
     fn real(&self, value: f64) -> String;
 
-    /// A whole number.
+    /// An integer.
     fn whole(&self, value: usize) -> String {
         value.to_string()
     }
@@ -23,22 +23,22 @@ pub(super) trait Language {
         self.real(limit.value(self.single()))
     }
 
-    /// A constant of `block`, or that of this number in a table.
+    /// A constant of `block`, or an element of a table.
     fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String;
 
-    /// A number in a state or room, or a state within another.
+    /// A number in a state or array, or an inner state.
     fn place(&self, place: &Place, printer: &Printer) -> String;
 
-    /// What a function gives.
+    /// A call of a function.
     fn call(&self, name: &str, arguments: &[Expr], printer: &Printer) -> String;
 
-    /// A whole number as a real one.
+    /// Converts an integer to a real number.
     fn to_real(&self, value: String) -> String;
 
-    /// A real number as a whole one.
+    /// Converts a real number to an integer.
     fn to_whole(&self, value: String) -> String;
 
-    /// A quotient of two whole numbers or what it leaves, where nothing stands between them.
+    /// A quotient or remainder of two integers, if the language has no operator for it.
     fn divided(&self, _op: Op, _left: &str, _right: &str) -> Option<String> {
         None
     }
@@ -46,43 +46,43 @@ pub(super) trait Language {
     /// A comment.
     fn note(&self, text: &str) -> String;
 
-    /// New names for what an expression gives.
+    /// Declares variables for the results of an expression.
     fn fresh(&self, names: &[String], value: &Expr, printer: &Printer) -> Vec<String>;
 
-    /// A copy of a state, or zeros instead.
+    /// A copy of a state, or a state of zeros.
     fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, printer: &Printer) -> Vec<String>;
 
-    /// Room for `n` zeros.
+    /// An array of `n` zeros.
     fn room(&self, name: &str, n: usize) -> Vec<String>;
 
-    /// A new value for what stands at a place.
+    /// An assignment.
     fn assign(&self, place: &Place, value: &Expr, printer: &Printer) -> String {
         format!("{} {} {};", self.place(place, printer), self.keywords().set, printer.expr(value))
     }
 
-    /// A call for what it changes.
+    /// A call as a statement.
     fn done(&self, call: &Expr, printer: &Printer) -> String;
 
-    /// The beginning of a loop over whole numbers.
+    /// The head of a loop over integers.
     fn counting(&self, name: &str, from: &Expr, to: &Expr, down: bool, printer: &Printer) -> String;
 }
 
-/// What conditions, loops and operators are called; `?` stands for a condition.
+/// Syntax of conditions, loops and operators; `?` stands for a condition.
 pub(super) struct Keywords {
     pub(super) choice: &'static str,
     pub(super) other_choice: &'static str,
     pub(super) otherwise: &'static str,
-    /// What stands where there is one choice or another, and else nothing is done.
+    /// The lines after the last `else if` if there is no `else`.
     pub(super) nothing: &'static [&'static str],
     pub(super) repeat: &'static str,
-    /// What ends a choice, a loop that counts, and one that repeats.
+    /// The ends of a condition, a counting loop, and a while loop.
     pub(super) ends: [&'static str; 3],
     pub(super) set: &'static str,
     /// In the order of [`Op`].
     pub(super) operators: [&'static str; 13],
 }
 
-/// As C has them.
+/// The syntax of C.
 pub(super) const KEYWORDS: Keywords = Keywords {
     choice: "if (?) {",
     other_choice: "} else if (?) {",
@@ -95,13 +95,13 @@ pub(super) const KEYWORDS: Keywords = Keywords {
 };
 
 impl Keywords {
-    /// What stands between two.
+    /// The text of an operator.
     pub(super) fn between(&self, op: Op) -> &'static str {
         self.operators[op as usize]
     }
 }
 
-/// A function on its way into a language.
+/// Prints one function in a language.
 pub(super) struct Printer<'w> {
     pub(super) program: &'w Program,
     pub(super) function: &'w Function,
@@ -109,7 +109,7 @@ pub(super) struct Printer<'w> {
 }
 
 impl Printer<'_> {
-    /// Whether a call gives something, which then nobody takes.
+    /// True if a call has a result, which a statement ignores.
     pub(super) fn gives(&self, call: &Expr) -> bool {
         match call {
             Expr::Call(name, _) => self.program.function(name).is_some_and(|f| !f.returns.is_empty()),
@@ -117,7 +117,7 @@ impl Printer<'_> {
         }
     }
 
-    /// The steps, one line each, `depth` levels deep.
+    /// The statements, one line each, indented by `depth` levels.
     pub(super) fn steps(&self, steps: &[Statement], depth: usize) -> String {
         let indent = INDENT.repeat(depth);
         let mut out = String::new();
@@ -176,7 +176,7 @@ impl Printer<'_> {
         self.bound(expr, 0)
     }
 
-    /// What is divided in words.
+    /// An integer quotient or remainder, if the language prints it by `divided`.
     fn divided(&self, expr: &Expr) -> Option<String> {
         match expr {
             Expr::Binary(op @ (Op::Divide | Op::Remainder), left, right) if left.whole() => {
@@ -186,7 +186,7 @@ impl Printer<'_> {
         }
     }
 
-    /// An expression as a part of one that binds so tightly.
+    /// An expression as an operand of an operator that binds with strength `tightly`.
     fn bound(&self, expr: &Expr, tightly: u8) -> String {
         let l = self.language;
         match expr {
@@ -210,7 +210,7 @@ impl Printer<'_> {
                 if let Some(text) = self.divided(expr) {
                     return text;
                 }
-                // What is compared or joined stands in brackets of its own, whatever binds tighter.
+                // Operands of comparisons and logical operators always get brackets.
                 let logical = op.binds() < Op::Add.binds();
                 let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_)) || self.divided(e).is_some();
                 let side = |e: &Expr, least: u8| match (logical, simple(e)) {
@@ -218,7 +218,7 @@ impl Printer<'_> {
                     _ => self.bound(e, least),
                 };
                 let between = l.keywords().between(*op);
-                // A sign before a product is as good as one before its first factor.
+                // A sign before a product equals one before its first factor.
                 let first = match &**left {
                     Expr::Negative(_) | Expr::Real(_) if !logical => self.bound(left, 0),
                     left => side(left, op.binds()),
@@ -230,7 +230,7 @@ impl Printer<'_> {
     }
 }
 
-/// `expr` less one.
+/// `expr` minus one.
 pub(super) fn less_one(expr: &Expr) -> Expr {
     match expr {
         Expr::Integer(n) => Expr::Integer(n.saturating_sub(1)),
@@ -238,8 +238,8 @@ pub(super) fn less_one(expr: &Expr) -> Expr {
     }
 }
 
-/// The spaces of a level.
+/// Indentation of one level.
 const INDENT: &str = "    ";
 
-/// Tighter than any operator.
+/// Binds tighter than any operator.
 const TIGHT: u8 = 9;

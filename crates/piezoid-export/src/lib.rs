@@ -1,7 +1,7 @@
 //! Export: the model, its inverse and its controller in the languages of the machines that drive actuators.
 //!
-//! What is exported is put together once, as a [`Program`](piezoid::program::Program), and every target prints it: same arithmetic, same
-//! order, same bits. Nothing that is written holds a date or a path.
+//! What is exported is put together once, as a [`Program`](piezoid::program::Program), and every target prints it: same
+//! arithmetic, same order, same bits. Nothing that is written holds a date or a path.
 
 mod c;
 mod exported;
@@ -26,6 +26,7 @@ use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions, options};
+use serde_json::Value;
 
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
@@ -36,7 +37,8 @@ options! {
         float: bool = false, OptionRow::new(OptionKind::Switch);
         /// Samples of the reference that the feed-forward is given ahead of time.
         preview: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not predictive.
+        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not
+        /// predictive.
         controller: Option<String> = None, OptionRow::new(NAME);
         /// Come as close to it as the limits allow instead of refusing.
         clip: bool = false, OptionRow::new(OptionKind::Switch).requires("reference").group(WAVEFORMS);
@@ -51,8 +53,8 @@ const NAME: OptionKind = OptionKind::Text("NAME");
 const WAVEFORMS: &str = "Waveforms";
 
 impl ExportOptions {
-    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the requested
-    /// displacement [output unit].
+    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the
+    /// requested displacement [output unit].
     ///
     /// # Errors
     /// No such target, options that it does not take, a controller or a model that it cannot hold.
@@ -68,7 +70,7 @@ impl ExportOptions {
         let settings = FeedForwardSettings {
             limits: self.limits.limits()?.unwrap_or_default(),
             clip: self.clip,
-            ..FeedForwardSettings::default()
+            ..Default::default()
         };
         let drive = self.controller.as_deref().map(|name| self.tuned(name, model, settings)).transpose()?;
         let controller = drive.as_ref().map(TunedScheme::controller);
@@ -78,7 +80,7 @@ impl ExportOptions {
     /// Refuses what would count for nothing.
     fn fit(&self, target: &ExportTarget, is_followed: bool) -> Result<(), Error> {
         let given = self.changed().into_iter().map(|(row, value)| (row.name, value));
-        for (name, value) in given.chain(is_followed.then(|| ("reference", "given".into()))) {
+        for (name, value) in given.chain(is_followed.then(|| ("reference", "true".into()))) {
             let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
             if !takers.is_empty() && !takers.contains(&target.name) {
                 let rule = format!("is not for the target {}, but for {}", target.name, takers.join(", "));
@@ -87,7 +89,8 @@ impl ExportOptions {
         }
         match self.tuning.changed().first() {
             Some((row, value)) if self.controller.is_none() => {
-                Err(Error::parameter(row.name, value, "is what a controller is tuned to: name one"))
+                let error = Error::parameter(row.name, value, "is what a controller is tuned to: ");
+                Err(error.advised(vec![("controller", Value::Null)]))
             }
             _ => Ok(()),
         }
@@ -125,7 +128,7 @@ pub struct ExportRequest<'w> {
 impl<'w> ExportRequest<'w> {
     /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
     pub fn new(model: &'w Model, name: &str) -> Self {
-        let options = ExportOptions { name: name.into(), ..ExportOptions::default() };
+        let options = ExportOptions { name: name.into(), ..Default::default() };
         ExportRequest {
             model,
             options,
@@ -153,7 +156,8 @@ impl<'w> ExportRequest<'w> {
 pub struct Compiler {
     /// For which machines, as FMI 3.0 names them: `x86_64-linux`.
     pub platform: &'static str,
-    /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same files.
+    /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same
+    /// files.
     pub run: fn(&[File]) -> Result<Vec<u8>, Error>,
 }
 
@@ -184,6 +188,28 @@ pub struct ExportTarget {
 impl std::fmt::Debug for ExportTarget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Target").field(&self.name).finish()
+    }
+}
+
+impl ExportTarget {
+    /// The target called `name`.
+    ///
+    /// ```
+    /// use piezoid_export::{ExportRequest, ExportTarget};
+    /// use piezoid::{Model, hysteresis::Operator, linear::Arx};
+    /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
+    /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
+    /// let made = (ExportTarget::find("c")?.make)(&ExportRequest::new(&model, "bender"))?;
+    /// assert_eq!(made.files[0].name, "bender.h");
+    /// assert!(ExportTarget::find("cpp").unwrap_err().to_string().contains("known are c"));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the names there are.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        let known = || TARGETS.iter().map(|t| t.name);
+        TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
     }
 }
 
@@ -238,7 +264,8 @@ pub fn target(name: &str) -> Result<&'static ExportTarget, Error> {
     TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
 }
 
-/// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of their words.
+/// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of
+/// their words.
 fn named(name: &str, reserved: &str) -> Result<(), Error> {
     let fits = name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')

@@ -1,9 +1,10 @@
-//! Templates: files beside the backends that look like what they become. What walks a program expression by expression is
-//! printed in Rust ([`language`](super::language)) and fills their holes; lists of numbers come printed too, since they are long.
+//! Templates: files beside the backends that look like their output. Program code is printed in Rust
+//! ([`language`](super::language)) and inserted; so are long lists of numbers.
 //!
-//! Blocks (`{% .. %}`) take their own line with them, `+%}` leaves its end. A name that is not in the context is an error.
-//! Filters: `short`, `round` and `exact` print a number, `titled` begins a text with a capital, `line` puts it in one line, `quoted`
-//! in quotes of MATLAB; `c`, `st` and `plain` take out what would end a comment of C or structured text, or mean something to printf.
+//! Blocks (`{% .. %}`) remove their own line, `+%}` keeps its end. A name missing in the context is an error. Filters:
+//! `short`, `round` and `exact` print a number, `titled` capitalises the first letter, `line` joins lines, `quoted`
+//! adds MATLAB quotes; `c`, `st` and `plain` remove what would end a comment of C or structured text, or has a meaning
+//! in printf.
 
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram, Port};
@@ -14,11 +15,13 @@ use piezoid::error::Error;
 use piezoid::number::{round, short};
 use piezoid::program::{Block, Function, Program};
 use piezoid::system::System;
+use std::fmt::Display;
+use std::sync::LazyLock;
 
-/// A template: its path, and what is in it. Where the path ends in `.xml.j2` or `.html.j2`, all values are escaped.
+/// A template: its path and its text. If the path ends in `.xml.j2` or `.html.j2`, all values are escaped.
 pub(super) type Template = (&'static str, &'static str);
 
-/// The template at a path from this file.
+/// The template at a path below `src`.
 macro_rules! template {
     ($path:literal) => {
         ($path, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $path)))
@@ -26,7 +29,7 @@ macro_rules! template {
 }
 pub(super) use template;
 
-/// What templates include.
+/// Included templates.
 const INCLUDED: [Template; 5] = [
     template!("readme/opening.md.j2"),
     template!("readme/calls.md.j2"),
@@ -35,15 +38,21 @@ const INCLUDED: [Template; 5] = [
     template!("fmu/units.xml.j2"),
 ];
 
-/// The text of a template for this context.
+/// Renders a template with this context.
 ///
 /// # Errors
-/// Of a template that is wrong, whatever the input.
+/// Returns an error for a wrong template, for any input.
 pub(super) fn render((path, text): Template, context: Value) -> Result<String, Error> {
-    let wrong = |error| Error::Content(format!("template {path}: {error:#}"));
+    let wrong = |error: &dyn Display| Error::Content(format!("template {path}: {error:#}"));
+    let environment = ENVIRONMENT.as_ref().map_err(|error| wrong(error))?;
+    environment.render_named_str(path, text, context).map_err(|error| wrong(&error))
+}
+
+/// Syntax, filters and what templates include.
+static ENVIRONMENT: LazyLock<Result<Environment<'static>, minijinja::Error>> = LazyLock::new(|| {
     let mut templates = Environment::new();
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
-    templates.set_syntax(syntax.map_err(wrong)?);
+    templates.set_syntax(syntax?);
     templates.set_undefined_behavior(UndefinedBehavior::Strict);
     templates.set_auto_escape_callback(|path| match path.ends_with(".xml.j2") || path.ends_with(".html.j2") {
         true => AutoEscape::Custom("markup".into()),
@@ -63,12 +72,12 @@ pub(super) fn render((path, text): Template, context: Value) -> Result<String, E
     templates.add_filter("c", |text: &str| text.replace("*/", "* /"));
     templates.add_filter("plain", |text: &str| text.replace(['%', '\\', '"', '?'], ""));
     for (path, text) in INCLUDED {
-        templates.add_template(path, text).map_err(wrong)?;
+        templates.add_template(path, text)?;
     }
-    templates.render_named_str(path, text, context).map_err(wrong)
-}
+    Ok(templates)
+});
 
-/// What every template is told: the model, and what is called from outside, with its vectors as `table` prints numbers.
+/// The common template context: the model, and the interface with its vectors as `table` prints numbers.
 pub(super) fn template_context(
     request: &ExportRequest,
     whole: &ExportedProgram,
@@ -95,21 +104,22 @@ pub(super) fn template_context(
     let mut called = Vec::new();
     whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
     context! {
-        called, name, upper => name.to_uppercase(), single => request.options.float, ts => model.ts(), preview => request.options.preview,
-        hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
-        order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
-        entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),
-    }
+    called, name, upper => name.to_uppercase(), single => request.options.float, ts => model.ts(),
+    preview => request.options.preview,
+            hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
+            order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
+            entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),
+        }
 }
 
-/// The blocks that have functions, with these and their numbers.
+/// The blocks that have functions, with these and their positions.
 pub(super) fn blocks(program: &Program) -> impl Iterator<Item = (&Block, Vec<(usize, &Function)>)> {
     let of = |number| program.functions.iter().enumerate().filter(move |(_, f)| f.block == number).collect::<Vec<_>>();
     let blocks = program.blocks.iter().enumerate().map(move |(number, block)| (block, of(number)));
     blocks.filter(|(_, functions)| !functions.is_empty())
 }
 
-/// `text` as the beginning of a page has it.
+/// `text` with a capital first letter.
 pub(super) fn titled(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
@@ -120,12 +130,12 @@ fn line(text: &str) -> String {
     text.replace(|c: char| c.is_control(), " ")
 }
 
-/// `text` without what begins or ends a comment of structured text.
+/// `text` without delimiters of comments in structured text.
 pub(super) fn quiet(text: &str) -> String {
     text.replace("*)", "* )").replace("(*", "( *")
 }
 
-/// What markup claims for itself, replaced; control characters that XML forbids are left out.
+/// `text` with entities for markup characters, without control characters that XML forbids.
 fn escaped(text: &str) -> String {
     let allowed = |c: char| !(c.is_control() && !"\t\n\r".contains(c) || matches!(c, '\u{fffe}' | '\u{ffff}'));
     let text: String = text.chars().filter(|c| allowed(*c)).collect();
@@ -138,20 +148,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_escaped_in_markup_alone() {
+    fn values_are_escaped_only_in_markup() {
         let text = |path| render((path, "<{{ unit }}>"), context! { unit => "<a>\u{1} & \"b\"" }).unwrap();
         assert_eq!(text("page.xml.j2"), "<&lt;a&gt; &amp; &quot;b&quot;>");
         assert_eq!(text("page.md.j2"), "<<a>\u{1} & \"b\">");
     }
 
     #[test]
-    fn what_the_context_does_not_have_is_an_error_that_names_the_template() {
+    fn a_missing_name_is_an_error_with_the_name_of_the_template() {
         let error = render(("page.md.j2", "{{ missing }}"), context! {}).unwrap_err().to_string();
         assert!(error.starts_with("template page.md.j2: undefined value"), "{error}");
     }
 
     #[test]
-    fn nothing_that_is_given_ends_a_comment_or_a_string() {
+    fn no_value_can_end_a_comment_or_a_string() {
         let text = "{{ it|c }} {{ it|st }} {{ it|line|quoted }} {{ it|plain }}";
         let it = context! { it => "*/ *)\n' %" };
         let expected = "* / *)\n' % */ * )\n' % '*/ *) '' %' */ *)\n' ";

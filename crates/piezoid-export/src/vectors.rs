@@ -1,4 +1,4 @@
-//! Numbers to prove exported code by: inputs, what each entry answers, and what that takes.
+//! Test vectors for exported code: inputs, outputs, and operation counts of each entry.
 
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram};
@@ -8,32 +8,32 @@ use piezoid::program::{Counts, Machine};
 use piezoid::series::ends;
 use piezoid::system::System;
 
-/// What an entry answers.
+/// Test vectors of an entry.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Vectors {
-    /// Its inputs, a row a sample.
+    /// Inputs, one row per sample.
     pub inputs: Vec<Vec<f64>>,
     /// Its outputs.
     pub outputs: Vec<f64>,
-    /// What a sample takes, on average.
+    /// Mean number of operations per sample.
     pub mean: Counts,
-    /// The most operations that one of these samples took; others may take more.
+    /// Largest number of operations in one of these samples; others may take more.
     pub most: usize,
-    /// The largest difference to double precision, over the height of the outputs.
+    /// Largest difference to double precision, over the height of the outputs.
     pub off: f64,
-    /// What the model leaves of the reference behind a feed-forward, rms over its height, where it wanders.
+    /// Rms error of feed-forward and model along the wandering part, over the height of the reference.
     pub missed: Option<f64>,
 }
 
-/// Samples of the vectors: first they wander, then they go once through all there is, then they jump.
+/// Number of samples: a wandering part, one pass through the whole range, and jumps.
 pub(super) const SAMPLES: usize = 400;
 const WANDERING: usize = 280;
 const THROUGH: usize = 81;
 
-/// Samples until a feed-forward that begins at rest is where it should be.
+/// Samples until a feed-forward from rest has settled.
 const BEGUN: usize = 60;
 
-/// What each entry answers to inputs within what the model knows; in single precision, what that gives.
+/// The vectors of each entry, for inputs in the range of the model, in the requested precision.
 pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec<Vectors>, Error> {
     let model = request.model;
     let u = inputs(model.known_inputs().unwrap_or((-1.0, 1.0)));
@@ -41,7 +41,7 @@ pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec
     let inputs = |entry: &Entry| match entry.step {
         "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
         "ff_step" => y.iter().map(|r| vec![*r]).collect(),
-        // As if the actuator followed a fifth too far, and the feed-forward were the input.
+        // As if the response were a fifth too large and the feed-forward were the input.
         _ => y.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
     };
     let of = |entry: &Entry| {
@@ -59,7 +59,7 @@ fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single
             let output = machine.call(entry.step, input)?[0];
             if !output.is_finite() || input.iter().any(|v| !v.is_finite()) {
                 let because = format!(
-                    "of inputs it knows, {} makes {output} at sample {t}: is its linear block stable?",
+                    "{} returns {output} at sample {t} for inputs in the range of the model: check that the linear block is stable",
                     entry.step
                 );
                 return Err(Error::Unsuited { what: "export".into(), because });
@@ -77,8 +77,8 @@ fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single
     let off = if differs == 0.0 { 0.0 } else { differs / (high - low) };
     if (off.is_nan() || off >= USELESS) && entry.step == "step" {
         let because = format!(
-            "it would be off by {off:.1e} of the stroke: numbers that are large beside it, such as the offset, \
-                               take the digits; take double, or shift the output"
+            "it would be off by {off:.1e} of the stroke: large numbers such as the offset use up the digits: use double \
+precision, or shift the output"
         );
         return Err(Error::Unsuited { what: "export in single precision".into(), because });
     }
@@ -92,10 +92,10 @@ fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single
     Ok(Vectors { inputs, outputs, mean, most, off, missed: None })
 }
 
-/// Share of the stroke from which on single precision is of no use.
+/// Error of single precision, as a share of the stroke, from which it is an error.
 const USELESS: f64 = 1e-2;
 
-/// What the model leaves of the reference `r` behind the feed-forward, rms over its height, where it wanders.
+/// Rms error of feed-forward and model along the wandering part of `r`, over its height.
 fn missed(request: &ExportRequest, r: &[f64]) -> Option<f64> {
     let causal = Causal::new(request.model, request.settings, request.options.preview).ok()?;
     let y = request.model.simulate(&causal.simulate(r));
@@ -105,7 +105,8 @@ fn missed(request: &ExportRequest, r: &[f64]) -> Option<f64> {
     Some(mean.sqrt() / (high - low))
 }
 
-/// Two turns of different speed, within 95 % of these ends: sums and products alone, for the same bits on every machine.
+/// Two rotations at different speeds, within 95 % of the range. Only sums and products, so that all machines agree bit
+/// by bit.
 pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
     // Steps of 0.13 and 0.0481 rad.
     let (quick, slow) = ((0.9915618937147881, 0.12963414261969486), (0.9988434179553187, 0.04808145522014453));
@@ -118,15 +119,15 @@ pub(super) fn wander((low, high): (f64, f64), n: usize) -> Vec<f64> {
     (0..n).map(share).collect()
 }
 
-/// One angle after another, each as its cosine and sine.
+/// The sum of two angles, each as its cosine and sine.
 pub(super) fn turned((c, s): (f64, f64), (x, y): (f64, f64)) -> (f64, f64) {
     (c * x - s * y, s * x + c * y)
 }
 
-/// Inputs between these ends, the same on every machine.
+/// Inputs within a range, the same on every machine.
 fn inputs((low, high): (f64, f64)) -> Vec<f64> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    // Up from the bottom, and down again.
+    // From the lower end to the upper one and back.
     let through = (0..THROUGH).map(|t| {
         let way = 2.0 * t as f64 / (THROUGH - 1) as f64;
         middle + half * if way <= 1.0 { 2.0 * way - 1.0 } else { 3.0 - 2.0 * way }

@@ -1,46 +1,22 @@
 //! Back from a displacement to a voltage.
 
 use crate::error::{raised, refused};
-use crate::json::object;
+use crate::json::{object, options};
 use crate::model::Model;
 use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::PyArray1;
-use piezoid::System;
-use piezoid::compensation::{Causal, Compensated, FeedForwardSettings, shaping};
-use piezoid::excitation::{Amplifier, Limits};
+use piezoid::compensation::{Causal, Compensated, FeedForwardSettings};
+use piezoid::{CompensateOptions, System};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 use serde_json::json;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A setting, if it is given.
-pub(crate) fn given<'py, T: FromPyObjectOwned<'py>>(settings: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>> {
-    let Some(value) = settings.get_item(name)?.filter(|value| !value.is_none()) else { return Ok(None) };
-    let read: Result<T, PyErr> = value.extract().map_err(Into::into);
-    read.map(Some).or_else(|error| Err(refused(&format!("{name} = {}: {}", value.repr()?, error.value(settings.py())))))
-}
-
-/// The limits of a driver, where one is named, and those that are named beside it.
-pub(crate) fn limits(settings: &Bound<'_, PyDict>) -> PyResult<Limits> {
-    let capacitance = given(settings, "capacitance")?;
-    let mut limits = match given::<String>(settings, "driver")? {
-        Some(name) => Amplifier::find(&name).and_then(|driver| driver.loaded(capacitance)).map_err(raised)?,
-        None => Limits { capacitance, ..Limits::default() },
-    };
-    limits.low = given(settings, "low")?.or(limits.low);
-    limits.high = given(settings, "high")?.or(limits.high);
-    limits.slew = given(settings, "slew")?.or(limits.slew);
-    limits.current = given(settings, "current")?.or(limits.current);
-    limits.sensible().map_err(raised)?;
-    Ok(limits)
-}
-
 /// What compensation may use.
 pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
-    let (clip, sweeps) = (given(settings, "clip")?.unwrap_or(false), given(settings, "sweeps")?.unwrap_or(0));
-    Ok(FeedForwardSettings { limits: limits(settings)?, clip, sweeps, ..FeedForwardSettings::default() })
+    options::<CompensateOptions>(settings)?.settings().map_err(raised)
 }
 
 /// A voltage, what the model makes of it, and the rest as a document.
@@ -53,15 +29,10 @@ pub(crate) fn compensated(
     reference: &Bound<'_, PyAny>,
     settings: &Bound<'_, PyDict>,
 ) -> PyResult<CompensationTuple> {
-    let (read, how) = (samples("reference", reference)?, how(settings)?);
-    let shape = shaping::Shaping {
-        smooth: given(settings, "smooth")?,
-        zvd: given(settings, "zvd")?.unwrap_or(false),
-        notch: given(settings, "notch")?.unwrap_or(false),
-    };
+    let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
     let r = slice(&read)?;
-    let made = py.detach(|| piezoid::compensation::FeedForward::new(model, how)?.whole(&shape.of(model, r.to_vec())?));
-    let Compensated { u, reached, usage, clipped, notes } = made.map_err(raised)?;
+    let made = py.detach(|| options.of(model, r.to_vec())).map_err(raised)?;
+    let Compensated { u, reached, usage, clipped, notes } = made.made;
     let document = object(py, &json!({"usage": usage, "clipped": clipped, "notes": notes}))?;
     Ok((array(py, u).unbind(), array(py, reached).unbind(), document))
 }

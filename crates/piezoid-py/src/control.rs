@@ -1,25 +1,17 @@
 //! Schemes of control, side by side on a twin.
 
-use crate::compensation::{how, inner};
+use crate::compensation::inner;
 use crate::error::{raised, refused};
-use crate::json::object;
+use crate::json::{object, options};
 use crate::model::Model;
 use crate::plant::Plant;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
-use piezoid::System;
-use piezoid::control::{Comparison, MarginTarget, NamedReference, Reference, Scheme, Tolerance, TunedScheme};
+use piezoid::control::{NamedReference, Reference};
+use piezoid::{ControlOptions, System};
 use piezoid_report::report;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-
-/// How schemes are tuned: lateness of readings, gain margin [dB], phase margin [degrees].
-pub(crate) type Tuning = (usize, Option<f64>, Option<f64>);
-
-pub(crate) fn target(tuning: &Tuning) -> MarginTarget {
-    let usual = MarginTarget::default();
-    MarginTarget { gain_db: tuning.1.unwrap_or(usual.gain_db), phase_deg: tuning.2.unwrap_or(usual.phase_deg), ..usual }
-}
 
 /// `n` samples of the reference called `name`.
 #[pyfunction]
@@ -37,23 +29,15 @@ pub(crate) fn follow(
 
 /// Each scheme along each reference on a plant: a document of figures, the runs, and a page.
 #[pyfunction]
-#[pyo3(signature = (plant, model, schemes, references, settings, tuning, preview, seed, tolerance, progress))]
-#[allow(clippy::too_many_arguments)]
 pub(crate) fn control(
     py: Python<'_>,
     plant: (String, Py<Plant>),
     model: &Bound<'_, Model>,
-    schemes: Vec<String>,
     references: Vec<(String, Bound<'_, PyAny>)>,
-    settings: &Bound<'_, PyDict>,
-    tuning: Tuning,
-    preview: Option<usize>,
-    seed: u64,
-    tolerance: Option<(f64, usize)>,
+    given: &Bound<'_, PyDict>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Py<PyAny>, Py<PyAny>, String)> {
-    let (model, how, target) = (inner(model), how(settings)?, target(&tuning));
-    let schemes = schemes.iter().map(|name| Scheme::named(name)).collect::<Result<Vec<_>, _>>().map_err(raised)?;
+    let (model, options) = (inner(model), options::<ControlOptions>(given)?);
     let mut wanted = Vec::with_capacity(references.len());
     for (name, r) in &references {
         let r = samples(name, r)?;
@@ -63,18 +47,8 @@ pub(crate) fn control(
         }
         wanted.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
     }
-    let share = tolerance.map(|(share, draws)| Tolerance { share, draws, seed });
     let (name, spec) = (plant.0, plant.1.get().spec.clone());
-    let compared = watched(py, progress, |progress| {
-        let drive = |scheme: Scheme| {
-            let mut drive = TunedScheme::new(scheme, &model, how, tuning.0, &target)?;
-            drive.ahead = preview.unwrap_or(usize::MAX);
-            wanted.iter().try_for_each(|w| drive.check(&w.r))?;
-            Ok(drive)
-        };
-        let drives = schemes.into_iter().map(drive).collect::<Result<Vec<_>, piezoid::Error>>()?;
-        Comparison::run((&name, &spec), drives, wanted.clone(), seed, share.as_ref(), progress)
-    })?;
+    let compared = watched(py, progress, |progress| options.along((&name, &spec), &model, wanted, progress))?;
     let runs = PyList::empty(py);
     for driven in &compared.driven {
         for (wanted, attempt) in compared.wanted.iter().zip(&driven.attempts) {

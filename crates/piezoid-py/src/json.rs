@@ -33,9 +33,13 @@ pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
 
 /// Options of the library by their keywords, of any kind of number that Python has.
 pub(crate) fn options<O: Options>(given: &Bound<'_, PyDict>) -> PyResult<O> {
-    let given =
-        given.iter().map(|(name, value)| Ok((name.extract()?, value_of(&value)?))).collect::<PyResult<Map<_, _>>>();
-    O::from_json(Value::Object(given?)).map_err(raised)
+    O::from_json(document(given)?).map_err(raised)
+}
+
+/// Settings by their names as a document.
+pub(crate) fn document(given: &Bound<'_, PyDict>) -> PyResult<Value> {
+    let members = given.iter().map(|(name, value)| Ok((name.extract()?, value_of(&value)?)));
+    members.collect::<PyResult<Map<_, _>>>().map(Value::Object)
 }
 
 /// A setting as a document. What no document holds is its text, which the library then refuses in its own words.
@@ -45,6 +49,10 @@ fn value_of(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
     if let Ok(switch) = value.cast::<PyBool>() {
         return Ok(switch.is_true().into());
+    }
+    let several = value.try_iter().ok().filter(|_| value.cast::<PyString>().is_err());
+    if let Some(several) = several {
+        return several.map(|value| value_of(&value?)).collect();
     }
     if value.cast::<PyString>().is_err() {
         let whole = if value.cast::<PyFloat>().is_ok() { None } else { value.extract::<u64>().ok() };
@@ -59,15 +67,21 @@ fn finite(number: f64) -> Option<Value> {
     number.is_finite().then(|| number.into())
 }
 
-/// The table of a verb's options: names, defaults, units, choices and help.
-pub(crate) fn rows<O: Options>(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    let usual = serde_json::to_value(O::default()).unwrap_or_default();
+/// A table of options: names, defaults, units, choices and help.
+pub(crate) fn rows(rows: Vec<OptionRow>) -> Value {
     let row = |row: OptionRow| {
         let choices: Vec<&str> = match row.values {
             OptionKind::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
             _ => Vec::new(),
         };
-        json!({"name": row.name, "default": usual[row.name], "unit": row.unit, "choices": choices, "help": row.help})
+        let default = match (row.default)() {
+            Value::Bool(on) if row.values == OptionKind::Bit => json!(u8::from(on)),
+            default => default,
+        };
+        json!({
+            "name": row.name, "default": default, "required": row.required, "unit": row.unit, "choices": choices,
+            "help": row.help,
+        })
     };
-    object(py, &O::rows().into_iter().map(row).collect())
+    rows.into_iter().map(row).collect()
 }

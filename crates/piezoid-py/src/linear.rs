@@ -1,18 +1,16 @@
 //! The linear block alone: difference equations, their fits, and the swarm.
 
 use crate::error::raised;
-use crate::identify::global_best;
-use crate::json::object;
+use crate::json::{object, options};
 use crate::model::finite;
 use crate::record::Record;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
 use numpy::PyArray1;
-use piezoid::System;
 use piezoid::linear::{self, Estimator, Orders};
-use piezoid::optimize::swarm;
+use piezoid::{IdentifyOptions, System};
 use pyo3::prelude::*;
-use pyo3::types::PyType;
+use pyo3::types::{PyDict, PyType};
 use serde_json::json;
 
 /// y = a1 y1 + a2 y2 + ... + b0 u + b1 u1 + ...
@@ -106,7 +104,7 @@ pub(crate) fn fit(
     records: Vec<Py<Record>>,
     orders: (usize, usize, usize),
     by: &str,
-    swarm: (Option<usize>, Option<usize>, u64, Option<String>),
+    swarm: &Bound<'_, PyDict>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Arx, Py<PyAny>)> {
     let mut own = Vec::with_capacity(records.len());
@@ -120,14 +118,7 @@ pub(crate) fn fit(
     }
     let records = own;
     let (na, nb, delay) = orders;
-    let usual = swarm::SwarmSettings::default();
-    let settings = swarm::SwarmSettings {
-        particles: swarm.0.unwrap_or(usual.particles),
-        iterations: swarm.1.unwrap_or(usual.iterations),
-        seed: swarm.2,
-        global_best: global_best(swarm.3)?,
-        ..usual
-    };
+    let settings = options::<IdentifyOptions>(swarm)?.swarm();
     let estimator = Estimator::find(by).map_err(raised)?;
     let found =
         watched(py, progress, |progress| estimator.fit(&records, Orders { na, nb, delay }, &settings, progress))?;

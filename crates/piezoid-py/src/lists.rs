@@ -1,9 +1,10 @@
 //! What there is, by name; and excitations, which are nothing but settings.
 
-use crate::error::{raised, refused};
-use crate::json::object;
+use crate::error::raised;
+use crate::json::{document, object, options, rows};
 use crate::samples::array;
 use numpy::PyArray1;
+use piezoid::ExciteOptions;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS, REFERENCES};
 use piezoid::excitation::{DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
@@ -11,6 +12,7 @@ use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
 use piezoid_export::TARGETS;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde_json::{Value, json};
 
 /// All lists: of each row its name, summary and reference, of an excitation its parameters too.
@@ -18,10 +20,10 @@ use serde_json::{Value, json};
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let row =
         |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
-    let excitation = |e: &piezoid::excitation::Excitation| {
-        let parameter = |p: &piezoid::excitation::Parameter| json!({"name": p.name.replace('-', "_"), "unit": p.unit, "default": p.default, "help": p.help});
-        let parameters: Vec<Value> = e.parameters.iter().map(parameter).collect();
-        json!({"name": e.name, "summary": e.summary, "reference": e.reference, "parameters": parameters})
+    let excitation = |e: &Excitation| {
+        let mut row = row(e.name, e.summary, e.reference);
+        row["parameters"] = rows((e.rows)());
+        row
     };
     let operator = |o: &&piezoid::hysteresis::Operator| {
         let mut row = row(o.name, o.summary, o.reference);
@@ -50,18 +52,11 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
 pub(crate) fn excite(
     py: Python<'_>,
     name: &str,
-    ts: f64,
-    duration: f64,
-    values: Vec<(String, f64)>,
+    common: &Bound<'_, PyDict>,
+    own: &Bound<'_, PyDict>,
 ) -> PyResult<Py<PyArray1<f64>>> {
-    let values: Vec<(String, f64)> = values.into_iter().map(|(name, v)| (name.replace('_', "-"), v)).collect();
-    let values: Vec<(&str, f64)> = values.iter().map(|(name, v)| (name.as_str(), *v)).collect();
-    let excitation = Excitation::find(name).map_err(raised)?;
-    // Parameters are keywords here, and written as such.
-    let named = |error: piezoid::Error| {
-        let keywords = excitation.parameters.iter().filter(|p| p.name.contains('-'));
-        refused(&keywords.fold(error.to_string(), |told, p| told.replace(p.name, &p.name.replace('-', "_"))))
-    };
-    let u = py.detach(|| excitation.samples(ts, duration, &values)).map_err(named)?;
-    Ok(array(py, u).unbind())
+    let (excitation, own) = (Excitation::find(name).map_err(raised)?, document(own)?);
+    let common: ExciteOptions = options(common)?;
+    let made = py.detach(|| common.run(excitation, own)).map_err(raised)?;
+    Ok(array(py, made.u).unbind())
 }

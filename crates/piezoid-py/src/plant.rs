@@ -1,13 +1,15 @@
 //! Twins: simulated actuators to measure on.
 
-use crate::error::{raised, refused};
+use crate::error::raised;
+use crate::json::options;
 use crate::model::finite;
 use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::PyArray1;
-use piezoid::System;
 use piezoid::plant::{self, Spec};
+use piezoid::{SimulateOptions, System};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 /// A simulated bender with its driver and sensor.
 #[pyclass(frozen, module = "piezoid")]
@@ -44,17 +46,12 @@ impl Plant {
         py: Python<'_>,
         u: &Bound<'_, PyAny>,
         ts: f64,
-        seed: u64,
-        begin: &str,
+        given: &Bound<'_, PyDict>,
     ) -> PyResult<(Py<PyArray1<f64>>, Option<String>)> {
-        let given = samples("u", u)?;
-        let u = finite("u", slice(&given)?)?;
-        let plant = plant::Plant::new(&self.spec, ts).map_err(raised)?.with_seed(seed);
-        if !["rest", "settled"].contains(&begin) {
-            return Err(refused(&format!("begin = {begin}: must be rest or settled")));
-        }
-        let first = u.first().copied().unwrap_or_default();
-        let mut x = if begin == "rest" { plant.initial() } else { plant.settled(first) };
+        let (read, options) = (samples("u", u)?, options::<SimulateOptions>(given)?);
+        let u = finite("u", slice(&read)?)?;
+        let plant = plant::Plant::new(&self.spec, ts).map_err(raised)?.with_seed(options.seed);
+        let mut x = options.before(&plant, u);
         let y = in_pieces(py, u, |u| plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect())?;
         let saturation = plant.saturation(&x);
         Ok((array(py, y).unbind(), saturation.any().then(|| saturation.to_string())))

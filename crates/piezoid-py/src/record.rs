@@ -1,12 +1,14 @@
 //! Records: input and output sampled together.
 
 use crate::error::{raised, refused};
+use crate::json::options;
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
 use piezoid::Units;
-use piezoid::formats::{Channel, ColumnSelection, Signal, Table};
+use piezoid::formats::{Channel, Signal, Table};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
 
 /// Input and output sampled together, evenly.
 #[pyclass(frozen, module = "piezoid", weakref)]
@@ -85,12 +87,6 @@ impl Record {
 /// A column of a table: its name and its samples.
 type Column<'py> = (String, Bound<'py, PyAny>);
 
-/// What columns are meant, by the words of the command line.
-fn selection(ts: Option<f64>, columns: (Option<String>, Option<String>, Option<String>)) -> ColumnSelection {
-    let (input, output, time) = columns;
-    ColumnSelection { ts, input, output, time }
-}
-
 /// The named channels of a file, or of arrays.
 #[pyclass(frozen, module = "piezoid._piezoid")]
 #[derive(Debug)]
@@ -118,25 +114,13 @@ impl Columns {
         self.table.names().collect()
     }
 
-    fn record(
-        &self,
-        ts: Option<f64>,
-        columns: (Option<String>, Option<String>, Option<String>),
-        part: (f64, f64),
-    ) -> PyResult<Record> {
-        let record = self.table.record(&selection(ts, columns)).and_then(|r| r.part(part.0, part.1));
-        record.map(Record::from).map_err(raised)
+    fn record(&self, given: &Bound<'_, PyDict>) -> PyResult<Record> {
+        self.table.record(&options(given)?).map(Record::from).map_err(raised)
     }
 
     /// The reference, in this unit.
-    fn reference(
-        &self,
-        py: Python<'_>,
-        ts: Option<f64>,
-        columns: (Option<String>, Option<String>, Option<String>),
-        unit: &str,
-    ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
-        let Signal { ts, mut samples, unit: own } = self.table.reference(&selection(ts, columns)).map_err(raised)?;
+    fn reference(&self, py: Python<'_>, given: &Bound<'_, PyDict>, unit: &str) -> PyResult<(f64, Py<PyArray1<f64>>)> {
+        let Signal { ts, mut samples, unit: own } = self.table.reference(&options(given)?).map_err(raised)?;
         let Some(factor) = Units::factor(&own, unit) else {
             return Err(refused(&format!("the reference is in {own} but {unit} is wanted: convert it beforehand")));
         };

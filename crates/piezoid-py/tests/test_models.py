@@ -118,10 +118,12 @@ def test_the_inverse_runs_sample_by_sample_and_begins_anew(model: pz.Model) -> N
 
 
 def test_settings_that_nobody_knows_are_refused_and_so_are_numbers_that_are_none(model: pz.Model) -> None:
-    for wrong in [lambda: model.inverse(hihg=10.0), lambda: pz.export(model, "c", lwo=-1.0),
-                  lambda: pz.control("pl140", model, [0.0], hihg=10.0), lambda: model.inverse(zvd=True)]:  # fmt: skip
+    for wrong in [lambda: model.inverse(hihg=10.0), lambda: pz.control("pl140", model, [0.0], hihg=10.0),
+                  lambda: model.inverse(zvd=True)]:  # fmt: skip
         with pytest.raises(TypeError, match="limits are driver"):
             wrong()
+    with pytest.raises(TypeError, match="options are name"):
+        pz.export(model, "c", lwo=-1.0)
     for refused in [lambda: model.inverse(-1), lambda: model.compensation([0.0], sweeps=-1),
                     lambda: pz.plants["paper"].simulate([0.0], seed=2**64), lambda: model.inverse(1.5)]:  # type: ignore[arg-type]  # fmt: skip
         with pytest.raises(pz.PiezoidError, match="must be a whole number"):

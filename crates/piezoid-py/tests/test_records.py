@@ -134,7 +134,7 @@ def test_a_file_of_matlab_itself_is_read() -> None:
     wanted = np.arange(9) * np.pi / 4
     for name in ["testhdf5_7.4_GLNX86.mat", "testdouble_4.2c_SOL2.mat", "testdouble_6.1_SOL2.mat", "testdouble_7.4_GLNX86.mat"]:
         columns = Columns.from_file(name, (folder / name).read_bytes())
-        _, samples = columns.reference(1.0, (None, "testdouble", None), "")
+        _, samples = columns.reference({"ts": 1.0, "output_col": "testdouble"}, "")
         assert np.allclose(samples, wanted, rtol=1e-15), name
 
 
@@ -165,7 +165,7 @@ def test_samples_of_every_type_come_out_of_every_file_as_numpy_has_them(tmp_path
 
 def test_what_a_file_leaves_out_is_told(tmp_path: Path) -> None:
     np.savez(tmp_path / "r.npz", t_s=T, u_V=U, y_um=Y[:3], map=np.eye(2))
-    with pytest.raises(pz.PiezoidError, match=r"r.npz: .*output_col=; left out: map \(of shape 2 x 2\), y_um \(of 3 samples, not 4\)"):
+    with pytest.raises(pz.PiezoidError, match=r"r.npz: .*left out: map \(of shape 2 x 2\), y_um \(of 3 samples, not 4\); give output_col="):
         pz.read(tmp_path / "r.npz")
     np.save(tmp_path / "plain.npy", U)
     with pytest.raises(pz.PiezoidError, match="there are no names"):

@@ -84,8 +84,8 @@ def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Reco
         "low = -inf": lambda: model.compensate(r, low=float("-inf")),
         "range = 3": lambda: pz.export(model, "waveform", reference=r, range=3),  # type: ignore[arg-type]
         "model = 3": lambda: pz.export(3, "c"),  # type: ignore[arg-type]
-        "controller=": lambda: pz.export(model, "c", late=2),
-        "servo_cycle and range are not for": lambda: pz.export(model, "c", servo_cycle=1e-3),
+        "give controller=": lambda: pz.export(model, "c", late=2),
+        "servo_cycle = 0.001: is not for": lambda: pz.export(model, "c", servo_cycle=1e-3),
         "no values of a plant": lambda: pz.Plant("pl140"),
         "stands in no model": lambda: pz.Model.from_dict({"ts": {1}}),
     }
@@ -102,7 +102,7 @@ def test_a_model_is_exported_as_code_that_gives_its_numbers(model: pz.Model, tmp
     subprocess.run(build, cwd=tmp_path / "bender", check=True)
     said = subprocess.run(["./self_test"], cwd=tmp_path / "bender", check=True, capture_output=True, text=True).stdout
     assert said.count("0 of 400 differ") == 3
-    with pytest.raises(pz.PiezoidError, match="float= is not for the target fixed"):
+    with pytest.raises(pz.PiezoidError, match="float = true: is not for the target fixed"):
         pz.export(model, "fixed", float=True)
     with pytest.raises(pz.PiezoidError, match="must be a letter"):
         pz.export(model, "c", tmp_path / "nothing", name="1")

@@ -1,9 +1,11 @@
 //! Reports: figures as SVG, pages of HTML in one file, the report on a model, and the study of the paper.
 
-pub mod page;
+mod page;
 pub mod plot;
 pub mod report;
 pub mod study;
+
+pub use page::Page;
 #[cfg(test)]
 #[path = "../../piezoid/src/testing.rs"]
 mod testing;

@@ -1,4 +1,4 @@
-//! The paper's numbers as behaviour: what the study must show on the twin, and how well the swarm does.
+//! The paper's numbers as tests of the study on the twins, and of the accuracy of the swarm.
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
@@ -46,16 +46,16 @@ fn every_estimator_finds_the_pole_of_table_2() {
 }
 
 #[test]
-fn the_rule_as_printed_leaves_what_table_1_has_at_all_four_frequencies() {
+fn the_error_of_the_rule_as_printed_matches_table_1_at_all_four_frequencies() {
     for (hz, printed) in Study::PRINTED_MSE {
         let ((mse, _), (held, _)) = (errors(&PAPER, "printed-rule", hz), errors(&PAPER, "held-direction", hz));
-        assert!((mse / printed - 1.0).abs() <= 0.2, "{mse} mm^2 at {hz} Hz, beside {printed} in Table 1");
+        assert!((mse / printed - 1.0).abs() <= 0.2, "{mse} mm^2 at {hz} Hz, {printed} in Table 1");
         assert!(held <= 5e-5, "{held} mm^2 at {hz} Hz with the direction held");
     }
 }
 
 #[test]
-fn the_test_signal_of_the_study_is_the_nearest_to_table_1_of_all_that_are_tried() {
+fn the_test_signal_of_the_study_is_the_closest_to_table_1() {
     let (first, last) = (TestSignal::STEPS.start(), TestSignal::STEPS.end());
     assert_eq!((*first, *last, PAPER.test_signals.len()), (4, 40, 2 * 37));
     let signal = TestSignal::nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
@@ -65,39 +65,28 @@ fn the_test_signal_of_the_study_is_the_nearest_to_table_1_of_all_that_are_tried(
         let study = Study::PRINTED_MSE.map(|(hz, _)| errors(&PAPER, method, hz).0);
         assert_eq!(signal.of(method), study, "the same signal gives the same errors");
     }
-    // The number of steps decides: with 20, as many as a study took before, the error falls with frequency.
+    // The number of steps matters: with 20 the error falls with frequency.
     let twenty = PAPER.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == 20).expect("20 steps");
     let [slow, .., fast] = twenty.of("printed-rule");
     assert!(fast < 0.5 * slow, "{slow} mm^2 at 5 Hz, {fast} at 80 Hz");
 }
 
 #[test]
-fn with_the_branch_that_lies_above_read_as_upper_the_error_grows_for_most_test_signals() {
-    let grows = |method: &str| {
-        let growing = PAPER.test_signals.iter().filter(|s| s.of(method)[3] > 1.5 * s.of(method)[0]);
-        growing.count()
-    };
-    assert!(
-        grows(TestSignal::UPPER_RULE) > 60 && grows("printed-rule") < 15,
-        "{} {}",
-        grows(TestSignal::UPPER_RULE),
-        grows("printed-rule")
-    );
+fn with_the_branch_above_as_upper_branch_the_error_grows_for_most_test_signals() {
+    let grows = |method: &str| PAPER.test_signals.iter().filter(|s| s.of(method)[3] > 1.5 * s.of(method)[0]).count();
+    let [upper, printed] = [TestSignal::UPPER_RULE, "printed-rule"].map(grows);
+    assert!(upper > 60 && printed < 15, "{upper} {printed}");
     let within = |method: &str| PAPER.test_signals.iter().filter(|s| s.deviation(method) <= 0.2).count();
-    assert!(
-        within(TestSignal::UPPER_RULE) > 5 && within("printed-rule") == 1,
-        "{} {}",
-        within(TestSignal::UPPER_RULE),
-        within("printed-rule")
-    );
-    // Neither reading is nearer than the one of the study with its own test signal.
+    let [upper, printed] = [TestSignal::UPPER_RULE, "printed-rule"].map(within);
+    assert!(upper > 5 && printed == 1, "{upper} {printed}");
+    // The reading of the study, with its own test signal, is the closest.
     let upper = TestSignal::nearest(&PAPER.test_signals, TestSignal::UPPER_RULE).expect("a test signal");
     let used = TestSignal::nearest(&PAPER.test_signals, "printed-rule").expect("a test signal");
     assert!(used.deviation("printed-rule") < upper.deviation(TestSignal::UPPER_RULE));
 }
 
 #[test]
-fn with_the_direction_held_nothing_breaks_at_80_hz_nor_above_the_resonance() {
+fn with_the_direction_held_errors_stay_small_up_to_above_the_resonance() {
     for hz in [5.0, 20.0, 40.0, 80.0] {
         let (mse, _) = errors(&PAPER, "held-direction", hz);
         assert!(mse <= 0.001, "{mse} mm^2 at {hz} Hz");
@@ -110,16 +99,16 @@ fn with_the_direction_held_nothing_breaks_at_80_hz_nor_above_the_resonance() {
 }
 
 #[test]
-fn the_error_grows_with_frequency_as_the_paper_reports_without_the_block_of_its_table_2() {
+fn the_error_grows_with_frequency_as_in_the_paper_without_the_block_of_its_table_2() {
     let growth = |method| errors(&PAPER, method, 80.0).0 / errors(&PAPER, method, 5.0).0;
     let printed = Study::PRINTED_MSE[3].1 / Study::PRINTED_MSE[0].1;
     assert!((growth("printed-rule") / printed - 1.0).abs() < 0.2, "{} times", growth("printed-rule"));
     for (hz, printed) in Study::PRINTED_MSE {
         let (mse, _) = errors(&PAPER, "table2-arx", hz);
-        assert!(mse > 5.0 * printed, "Table 2's block leaves {mse} mm^2 at {hz} Hz");
+        assert!(mse > 5.0 * printed, "error with Table 2's block: {mse} mm^2 at {hz} Hz");
     }
     let signal = TestSignal::nearest(&PAPER.test_signals, "table2-arx").expect("a test signal");
-    assert!(signal.deviation("table2-arx") > 0.4, "{} by Table 2's block", signal.words());
+    assert!(signal.deviation("table2-arx") > 0.4, "{} with Table 2's block", signal.words());
     let width = |hz: f64| {
         let f = PAPER.frequencies.iter().find(|f| f.hz == hz).expect("a frequency of the study");
         [&f.own, &f.by_table_2].map(|l| l.found.branches.width().abs())
@@ -130,14 +119,15 @@ fn the_error_grows_with_frequency_as_the_paper_reports_without_the_block_of_its_
 }
 
 #[test]
-fn one_joint_model_foretells_frequencies_it_has_not_seen_better_than_branches_made_for_each() {
+fn one_joint_model_predicts_new_frequencies_better_than_branches_made_for_each() {
     assert_eq!(PAPER.joint.model.hysteresis().operator().name, "bouc-wen", "the twin's own law is found");
     for hz in Study::FREQUENCIES {
         let (_, percent) = errors(&PAPER, "joint", hz);
         assert!(percent <= 1e-4, "{percent} % of peak-to-peak at {hz} Hz");
     }
     assert!(PL140.joint.model.driver().is_some() && PAPER.joint.model.driver().is_none());
-    // The steps reach the driver's current limit, at 250 Hz throughout: it is given, but a sample has one mean voltage.
+    // The steps reach the driver's current limit, at 250 Hz all of the time: it is given, but a sample has one mean
+    // voltage.
     for (hz, most, share) in Study::FREQUENCIES.map(|hz| if hz < 250.0 { (hz, 0.6, 0.06) } else { (hz, 5.5, 0.7) }) {
         let ((_, joint), (_, held)) = (errors(&PL140, "joint", hz), errors(&PL140, "held-direction", hz));
         assert!(joint <= most && joint <= share * held, "{joint} % of peak-to-peak at {hz} Hz, beside {held}");
@@ -145,22 +135,22 @@ fn one_joint_model_foretells_frequencies_it_has_not_seen_better_than_branches_ma
 }
 
 #[test]
-fn the_loop_of_the_joint_model_is_as_wide_at_all_frequencies_of_one_amplitude() {
+fn the_loop_of_the_joint_model_has_the_same_width_at_all_frequencies_of_one_amplitude() {
     let width = |f: &study::Frequency| f.joint.found.branches.width();
     let [first, rest @ ..] = PAPER.frequencies.as_slice() else { panic!("no frequencies") };
     for f in rest.iter().filter(|f| f.amplitude == first.amplitude) {
-        // The averages on a branch are coarser where a period has fewer samples.
+        // With fewer samples per period the averages on a branch are coarser.
         assert!((width(f) / width(first) - 1.0).abs() < 0.05, "{} Hz: {} and {}", f.hz, width(f), width(first));
     }
 }
 
 #[test]
-fn an_unstable_causal_inverse_is_named_with_its_zeros() {
+fn an_unstable_causal_inverse_is_noted_with_its_zeros() {
     let swarm = &PL140.blocks[1];
     assert_eq!(swarm.name, "swarm");
     let note = PL140.notes.iter().find(|n| n.contains("no stable causal inverse"));
     assert_eq!(note.is_some(), swarm.arx.inverse().is_err(), "{:?}", PL140.notes);
-    // The modes of the bender above the Nyquist frequency push a zero out of the circle, so the note must be there.
+    // The modes of the bender above the Nyquist frequency move a zero out of the unit circle, so the note must exist.
     let note = note.expect("a note");
     for zero in swarm.arx.zeros() {
         assert!(note.contains(&zero.to_string()), "{note} does not name {zero}");
@@ -168,7 +158,7 @@ fn an_unstable_causal_inverse_is_named_with_its_zeros() {
     assert!(!PAPER.notes.iter().any(|n| n.contains("inverse")), "{:?}", PAPER.notes);
 }
 
-/// Fails on a null, which is how JSON holds what is not finite, but where a column does not apply to a row.
+/// Fails on a null, the JSON form of a number that is not finite, except for columns that do not apply to a row.
 fn assert_whole(value: &Value, path: &str) {
     match value {
         Value::Null => {
@@ -185,7 +175,7 @@ fn assert_whole(value: &Value, path: &str) {
 }
 
 #[test]
-fn every_number_of_either_study_is_finite_in_its_tables_figures_and_page() {
+fn every_number_of_both_studies_is_finite_in_tables_figures_and_page() {
     for study in [&*PAPER, &*PL140] {
         let document = Study::to_json(std::slice::from_ref(study));
         assert_whole(&document["studies"][0], study.plant.name);
@@ -245,13 +235,13 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
 }
 
 #[test]
-fn a_study_stops_when_it_is_told_to_at_any_stage() {
+fn a_study_can_be_cancelled_at_any_stage() {
     let stages = [("swarm", 0), ("swarm", 77), ("one model", 0), ("one model", 2), ("loops", 3), ("test signal", 1)];
     for (stage, at) in stages {
         let mut seen = 0;
         let mut stop = |s: Stage| {
             let here = s.what.contains(stage) && s.done >= at;
-            assert!(seen == 0, "asked again after it was told to stop");
+            assert!(seen == 0, "called again after cancellation");
             seen += usize::from(here);
             if here { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
@@ -262,14 +252,15 @@ fn a_study_stops_when_it_is_told_to_at_any_stage() {
     }
 }
 
-/// The swarm on the paper's small-signal record with twenty seeds, against the exact optimum of linear programming.
+/// The swarm on the paper's small-signal record with twenty seeds, compared with the exact optimum of linear
+/// programming.
 ///
-/// On the plant of the paper, whose record has no noise, about one seed in fifty ends further above it than that (the
-/// worst of 400: 1.4e-6). Of these twenty the worst, seed 16, ends at 0.98e-6, and at 1.06e-6 where there is no fused
-/// multiply-add and the search runs on other roundings.
+/// On the plant of the paper, whose record has no noise, about one seed in fifty ends further above the optimum (the
+/// worst of 400: 1.4e-6). The worst of these twenty, seed 16, ends at 0.98e-6, and without fused multiply-add, which
+/// changes the rounding, at 1.06e-6.
 #[track_caller]
 fn swarm_meets_the_optimum(plant: &str) {
-    let u = Prbs { order: 12, amplitude: 1.0, ..Prbs::default() }.samples(TS, 4095).expect("a PRBS");
+    let u = Prbs { order: 12, amplitude: 1.0, ..Default::default() }.samples(TS, 4095).expect("a PRBS");
     let y = Plant::named(plant, TS).expect("a plant").run(&u).y;
     let record = [Record::new(TS, u, y.iter().map(|y| 1e3 * y).collect()).expect("a record")];
     let cost = |estimator, seed, global_best| {
@@ -287,7 +278,7 @@ fn swarm_meets_the_optimum(plant: &str) {
 }
 
 #[test]
-fn the_pictures_in_the_documentation_are_those_of_the_study() {
+fn the_figures_in_the_documentation_are_those_of_the_study() {
     let figures = PAPER.figures();
     let places = |svg: &str| {
         let numbers = svg.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'));
@@ -300,9 +291,9 @@ fn the_pictures_in_the_documentation_are_those_of_the_study() {
     ] {
         let (_, drawn) = figures.iter().find(|(drawn, _)| drawn == name).expect("the figure");
         let (kept, drawn) = (places(kept), places(&drawn.svg()));
-        // Last digits of the search may differ from one machine to another, and move a point by a tenth.
+        // The last digits of the search may differ between machines, and move a point by a tenth.
         let alike = kept.iter().zip(&drawn).all(|(k, d)| (k - d).abs() <= 0.2 + 1e-2 * d.abs());
-        assert!(kept.len() == drawn.len() && alike, "{name}: draw docs/ anew with `cargo xtask docs`");
+        assert!(kept.len() == drawn.len() && alike, "{name}: draw docs/ again with `cargo xtask docs`");
     }
 }
 

@@ -191,13 +191,22 @@ impl Error {
         }
     }
 
-    pub(crate) fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
+    /// The same, ending so that options which would settle it follow.
+    pub fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
         Error::Advised { error: Box::new(self), options }
     }
 
     /// The same error, about the file of this name.
     pub fn of(self, name: &str) -> Self {
         Error::File { name: name.into(), error: Box::new(self) }
+    }
+
+    /// The same about the file of this name, unless it is about an option or another file.
+    pub fn about(self, name: &str) -> Self {
+        match self {
+            Error::Parameter { .. } | Error::Unknown { .. } | Error::File { .. } => self,
+            other => other.of(name),
+        }
     }
 }
 
@@ -225,6 +234,7 @@ pub(crate) fn row<T>(
 }
 
 /// Returns an error if a setting is not a positive finite number.
+#[doc(hidden)]
 pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
@@ -234,6 +244,7 @@ pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
 }
 
 /// Returns an error if a sample is not finite.
+#[doc(hidden)]
 pub fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
     match samples.iter().position(|v| !v.is_finite()) {
         None => Ok(()),

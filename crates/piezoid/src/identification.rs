@@ -230,14 +230,20 @@ impl IdentifyOptions {
             split: self.split.unwrap_or(usual.split),
             bins: self.bins.unwrap_or(usual.bins),
             reading: self.reading.unwrap_or(usual.reading),
-            swarm: swarm::SwarmSettings {
-                particles: self.particles.unwrap_or(usual.swarm.particles),
-                iterations: self.iterations.unwrap_or(usual.swarm.iterations),
-                seed: self.seed,
-                global_best: self.global_best.unwrap_or(usual.swarm.global_best),
-                ..usual.swarm
-            },
+            swarm: self.swarm(),
         })
+    }
+
+    /// How the swarm searches.
+    pub fn swarm(&self) -> swarm::SwarmSettings {
+        let usual = swarm::SwarmSettings::default();
+        swarm::SwarmSettings {
+            particles: self.particles.unwrap_or(usual.particles),
+            iterations: self.iterations.unwrap_or(usual.iterations),
+            seed: self.seed,
+            global_best: self.global_best.unwrap_or(usual.global_best),
+            ..usual
+        }
     }
 }
 

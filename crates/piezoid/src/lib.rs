@@ -24,6 +24,8 @@
 //! # Ok::<(), piezoid::Error>(())
 //! ```
 //!
+//! Without the feature `clarabel`, which is on by default, there is no estimator `least-absolute` and no `Solver::InteriorPoint`.
+//!
 //! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
 //! parameters, and the same input gives the same bytes.
 
@@ -41,14 +43,17 @@ pub mod hysteresis;
 mod identification;
 mod intervals;
 pub mod linear;
+#[doc(hidden)]
 pub mod number;
 pub mod optimize;
 mod options;
 pub mod plant;
+#[doc(hidden)]
 pub mod program;
 pub mod progress;
 mod quality;
 pub mod record;
+#[doc(hidden)]
 pub mod series;
 mod spline;
 pub mod system;

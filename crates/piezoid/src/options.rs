@@ -113,7 +113,8 @@ impl OptionRow {
         OptionRow { required: true, ..self }
     }
 
-    /// What it is where it is not given, in words: its value, or what holds without one. Empty where nothing is to be said.
+    /// What it is where it is not given, in words: its value, or what holds without one. Empty where nothing is to be
+    /// said.
     pub fn usual(&self) -> String {
         match (self.default)() {
             _ if self.required => String::new(),
@@ -121,7 +122,10 @@ impl OptionRow {
             Value::Bool(on) if self.values == OptionKind::Bit => u8::from(on).to_string(),
             Value::Array(several) if several.is_empty() => self.absent.into(),
             Value::String(text) => text,
-            value => value.to_string().trim_end_matches(".0").into(),
+            value => match value.as_f64() {
+                Some(small) if small != 0.0 && small.abs() < 1e-3 => format!("{small:e}"),
+                _ => value.to_string().trim_end_matches(".0").into(),
+            },
         }
     }
 
@@ -265,14 +269,14 @@ pub trait Options: Default + Serialize + DeserializeOwned {
 macro_rules! options {
     (
         $(#[$about:meta])*
-        pub struct $name:ident {
+        $public:vis struct $name:ident {
             $($(#[doc = $help:literal])+ $field:ident: $type:ty = $default:expr, $row:expr;)*
         } $(with $part:ident: $group:ty)*
     ) => {
         $(#[$about])*
         #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(default)]
-        pub struct $name {
+        $public struct $name {
             $($(#[doc = $help])+ pub $field: $type,)*
             $(
                 #[doc = concat!("See [`", stringify!($group), "`].")]
@@ -302,3 +306,59 @@ macro_rules! options {
 }
 
 pub(crate) use crate::options;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    options! {
+        /// One of each kind.
+        struct Each {
+            /// A count.
+            count: u32 = 3, OptionRow::new(OptionKind::Integer(1, 9));
+            /// A bit.
+            bit: bool = false, OptionRow::new(OptionKind::Bit);
+            /// A small number.
+            small: f64 = 5e-5, OptionRow::positive("s");
+            /// Two numbers.
+            pair: Option<(f64, f64)> = None, OptionRow::new(OptionKind::Pair);
+            /// Names.
+            names: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("NAME")).absent("all");
+        }
+    }
+
+    #[test]
+    fn values_become_what_their_fields_hold() {
+        let given = json!({"count": 4.0, "bit": 1, "small": 2, "pair": [0, 1.5], "names": "a"});
+        let each = Each::from_json(given).unwrap();
+        assert_eq!((each.count, each.bit, each.small, each.pair), (4, true, 2.0, Some((0.0, 1.5))));
+        assert_eq!(
+            (each.names, Each::from_json(json!({"pair": null})).unwrap()),
+            (vec!["a".to_string()], Each::default())
+        );
+        assert!(Each::default().changed().is_empty());
+        let changed = Each { bit: true, ..Each::default() }.changed();
+        assert_eq!(changed.iter().map(|(row, value)| (row.name, &**value)).collect::<Vec<_>>(), [("bit", "true")]);
+    }
+
+    #[test]
+    fn values_that_an_option_cannot_have_are_refused_with_its_name() {
+        for (name, value, rule) in [
+            ("count", json!(10), "count = 10: must be a whole number from 1 to 9"),
+            ("count", json!(2.5), "count = 2.5: must be a whole number from 1 to 9"),
+            ("bit", json!(2), "bit = 2: must be 0 (no) or 1 (yes)"),
+            ("small", json!(0), "small = 0: must be a positive number [s]"),
+            ("pair", json!([1]), "pair = [1]: must be two numbers"),
+            ("names", json!([1]), "names = [1]: must be one text or several"),
+        ] {
+            assert_eq!(Each::from_json(json!({ name: value })).unwrap_err().to_string(), rule);
+        }
+    }
+
+    #[test]
+    fn defaults_are_told_as_they_are_written() {
+        let told: Vec<String> = Each::rows().iter().map(OptionRow::usual).collect();
+        assert_eq!(told, ["3", "0", "5e-5", "", "all"]);
+    }
+}

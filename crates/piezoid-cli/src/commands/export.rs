@@ -53,11 +53,13 @@ impl Export {
         if self.output == Path::new("-") {
             bail!(Misused("-o names a folder: what is written is several files".into()));
         }
-        let model = files::read(&self.model)?;
+        let file = files::read(&self.model)?;
         let reference = self.reference.as_deref().map(files::read).transpose()?;
-        let model = model.model().map_err(failed)?;
+        let model = file.model().map_err(failed)?;
         let r = reference.as_ref().map(|file| file.reference(&columns, &model)).transpose().map_err(failed)?;
-        let made = options.run(&self.target, &model, r.as_deref(), compiler::here()).map_err(failed)?;
+        let made = options.run(&self.target, &model, r.as_deref(), compiler::here());
+        // Of a drive it is the reference that asks too much.
+        let made = made.map_err(|e| failed(e.about(&reference.as_ref().unwrap_or(&file).name)))?;
         host::write_all(&self.output, &made.files)?;
         for note in &made.notes {
             console.remark(note);

@@ -109,7 +109,7 @@ fn beside(model: &Model, console: &Console) -> String {
     if let Some(driver) = model.driver() {
         let lag = format!("a lag of {} ms", round(1e3 * driver.lag_s));
         let slew = driver.slew.map(|slew| format!(", at most {} {}/s", number(slew), model.units().u));
-        text += &console.paragraph(&format!("DriverModel: {lag}{}", slew.unwrap_or_default()), "  ");
+        text += &console.paragraph(&format!("Driver: {lag}{}", slew.unwrap_or_default()), "  ");
     }
     text
 }

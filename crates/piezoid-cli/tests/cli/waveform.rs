@@ -46,11 +46,11 @@ fn what_cannot_be_made_leaves_nothing_behind() {
     far.refused(&format!("{MAKE} -o scan")).says(&["r.csv: the reference cannot be reached", "--clip"]);
     let bench = bench(0.4);
     bench.misused(&format!("{MAKE} --range 0 120 -o scan")).says(&["--range 0 to 120 V: must hold the drive"]);
-    bench.misused("export --model model.json --target waveform -o scan").says(&["--reference", "waveform"]);
+    bench.misused("export --model model.json --target waveform -o scan").says(&["--reference", "must be given"]);
     bench.misused("export --model model.json --target c --reference r.csv -o scan").says(&["--reference", "waveform"]);
     bench
         .misused("export --model model.json --target fixed --float -o scan")
-        .says(&["--float is not for", "but for c,"]);
+        .says(&["--float: is not for", "but for c,"]);
     bench
         .misused("export --model model.json --target c --controller predictive -o scan")
         .says(&["--controller predictive", "no law to export"]);

@@ -1,16 +1,16 @@
-//! The words of C99 inside functions.
+//! The body of a function in C99.
 
 use super::{C, shortest};
 use crate::language::{KEYWORDS, Keywords, Language, Printer, less_one};
 use piezoid::program::{Block, Expr, Function, Place};
 
 impl C<'_> {
-    /// Whether this is a parameter, of which only states have fields.
+    /// True for a parameter; only states among them have fields.
     fn pointed(&self, function: &Function, root: &str) -> bool {
         function.takes.iter().any(|p| p.name == root)
     }
 
-    /// Whether a place is a state that was handed over by its address.
+    /// True for a state that is passed by address.
     fn addressed(&self, function: &Function, place: &Place) -> bool {
         self.pointed(function, &place.root) && place.path.is_empty()
     }
@@ -91,7 +91,7 @@ impl Language for C<'_> {
             }
             value => printer.expr(value),
         };
-        // C99 knows no constants among its variables, but who reads it should.
+        // C99 does not need `const` for local variables, but readers benefit.
         let changed = printer.function.changes(first);
         lines.push(format!("{}{kind} {first} = {value};", if changed { "" } else { "const " }));
         lines
@@ -103,7 +103,7 @@ impl Language for C<'_> {
         if !zero {
             return vec![copy];
         }
-        // No aggregate is initialised: compilers disagree on the braces.
+        // No aggregate initialiser: compilers disagree on the braces.
         let clear = self.rest(block, &format!("{name}."), true);
         std::iter::once(format!("{} {name};", self.state(block))).chain(clear).collect()
     }

@@ -1,7 +1,8 @@
-//! C99: a header and a source file without a heap, a library, or recursion.
+//! C99: a header and a source file without heap, libraries, or recursion.
 //!
-//! Every function is static but those of the interface; states are structs, which the caller owns; tables are constant. Arithmetic is
-//! that of the model here, in the same order, so that in double precision and without contraction the bits are the same.
+//! All functions except the interface are static. States are structs owned by the caller. Tables are constant. The
+//! arithmetic is that of the model, in the same order, so results in double precision without contraction are
+//! bit-identical.
 
 mod body;
 
@@ -23,40 +24,41 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     make: |request| {
         let whole = checked(request)?;
         let mut notes = whole.notes.clone();
-        if request.name().len() > TOLD_APART {
-            notes.push(format!("C99 promises to tell names apart by 31 letters, which one of more than {TOLD_APART} may leave too few of"));
+        if request.name().len() > LONGEST {
+            notes.push(format!(
+                "C99 guarantees only 31 significant characters in names: use a name of at most {LONGEST}"
+            ));
         }
         let c = C::of(&whole, request);
         let bytes = if request.options.float { 4 } else { 8 };
         let tables = whole.program.blocks.iter().flat_map(|b| &b.constants).map(|c| c.values.len());
-        let page = context! {
-            bytes => whole.entries.iter().map(|e| (e.state, whole.program.order(e.state) * bytes)).collect::<BTreeMap<_, _>>(),
-            constants => tables.sum::<usize>() * bytes,
-            ..c.template_context()
-        };
+        let constants = tables.sum::<usize>() * bytes;
+        let bytes =
+            whole.entries.iter().map(|e| (e.state, whole.program.order(e.state) * bytes)).collect::<BTreeMap<_, _>>();
+        let page = context! { bytes, constants, ..c.template_context() };
         Ok(Exported { files: c.files(render(template!("c/readme.md.j2"), page)?)?, notes })
     },
 };
 
-/// The longest name after which functions still differ within what C99 promises to look at.
-const TOLD_APART: usize = 31 - "_control_reset".len();
+/// The longest name for which function names differ within the characters that C99 guarantees.
+const LONGEST: usize = 31 - "_control_reset".len();
 
-/// What may not be a name: the words of the language, and what its functions would clash with.
+/// Reserved names: keywords, and names that would clash with those of the program.
 const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if inline \
     int long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while \
     main stdio math";
 
-/// What is exported, under a name that C has not taken.
+/// The exported program, under a name that is free in C.
 pub(super) fn checked(request: &ExportRequest) -> Result<ExportedProgram, Error> {
     named(request.name(), RESERVED)?;
     ExportedProgram::new(request)
 }
 
-/// The language.
+/// The printer.
 pub(super) struct C<'c> {
     pub(super) whole: &'c ExportedProgram,
     pub(super) request: &'c ExportRequest<'c>,
-    /// How numbers are counted, where they are not floating.
+    /// The fixed-point formats, if any.
     pub(super) counts: Option<&'c Fixed>,
 }
 
@@ -67,7 +69,7 @@ impl<'c> C<'c> {
 }
 
 impl C<'_> {
-    /// Header, source and self-test, and the page that goes with them.
+    /// Header, source, self-test and page.
     pub(super) fn files(&self, readme: String) -> Result<Vec<File>, Error> {
         let name = self.request.name();
         Ok(vec![
@@ -78,7 +80,7 @@ impl C<'_> {
         ])
     }
 
-    /// What templates are told.
+    /// The template context.
     pub(super) fn template_context(&self) -> Value {
         let all = template_context(self.request, self.whole, &|values| self.numbers(values));
         let counts = self.counts.map_or(context!(), Fixed::template_context);
@@ -86,7 +88,7 @@ impl C<'_> {
         context! { ..own, ..counts, ..all }
     }
 
-    /// The header: types and functions that are called from outside.
+    /// The header: types and functions of the interface.
     pub(super) fn header(&self) -> Result<String, Error> {
         let declared = |block: &Block, field: &Field| match (&field.holds, self.held(block, field)) {
             (FieldValue::Number(_), number) => format!("{number} {}", field.name),
@@ -148,13 +150,13 @@ impl C<'_> {
         }
     }
 
-    /// What puts the state of a block at rest, or makes it zero, line by line, field by field after `prefix`.
+    /// Lines that set the state of a block to rest, or to zero, for fields after `prefix`.
     fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
         let real = |value: f64| self.real(if zero { 0.0 } else { value });
         let line = |field: &Field| match (&field.holds, format!("{prefix}{}", field.name)) {
             (FieldValue::Block(inner), name) => self.rest(inner, &format!("{name}."), zero),
             (FieldValue::Number(value), name) => vec![format!("{name} = {};", real(*value))],
-            // All alike are set in a loop.
+            // Equal values are set in a loop.
             (FieldValue::Numbers(v), name) if zero || v.iter().all(|w| w.to_bits() == v[0].to_bits()) => {
                 let set = format!("    {name}[k] = {};", real(v[0]));
                 vec![format!("for (int k = 0; k < {}; k++) {{", v.len()), set, "}".into()]
@@ -174,24 +176,24 @@ impl C<'_> {
         }
     }
 
-    /// Numbers in lines, as a table has them.
+    /// The values of a table, in lines.
     fn numbers(&self, values: &[f64]) -> String {
         wrapped(&values.iter().map(|v| self.real(*v)).collect::<Vec<_>>())
     }
 
-    /// Numbers with a name in a function.
+    /// The type of local numbers.
     fn number_in(&self, function: &Function) -> &'static str {
         let passes_on = self.counts.is_some() && PLAIN.contains(&function.name.as_str());
         if passes_on { "int64_t" } else { self.number() }
     }
 
-    /// Numbers in a field.
+    /// The type of a field.
     fn held(&self, block: &Block, field: &Field) -> &'static str {
         let long = self.counts.is_some_and(|fixed| fixed.is_long(&block.name, &field.name));
         if long { "int64_t" } else { self.number() }
     }
 
-    /// A name of this file, which no other file has.
+    /// A name with the prefix of the export.
     pub(super) fn own(&self, name: &str) -> String {
         format!("{}_{name}", self.request.name())
     }
@@ -202,7 +204,7 @@ impl C<'_> {
     }
 }
 
-/// Lines of a comment.
+/// A comment.
 fn comment(lines: &[String]) -> String {
     format!("/* {} */\n", lines.join("\n   ").replace("*/", "* /"))
 }
@@ -221,13 +223,13 @@ pub(super) fn wrapped(values: &[String]) -> String {
     out + &line + "\n"
 }
 
-/// As wide as lines of code are.
+/// Line width.
 const WIDE: usize = 120;
 
-/// A line of code, in several where it is too long: before an operator, or after a comma.
+/// A line of code, broken before an operator or after a comma if it is too long.
 fn broken(line: &str) -> String {
     let indent = line.len() - line.trim_start().len();
-    // What a comment goes on with stands under its first word.
+    // Continued comments are not indented by a multiple of 4.
     let code = indent.is_multiple_of(4) && !line.trim_start().starts_with(['/', '#']);
     let (mut out, mut left) = (String::new(), line.to_owned());
     while code && left.len() > WIDE {
@@ -245,10 +247,10 @@ fn broken(line: &str) -> String {
     format!("{out}{left}\n")
 }
 
-/// Before which a line may be broken.
+/// Operators before which a line may be broken.
 const OPERATORS: &[&str] = &["+", "-", "*", "/", "<", "<=", ">", ">=", "==", "!=", "&&", "||", "?", ":"];
 
-/// The shortest text that is read back as this number.
+/// The shortest text that is parsed as this number.
 pub(super) fn shortest(value: f64, single: bool) -> String {
     if single { format!("{:?}", value as f32) } else { format!("{value:?}") }
 }
@@ -258,7 +260,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_lines_of_code_are_broken_where_nothing_changes_and_comments_are_not() {
+    fn long_lines_of_code_are_broken_and_comments_are_not() {
         let sum = format!("    x = f({}, {});", "a".repeat(80), "b".repeat(40));
         let [first, second] = [0, 1].map(|n| broken(&sum).lines().nth(n).unwrap().to_owned());
         assert!(first.ends_with("a,") && second == format!("        {});", "b".repeat(40)), "{first}\n{second}");

@@ -1,4 +1,4 @@
-//! Where a program is taken to see how large its numbers become, and how far off counts are.
+//! Test runs of a program for the range of its numbers and for the error of integers.
 
 use super::formats::{adding, fields, fitting};
 use super::number::counts;
@@ -8,18 +8,18 @@ use crate::vectors::{turned, wander};
 use piezoid::series::ends;
 use piezoid::system::System;
 
-/// Samples of each part of a journey.
+/// Number of samples in each part of a run.
 pub(super) const PART: usize = 500;
 
-/// The journeys of an entry: the same inputs from several states.
+/// The test runs of an entry: the same inputs from several states.
 pub(super) struct TestInputs {
-    /// The states they start from: at rest, and where all that is slow has come to at both ends.
+    /// The initial states: at rest, and with the slow parts settled at both ends.
     pub(super) starts: Vec<Vec<f64>>,
-    /// Over all that the model knows and a tenth more they wander, jump, and sweep from slow to fast.
+    /// Inputs over the range of the model and a tenth more: they wander, jump, and sweep from low to high frequency.
     pub(super) inputs: Vec<Vec<f64>>,
 }
 
-/// The journeys of each entry.
+/// The test runs of each entry.
 pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> Vec<TestInputs> {
     let model = request.model;
     let (low, high) = model.known_inputs().unwrap_or((-1.0, 1.0));
@@ -40,7 +40,7 @@ pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> V
                 ("creep", _) => z,
                 ("linear", "inputs") => crept,
                 ("linear", _) if model.linear().dc_gain().is_finite() => model.linear().dc_gain() * crept,
-                // An integral can be as large as what it drives.
+                // An integral can become as large as its output.
                 ("control_state", _) if long.contains(field) => u,
                 _ => *at_rest,
             };
@@ -56,16 +56,17 @@ pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> V
     whole.entries.iter().map(of).collect()
 }
 
-/// The nearest numbers that are whole counts in any format, so that what is equal in double precision is equal in counts too.
+/// The nearest numbers that are integer counts in any format, so that values equal in double precision are equal in
+/// counts.
 fn in_counts(values: Vec<f64>) -> Vec<f64> {
     let exponent = fitting(values.iter().fold(0.0, |most, v| v.abs().max(most))) + COARSER;
     values.into_iter().map(|v| counts(v, exponent) * 2f64.powi(exponent)).collect()
 }
 
-/// How many bits less.
+/// Bits that are dropped for that.
 const COARSER: i32 = 8;
 
-/// Jumps to anywhere, and to the ends, each kept for up to 16 samples.
+/// Jumps to random levels and to the ends, each held for up to 16 samples.
 fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let (mut state, mut level, mut left) = (1u64, low, 0);
     (0..n)
@@ -82,7 +83,7 @@ fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
         .collect()
 }
 
-/// A sine that goes from standing still to half the sampling rate: sums and products alone, for the same bits on every machine.
+/// A sine sweep from 0 to half the sampling rate. Only sums and products, so that all machines agree bit by bit.
 fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
     // By pi / 500 in each sample.
     let faster = (0.9999802608561371, 0.006283143965558951);

@@ -1,16 +1,16 @@
-//! How much a count is worth: a power of two for every number a program names, by the largest it ever holds.
+//! Scales of fixed-point numbers: a power of two for every named number, from its largest value in a run.
 
 use piezoid::program::{Expr, FieldValue, Function, Machine, Op, Place, Program, Statement, ValueType};
 use std::collections::HashMap;
 
-/// A number with a name, or what a function gives.
+/// A named number, or a result of a function.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) enum Key {
-    /// A variable, parameter or room of a function.
+    /// A variable, parameter or array of a function.
     Local(String, String),
     /// A field of a block.
     Field(String, String),
-    /// What a function gives, in order.
+    /// A result of a function, by its position.
     Gives(String, usize),
 }
 
@@ -19,36 +19,33 @@ pub(crate) enum Key {
 pub(crate) struct Formats {
     largest: HashMap<Key, f64>,
     expressions: HashMap<*const Expr, f64>,
-    /// Fields that add to themselves, of 64 bits: what they gain in a sample may be far less than a count.
+    /// Accumulating fields, which have 64 bits: their change per sample may be far less than a count.
     long: Vec<(String, String)>,
 }
 
-/// Functions that compare and pass on, whatever a count of theirs is worth.
+/// Functions that only compare and pass on numbers, independent of their scale.
 pub(crate) const PLAIN: &[&str] = &["clamp", "magnitude", "way"];
 
-/// More bits of what adds to itself.
+/// Additional bits of accumulating fields.
 pub(crate) const MORE: i32 = 20;
 
-/// The exponent of a count, so that numbers up to `largest` are at most 2^30: what is up to twice as large still fits in 32 bits.
+/// The exponent for which numbers up to `largest` are at most 2^30, so that twice as large ones still fit in 32 bits.
 pub(crate) fn fitting(largest: f64) -> i32 {
     if largest > 0.0 { above(largest) - 30 } else { -30 }
 }
 
-/// The least power of two above `v` > 0.
+/// The smallest power of two above `v` > 0.
 pub(crate) fn above(v: f64) -> i32 {
     ((v.to_bits() >> 52) & 0x7FF) as i32 - 1022
 }
 
 impl Formats {
-    /// Of what machines have seen at work.
+    /// The formats by the largest values in the runs of these machines.
     pub(crate) fn of(program: &Program, machines: &[Machine]) -> Self {
-        let mut formats = Formats { long: adding(program), ..Formats::default() };
+        let mut formats = Formats { long: adding(program), ..Default::default() };
         for function in program.functions.iter().filter(|f| !PLAIN.contains(&f.name.as_str())) {
             function.expressions(&mut |expr| {
-                let seen = machines
-                    .iter()
-                    .filter_map(|m| m.largest(expr))
-                    .fold(None, |a: Option<f64>, b| Some(a.map_or(b, |a| a.max(b))));
+                let seen = machines.iter().filter_map(|m| m.largest(expr)).reduce(f64::max);
                 seen.map(|seen| formats.expressions.insert(expr, seen));
             });
         }
@@ -62,7 +59,7 @@ impl Formats {
                 formats.raise(Key::Field(block.name.clone(), field.name.clone()), at_rest);
             }
         }
-        // What passes through a pair of numbers has one format on both sides.
+        // The results of a function with several results have the same format inside and outside.
         for _ in 0..3 {
             program.functions.iter().for_each(|function| formats.gather(program, function));
         }
@@ -100,13 +97,13 @@ impl Formats {
         });
     }
 
-    /// Makes room for numbers as large as `most`.
+    /// Extends the range of a number to `most`.
     pub(crate) fn raise(&mut self, key: Key, most: f64) {
         let largest = self.largest.entry(key).or_insert(0.0);
         *largest = largest.max(most);
     }
 
-    /// The largest that is known of a number.
+    /// The largest known value of a number.
     pub(crate) fn most(&self, key: &Key) -> f64 {
         self.largest.get(key).copied().unwrap_or(0.0)
     }
@@ -116,7 +113,7 @@ impl Formats {
         fitting(self.most(key)) - if matches!(key, Key::Field(b, f) if self.is_long(b, f)) { MORE } else { 0 }
     }
 
-    /// The exponent of what an expression gives, if it was ever reached.
+    /// The exponent of the result of an expression, if it was ever evaluated.
     pub(crate) fn given(&self, expr: &Expr) -> Option<i32> {
         self.expressions.get(&std::ptr::from_ref(expr)).map(|largest| fitting(*largest))
     }
@@ -125,13 +122,13 @@ impl Formats {
         self.expressions.get(&std::ptr::from_ref(expr)).copied().unwrap_or(0.0)
     }
 
-    /// Whether a field has 64 bits.
+    /// True if a field has 64 bits.
     pub(crate) fn is_long(&self, block: &str, field: &str) -> bool {
         self.long.iter().any(|(b, f)| b == block && f == field)
     }
 }
 
-/// What stands at a place of a function.
+/// The number at a place of a function.
 pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key {
     let Some((last, path)) = place.path.split_last() else {
         return Key::Local(function.name.clone(), place.root.clone());
@@ -158,7 +155,7 @@ pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key 
     Key::Field(block.to_owned(), last.clone())
 }
 
-/// Fields that add to themselves.
+/// The accumulating fields.
 pub(crate) fn adding(program: &Program) -> Vec<(String, String)> {
     let mut long = Vec::new();
     for function in &program.functions {
@@ -175,7 +172,7 @@ pub(crate) fn adding(program: &Program) -> Vec<(String, String)> {
     long
 }
 
-/// The block and the field of each number in the state of a block, in order.
+/// The block and field of each number in the state of a block, in order.
 pub(crate) fn fields(program: &Program, block: &str) -> Vec<(String, String)> {
     let fields = program.block(block).map_or(&[][..], |b| &b.fields);
     let own = |name: &str| (block.to_owned(), name.to_owned());

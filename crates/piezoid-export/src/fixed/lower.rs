@@ -1,28 +1,28 @@
-//! A program in whole counts for one in real numbers.
+//! Rewrites a program for real numbers with integers.
 //!
 //! ```text
-//! v = n 2^e           n: the count, in 32 bits; e: known for every name before the program runs
-//! a + b               both as counts of the finer of the two, in 64 bits
-//! a b                 n_a n_b in 64 bits, then once to the nearest count of what it goes to
-//! a / b               n_a 2^s / n_b in 64 bits, to the nearest
+//! v = n 2^e           n: the count, in 32 bits; e: fixed for every named number
+//! a + b               both with the finer exponent, in 64 bits
+//! a b                 n_a n_b in 64 bits, then rounded once to the exponent of the result
+//! a / b               n_a 2^s / n_b in 64 bits, rounded
 //! ```
-//! How many bits a number may take is known too, whatever the inputs: what is computed never takes more than 62, and is held within
-//! the ends of 32 where it is given a name. Fields that add to themselves keep 20 bits more. `epsilon` is 2^-30. Other limits of
-//! floating-point numbers have no meaning in counts: programs that use them are refused.
+//! The largest number of bits is fixed too, for all inputs: intermediate results need at most 62 bits, and named
+//! numbers are clamped to 32. Accumulating fields have 20 more bits. `epsilon` is 2^-30. The other limits of
+//! floating-point numbers have no meaning for integers: programs that use them are errors.
 
 use super::formats::{Formats, Key, MORE, PLAIN, above, fitting, key};
 use super::number::{NARROW, Number, WIDE, WIDEST, aligned, binary, call, counts, power, sum};
 use piezoid::error::Error;
 use piezoid::program::{Block, Expr, FieldValue, Function, Limit, Op, Place, Program, Statement, ValueType};
 
-/// Whether something holds.
+/// A condition.
 #[derive(Debug)]
 enum Condition {
     Always,
     If(Expr),
 }
 
-/// The program in counts.
+/// The program with integers.
 pub(super) fn lowered(program: &Program, formats: &Formats) -> Result<Program, Error> {
     let blocks = program.blocks.iter().map(|block| in_counts(block, formats)).collect();
     let functions = program.functions.iter().map(|function| {
@@ -34,7 +34,7 @@ pub(super) fn lowered(program: &Program, formats: &Formats) -> Result<Program, E
     Ok(Program { blocks, functions: functions.collect::<Result<_, _>>()? })
 }
 
-/// What a constant's counts are worth.
+/// The exponent of a constant.
 fn of_constant(values: &[f64]) -> i32 {
     fitting(values.iter().fold(0.0, |most, v| v.abs().max(most)))
 }
@@ -136,7 +136,7 @@ impl Lowering<'_> {
         if expr.whole() { self.whole(expr) } else { self.stored(expr, to) }
     }
 
-    /// An expression as the counts of what it goes to, held within its ends.
+    /// An expression with the exponent of its destination, clamped to its range.
     fn stored(&self, expr: &Expr, to: &Key) -> Result<Expr, Error> {
         let exponent = self.formats.exponent(to);
         let number = self.real(expr, Some(exponent))?;
@@ -164,7 +164,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// A number; in products and quotients, in counts of the worth that is wanted if there is room.
+    /// A number; products and quotients have the exponent `wanted` if the bits allow.
     fn real(&self, expr: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
         if let Some(v) = literal(expr) {
             return Ok(Number::literal(v));
@@ -218,11 +218,13 @@ impl Lowering<'_> {
                     _ => sum(*op, left, right),
                 }
             }
-            Expr::Real(_) | Expr::Integer(_) | Expr::Part(_) => return unsuited(format!("{expr:?} is no real number")),
+            Expr::Real(_) | Expr::Integer(_) | Expr::Part(_) => {
+                return unsuited(format!("{expr:?} is not a real number"));
+            }
         })
     }
 
-    /// A factor in 32 bits, of its own largest size.
+    /// A factor in 32 bits, scaled to its own largest value.
     fn factor(&self, expr: &Expr) -> Result<Number, Error> {
         let given = self.formats.given(expr);
         let number = self.real(expr, given)?;
@@ -236,7 +238,7 @@ impl Lowering<'_> {
 
     fn product(&self, left: &Expr, right: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
         for (one, other) in [(left, right), (right, left)] {
-            // A power of two is in what a count is worth.
+            // A power of two changes only the exponent.
             if let Some(v) = literal(one)
                 && v > 0.0
                 && v == power(above(v) - 1)
@@ -267,7 +269,7 @@ impl Lowering<'_> {
 
     fn holds(&self, expr: &Expr) -> Result<Condition, Error> {
         let Expr::Binary(op, left, right) = expr else {
-            return unsuited(format!("`{}` has a condition that is none", self.function.name));
+            return unsuited(format!("`{}` has an invalid condition", self.function.name));
         };
         Ok(match op {
             Op::And | Op::Or => match (self.holds(left)?, self.holds(right)?) {
@@ -275,7 +277,7 @@ impl Lowering<'_> {
                 (Condition::If(holds), _) | (_, Condition::If(holds)) if *op == Op::And => Condition::If(holds),
                 _ => Condition::Always,
             },
-            // Counts are always numbers.
+            // Integers are always finite.
             Op::AtMost if **right == Expr::Limit(Limit::Most) => Condition::Always,
             _ if left.whole() => Condition::If(binary(*op, self.whole(left)?, self.whole(right)?)),
             _ => {
@@ -290,7 +292,7 @@ impl Lowering<'_> {
     }
 }
 
-/// What an expression is in every run.
+/// The value of a constant expression.
 fn literal(expr: &Expr) -> Option<f64> {
     match expr {
         Expr::Real(v) => Some(*v),
@@ -315,7 +317,7 @@ mod tests {
     use super::*;
     use piezoid::program::Machine;
 
-    /// The program of a text, as it is and in counts, and its formats, after these inputs.
+    /// The program of a text with real numbers, its formats after these inputs, and the program with integers.
     fn both(text: &str, inputs: &[f64]) -> (Program, Formats, Program) {
         let block = Block::new("sum", "all so far").number("total", 0.0).text(text);
         let program = Program::new(vec![piezoid::program::Block::elementary(), block]).unwrap();
@@ -331,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_gained_below_a_count_of_32_bits_is_not_lost() {
+    fn changes_below_a_32_bit_count_accumulate() {
         let text = "fn sum(x: sum, u) { x.total += 1e-9 * (u - x.total); return x.total; }";
         let (program, formats, counted) = both(text, &[1.0; 1000]);
         assert!(formats.is_long("sum", "total"));
@@ -347,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_far_beyond_what_was_seen_is_held_at_the_end() {
+    fn values_far_above_the_known_range_are_clamped() {
         let text = "fn sum(x: sum, u) { x.total = u * u * u; return x.total + u; }";
         let (_, _, counted) = both(text, &[0.5, 1.0]);
         let mut machine = Machine::new(&counted, "sum", false);
@@ -357,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_of_floating_point_are_refused_but_where_they_ask_whether_a_number_is_one() {
+    fn limits_of_floating_point_are_errors_except_in_checks_for_finite_numbers() {
         let text = "fn sum(x: sum, u) { if magnitude(u) <= most { x.total = u; } return x.total; }";
         let (_, _, counted) = both(text, &[1.0]);
         let step = &counted.function("sum").unwrap().steps[0];

@@ -1,14 +1,15 @@
-//! Fixed point: a header and a source file in C99 that count in whole numbers, for cores without a floating-point unit and as what
-//! a circuit is checked against.
+//! Fixed point: a header and a source file in C99 with integer arithmetic, for cores without a floating-point unit, and
+//! as a reference for circuits.
 //!
 //! ```text
-//! v = n 2^e        n: int32_t, e fixed for every number with a name
+//! v = n 2^e        n: int32_t, e fixed for every named number
 //! ```
-//! The program is run in double precision along inputs that wander, jump and sweep over everything the model knows and a tenth
-//! more; the largest size of each number gives its e ([`formats`]). It is then written anew in counts ([`lower`]), and that is what is
-//! printed, run here for the vectors, and held against double precision. What it is off by more than 1e-4 of the stroke is refused.
+//! The program runs in double precision along inputs that wander, jump and sweep over the input range of the model and
+//! a tenth more. The largest absolute value of each number gives its e ([`formats`]). The program is then rewritten
+//! with integers ([`lower`]). That program is printed, run for the vectors, and compared with double precision. An
+//! error above 1e-4 of the stroke is refused.
 //!
-//! It does not do: Newton's method, so that there is a feed-forward only where the inverse of the hysteresis is closed.
+//! It does not do: Newton's method; there is a feed-forward only if the inverse of the hysteresis has a closed form.
 
 mod excursion;
 mod formats;
@@ -35,7 +36,7 @@ use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "fixed",
-    summary: "a header and a source file in C99 that count in whole numbers, with a self-test and the error",
+    summary: "fixed-point C99: header, source file and self-test, with the error",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
     takes: &["preview", "controller", "late", "gain_margin", "phase_margin"],
     make: |request| {
@@ -48,19 +49,19 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     },
 };
 
-/// The largest error there may be, over the stroke.
+/// Largest allowed error, over the stroke.
 const MOST: f64 = 1e-4;
 
-/// What is exported, in counts.
+/// The exported program with integers.
 pub(super) struct Fixed {
     whole: ExportedProgram,
     formats: Formats,
     errors: Vec<CountingError>,
 }
 
-/// How far off counts are.
+/// Error of the fixed-point program.
 struct CountingError {
-    /// Root of the mean square of the difference to double precision, over the stroke.
+    /// Rms difference to double precision, over the stroke.
     rms: f64,
     /// The largest difference, over the stroke.
     most: f64,
@@ -114,7 +115,7 @@ impl Fixed {
             let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &given)).collect::<Vec<_>>();
             let unit = 2f64.powi(formats.exponent(&gives(entry)));
             let (low, high) = ends(exact[0][..PART].iter().copied());
-            // Of slow models the inputs leave the ends before they come there.
+            // With slow models the inputs leave the ends before the outputs arrive there.
             let stroke = (high - low).max(exact[2][0] - exact[1][0]);
             let (mut squares, mut most, excursion) = (0.0, 0.0f64, rows(inputs));
             for (start, exact) in starts.iter().zip(&exact) {
@@ -141,12 +142,12 @@ impl Fixed {
         Ok(Fixed { whole: counted, formats, errors })
     }
 
-    /// Whether a field has 64 bits.
+    /// True if a field has 64 bits.
     pub(super) fn is_long(&self, block: &str, field: &str) -> bool {
         self.formats.is_long(block, field)
     }
 
-    /// Names of signals, how many bits of a count of theirs are fractions of the unit, and what it is worth.
+    /// Names of signals, their fractional bits, and the value of a count.
     fn ports(&self) -> Vec<(&'static str, i32, String)> {
         let mut ports = Vec::new();
         for entry in &self.whole.entries {
@@ -159,9 +160,9 @@ impl Fixed {
         ports
     }
 
-    /// What templates are told of counts: what each is worth, and how far off they are.
+    /// The template context: the value of a count of each signal, and the errors.
     pub(super) fn template_context(&self) -> Value {
-        let error = |(entry, proof): (&Entry, &CountingError)| context! { step => entry.step, rms => proof.rms, most => proof.most };
+        let error = |(entry, error): (&Entry, &CountingError)| context! { step => entry.step, rms => error.rms, most => error.most };
         let port = |(name, bits, worth): (&'static str, i32, String)| {
             context! { name, bits, worth, end => 2f64.powi(31 - bits) }
         };
@@ -184,23 +185,24 @@ impl Fixed {
     }
 }
 
-/// What a machine answers from a state on.
+/// Runs a machine from a state.
 fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
     machine.state().copy_from_slice(start);
     inputs.iter().map(|row| Ok(machine.call(entry.step, row)?[0])).collect()
 }
 
-/// What is given to the outside.
+/// The output of an entry.
 fn gives(entry: &Entry) -> Key {
     Key::Gives(entry.step.into(), 0)
 }
 
-/// What is given from outside.
+/// An input of an entry.
 fn outside(entry: &Entry, input: &str) -> Key {
     Key::Local(entry.step.into(), input.into())
 }
 
-/// Leaves the closed inverse alone, or the feed-forward out if there is none: Newton's method needs floating point.
+/// Keeps only the closed form of the inverse, or removes the feed-forward if there is none: Newton's method needs
+/// floating point.
 fn closed_alone(whole: &mut ExportedProgram) {
     let closed = whole.program.function("hysteresis_closed").is_some();
     let inverse = whole.program.functions.iter_mut().find(|f| f.name == "hysteresis_inverse");
@@ -233,7 +235,7 @@ fn keep(whole: &mut ExportedProgram) {
 }
 
 impl Formats {
-    /// One format for all that has the unit of the input, and one for all that has that of the output.
+    /// Gives one format to all signals with the unit of the input, and one to all with that of the output.
     fn join(&mut self, whole: &ExportedProgram, test_inputs: &[TestInputs]) {
         let mut ports: Vec<(&str, Key, f64)> = Vec::new();
         for (entry, TestInputs { inputs, .. }) in whole.entries.iter().zip(test_inputs) {

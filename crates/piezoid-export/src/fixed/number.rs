@@ -1,24 +1,24 @@
-//! Counts on their way: what they are worth, and how many bits they may take.
+//! Intermediate fixed-point numbers: their scale and the bits they need.
 
 use super::formats::{above, fitting};
 use piezoid::program::{Expr, Op};
 
-/// Bits of a number with a name.
+/// Bits of a named number.
 pub(super) const NARROW: i32 = 31;
-/// Bits of what is added and compared.
+/// Bits of sums and comparisons.
 pub(super) const WIDE: i32 = 52;
-/// Bits of products, and of numerators.
+/// Bits of products and numerators.
 pub(super) const WIDEST: i32 = 62;
 
-/// A number on its way: counts of 2^exponent, and at most 2^bits of them.
+/// An intermediate number: counts of 2^exponent, at most 2^bits of them.
 #[derive(Debug, Clone)]
 pub(super) struct Number {
     pub(super) expr: Expr,
     pub(super) exponent: i32,
     pub(super) bits: i32,
-    /// Whether it has the type of 64 bits.
+    /// True if it has 64 bits.
     pub(super) wide: bool,
-    /// What it is exactly, if it stands in the text.
+    /// Its exact value, if it is a literal.
     pub(super) literal: Option<f64>,
 }
 
@@ -53,7 +53,7 @@ impl Number {
         Number { expr, exponent, bits, wide: true, literal: None }
     }
 
-    /// The bits it takes in counts of another worth.
+    /// The bits it needs with another exponent.
     pub(super) fn bits(&self, exponent: i32) -> i32 {
         match self.literal {
             Some(0.0) => 0,
@@ -63,7 +63,7 @@ impl Number {
         }
     }
 
-    /// In counts of another worth, held within [`WIDE`] bits where those are finer.
+    /// Converted to another exponent; clamped to [`WIDE`] bits if that is finer.
     pub(super) fn to(self, exponent: i32) -> Self {
         let (bits, finer) = (self.bits(exponent), self.exponent - exponent);
         if let Some(v) = self.literal {
@@ -75,7 +75,7 @@ impl Number {
             _ if finer < -WIDEST => Expr::Real(0.0),
             _ if finer < 0 => call("shift", vec![self.expr, Expr::Integer(finer.unsigned_abs() as usize)]),
             _ if bits <= WIDE => binary(Op::Multiply, self.long(), Expr::Real(power(finer))),
-            // What is held there is far beyond what it goes to.
+            // The clamped range is far beyond that of the result.
             _ => {
                 let end = power((WIDE - finer).max(0)) - 1.0;
                 let held = call("clamp", vec![self.expr, Expr::Real(-end), Expr::Real(end)]);
@@ -85,12 +85,12 @@ impl Number {
         Number::computed(expr, exponent, bits.min(WIDE))
     }
 
-    /// As an expression of 64 bits.
+    /// An expression of 64 bits.
     pub(super) fn long(self) -> Expr {
         if self.wide { self.expr } else { call("wide", vec![self.expr]) }
     }
 
-    /// As an expression of 32 bits with counts of this worth.
+    /// An expression of 32 bits with this exponent.
     pub(super) fn narrow(self, exponent: i32) -> Expr {
         let there = self.to(exponent);
         match there.expr {
@@ -101,7 +101,7 @@ impl Number {
     }
 }
 
-/// Both in counts of the finer worth, as far as there is room.
+/// All with the finest exponent among them, as far as the bits allow.
 pub(super) fn aligned(numbers: Vec<Number>) -> Vec<Number> {
     let named = numbers.iter().filter(|n| n.literal.is_none());
     let exponent = named.map(|n| n.exponent).min().unwrap_or(-30);

@@ -1,19 +1,21 @@
-//! Functional mock-up units for co-simulation: what every system simulator imports.
+//! Functional mock-up units for co-simulation, which every system simulator imports.
 //!
-//! An FMU is a zip file: a description of its variables in XML, C sources, and a shared library where a compiler is at hand. Each
-//! entry of the program is one FMU: the model `NAME.fmu`, its feed-forward `NAME_ff.fmu`, its controller `NAME_control.fmu`.
+//! An FMU is a zip file: a description of its variables in XML, C sources, and a shared library if there is a compiler.
+//! Each entry of the program is one FMU: the model `NAME.fmu`, its feed-forward `NAME_ff.fmu`, its controller
+//! `NAME_control.fmu`.
 //!
 //! ```text
 //! modelDescription.xml      units, start values, causality, structure
-//! documentation/index.html  the same for people
-//! sources/                  NAME.h, NAME.c as of the target `c`, and NAME_fmu.c around them
+//! documentation/index.html  the same as a page
+//! sources/                  NAME.h, NAME.c as for the target `c`, and the wrapper NAME_fmu.c
 //! binaries/                 the shared library
 //! ```
-//! All of it is bytes, the same whenever they are made; what compiles the sources is handed in ([`Compiler`](super::Compiler)).
+//! The bytes are reproducible. The compiler is an argument ([`Compiler`](super::Compiler)).
 //!
-//! A step is a whole number of samples, the input held: what is set at t_k and answered after the step to t_k + Ts is the sample that
-//! `simulate` gives at t_k. States can be set before the run, kept, serialised and brought back. There are no derivatives, no events,
-//! no interpolation of inputs, and no model exchange: the model is a difference equation.
+//! A step is a whole number of samples with a held input. An input set at t_k gives, after the step to t_k + Ts, the
+//! sample that `simulate` computes at t_k. States can be set before the run, saved, serialised and restored. There are
+//! no derivatives, no events, no interpolation of inputs, and no model exchange, because the model is a difference
+//! equation.
 //!
 //! Reference: Functional Mock-up Interface 2.0.5 and 3.0.2, Modelica Association, <https://fmi-standard.org>.
 
@@ -44,15 +46,15 @@ pub(super) const FMI3: ExportTarget = ExportTarget {
     make: |request| make(request, &VERSION_3),
 };
 
-/// What differs between the versions of the standard.
+/// The differences between the versions of the standard.
 struct Version {
-    /// As it is written.
+    /// The version number.
     number: &'static str,
     /// Its types and functions in C.
     functions: &'static str,
     /// modelDescription.xml.
     description: Template,
-    /// sources/buildDescription.xml, where there is one.
+    /// sources/buildDescription.xml, if any.
     build: Option<Template>,
     /// The folder of binaries for a machine such as `x86_64-linux`.
     folder: fn(platform: &str) -> &str,
@@ -67,7 +69,7 @@ const VERSION_2: Version = Version {
         "x86_64-linux" => "linux64",
         "x86_64-windows" => "win64",
         "x86_64-darwin" => "darwin64",
-        // This version names no others.
+        // This version defines no others.
         platform => platform,
     },
 };
@@ -80,17 +82,17 @@ const VERSION_3: Version = Version {
     folder: |platform| platform,
 };
 
-/// One FMU on its way.
+/// One FMU.
 struct Fmu<'f> {
     request: &'f ExportRequest<'f>,
     version: &'f Version,
     /// The program with one entry.
     whole: ExportedProgram,
-    /// What file, library and model are called.
+    /// Name of file, library and model.
     name: String,
 }
 
-/// Headers of C, which that of the model would stand before.
+/// Headers of C that a header of the same name would hide.
 const HEADERS: &str = "float stdbool stddef stdint stdio stdlib string";
 
 fn make(request: &ExportRequest, version: &Version) -> Result<Exported, Error> {
@@ -102,14 +104,14 @@ fn make(request: &ExportRequest, version: &Version) -> Result<Exported, Error> {
         let mut files = fmu.files()?;
         match fmu.library(&files) {
             Ok(library) => files.push(library),
-            Err(why) => made.notes.push(format!("{}.fmu has sources alone: {why}", fmu.name)),
+            Err(why) => made.notes.push(format!("{}.fmu contains sources only: {why}", fmu.name)),
         }
         made.files.push(File { name: format!("{}.fmu", fmu.name), bytes: packed(&files)? });
     }
     Ok(made)
 }
 
-/// What made it.
+/// The generating tool.
 const TOOL: &str = concat!("piezoid ", env!("CARGO_PKG_VERSION"));
 
 /// The folder of the sources.
@@ -122,16 +124,16 @@ impl<'f> Fmu<'f> {
         Fmu { request, version, whole, name: entry.named(request.name()) }
     }
 
-    /// All but the library.
+    /// All files except the library.
     fn files(&self) -> Result<Vec<File>, Error> {
         let (request, version, model) = (self.request, self.version, self.request.model);
         let own = context! {
             fmu => &self.name, version => version.number, tool => TOOL, known => model.identified().map(|known| known.u),
         };
         let variables = variables::template_context(request, &self.whole.program, &self.whole.entries[0]);
-        let told = context! { ..own, ..variables, ..template_context(request, &self.whole, &|_| String::new()) };
-        let text = |template, token: &str| render(template, context! { token, ..told.clone() });
-        // What is particular to this one, what all have in common, and the functions of the version.
+        let all = context! { ..own, ..variables, ..template_context(request, &self.whole, &|_| String::new()) };
+        let text = |template, token: &str| render(template, context! { token, ..all.clone() });
+        // The part of this FMU, the common part, and the functions of the version.
         let wrapper = |token: &str| {
             let head = text(template!("fmu/wrapper.c.j2"), token)?;
             Ok([&head, include_str!("instance.c"), include_str!("kept.c"), version.functions].join("\n"))
@@ -152,9 +154,9 @@ impl<'f> Fmu<'f> {
         Ok(files)
     }
 
-    /// The library of the sources among these files.
+    /// The library compiled from the sources among these files.
     fn library(&self, files: &[File]) -> Result<File, Error> {
-        let none = "no C compiler is at hand; who imports it has to compile them";
+        let none = "no C compiler was found; the importing tool must compile the sources";
         let compiler = self.request.compiler.ok_or_else(|| Error::Content(none.into()))?;
         let source = |file: &File| {
             let name = file.name.strip_prefix(SOURCES)?;
@@ -171,7 +173,7 @@ impl<'f> Fmu<'f> {
     }
 }
 
-/// What description and library know each other by: a hash of all they are made from (FNV-1a of 128 bits).
+/// The identifier shared by description and library: a hash of all they are made from (FNV-1a of 128 bits).
 fn token(text: &str) -> String {
     let start: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     let hash = text.bytes().fold(start, |hash, byte| (hash ^ u128::from(byte)).wrapping_mul((1 << 88) + 0x13b));
@@ -179,7 +181,7 @@ fn token(text: &str) -> String {
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }
 
-/// A zip file of these files, stored, without times: the same bytes whenever it is made.
+/// A zip file of these files, stored without times, so that its bytes are reproducible.
 fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
     let unpacked = |error: &dyn std::fmt::Display| Error::Content(format!("the FMU cannot be packed: {error}"));
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
@@ -196,7 +198,7 @@ fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Compiler, target};
+    use super::super::Compiler;
     use super::*;
     use piezoid::hammerstein::Model;
     use piezoid::hysteresis::Operator;
@@ -212,7 +214,8 @@ mod tests {
     }
 
     fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
-        (target(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") }).unwrap()
+        (ExportTarget::find(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") })
+            .unwrap()
     }
 
     fn by(run: fn(&[File]) -> Result<Vec<u8>, Error>) -> Option<Compiler> {
@@ -232,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn the_library_goes_where_the_version_looks_for_it_and_is_made_of_the_sources() {
+    fn the_library_is_compiled_from_the_sources_into_the_folder_of_the_version() {
         let listed = by(|files| Ok(files.iter().map(|file| file.name.clone() + ";").collect::<String>().into()));
         for (version, path) in [("fmu2", "binaries/linux64/bender.so"), ("fmu3", "binaries/x86_64-linux/bender.so")] {
             let made = made(version, &model("um"), listed);
@@ -242,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_library_a_note_says_why() {
+    fn without_a_library_a_note_gives_the_reason() {
         let none = made("fmu3", &model("um"), None);
         assert!(none.notes.iter().any(|note| note.contains("no C compiler")), "{:?}", none.notes);
         let failed = made("fmu3", &model("um"), by(|_| Err(Error::Content("the disk is full".into()))));
@@ -252,10 +255,10 @@ mod tests {
     }
 
     #[test]
-    fn the_same_model_gives_the_same_bytes_and_another_another_token() {
+    fn the_token_depends_on_the_model_alone() {
         let token = |version: &str, model: &Model, single: bool| {
             let request = ExportRequest::new(model, "bender").single(single);
-            let made = (target(version).unwrap().make)(&request).unwrap();
+            let made = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
             let xml = text(&made.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
@@ -273,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn value_references_count_the_variables_as_the_wrapper_does() {
+    fn value_references_match_those_of_the_wrapper() {
         let model = model("um");
         let made = made("fmu3", &model, None);
         let xml = text(&made.files[0], "modelDescription.xml");
@@ -287,27 +290,21 @@ mod tests {
         let order = model.program().unwrap().order("state");
         assert_eq!(names.len(), 6 + order);
         let wrapper = text(&made.files[0], "sources/bender_fmu.c");
-        for line in [
-            "GAIN = 2,",
-            "OFFSET = 3,",
-            "OUTPUT = 4,",
-            "PERIOD = 5,",
-            "STATE = 6,",
-            &format!("VARIABLES = {},", 6 + order),
-        ] {
+        let variables = format!("VARIABLES = {},", 6 + order);
+        for line in ["GAIN = 2,", "OFFSET = 3,", "OUTPUT = 4,", "PERIOD = 5,", "STATE = 6,", &variables] {
             assert!(wrapper.contains(line), "{line}");
         }
     }
 
     #[test]
-    fn names_of_headers_are_refused() {
+    fn names_of_headers_are_errors() {
         let model = model("um");
-        let error = (target("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
-        assert!(error.to_string().contains("take another"), "{error}");
+        let error = (ExportTarget::find("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
+        assert!(error.to_string().contains("word of the language"), "{error}");
     }
 
     #[test]
-    fn units_are_told_in_the_si_where_they_are_known_and_never_become_markup() {
+    fn known_units_are_related_to_si_units_and_units_are_escaped() {
         let units = |unit: &str| {
             let xml = text(&made("fmu2", &model(unit), None).files[0], "modelDescription.xml");
             let document = Document::parse(&xml).unwrap();

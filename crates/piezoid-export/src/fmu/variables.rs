@@ -1,4 +1,4 @@
-//! The variables of an FMU: what can be seen and set from outside, in the order of their value references.
+//! The variables of an FMU, in the order of their value references.
 
 use crate::ExportRequest;
 use crate::exported::Entry;
@@ -7,11 +7,11 @@ use piezoid::program::{Field, FieldValue, Program};
 use piezoid::record::Units;
 use piezoid::system::System;
 
-/// `causality`, `variability` and `initial` in the words of both versions of the standard.
+/// `causality`, `variability` and `initial`, in both versions of the standard.
 type Attributes = [&'static str; 3];
 
 const TIME: Attributes = ["independent", "continuous", ""];
-/// Continuous, though it is held between samples: nothing continuous could be connected to it otherwise.
+/// Continuous although it is held between samples: otherwise nothing continuous could be connected to it.
 const INPUT: Attributes = ["input", "continuous", ""];
 const PARAMETER: Attributes = ["parameter", "tunable", "exact"];
 const OUTPUT: Attributes = ["output", "discrete", "calculated"];
@@ -19,18 +19,18 @@ const CONSTANT: Attributes = ["local", "constant", "exact"];
 /// Can be set before the first step.
 const STATE: Attributes = ["local", "discrete", "exact"];
 
-/// A part of a state: several numbers of one field.
+/// A part of a state: the numbers of one field.
 struct Part {
-    /// The fields that lead to it, as C writes them.
+    /// The path of fields, in C notation.
     path: String,
-    /// What it is a state of.
+    /// Description of its block.
     about: String,
     at_rest: Vec<f64>,
-    /// Whether it is an array, even of one.
+    /// True for an array, even of one number.
     array: bool,
 }
 
-/// The parts of the state of a block, those of inner blocks included.
+/// The parts of the state of a block, with those of inner blocks.
 fn parts(program: &Program, block: &str, prefix: &str) -> Vec<Part> {
     let Some(block) = program.block(block) else { return Vec::new() };
     let part = |name: &str, at_rest: &[f64], array| {
@@ -44,8 +44,8 @@ fn parts(program: &Program, block: &str, prefix: &str) -> Vec<Part> {
     block.fields.iter().flat_map(parts).collect()
 }
 
-/// What templates are told of an entry: its variables, which are time, inputs, their gains, their offsets, output and sampling
-/// period; the numbers and parts of its state; the units of them all.
+/// The template context of an entry: its variables (time, inputs, their gains, their offsets, output, sampling period),
+/// the numbers and parts of its state, and all units.
 pub(super) fn template_context(request: &ExportRequest, program: &Program, entry: &Entry) -> Value {
     let mut count = 0;
     let mut variable = |role: Attributes, name: &str, about: &str, unit: &str, start: Option<f64>| {

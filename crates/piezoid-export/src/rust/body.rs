@@ -1,20 +1,20 @@
-//! What stands within a function of Rust.
+//! The body of a function in Rust.
 
 use super::{RESERVED, Rust, constant_of, type_of};
 use crate::c::shortest;
 use crate::language::{self, Keywords, Language, Printer};
 use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Statement};
 
-/// A function on its way into Rust.
+/// A function and its printer.
 pub(super) struct RustBody<'i> {
     pub(super) rust: &'i Rust<'i>,
     pub(super) function: &'i Function,
-    /// Whether it is a method.
+    /// True for a method.
     pub(super) own: bool,
 }
 
 impl RustBody<'_> {
-    /// A name that is neither a word of the language nor a function, and begins with `_` where nothing reads it.
+    /// A name that is neither a keyword nor a function; it begins with `_` if nothing reads it.
     pub(super) fn local(&self, name: &str) -> String {
         if self.own && self.function.takes.first().is_some_and(|p| p.name == name) {
             return "self".into();
@@ -39,7 +39,7 @@ impl RustBody<'_> {
         reads
     }
 
-    /// Whether a state or room of this name is changed after it was made.
+    /// True if a state or array of this name is changed after its declaration.
     fn changes(&self, name: &str) -> bool {
         let program = &self.rust.whole.program;
         let mut changes = false;
@@ -106,7 +106,7 @@ impl Language for RustBody<'_> {
     fn call(&self, name: &str, arguments: &[Expr], printer: &Printer) -> String {
         let takes = printer.program.function(name).map_or(&[][..], |f| &f.takes);
         let argument = |(k, a): (usize, &Expr)| match a {
-            // Parameters are references already.
+            // Parameters are already references.
             Expr::Part(place) if place.path.is_empty() && self.function.takes.iter().any(|p| p.name == place.root) => {
                 self.local(&place.root)
             }
@@ -143,7 +143,7 @@ impl Language for RustBody<'_> {
             format!("{changes}{}", self.local(name))
         };
         let names: Vec<String> = names.iter().map(name).collect();
-        // Of a number that stands alone nobody knows what kind it is.
+        // The type of a lone integer cannot be inferred.
         let kind = if matches!(value, Expr::Integer(_)) { ": usize" } else { "" };
         vec![match &names[..] {
             [one] => format!("let {one}{kind} = {};", printer.expr(value)),

@@ -1,8 +1,8 @@
 //! Rust: a module for any crate, also without `std`.
 //!
-//! States are plain structs with `new`, `reset` and `step`; nothing is allocated, nothing unsafe, nothing of `std` or `libm` is called.
-//! Tables are arrays of known length and counted off within them, so that no index can fail. The module has its vectors as tests.
-//! Lines that `rustfmt` would break are left as they are and say so.
+//! States are plain structs with `new`, `reset` and `step`. Nothing is allocated, nothing is unsafe, and nothing of
+//! `std` or `libm` is called. Tables are arrays of known length with loops within it, so that no index can fail. The
+//! test vectors are tests of the module. Lines that `rustfmt` would break are marked to be skipped.
 
 mod body;
 
@@ -38,25 +38,25 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     },
 };
 
-/// What may not be a name: the words of the language, and crates that are always there.
+/// Reserved names: keywords, and crates that are always present.
 const RESERVED: &str = "abstract alloc as async await become box break const continue core crate do dyn else enum \
     extern false final fn for gen if impl in let loop macro match mod move mut override priv proc_macro pub ref return self \
     static std struct super test trait true try type typeof union unsafe unsized use virtual where while yield";
 
-/// As wide as `rustfmt` has lines, and what stands between brackets.
+/// Line width of `rustfmt`, and its width of arguments.
 const WIDE: usize = 100;
 const BETWEEN: usize = 60;
-/// And what of a struct it keeps in a line.
+/// Its width of a struct literal in one line.
 const FIELDS: usize = 18;
 
-/// The language.
+/// The printer.
 struct Rust<'r> {
     whole: &'r ExportedProgram,
     single: bool,
 }
 
 impl Rust<'_> {
-    /// What templates are told.
+    /// The template context.
     fn template_context(&self, request: &ExportRequest) -> Value {
         let (program, entries) = (&self.whole.program, &self.whole.entries);
         let held = self.whole.states();
@@ -90,7 +90,7 @@ impl Rust<'_> {
         self.whole.entries.iter().find(|entry| entry.step == function)
     }
 
-    /// A struct, and what it is at rest.
+    /// A struct and its values at rest.
     fn state(&self, block: &Block) -> Value {
         let number = self.number();
         let field = |field: &Field| match &field.holds {
@@ -105,14 +105,14 @@ impl Rust<'_> {
         }
     }
 
-    /// A state at rest, or zeros, as a constant of its struct.
+    /// The constant `REST` or `ZERO` of a struct.
     fn rest(&self, block: &Block, zero: bool) -> String {
         let (name, about) = if zero { ("ZERO", "Zeros") } else { ("REST", "At rest") };
         let value = format!("    const {name}: Self = {};\n", self.literal(block, zero, 1));
         format!("    /// {about}.\n{}", left(&value, "    "))
     }
 
-    /// A state at rest, or zeros, `depth` levels deep.
+    /// A struct literal at rest or of zeros, indented by `depth` levels.
     fn literal(&self, block: &Block, zero: bool, depth: usize) -> String {
         let value = |v: &f64| shortest(if zero { 0.0 } else { *v }, self.single);
         let field = |field: &Field| {
@@ -135,7 +135,7 @@ impl Rust<'_> {
         format!("Self {{\n{lines}{indent}}}")
     }
 
-    /// Whether a state of this block begins as zeros somewhere.
+    /// True if a state of this block is ever initialised with zeros.
     fn zeroed(&self, block: &str) -> bool {
         let program = &self.whole.program;
         let mut zeroed = false;
@@ -211,17 +211,17 @@ fn type_of(block: &str) -> String {
     printer.split('_').map(titled).chain(["State".into()]).collect()
 }
 
-/// A constant of a block.
+/// The name of a constant of a block.
 fn constant_of(block: &Block, name: &str) -> String {
     format!("{}_{name}", block.name).to_uppercase()
 }
 
-/// An item, with word that it is to be left as it is if `rustfmt` would not.
+/// An item, marked to be skipped if `rustfmt` would break one of its lines.
 fn left(item: &str, indent: &str) -> String {
     if item.lines().any(broken) { format!("{indent}#[rustfmt::skip]\n{item}") } else { item.into() }
 }
 
-/// Whether `rustfmt` would break this line.
+/// True if `rustfmt` would break this line.
 fn broken(line: &str) -> bool {
     let code = line.trim();
     if code.starts_with("//") {
@@ -235,7 +235,7 @@ fn broken(line: &str) -> bool {
             ')' | ']' => {
                 let from = open.pop().unwrap_or(k);
                 let called = from > 0 && (letters[from - 1].is_alphanumeric() || letters[from - 1] == '_');
-                // Of the brackets that begin and end a line, a tuple is between.
+                // Brackets around the whole line are a tuple.
                 let tuple = from == 0 && k + 1 == letters.len();
                 let counts = *letter == ']' || tuple || called && !code.contains("fn ");
                 wide |= counts && k - from > BETWEEN + 1;
@@ -251,7 +251,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_that_rustfmt_would_break_are_known() {
+    fn lines_that_rustfmt_would_break_are_detected() {
         let long = "a".repeat(61);
         assert!(!broken("    let y = f(a, b);") && !broken(&format!("// {long} {long}")));
         assert!(broken(&format!("    let y = f({long});")) && broken(&format!("    let y = {long} + {long};")));
@@ -259,10 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn types_are_called_after_blocks() {
-        assert_eq!(
-            [type_of("state"), type_of("ff_state"), type_of("hysteresis")],
-            ["State", "FfState", "HysteresisState"]
-        );
+    fn types_are_named_after_blocks() {
+        assert_eq!(["state", "ff_state", "hysteresis"].map(type_of), ["State", "FfState", "HysteresisState"]);
     }
 }

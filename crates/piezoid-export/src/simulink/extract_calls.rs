@@ -1,22 +1,22 @@
-//! A program in which every call that changes a state stands alone.
+//! A program in which every call that changes a state is a statement of its own.
 //!
 //! ```text
 //! return linear(s.linear, crept) + offset;        let from_linear = linear(s.linear, crept);
 //!                                                 return from_linear + offset;
 //! ```
-//! It is for languages in which a function hands a changed state back beside what it gives. Calls keep their order. Conditions change
-//! nothing, so there is no call in one to take out.
+//! It is for languages in which a function returns a changed state together with its result. The order of the calls is
+//! kept. Conditions do not change states, so they need no extraction.
 
 use piezoid::program::{Expr, Function, Program, Statement};
 
-/// A function on its way to one in which calls that change a state stand alone.
+/// Extracts the calls of a function that change a state.
 pub(super) struct CallExtractor<'p> {
     program: &'p Program,
     known: Vec<String>,
 }
 
 impl<'p> CallExtractor<'p> {
-    /// The same function with such calls in steps of their own.
+    /// The same function with such calls as statements of their own.
     pub(super) fn of(function: &Function, program: &'p Program) -> Function {
         let mut alone = CallExtractor { program, known: known(function) };
         let mut steps = alone.steps(&function.steps);
@@ -44,7 +44,7 @@ impl<'p> CallExtractor<'p> {
         out
     }
 
-    /// `expr` with its arguments lifted: a call that stands alone stays.
+    /// `expr` with extracted arguments; a call that is a whole statement stays.
     fn kept(&mut self, expr: &Expr, out: &mut Vec<Statement>) -> Expr {
         match expr {
             Expr::Call(name, arguments) => {
@@ -54,7 +54,7 @@ impl<'p> CallExtractor<'p> {
         }
     }
 
-    /// `expr` with a name for each call in it that changes a state; the call goes before.
+    /// `expr` with a variable for each call that changes a state; the call is added to `out`.
     fn lifted(&mut self, expr: &Expr, out: &mut Vec<Statement>) -> Expr {
         match expr {
             Expr::Call(name, _) => {
@@ -76,7 +76,7 @@ impl<'p> CallExtractor<'p> {
     }
 }
 
-/// The names that a function has.
+/// The local names of a function.
 pub(super) fn known(function: &Function) -> Vec<String> {
     let mut names: Vec<String> = function.takes.iter().map(|p| p.name.clone()).collect();
     let mut look = |step: &Statement| match step {
@@ -90,7 +90,7 @@ pub(super) fn known(function: &Function) -> Vec<String> {
     names
 }
 
-/// `wanted`, with a number where that is known already.
+/// `wanted`, with a number appended if it is already known.
 pub(super) fn fresh(wanted: &str, known: &mut Vec<String>) -> String {
     let numbered = (2..).map(|k| format!("{wanted}_{k}"));
     let name =

@@ -1,12 +1,12 @@
-//! MATLAB and GNU Octave, as both read it.
+//! MATLAB and GNU Octave.
 //!
-//! States are structs that functions take and hand back beside what they give: `[x, y] = bender_creep(x, z)`. Functions are
-//! local ones, behind the class: Octave 7 knows them there as MATLAB does, they hide nothing on the path, and a call costs less
-//! than one of a static method (in Octave 7.3 by a sixth). Each keeps its constants in a persistent variable, since a class
-//! looks up a property anew every time.
+//! States are structs that functions take and return: `[x, y] = bender_creep(x, z)`. Functions are local functions
+//! after the class. Octave 7 accepts them there as MATLAB does, they hide nothing on the path, and calls are faster
+//! than those of static methods (in Octave 7.3 by a sixth). Each function keeps its constants in a persistent variable,
+//! because a class looks up a property in every access.
 //!
-//! Whole numbers are doubles, in single precision too. There every literal is told to be `single`, as MATLAB's are doubles, and
-//! two of them would meet in double precision.
+//! Integers are doubles, also in single precision. There every literal is converted to `single`: MATLAB's literals are
+//! doubles, and two of them would be combined in double precision.
 
 use super::extract_calls::{CallExtractor, fresh, known};
 use crate::c::{shortest, wrapped};
@@ -19,21 +19,21 @@ use piezoid::program::{Block, Constant, Expr, Field, FieldValue, Function, Op, P
 use piezoid::series::ends;
 use std::collections::BTreeMap;
 
-/// The words of MATLAB and Octave.
+/// Keywords of MATLAB and Octave.
 const WORDS: &str = "break case catch classdef continue do else elseif end endfor endfunction endif endwhile \
     enumeration events for function global if methods otherwise parfor persistent properties return spmd switch try \
     until unwind_protect while";
 
-/// What the class has, and what it and its functions call.
+/// Names of the class and of the functions that it calls.
 const TAKEN: &str = "abs add_block add_line ans close_system control_reset control_simulate control_state control_step \
     double error exist ff_reset ff_simulate ff_state ff_step fileparts floor fprintf fullfile handle isempty isscalar \
     load_system mat2str max mex mfilename mod nargin new_system numel onCleanup repmat reset set_param sim simulate \
     single size sprintf state step strjoin struct sum Ts typecast uint32 uint64 units zeros";
 
-/// The longest name that MATLAB tells from others.
+/// Number of significant characters in a MATLAB name.
 const LONGEST: usize = 63;
 
-/// The language, with the functions of a program as it takes them.
+/// The printer, with the functions of a program in the form that MATLAB needs.
 pub(super) struct Matlab<'m> {
     program: Program,
     name: &'m str,
@@ -41,15 +41,15 @@ pub(super) struct Matlab<'m> {
 }
 
 impl<'m> Matlab<'m> {
-    /// Of what is exported.
+    /// The printer for an export.
     ///
     /// # Errors
-    /// Refuses a name that MATLAB or Octave has taken, and one that its functions would be too long with.
+    /// Returns an error for a name that MATLAB or Octave uses, or with which function names are too long.
     pub(super) fn of(whole: &ExportedProgram, request: &'m ExportRequest) -> Result<Self, Error> {
         named(request.name(), &format!("{WORDS} {TAKEN}"))?;
         let mut program = whole.program.clone();
         for function in &mut program.functions {
-            // What is called from outside hands its state back even where that never changes.
+            // Entry functions return their state even if it never changes.
             let outside = whole.entries.iter().any(|entry| entry.step == function.name);
             function
                 .takes
@@ -62,13 +62,13 @@ impl<'m> Matlab<'m> {
         let added = program.functions.iter().map(|f| f.name.len()).chain(constants).max().unwrap_or(0) + 1;
         if request.name().len() + added > LONGEST {
             let rule =
-                format!("must be of {} characters at most: MATLAB knows {LONGEST} of a function", LONGEST - added);
+                format!("must have at most {} characters: MATLAB uses {LONGEST} of a function name", LONGEST - added);
             return Err(Error::parameter("name", format!("`{}`", request.name()), rule));
         }
         Ok(Matlab { program, name: request.name(), single: request.options.float })
     }
 
-    /// What templates are told.
+    /// The template context.
     pub(super) fn template_context(&self, whole: &ExportedProgram, request: &ExportRequest) -> Value {
         let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constant = |c: &Constant| match c.table {
@@ -79,19 +79,19 @@ impl<'m> Matlab<'m> {
             let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();
             context! { name => &block.name, about => &block.about, constants, functions }
         };
-        // In an example, all that the model knows is gone through.
+        // The example covers the whole input range of the model.
         let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));
         let simulate = |e: &Entry| (e.kind(), format!("{}_simulate", e.kind()).trim_start_matches('_').to_owned());
         let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false));
         let own = context! {
-            number => if self.single { "single" } else { "double" },
-            // Of what b0 = 0 is given, nothing shows in the same sample.
-            feedthrough => request.model.linear().b().first().is_some_and(|b0| *b0 != 0.0),
-            middle => 0.5 * (low + high), half => 0.5 * (high - low),
-            simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
-            rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
-            blocks => blocks(&self.program).map(block).collect::<Value>(),
-        };
+                    number => if self.single { "single" } else { "double" },
+        // With b0 = 0 there is no feed-through.
+                    feedthrough => request.model.linear().b().first().is_some_and(|b0| *b0 != 0.0),
+                    middle => 0.5 * (low + high), half => 0.5 * (high - low),
+                    simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
+                    rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
+                    blocks => blocks(&self.program).map(block).collect::<Value>(),
+                };
         context! { ..own, ..template_context(request, whole, &|values| self.column(values, "    ")) }
     }
 
@@ -102,7 +102,7 @@ impl<'m> Matlab<'m> {
         let mut last = String::new();
         for expr in &function.returns {
             match expr {
-                // Another name for what has one would be idle.
+                // A variable needs no second name.
                 Expr::Variable(name, _) if !gives.contains(name) => gives.push(name.clone()),
                 expr => {
                     let name = fresh("result", &mut known);
@@ -125,7 +125,7 @@ impl<'m> Matlab<'m> {
         out + &printer.steps(&function.steps, 1) + &last + "end\n"
     }
 
-    /// What puts the state of a block at rest, or makes it zero, line by line.
+    /// Lines that set the state of a block to rest, or to zero.
     fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
         let fields = self.program.block(block).map_or(&[][..], |b| &b.fields);
         let line = |field: &Field| match (&field.holds, format!("{prefix}.{}", field.name)) {
@@ -142,7 +142,7 @@ impl<'m> Matlab<'m> {
         fields.iter().flat_map(line).collect()
     }
 
-    /// A name that no other file has.
+    /// A name with the prefix of the export.
     fn own(&self, name: &str) -> String {
         format!("{}_{name}", self.name)
     }
@@ -151,7 +151,7 @@ impl<'m> Matlab<'m> {
         format!("zeros({n}, 1{})", if self.single { ", 'single'" } else { "" })
     }
 
-    /// Numbers below each other.
+    /// A column vector.
     fn column(&self, values: &[f64], indent: &str) -> String {
         let values: Vec<String> = values.iter().map(|v| shortest(*v, self.single)).collect();
         let rows: String = wrapped(&values).replace(',', ";").lines().map(|row| format!("{indent}{row}\n")).collect();
@@ -159,19 +159,19 @@ impl<'m> Matlab<'m> {
         if self.single { format!("single({column})") } else { column }
     }
 
-    /// What a call hands back: the states that it changes, then these names.
+    /// The results of a call: the states that it changes, then `names`.
     fn targets(&self, function: &Function, arguments: &[Expr], names: &[String], printer: &Printer) -> Vec<String> {
         let changed = function.takes.iter().zip(arguments).filter(|(parameter, _)| parameter.changed);
         changed.map(|(_, argument)| printer.expr(argument)).chain(names.iter().cloned()).collect()
     }
 }
 
-/// The function that gives the constants of a block.
+/// The function that returns the constants of a block.
 fn constants_of(block: &str) -> String {
     format!("{block}_constants")
 }
 
-/// What stands before a call for what it hands back.
+/// The left side of a call with these results.
 fn handed(names: &[String]) -> String {
     match names {
         [] => String::new(),
@@ -180,7 +180,7 @@ fn handed(names: &[String]) -> String {
     }
 }
 
-/// The number in MATLAB of what has the number `index` here.
+/// The MATLAB index of the zero-based `index`.
 fn from_one(index: &Expr) -> Expr {
     let sum = |left: &Expr, n: usize| Expr::Binary(Op::Add, Box::new(left.clone()), Box::new(Expr::Integer(n)));
     match index {
@@ -202,7 +202,7 @@ const KEYWORDS: Keywords = Keywords {
     repeat: "while ?",
     ends: ["end"; 3],
     set: "=",
-    // What a remainder is, `divided` says.
+    // Remainders are printed by `divided`.
     operators: ["+", "-", "*", "/", "/", "<", "<=", ">", ">=", "==", "~=", "&&", "||"],
 };
 
@@ -299,7 +299,7 @@ mod tests {
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
 
-    /// The functions of a block `tank` as they are printed.
+    /// The printed functions of a block `tank`.
     fn printed(text: &str, single: bool) -> String {
         let tank =
             Block::new("tank", "a tank").number("level", 0.0).numbers("past", vec![0.0; 3]).table("gain", &[0.5, -2.0]);
@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn a_call_that_changes_a_state_stands_alone_in_the_order_of_the_text() {
+    fn a_call_that_changes_a_state_is_a_statement_of_its_own() {
         let text = "fn fill(x: tank, u) { x.level += u; return x.level; }
             fn both(x: tank, t: tank, u) { return -fill(x, fill(t, u)) + fill(t, 2.0 * u); }
             fn empty(x: tank) { fill(x, -x.level); }";
@@ -333,7 +333,7 @@ end
     }
 
     #[test]
-    fn numbers_are_counted_from_one_and_whole_ones_divided_as_whole() {
+    fn indices_count_from_one_and_integers_divide_as_integers() {
         let text = "fn f(x: tank, n: whole) {
                 let sum = 0.0;
                 for k in 1..n down { sum += gain[k] * x.past[k - 1] + x.past[0] - x.past[k + 1]; }
@@ -383,7 +383,7 @@ end
     }
 
     #[test]
-    fn a_condition_that_changes_a_state_is_no_program() {
+    fn a_condition_that_changes_a_state_is_an_error() {
         let text =
             "fn fill(x: tank, u) { x.level += u; return x.level; } fn f(x: tank) { while fill(x, 1.0) < 3.0 { } }";
         let tank = Block::new("tank", "a tank").number("level", 0.0);
@@ -392,7 +392,7 @@ end
     }
 
     #[test]
-    fn no_program_of_an_operator_hides_what_matlab_is_asked_for() {
+    fn no_operator_uses_a_name_that_hides_a_matlab_function() {
         const CALLED: [&str; 8] = ["constants", "double", "floor", "isempty", "mod", "repmat", "single", "zeros"];
         let keywords: Vec<&str> = WORDS.split_whitespace().chain(CALLED).collect();
         for operator in OPERATORS {
@@ -411,14 +411,14 @@ end
     }
 
     #[test]
-    fn a_name_too_long_for_the_functions_is_refused_with_the_length_that_fits() {
+    fn a_name_too_long_for_the_functions_is_an_error_with_the_allowed_length() {
         let plays = (piezoid::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
         let model = Model::new(plays, Arx::new(5e-4, vec![], vec![1.0]).unwrap(), 0.0).unwrap();
         let mut whole = ExportedProgram::new(&ExportRequest::new(&model, "bender")).unwrap();
         let long = "fn a_function_of_a_name_that_is_too_long_for_matlab(v) { return v; }";
         whole.program.extend(long).unwrap();
         let error = Matlab::of(&whole, &ExportRequest::new(&model, "fifteen_letters")).err().unwrap().to_string();
-        assert!(error.contains("must be of 14 characters at most"), "{error}");
+        assert!(error.contains("must have at most 14 characters"), "{error}");
         assert!(Matlab::of(&whole, &ExportRequest::new(&model, "fourteen_chars")).is_ok());
     }
 }

@@ -1,8 +1,8 @@
 //! Simulink and MATLAB: the C of target `c`, a level-2 S-function around each of its entries, and a class that needs no
 //! compiler.
 //!
-//! There is no TLC file: Simulink Coder calls the S-function as it is. Nothing here was run in Simulink, which is not free: the
-//! tests have a stand-in for its headers. The class is run in GNU Octave.
+//! There is no TLC file: Simulink Coder calls the S-function. The S-functions were not run in Simulink, which is not
+//! free; the tests use a stand-in for its headers. The class is run in GNU Octave.
 
 mod extract_calls;
 mod matlab;
@@ -21,14 +21,14 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         let whole = checked(request)?;
         let (c, name) = (C::of(&whole, request), request.name());
         let page = Matlab::of(&whole, request)?.template_context(&whole, request);
-        let made = |template| render(template, page.clone());
+        let text = |template| render(template, page.clone());
         let mut files = vec![
             File::new(format!("{name}.h"), c.header()?),
             File::new(format!("{name}.c"), c.source()?),
-            File::new(format!("{name}.m"), made(template!("simulink/class.m.j2"))?),
-            File::new(format!("{name}_test.m"), made(template!("simulink/test.m.j2"))?),
-            File::new(format!("{name}_build.m"), made(template!("simulink/build.m.j2"))?),
-            File::new(format!("{name}.md"), made(template!("simulink/readme.md.j2"))?),
+            File::new(format!("{name}.m"), text(template!("simulink/class.m.j2"))?),
+            File::new(format!("{name}_test.m"), text(template!("simulink/test.m.j2"))?),
+            File::new(format!("{name}_build.m"), text(template!("simulink/build.m.j2"))?),
+            File::new(format!("{name}.md"), text(template!("simulink/readme.md.j2"))?),
         ];
         for (k, entry) in whole.entries.iter().enumerate() {
             let text = render(template!("simulink/sfunction.c.j2"), context! { k, ..page.clone() })?;

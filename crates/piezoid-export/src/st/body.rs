@@ -1,18 +1,19 @@
-//! What stands within a function of structured text.
+//! The body of a function in structured text.
 
 use super::names::Names;
 use super::{COUNTER, DONE, St, TABLES, UNUSED, also, comment, constant, zeros};
 use crate::language::{Keywords, Language, Printer, less_one};
 use piezoid::program::{Block, Expr, Place, ValueType};
 
-/// A function on its way into structured text.
+/// A function and its printer.
 pub(super) struct StBody<'i> {
     pub(super) st: &'i St<'i>,
     pub(super) names: &'i Names,
 }
 
 impl StBody<'_> {
-    /// A call; further results go where `results` says. What has a state or a second result is called by the names of its parameters.
+    /// A call; further results go to `results`. Functions with a state or a second result are called with named
+    /// parameters.
     fn called(&self, name: &str, arguments: &[Expr], results: &[String], printer: &Printer) -> String {
         let program = &self.st.whole.program;
         let own = self.st.globals.get(name);
@@ -55,7 +56,7 @@ impl Language for StBody<'_> {
     }
 
     fn real(&self, value: f64) -> String {
-        // A number without a type may be one of double precision, and all it meets with it.
+        // A number without a type may be double precision, and so would be the result.
         format!("{}{}", if self.st.single { "REAL#" } else { "" }, self.st.plain(value))
     }
 
@@ -114,7 +115,7 @@ impl Language for StBody<'_> {
     }
 
     fn done(&self, call: &Expr, printer: &Printer) -> String {
-        // Not every edition has calls whose results nobody takes.
+        // Not every edition allows calls without using the result.
         let gives = printer.gives(call);
         format!("{} := {};", self.names.get(if gives { UNUSED } else { DONE }), printer.expr(call))
     }

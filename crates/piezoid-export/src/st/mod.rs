@@ -1,10 +1,11 @@
 //! Structured text: function blocks for programmable logic controllers.
 //!
-//! What runs on CODESYS 3 and TwinCAT 3 and stands in the second edition of the standard as in the third: no methods, no references, no
-//! pointers, no globals. States are structures, handed on as `VAR_IN_OUT`; a second result is a `VAR_OUTPUT`. Tables are a structure
-//! too, with initial values, of which each function block has one: functions see no globals, and a table among the constants of a function would
-//! be laid out anew in every call. `AND` and `OR` look at both sides. Names are not told apart by capitals, nor may they have
-//! underscores in a row: what clashes gets a number. Not for the dialect of Siemens, which wants `#` before every local name.
+//! The code runs on CODESYS 3 and TwinCAT 3 and uses only what the second and third edition of the standard have: no
+//! methods, references, pointers, or globals. States are structures, passed as `VAR_IN_OUT`; a second result is a
+//! `VAR_OUTPUT`. Tables are a structure with initial values, and each function block has one: functions see no globals,
+//! and a constant table in a function would be initialised in every call. `AND` and `OR` evaluate both sides. Names are
+//! case-insensitive and must not have two underscores in a row; clashing names get a number. The Siemens dialect is not
+//! supported, because it requires `#` before every local name.
 
 mod body;
 mod names;
@@ -21,7 +22,7 @@ use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "st",
-    summary: "function blocks in structured text, in LREAL or REAL, with a program that proves them",
+    summary: "function blocks in structured text, in LREAL or REAL, with a test program",
     reference: "IEC 61131-3:2003 and 2013",
     takes: CODE,
     make: |request| {
@@ -37,13 +38,13 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     },
 };
 
-/// Keys of names that a program has not: of the tables, of a number that counts, of results that nobody wants.
+/// Keys of names that are not in the program: tables, a counter, unused results.
 const TABLES: &str = "!tables";
 const COUNTER: &str = "!k";
 const DONE: &str = "!done";
 const UNUSED: &str = "!unused";
 
-/// The key of another result of a function.
+/// The key of a further result of a function.
 fn also(k: usize) -> String {
     format!("!also {k}")
 }
@@ -56,18 +57,18 @@ fn constant(block: &str, name: &str) -> String {
 /// A variable of a function: its key and its type.
 type Variable = (String, String);
 
-/// The language.
+/// The printer.
 struct St<'s> {
     whole: &'s ExportedProgram,
     name: &'s str,
     single: bool,
-    /// Of types, function blocks and functions.
+    /// Names of types, function blocks and functions.
     globals: Names,
-    /// Of fields of states and tables.
+    /// Names of fields of states and tables.
     fields: Names,
-    /// Of each function: what it names, and which variables those are that it needs beside its parameters.
+    /// For each function: its names, and the variables that it needs besides its parameters.
     inner: Vec<(Names, Vec<Variable>)>,
-    /// Functions that read a table, or call one that does.
+    /// Functions that read a table, directly or in a call.
     reading: Vec<String>,
 }
 
@@ -98,7 +99,7 @@ impl St<'_> {
         format!("{digits}{point}{}{exponent}", if exponent.is_empty() { "" } else { "E" })
     }
 
-    /// What templates are told.
+    /// The template context.
     fn template_context(&self, request: &ExportRequest) -> Value {
         let program = &self.whole.program;
         let state = |block: &&Block| {
@@ -147,7 +148,7 @@ impl St<'_> {
         format!("{array} := [\n{}\n    ]", lines.join("\n").trim_end_matches(','))
     }
 
-    /// A function, the `k`-th.
+    /// Function number `k`.
     fn function(&self, function: &Function, k: usize) -> Value {
         let program = &self.whole.program;
         let (names, inner) = &self.inner[k];
@@ -209,7 +210,7 @@ impl St<'_> {
         [("!reset", "reset"), ("!state", "state"), ("!rest", "rest"), (TABLES, "tables")]
             .iter()
             .for_each(|(key, wish)| names.add(key, wish));
-        // What the function calls what it is given, and what that is called here.
+        // Parameter names inside the function, and their arguments here.
         let inner = &self.inner[k].0;
         let outer = step.takes.iter().map(|p| match p.kind {
             ValueType::Part(_) => (inner.get(&p.name), names.get("!state")),
@@ -218,16 +219,16 @@ impl St<'_> {
         let reads = self.reading.contains(&step.name);
         let tables = reads.then(|| (inner.get(TABLES), names.get(TABLES)));
         let given: Vec<String> = outer.chain(tables).map(|(inner, outer)| format!("{inner} := {outer}")).collect();
-        let told = context! {
+        let context = context! {
             inputs => entry.inputs.iter().map(|i| names.get(i.name)).collect::<Value>(), output => names.get("!output"),
             reset => names.get("!reset"), state => names.get("!state"), rest => names.get("!rest"),
             type => self.state(entry.state), tables => names.get(TABLES), reads,
             call => format!("{}({})", self.globals.get(&step.name), given.join(", ")),
         };
-        Some((entry.step, told))
+        Some((entry.step, context))
     }
 
-    /// What makes the state of a block zero, line by line.
+    /// Lines that set the state of a block to zero.
     fn cleared(&self, block: &str, prefix: &str, counter: &str) -> Vec<String> {
         let fields = self.whole.program.block(block).map_or(&[][..], |b| &b.fields);
         let clear = |field: &Field| match (&field.holds, format!("{prefix}.{}", self.fields.get(&field.name))) {
@@ -239,13 +240,13 @@ impl St<'_> {
     }
 }
 
-/// What makes `n` numbers zero.
+/// Lines that set `n` numbers to zero.
 fn zeros(name: &str, n: usize, counter: &str) -> Vec<String> {
     let last = n.saturating_sub(1);
     vec![format!("FOR {counter} := 0 TO {last} DO"), format!("    {name}[{counter}] := 0.0;"), "END_FOR;".into()]
 }
 
-/// Lines of a comment.
+/// A comment.
 fn comment(lines: &[String]) -> String {
     format!("(* {} *)\n", quiet(&lines.join("\n   ")))
 }

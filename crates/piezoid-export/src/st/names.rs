@@ -1,4 +1,4 @@
-//! What everything is called: names that structured text takes, each once, and where each is declared.
+//! Names in structured text: each unique, and each declared once.
 
 use super::{COUNTER, DONE, St, TABLES, UNUSED, Variable, also, constant};
 use crate::ExportRequest;
@@ -6,15 +6,15 @@ use crate::exported::{ExportedProgram, state_of};
 use piezoid::error::Error;
 use piezoid::program::{Expr, FieldValue, Function, Statement};
 
-/// What may not be a name: words of the language, and types, functions and blocks that are always there.
+/// Reserved names: keywords, and standard types, functions and blocks.
 pub(super) const RESERVED: &str = include_str!("words.txt");
 
-/// Names as structured text has them: none a reserved word, none twice, whatever its capitals.
+/// Unique names, none of them reserved; case-insensitive.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Names {
-    /// What names may not be, in small letters.
+    /// Names that are taken, in lower case.
     pub(super) taken: Vec<String>,
-    /// Names of the program, and those they have here.
+    /// Names of the program and their names here.
     pub(super) known: Vec<(String, String)>,
 }
 
@@ -23,7 +23,7 @@ impl Names {
         Names { taken: taken.to_vec(), known: Vec::new() }
     }
 
-    /// A name for `key`: that which is wished, with a number where that is taken.
+    /// Adds a name for `key`: `wish`, with a number if that is taken.
     pub(super) fn add(&mut self, key: &str, wish: &str) {
         if self.known.iter().any(|(known, _)| known == key) {
             return;
@@ -91,7 +91,7 @@ impl<'s> St<'s> {
 }
 
 impl St<'_> {
-    /// What a function names, all declared once, at its beginning.
+    /// The names of a function, and its variables, which are declared at its start.
     fn named(&self, function: &Function) -> Result<(Names, Vec<Variable>), Error> {
         let program = &self.whole.program;
         let mut names = Names::without(&self.globals.taken);
@@ -146,13 +146,13 @@ impl St<'_> {
         match twice {
             None => Ok((names, variables)),
             Some(name) => Err(Error::Content(format!(
-                "program, fn {}: `{name}` is of two kinds, and structured text knows a name once in a function: name one otherwise",
+                "program, fn {}: `{name}` has two types, but structured text declares a name once per function: rename one of them",
                 function.name,
             ))),
         }
     }
 
-    /// Whether the state of a block holds several of something.
+    /// True if the state of a block contains an array.
     fn counted(&self, block: &str) -> bool {
         self.whole.program.block(block).is_some_and(|b| {
             b.fields.iter().any(|field| match &field.holds {
@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_that_differ_in_capitals_alone_or_are_words_of_the_language_get_a_number() {
+    fn names_that_differ_only_in_case_or_are_reserved_get_a_number() {
         let mut names = Names::without(&["bender".into()]);
         for name in ["h", "H", "left", "two__lines_", "Bender", "h"] {
             names.add(name, name);

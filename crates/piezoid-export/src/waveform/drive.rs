@@ -1,14 +1,14 @@
-//! A drive that repeats, what a model answers to it once that repeats too, and the drive that makes of this a wanted path.
+//! A periodic drive, the steady-state response of a model to it, and the drive that makes the model follow a reference.
 //!
 //! ```text
 //! lag of creep after a period T:    x_T = x_0 e^{-T/tau} + c
-//! where it ends:                    x*  = x_T + (x_T - x_0) / (e^{T/tau} - 1)
+//! its final value:                  x*  = x_T + (x_T - x_0) / (e^{T/tau} - 1)
 //! ```
-//! The answer is that after many periods. Creep of minutes would take as long to get there, so its lags are put where they end;
-//! hysteresis and linear block run until two periods are the same. The drive is learnt on the model itself
-//! ([`learn`](piezoid::compensation::learn)): the feed-forward of a reference that goes on and on never ends to creep.
+//! The response is that after many periods. Creep of minutes would take as long to settle, so its lags are set to their
+//! final values; hysteresis and linear block run until two periods are equal. The drive is learnt on the model itself
+//! ([`Learning`]), because the feed-forward of an endless reference has no settled creep.
 //!
-//! Reference: as [`piezoid::compensation`]. It does not do: the way there, from standing still to what repeats.
+//! Reference: see [`piezoid::compensation`]. It does not do: the transient from rest to the steady state.
 
 use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
 use piezoid::error::{Error, finite};
@@ -18,31 +18,31 @@ use piezoid::series::ends;
 use piezoid::system::System;
 use piezoid::waveform::period;
 
-/// The difference of two periods, as a share of the stroke, that is none.
+/// Difference of two periods, as a share of the stroke, that counts as zero.
 const SAME: f64 = 1e-9;
 
-/// Samples after which an answer is taken that still differs from period to period.
+/// Number of samples after which the response is used although it still changes.
 const PATIENCE: usize = 1_000_000;
 
-/// Trials on the model, the first of which is the feed-forward.
+/// Number of trials on the model; the first is the feed-forward.
 const TRIALS: usize = 21;
 
-/// One period of a drive that repeats.
+/// One period of a drive.
 pub(super) struct PeriodicDrive {
-    /// What is wanted [output unit].
+    /// The reference [output unit].
     pub(super) r: Vec<f64>,
     /// The voltage [V].
     pub(super) u: Vec<f64>,
-    /// What is worth knowing, one sentence each.
+    /// Remarks, one sentence each.
     pub(super) notes: Vec<String>,
 }
 
 impl PeriodicDrive {
-    /// The drive that makes `model` follow `r` [output unit], all of which is one period unless it repeats.
+    /// The drive that makes `model` follow `r` [output unit], which is one period or several equal ones.
     ///
     /// # Errors
-    /// A reference that stands still, that does not join its beginning, or that [`learn`] refuses; limits that the step
-    /// from the last sample to the first exceeds.
+    /// Returns an error for a reference that is constant or does not end where it begins, and if the step from the last
+    /// sample to the first exceeds the limits; also the errors of [`Learning::run`].
     pub(super) fn new(model: &Model, settings: FeedForwardSettings, r: &[f64]) -> Result<Self, Error> {
         finite("reference", r)?;
         let n = period(r).unwrap_or(r.len());
@@ -53,10 +53,10 @@ impl PeriodicDrive {
             notes.push(format!("the reference repeats after {n} of its {whole} samples: this is the period"));
         }
         let inverse = FeedForward::new(model, settings)?;
-        // The plant is the model, so that its inverse is right: no caution.
-        let whole_steps = Learning { trials: TRIALS, gain: 1.0, cutoff_hz: None };
-        let learned = whole_steps.run(&mut |u| answer(model, u).y, &inverse, &r)?;
-        // A step back to the beginning that is too fast goes on into it.
+        // The plant is the model, so its inverse is right and the gain can be 1.
+        let learning = Learning { trials: TRIALS, gain: 1.0, cutoff_hz: None };
+        let learned = learning.run(&mut |u| answer(model, u).y, &inverse, &r)?;
+        // If the step from the end to the start is too fast, clipping continues into the start.
         let u = if settings.clip {
             settings.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n)
         } else {
@@ -69,7 +69,7 @@ impl PeriodicDrive {
     }
 }
 
-/// Refuses a period whose end does not join its beginning; what is worth knowing of how it does.
+/// Checks that a period ends where it begins; returns remarks.
 fn joins(r: &[f64], unit: &str) -> Result<Vec<String>, Error> {
     let (low, high) = ends(r.iter().copied());
     let (Some(first), Some(last)) = (r.first(), r.last()) else {
@@ -77,29 +77,24 @@ fn joins(r: &[f64], unit: &str) -> Result<Vec<String>, Error> {
         return Err(Error::TooShort { what, have: 0, need: 2, remedy });
     };
     if low == high {
-        return Err(Error::parameter(
-            "reference",
-            format!("{} {unit} throughout", round(low)),
-            "must move to be a waveform",
-        ));
+        let value = format!("{} {unit} throughout", round(low));
+        return Err(Error::parameter("reference", value, "must move to be a waveform"));
     }
     let inside = r.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
     let jump = (first - last).abs();
     if jump > inside * (1.0 + SAME) {
         let value = format!("{} {unit} from its last sample to its first", short(jump));
-        let rule = format!(
-            "must join its beginning: no step inside is larger than {} {unit}; give one whole period, or let it come back",
-            short(inside)
-        );
+        let inside = short(inside);
+        let rule = format!("must end where it begins (largest step inside: {inside} {unit}): give one whole period");
         return Err(Error::parameter("reference", value, rule));
     }
     let twice = first == last && r[0] != r[1];
-    let note = "the reference ends with the sample it begins with, which therefore comes twice a period: leave the last one out \
-                if it was meant to be the first of the next";
+    let note = "the last sample equals the first and therefore occurs twice per period: remove the last one if it belongs to the \
+next period";
     Ok(twice.then(|| note.into()).into_iter().collect())
 }
 
-/// What a model answers to a drive after many periods.
+/// Steady-state response of a model to a drive.
 pub(super) struct Answer {
     /// One period of it [output unit].
     pub(super) y: Vec<f64>,
@@ -107,7 +102,7 @@ pub(super) struct Answer {
     pub(super) differs: f64,
 }
 
-/// What `model` answers to one period of `u` [V] after many of them.
+/// The steady-state response of `model` to one period of `u` [V].
 pub(super) fn answer(model: &Model, u: &[f64]) -> Answer {
     let length = u.len() as f64 * model.ts();
     let lags = model.creep().lags();
@@ -140,7 +135,7 @@ mod tests {
     use piezoid::linear::Arx;
     use std::f64::consts::TAU;
 
-    /// With creep and a resonance of 147 Hz.
+    /// A model with creep and a resonance of 147 Hz.
     fn model(name: &str, creep: Creep) -> Model {
         let block = Arx::new(1e-3, vec![1.2, -0.9], vec![0.0, 3.0, 2.8]).unwrap();
         Model::new((Operator::find(name).unwrap().example)(1e-3).unwrap(), block, 2.0)
@@ -154,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn the_answer_is_that_after_many_periods_without_waiting_for_creep() {
+    fn the_response_is_that_after_many_periods_without_waiting_for_creep() {
         for name in ["preisach", "prandtl-ishlinskii", "bouc-wen"] {
             let creeping = model(name, Creep::logarithmic(1e-3, 0.02, 0.01, 10.0).unwrap());
             let u = sine(40, 20.0);
@@ -166,25 +161,21 @@ mod tests {
     }
 
     #[test]
-    fn the_drive_makes_the_model_follow_again_and_again() {
+    fn the_drive_makes_the_model_follow_periodically() {
         for name in ["preisach", "prandtl-ishlinskii"] {
             let creeping = model(name, Creep::logarithmic(1e-3, 0.02, 0.01, 10.0).unwrap());
-            let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-            let drive = PeriodicDrive::new(
-                &creeping,
-                FeedForwardSettings { limits, ..FeedForwardSettings::default() },
-                &sine(100, 60.0),
-            )
-            .unwrap();
+            let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+            let settings = FeedForwardSettings { limits, ..Default::default() };
+            let drive = PeriodicDrive::new(&creeping, settings, &sine(100, 60.0)).unwrap();
             let Answer { y, differs } = answer(&creeping, &drive.u);
             assert!(differs <= SAME, "{name}: {differs}");
-            let left = y.iter().zip(&drive.r).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
-            assert!(left < 1e-4 * 120.0, "{name}: {left}");
+            let error = y.iter().zip(&drive.r).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-4 * 120.0, "{name}: {error}");
         }
     }
 
     #[test]
-    fn one_period_is_taken_of_a_reference_that_repeats() {
+    fn of_several_periods_one_is_used() {
         let still = model("prandtl-ishlinskii", Creep::new(1e-3, Vec::new()).unwrap());
         let drive = PeriodicDrive::new(&still, FeedForwardSettings::default(), &sine(50, 60.0).repeat(3)).unwrap();
         assert_eq!((drive.u.len(), drive.r.len()), (50, 50));
@@ -192,13 +183,13 @@ mod tests {
     }
 
     #[test]
-    fn an_end_that_does_not_join_the_beginning_is_refused_and_one_too_many_is_told() {
+    fn an_end_that_differs_from_the_start_is_an_error_and_a_repeated_sample_is_noted() {
         let said = |r: &[f64]| joins(r, "um").unwrap_err().to_string();
         assert!(said(&[0.0, 1.0, 2.0, 3.0]).contains("3.000 um from its last sample to its first"));
-        assert!(said(&[0.0, 1.0, 2.0, 3.0]).contains("no step inside is larger than 1.000 um"));
+        assert!(said(&[0.0, 1.0, 2.0, 3.0]).contains("largest step inside: 1.000 um"));
         assert!(said(&[4.0; 5]).contains("4 um throughout"));
         assert!(said(&[]).contains("0 samples"));
         assert!(joins(&[0.0, 1.0, 0.0, -1.0], "um").unwrap().is_empty());
-        assert!(joins(&[0.0, 1.0, 0.0, -1.0, 0.0], "um").unwrap()[0].contains("twice a period"));
+        assert!(joins(&[0.0, 1.0, 0.0, -1.0, 0.0], "um").unwrap()[0].contains("twice per period"));
     }
 }

@@ -1,26 +1,27 @@
-//! A wave table for controllers that speak PI's General Command Set, GCS 2.0.
+//! A wave table for controllers with PI's General Command Set, GCS 2.0.
 //!
 //! ```text
 //! SVO 1 0                           axis 1 in open loop
-//! WAV 1 X PNT 1 10 v_1 ... v_10     the first ten points of table 1; X begins it anew
+//! WAV 1 X PNT 1 10 v_1 ... v_10     the first ten points of table 1; X starts a new one
 //! WAV 1 & PNT 11 10 v_11 ... v_20   the next ten; & appends
 //! WSL 1 1                           generator 1 plays table 1
 //! WTR 1 k 0                         each point for k servo cycles, without interpolation
-//! WGC 1 0                           without end
-//! SVA 1 v_1                         to the first point
-//! WGO 1 1                           now
+//! WGC 1 0                           endless
+//! SVA 1 v_1                         move to the first point
+//! WGO 1 1                           start
 //! ```
-//! The language has no comments, so that the file has none: every line can be sent as it is, with a line feed at its end.
+//! The language has no comments, so the file has none. Every line can be sent as it is, with a line feed at its end.
 //!
-//! Reference: order of arguments, counting from 1 and ten points a line (how many a controller accepts differs) as PI's PIPython
-//! sends them (`gcscommands.WAV_PNT`, `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py); period = servo cycle x
-//! WTR x points and 50 us, E-727 user manual E727T0005. It does not do: axes and tables other than the first, closed loop, triggers.
+//! Reference: order of arguments, counting from 1 and ten points per line (the limit differs between controllers) as
+//! PI's PIPython sends them (`gcscommands.WAV_PNT`, `pitools.writewavepoints`, samples/advanced/wavegenerator_pnt.py);
+//! period = servo cycle x WTR x points and 50 us, E-727 user manual E727T0005. It does not do: axes and tables other
+//! than the first, closed loop, triggers.
 
 use super::table::{TableCapacity, WaveTable};
 use crate::template::{render, template};
 use piezoid::error::Error;
 
-/// Points of a table; `WMS?` tells how many a controller has room for.
+/// Points of a table; `WMS?` returns the capacity of a controller.
 const POINTS: usize = 4096;
 
 /// Digits after the point: 0.1 mV.
@@ -41,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_go_in_lines_of_ten_and_are_counted_from_one() {
+    fn points_are_in_lines_of_ten_and_counted_from_one() {
         let u: Vec<f64> = (0..23).map(|t| f64::from(t) - 7.00004).collect();
         let text = commands(&table(&u, 5e-4, 5e-5).unwrap()).unwrap();
         let lines: Vec<&str> = text.lines().collect();

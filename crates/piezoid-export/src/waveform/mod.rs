@@ -1,15 +1,15 @@
-//! The compensated drive of a periodic reference as tables, for controllers that repeat a waveform and compute nothing.
+//! The drive for a periodic reference as tables, for controllers that repeat a waveform and compute nothing.
 //!
 //! ```text
 //! r, one period -> u, learnt on the model -> points, each held for whole cycles -> commands
 //! ```
-//! The drive is that of the steady state: both it and what the model answers repeat, creep included. Tables are rounded to the
-//! digits that are written, and what this and the holding cost is measured on the numbers in the file and stated.
+//! The drive is that of the steady state: it and the response of the model are periodic, with creep. Tables are rounded
+//! to the written digits. The errors by rounding and holding are computed from the numbers in the file and stated.
 //!
-//! Voltages come from Fourier transforms, whose last digits may differ from one machine to another; those that are written
-//! do not, unless one lies on the edge of rounding.
+//! Voltages come from Fourier transforms, whose last digits may differ between machines. The written digits do not,
+//! unless a value lies on the edge of rounding.
 //!
-//! Reference: as [`drive`], [`table`], [`gcs`] and [`nv200`]. It does not do: closed loop, and the way from standing still
+//! Reference: see [`drive`], [`table`], [`gcs`] and [`nv200`]. It does not do: closed loop, the transient from rest
 //! into the waveform.
 
 mod drive;
@@ -35,17 +35,17 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     make,
 };
 
-/// Digits of the voltages in the CSV file after the point: 0.1 mV.
+/// Decimals of the voltages in the CSV file: 0.1 mV.
 const DECIMALS: usize = 4;
 
-/// Displacements are rounded to this share of the stroke, or finer.
+/// Displacements are rounded to this share of the stroke or finer.
 const FINE: f64 = 1e-6;
 
 fn make(request: &ExportRequest) -> Result<Exported, Error> {
     named(request.name(), "")?;
     let (model, name, ts) = (request.model, request.name(), request.model.ts());
     let Some(r) = request.reference else {
-        return Err(Error::parameter("reference", "none", "must be given: one period of the wanted displacement"));
+        return Err(Error::parameter("reference", "none", "must be given: one period of the requested displacement"));
     };
     let found = &model.units().u;
     if found != "V" {
@@ -60,41 +60,42 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     let wave = gcs::table(&drive.u, ts, servo_cycle)?;
     let buffer = range.map(|range| nv200::table(&drive.u, ts, range)).transpose()?;
 
-    let mut made = Exported { files: Vec::new(), notes: drive.notes.clone() };
+    let mut exported = Exported { files: Vec::new(), notes: drive.notes.clone() };
     let mut tables = Vec::new();
     let mut add = |whose, end, table: &WaveTable, text| {
-        let (told, sentence) = stated(whose, format!("{name}{end}"), table, model, &drive);
-        tables.push(told);
-        made.files.push(File::new(format!("{name}{end}"), text));
+        let (context, sentence) = stated(whose, format!("{name}{end}"), table, model, &drive);
+        tables.push(context);
+        exported.files.push(File::new(format!("{name}{end}"), text));
         sentence
     };
     let mut sentences = vec![add("the model's own", ".csv", &plain, rows(request, &drive, &plain)?)];
     sentences.push(add("PI GCS 2.0", "_gcs.txt", &wave, gcs::commands(&wave)?));
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?)),
-        None => made.notes.push(
-            "there is no file for the NV200, which counts in percent of a range: give the voltages of 0 % and 100 %"
-                .into(),
-        ),
-    }
-    made.notes.extend(sentences);
-    let stands = |(low, high): (f64, f64)| [low, high];
+None => exported.notes.push(
+"there is no file for the NV200, whose points are in percent of a range: give the voltages of 0 % and 100 %"
+.into(),
+),
+}
+    exported.notes.extend(sentences);
+    let pair = |(low, high): (f64, f64)| [low, high];
     let page = context! {
-        name, ts => ts.to_string(), unit => &model.units().y, samples => drive.u.len(), period => drive.u.len() as f64 * ts,
-        u => stands(ends(drive.u.iter().copied())), r => stands(ends(drive.r.iter().copied())), tables, servo_cycle,
-        range => range.map(|(low, high)| [low.to_string(), high.to_string()]), beginning => beginning(model, &drive),
-        slowest => model.creep().lags().iter().map(|lag| lag.tau_s).fold(0.0, f64::max),
-    };
-    made.files.push(File::new(format!("{name}.md"), render(template!("waveform/readme.md.j2"), page)?));
-    Ok(made)
+    name, ts => ts.to_string(), unit => &model.units().y, samples => drive.u.len(),
+    period => drive.u.len() as f64 * ts, u => pair(ends(drive.u.iter().copied())),
+    r => pair(ends(drive.r.iter().copied())), tables, servo_cycle,
+            range => range.map(|(low, high)| [low.to_string(), high.to_string()]), beginning => beginning(model, &drive),
+            slowest => model.creep().lags().iter().map(|lag| lag.tau_s).fold(0.0, f64::max),
+        };
+    exported.files.push(File::new(format!("{name}.md"), render(template!("waveform/readme.md.j2"), page)?));
+    Ok(exported)
 }
 
-/// What the page is told of a table, errors in percent, and what a terminal says of it.
+/// The template context of a table, errors in percent, and a note on it.
 fn stated(whose: &str, file: String, table: &WaveTable, model: &Model, drive: &PeriodicDrive) -> (Value, String) {
     let Figures { period, u, y, differs } = table.figures(model, drive);
-    let off = if period == 0.0 { String::new() } else { format!(", period {} % off", short(100.0 * period)) };
+    let period_off = if period == 0.0 { String::new() } else { format!(", period error {} %", short(100.0 * period)) };
     let sentence = format!(
-        "{file}: {} points of {} s{off}; on the model {} % of the stroke off, rms, {} % at most",
+        "{file}: {} points of {} s{period_off}; error on the model {} % of the stroke rms, at most {} %",
         table.held.len(),
         round(table.point()),
         short(y.rms),
@@ -107,14 +108,14 @@ fn stated(whose: &str, file: String, table: &WaveTable, model: &Model, drive: &P
     (context! { ..figures, ..table.template_context() }, sentence)
 }
 
-/// How far off the model is at most in the first period from standing still at the first voltage [% of the stroke].
+/// Largest error of the model in the first period, from rest at the first voltage [% of the stroke].
 fn beginning(model: &Model, drive: &PeriodicDrive) -> f64 {
     let y = model.resume(&mut model.settled(drive.u.first().copied().unwrap_or(0.0)), &drive.u);
     let (low, high) = ends(drive.r.iter().copied());
     100.0 * y.iter().zip(&drive.r).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max) / (high - low)
 }
 
-/// The table as CSV: time, voltage, what is wanted, and what the model answers.
+/// The table as CSV: time, voltage, reference, and the response of the model.
 fn rows(request: &ExportRequest, drive: &PeriodicDrive, table: &WaveTable) -> Result<String, Error> {
     let (model, y) = (request.model, &request.model.units().y);
     let (low, high) = ends(drive.r.iter().copied());

@@ -4,21 +4,21 @@
 //! cl,0                  open loop
 //! gtarb,k               a point lasts k times 50 us
 //! gbarb,j,p_j           point j, from 0 up to 1023, in percent of the range
-//! gsarb,0               a cycle goes from here
-//! gearb,N-1             to here
-//! goarb,0               the first one too
-//! gcarb,0               without end
+//! gsarb,0               first point of the cycle
+//! gearb,N-1             last point of the cycle
+//! goarb,0               first point of the first cycle
+//! gcarb,0               endless
 //! modsrc,3              the generator is the setpoint
-//! grun,1                now
+//! grun,1                start
 //! ```
-//! In open loop the setpoint is a voltage, of which 0 % and 100 % are taken for the ends that the amplifier answers to `avmin`
-//! and `avmax`, and which belong to the actuator that is plugged in. The list of its commands does not say so; generators in
-//! the nano box USB of the same maker count in percent of the range of the voltage. The language has no comments, so that the
-//! file has none: every line can be sent as it is, with a carriage return at its end.
+//! In open loop the setpoint is a voltage. 0 % and 100 % are assumed to be the answers of the amplifier to `avmin` and
+//! `avmax`, which depend on the connected actuator. The list of its commands does not say so; generators in the nano
+//! box USB of the same maker count in percent of the voltage range. The language has no comments, so the file has none.
+//! Every line can be sent as it is, with a carriage return at its end.
 //!
-//! Reference: NV200/D NET instruction manual, command list (section 8.5); piezosystem jena's nv200-python-lib (`NV200Device`,
-//! `WaveformGenerator`); nano box USB manual, section 9.1.1.23. It does not do: closed loop, `gparb` in micrometres, which is
-//! for it; saving in the amplifier (`gsave`).
+//! Reference: NV200/D NET instruction manual, command list (section 8.5); piezosystem jena's nv200-python-lib
+//! (`NV200Device`, `WaveformGenerator`); nano box USB manual, section 9.1.1.23. It does not do: closed loop and `gparb`
+//! in micrometres, which belongs to it; saving in the amplifier (`gsave`).
 
 use super::table::{TableCapacity, WaveTable};
 use crate::template::{render, template};
@@ -26,26 +26,26 @@ use piezoid::error::Error;
 use piezoid::number::{round, short};
 use piezoid::series::ends;
 
-/// What its buffer holds, and its time base.
+/// Capacity of its buffer, and its time base.
 const ROOM: TableCapacity = TableCapacity { cycle: 5e-5, points: 1024, cycles: 65535 };
 
-/// Digits after the point: a millionth of the range.
+/// Decimals: a millionth of the range.
 const DECIMALS: usize = 4;
 
 /// The drive `u` [V], every `ts` [s], for an amplifier whose 0 % and 100 % are the ends of `range` [V].
 ///
 /// # Errors
-/// A drive that leaves the range, or a range that is none; else as [`WaveTable::new`].
+/// Returns an error if the drive leaves the range or the range is empty; also the errors of [`WaveTable::new`].
 pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<WaveTable, Error> {
     let (low, high) = range;
-    let told = format!("{} to {} V", round(low), round(high));
+    let value = format!("{} to {} V", round(low), round(high));
     if !(low < high && (high - low).is_finite()) {
-        return Err(Error::parameter("range", told, "must go from the voltage of 0 % up to that of 100 %"));
+        return Err(Error::parameter("range", value, "must go from the voltage of 0 % up to that of 100 %"));
     }
     let (lowest, highest) = ends(u.iter().copied());
     if lowest < low || highest > high {
-        let rule = format!("must hold the drive, which goes from {} to {} V", short(lowest), short(highest));
-        return Err(Error::parameter("range", told, rule));
+        let rule = format!("must contain the drive, which goes from {} to {} V", short(lowest), short(highest));
+        return Err(Error::parameter("range", value, rule));
     }
     WaveTable::new(ROOM, u, ts, (low, (high - low) / 100.0), DECIMALS)
 }
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_points_are_made_than_the_buffer_holds() {
+    fn the_buffer_limits_the_number_of_points() {
         let u: Vec<f64> = (0..5000).map(|t| f64::from(t % 100)).collect();
         let table = table(&u, 5e-4, (0.0, 100.0)).unwrap();
         assert_eq!((table.held.len(), table.cycles), (1000, 50));
@@ -79,11 +79,10 @@ mod tests {
     }
 
     #[test]
-    fn a_range_that_does_not_hold_the_drive_is_refused() {
+    fn a_range_that_does_not_contain_the_drive_is_an_error() {
         let said = |range| table(&[-1.0, 4.0], 1e-3, range).map(drop).unwrap_err().to_string();
-        assert!(
-            said((0.0, 100.0)).contains("range = 0 to 100 V: must hold the drive, which goes from -1.000 to 4.000 V")
-        );
+        let expected = "range = 0 to 100 V: must contain the drive, which goes from -1.000 to 4.000 V";
+        assert!(said((0.0, 100.0)).contains(expected));
         assert!(said((5.0, -5.0)).contains("must go from the voltage of 0 %"));
     }
 }

@@ -1,16 +1,16 @@
-//! Tables of voltages, each held for whole cycles of a controller, and what is lost on the way into them.
+//! Tables of voltages, each held for whole cycles of a controller, and their errors.
 //!
 //! ```text
-//! v_j = mean of u over the time that point j is held,    period = points x cycles a point x cycle
+//! v_j = mean of u over the time that point j is held,    period = points x cycles per point x cycle
 //! ```
-//! Of all held voltages the mean is nearest to the drive, by least squares; where a point lasts a sample or longer, it
-//! stays within every limit of voltage, slew and current that the drive keeps. Where a sample of the drive lasts whole
-//! cycles and all fit in, the table is the drive. Else the period that is met best decides, then whole samples a point,
-//! then the number of points.
+//! The mean is the best held voltage in the least-squares sense. If a point lasts one sample or longer, it also keeps
+//! all limits of voltage, slew and current that the drive keeps. If a sample of the drive is a whole number of cycles
+//! and all samples fit, the table is the drive. Otherwise the table with the most accurate period is used, then one
+//! with whole samples per point, then the one with the most points.
 //!
-//! What a model makes of a table is its answer to the mean of the held voltage in each of its samples: exact where points
-//! last whole samples; where they do not, what happens within a sample is not told. Of points that are shorter than a
-//! sample, those wholly inside make up for those shared with a neighbour, so that each sample keeps its mean.
+//! The response of a model to a table is that to the mean of the held voltage in each of its samples. It is exact if
+//! points last whole samples; otherwise changes within a sample are not represented. If points are shorter than a
+//! sample, those completely inside are corrected for those shared with a neighbour, so that each sample keeps its mean.
 
 use super::drive::{Answer, PeriodicDrive, answer};
 use crate::template::{Value, context};
@@ -20,25 +20,25 @@ use piezoid::number::short;
 use piezoid::series::ends;
 use piezoid::system::System;
 
-/// A part of a period this small is none.
+/// Relative deviation of a sample from whole cycles that counts as zero.
 const NONE: f64 = 1e-9;
 
-/// What a controller has room for.
+/// The capacity of a controller.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TableCapacity {
     /// Its cycle [s].
     pub(super) cycle: f64,
-    /// Points at most.
+    /// Largest number of points.
     pub(super) points: usize,
-    /// Cycles that a point can be held for, at most.
+    /// Largest number of cycles per point.
     pub(super) cycles: usize,
 }
 
 impl TableCapacity {
-    /// Points, and cycles each is held for, of a period of `n` samples every `ts` [s].
+    /// Number of points, and cycles per point, for a period of `n` samples every `ts` [s].
     ///
     /// # Errors
-    /// [`Error::Unsuited`] of a period that is shorter than two cycles or longer than the table can last.
+    /// [`Error::Unsuited`] for a period that is shorter than two cycles or longer than the table can last.
     pub(super) fn shape(&self, n: usize, ts: f64) -> Result<(usize, usize), Error> {
         let sample = ts / self.cycle;
         let whole = sample.round();
@@ -50,7 +50,7 @@ impl TableCapacity {
         if most < 2 || all > self.points as f64 * self.cycles as f64 {
             let [cycle, period] = [self.cycle, n as f64 * ts].map(short);
             let because = format!(
-                "a period of {period} s does not go into 2 to {} points, each held for 1 to {} cycles of {cycle} s",
+                "a period of {period} s does not fit into 2 to {} points, each held for 1 to {} cycles of {cycle} s",
                 self.points, self.cycles
             );
             return Err(Error::Unsuited { what: "table of voltages".into(), because });
@@ -64,11 +64,11 @@ impl TableCapacity {
     }
 }
 
-/// A table as a file holds it.
+/// A table as it is in a file.
 pub(super) struct WaveTable {
-    /// The points as they are written.
+    /// The points as text.
     pub(super) written: Vec<String>,
-    /// The voltages that a controller makes of them [V].
+    /// The voltages of the points [V].
     pub(super) held: Vec<f64>,
     /// Cycles that each is held for.
     pub(super) cycles: usize,
@@ -77,11 +77,11 @@ pub(super) struct WaveTable {
 }
 
 impl WaveTable {
-    /// The drive `u` [V], every `ts` [s], as a controller with this room holds it: numbers with so many decimals, of which
-    /// 0 stands for `zero` volts and 1 for `scale` volts more.
+    /// The drive `u` [V], every `ts` [s], as a controller with capacity `room` holds it. Its numbers have `decimals`
+    /// decimals; 0 is `zero` volts, and 1 is `scale` volts more.
     ///
     /// # Errors
-    /// As [`TableCapacity::shape`].
+    /// The errors of [`TableCapacity::shape`].
     pub(super) fn new(
         room: TableCapacity,
         u: &[f64],
@@ -90,7 +90,7 @@ impl WaveTable {
         decimals: usize,
     ) -> Result<Self, Error> {
         let (points, cycles) = room.shape(u.len(), ts)?;
-        // Adding 0 takes the sign from -0.
+        // Adding 0 removes the sign of -0.
         let digits = 10f64.powi(decimals as i32);
         let rounded = |v: f64| (digits * (v - zero) / scale).round() / digits + 0.0;
         let values: Vec<f64> = fitted(u, points).into_iter().map(rounded).collect();
@@ -102,61 +102,61 @@ impl WaveTable {
         })
     }
 
-    /// What templates are told.
+    /// The template context.
     pub(super) fn template_context(&self) -> Value {
         context! { points => self.written.iter().collect::<Value>(), cycles => self.cycles }
     }
 
-    /// How long a point is held [s].
+    /// Duration of a point [s].
     pub(super) fn point(&self) -> f64 {
         self.cycles as f64 * self.cycle
     }
 
-    /// How long all are [s].
+    /// Duration of the table [s].
     pub(super) fn period(&self) -> f64 {
         self.held.len() as f64 * self.point()
     }
 
-    /// What is lost.
+    /// The errors of the table.
     pub(super) fn figures(&self, model: &Model, drive: &PeriodicDrive) -> Figures {
         let (n, points) = (drive.u.len(), self.held.len());
         let off =
             |(i, j, length): (usize, usize, usize)| (drive.u[i] - self.held[j], length as f64 / (n * points) as f64);
         let Answer { y, differs } = answer(model, &means(&self.held, n));
-        let left = y.iter().zip(&drive.r).map(|(y, r)| (y - r, 1.0 / n as f64));
+        let errors = y.iter().zip(&drive.r).map(|(y, r)| (y - r, 1.0 / n as f64));
         Figures {
             period: self.period() / (n as f64 * model.ts()) - 1.0,
             u: Share::of(overlaps(n, points).map(off), &drive.u),
-            y: Share::of(left, &drive.r),
+            y: Share::of(errors, &drive.r),
             differs,
         }
     }
 }
 
-/// What a table loses.
+/// Errors of a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Figures {
-    /// By how much its period is longer than wanted, as a share of it.
+    /// Relative error of its period.
     pub(super) period: f64,
-    /// The held voltage, off the drive.
+    /// Error of the held voltage against the drive.
     pub(super) u: Share,
-    /// The model's answer to it, off what is wanted.
+    /// Error of the model's response against the reference.
     pub(super) y: Share,
-    /// By how much two periods of that answer differ, as a share of their stroke.
+    /// Difference of two periods of that response, as a share of their stroke.
     pub(super) differs: f64,
 }
 
 /// An error in percent of the stroke.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Share {
-    /// Root of the mean square.
+    /// Rms error.
     pub(super) rms: f64,
-    /// The largest.
+    /// Largest error.
     pub(super) largest: f64,
 }
 
 impl Share {
-    /// Of errors, each with its share of the period, in percent of the stroke of `x`.
+    /// From errors with their shares of the period, relative to the stroke of `x`.
     fn of(errors: impl Iterator<Item = (f64, f64)>, x: &[f64]) -> Self {
         let (low, high) = ends(x.iter().copied());
         let (squares, largest) =
@@ -165,7 +165,7 @@ impl Share {
     }
 }
 
-/// The `n` points for the drive `u`: its means, and where they are shorter than its samples, corrected for these.
+/// The `n` points for the drive `u`: its means, corrected if they are shorter than its samples.
 fn fitted(u: &[f64], n: usize) -> Vec<f64> {
     let mut points = means(u, n);
     let missing: Vec<f64> = u.iter().zip(means(&points, u.len())).map(|(u, mean)| u - mean).collect();
@@ -173,19 +173,19 @@ fn fitted(u: &[f64], n: usize) -> Vec<f64> {
     let mut share = vec![0.0; u.len()];
     inside().for_each(|(i, _, length)| share[i] += length as f64 / n as f64);
     inside().for_each(|(i, j, _)| points[j] += missing[i] / share[i]);
-    // A turn of the drive is not to be passed, as it may be a limit.
+    // The extremes of the drive may be limits, so they are kept.
     let (low, high) = ends(u.iter().copied());
     points.iter().map(|v| v.clamp(low, high)).collect()
 }
 
-/// The means of `x`, held over equal parts of a period, over `n` equal parts of it.
+/// Means over `n` equal parts of a period; `x` is held over equal parts of it.
 pub(super) fn means(x: &[f64], n: usize) -> Vec<f64> {
     let mut means = vec![0.0; n];
     overlaps(x.len(), n).for_each(|(i, j, length)| means[j] += length as f64 / x.len() as f64 * x[i]);
     means
 }
 
-/// Which of `n` equal parts of a period overlap which of `m`, and for how long, of n m.
+/// The overlaps (i, j, length) of `n` equal parts of a period with `m`, in units of 1 / (n m).
 fn overlaps(n: usize, m: usize) -> impl Iterator<Item = (usize, usize, usize)> {
     let (mut i, mut j, mut at) = (0, 0, 0);
     std::iter::from_fn(move || {
@@ -205,7 +205,7 @@ mod tests {
     const ROOM: TableCapacity = TableCapacity { cycle: 5e-5, points: 1024, cycles: 65535 };
 
     #[test]
-    fn the_drive_itself_is_the_table_where_its_samples_last_whole_cycles() {
+    fn the_table_is_the_drive_if_samples_are_whole_cycles() {
         assert_eq!(ROOM.shape(400, 5e-4).unwrap(), (400, 10));
         assert_eq!(ROOM.shape(1024, 1e-4).unwrap(), (1024, 2));
         let u = [1.25, -0.5, 3.0];
@@ -213,17 +213,17 @@ mod tests {
     }
 
     #[test]
-    fn longer_periods_are_met_with_as_many_points_as_fit_each_of_whole_samples() {
+    fn longer_periods_use_the_largest_number_of_points_of_whole_samples() {
         // 20000 cycles.
         assert_eq!(ROOM.shape(2000, 5e-4).unwrap(), (1000, 20));
         // 15000 cycles in 1000 points would be 1.5 samples each.
         assert_eq!(ROOM.shape(1500, 5e-4).unwrap(), (750, 20));
-        // A sample of 2.5 cycles: points are shorter, rather than half as many as there are samples.
+        // A sample of 2.5 cycles: points are shorter than samples.
         assert_eq!(ROOM.shape(100, 1.25e-4).unwrap(), (250, 1));
     }
 
     #[test]
-    fn a_period_that_no_table_has_is_met_within_half_a_thousandth() {
+    fn other_periods_are_met_within_half_a_thousandth() {
         for (n, ts) in [(1999, 5e-4), (4093, 5e-4), (333, 1.0 / 3000.0), (44100, 1.0 / 44100.0)] {
             let (points, cycles) = ROOM.shape(n, ts).unwrap();
             let off = (points * cycles) as f64 * 5e-5 / (n as f64 * ts) - 1.0;
@@ -232,14 +232,14 @@ mod tests {
     }
 
     #[test]
-    fn periods_that_are_too_short_or_too_long_are_refused() {
+    fn periods_that_are_too_short_or_too_long_are_errors() {
         let said = |n, ts| ROOM.shape(n, ts).unwrap_err().to_string();
-        assert!(said(3, 3e-5).contains("a period of 9.000e-5 s does not go into 2 to 1024 points"));
+        assert!(said(3, 3e-5).contains("a period of 9.000e-5 s does not fit into 2 to 1024 points"));
         assert!(said(4000, 1.0).contains("65535 cycles"));
     }
 
     #[test]
-    fn the_mean_of_what_is_held_is_kept_and_no_limit_is_passed() {
+    fn the_mean_is_kept_and_no_limit_is_exceeded() {
         let u: Vec<f64> = (0..91).map(|t| f64::from(t * t % 37)).collect();
         let of = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
         let step = |x: &[f64]| (0..x.len()).map(|t| (x[t] - x[(t + 1) % x.len()]).abs()).fold(0.0, f64::max);
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn points_shorter_than_a_sample_keep_its_mean_but_pass_no_turn() {
+    fn points_shorter_than_a_sample_keep_its_mean_within_the_extremes() {
         let u: Vec<f64> = (0..100).map(|t| (std::f64::consts::TAU * f64::from(t) / 100.0).sin()).collect();
         let off = |points: &[f64]| means(points, 100).iter().zip(&u).map(|(v, u)| (v - u).abs()).fold(0.0, f64::max);
         let points = fitted(&u, 250);

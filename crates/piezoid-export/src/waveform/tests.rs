@@ -1,4 +1,4 @@
-//! Files read back as a controller reads them.
+//! The files, read back as a controller reads them.
 
 use super::*;
 use crate::Model;
@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 const TS: f64 = 5e-4;
 
-/// With creep and a resonance, in micrometres or another length of so many of them.
+/// A model with creep and a resonance; its unit of displacement is `micrometres` long.
 fn model(name: &str, unit: &str, micrometres: f64) -> Model {
     let b = [0.0, 3.0, 2.8].map(|b| b / micrometres).to_vec();
     let block = Arx::new(TS, vec![1.7424, -0.9453], b).unwrap();
@@ -27,10 +27,8 @@ fn sine(n: usize, height: f64) -> Vec<f64> {
 }
 
 fn limits() -> FeedForwardSettings {
-    FeedForwardSettings {
-        limits: Limits { low: Some(-25.0), high: Some(25.0), ..Limits::default() },
-        ..FeedForwardSettings::default()
-    }
+    let limits = Limits { low: Some(-25.0), high: Some(25.0), ..Default::default() };
+    FeedForwardSettings { limits, ..Default::default() }
 }
 
 fn made(model: &Model, r: &[f64]) -> Exported {
@@ -38,7 +36,7 @@ fn made(model: &Model, r: &[f64]) -> Exported {
 }
 
 fn ranged(model: &Model) -> ExportRequest<'_> {
-    let options = ExportOptions { name: "scan".into(), range: Some((-30.0, 120.0)), ..ExportOptions::default() };
+    let options = ExportOptions { name: "scan".into(), range: Some((-30.0, 120.0)), ..Default::default() };
     ExportRequest { options, ..ExportRequest::new(model, "scan") }
 }
 
@@ -51,16 +49,16 @@ fn column(csv: &str, number: usize) -> Vec<f64> {
     csv.lines().skip(1).map(|line| line.split(',').nth(number).unwrap().parse().unwrap()).collect()
 }
 
-/// Points [V] and how long each is held [s], as the controller understands the commands.
+/// Points [V] and the time for which each is held [s], as the controller reads the commands.
 fn played(commands: &str) -> (Vec<f64>, f64) {
     let (mut points, mut cycles) = (Vec::new(), 0.0);
     for line in commands.lines() {
-        let printer: Vec<&str> = line.split([' ', ',']).collect();
-        match printer[..] {
+        let words: Vec<&str> = line.split([' ', ',']).collect();
+        match words[..] {
             ["WAV", "1", settings, "PNT", first, count, ..] => {
                 assert_eq!(settings == "X", points.is_empty());
-                assert_eq!((first.parse(), count.parse()), (Ok(points.len() + 1), Ok(printer.len() - 6)));
-                points.extend(printer[6..].iter().map(|v| v.parse::<f64>().unwrap()));
+                assert_eq!((first.parse(), count.parse()), (Ok(points.len() + 1), Ok(words.len() - 6)));
+                points.extend(words[6..].iter().map(|v| v.parse::<f64>().unwrap()));
             }
             ["gbarb", index, percent] => {
                 assert_eq!(index.parse(), Ok(points.len()));
@@ -74,13 +72,13 @@ fn played(commands: &str) -> (Vec<f64>, f64) {
     (points, cycles * 5e-5)
 }
 
-/// The figures that the page states of a file: period off, u rms and largest, y rms and largest, all in percent.
+/// The errors of a file by the page: period, u rms and largest, y rms and largest, all in percent.
 fn stated(made: &Exported, file: &str) -> Vec<f64> {
     let row = text(made, "scan.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
     row.split('|').skip(5).filter_map(|cell| cell.trim().parse().ok()).collect()
 }
 
-/// Rms and largest, in percent of the stroke of `of`.
+/// Rms and largest error of `x` in percent of the stroke of `of`.
 fn share(x: &[f64], of: &[f64]) -> [f64; 2] {
     let (low, high) = ends(of.iter().copied());
     let off = x.iter().zip(of).map(|(x, of)| x - of);
@@ -89,11 +87,11 @@ fn share(x: &[f64], of: &[f64]) -> [f64; 2] {
 }
 
 #[test]
-fn the_errors_stated_are_those_of_the_files_read_back_and_played() {
+fn the_stated_errors_are_those_of_the_files_when_played() {
     for (name, n) in [("prandtl-ishlinskii", 120), ("preisach", 2200), ("prandtl-ishlinskii", 1999)] {
         let (model, r) = (model(name, "um", 1.0), sine(n, 400.0));
         let made = made(&model, &r);
-        // The drive to 0.1 mV, forty times in each cycle of 50 us.
+        // The voltage with 0.1 mV, forty times per cycle of 50 us.
         let u = column(text(&made, "scan.csv"), 1);
         let fine =
             |t: usize, of: f64, points: &[f64]| points[((t as f64 + 0.5) * 1.25e-6 / of) as usize % points.len()];
@@ -102,14 +100,14 @@ fn the_errors_stated_are_those_of_the_files_read_back_and_played() {
             let says = stated(&made, file);
             let period = points.len() as f64 * held;
             assert_close(&[says[0]], &[100.0 * (period / (n as f64 * TS) - 1.0)], 1e-3, 1e-9);
-            // At the same phase, whatever the period.
+            // Compared at equal phase.
             let samples = n * 400;
             let slower = period / (n as f64 * TS);
             let both: (Vec<f64>, Vec<f64>) =
                 (0..samples).map(|t| (fine(t, held / slower, &points), fine(t, TS, &u))).unzip();
             let lost = share(&both.0, &both.1);
             assert_close(&says[1..3], &lost, 0.02, 1e-3);
-            // As the model sees it, from standing still until creep of 10 s is over.
+            // The response of the model, after creep of 10 s has settled.
             let seen: Vec<f64> = both.0.chunks(400).map(|sample| sample.iter().sum::<f64>() / 400.0).collect();
             let mut x = model.settled(seen[0]);
             (0..400_000 / n).for_each(|_| drop(model.resume(&mut x, &seen)));
@@ -119,11 +117,11 @@ fn the_errors_stated_are_those_of_the_files_read_back_and_played() {
 }
 
 #[test]
-fn what_is_wanted_is_met_and_nothing_is_lost_where_samples_last_whole_cycles() {
+fn nothing_is_lost_if_samples_are_whole_cycles() {
     let made = made(&model("preisach", "um", 1.0), &sine(200, 400.0));
     for file in ["scan.csv", "scan_gcs.txt", "scan_nv200.txt"] {
         let says = stated(&made, file);
-        // Rounding to 0.1 mV of 40 V.
+        // Rounding to 0.1 mV in 40 V.
         assert!(says[0] == 0.0 && says[2] < 1e-3 && says[4] < 0.01, "{file}: {says:?}");
     }
     let csv = text(&made, "scan.csv");
@@ -146,28 +144,28 @@ fn a_model_in_metres_gives_the_same_voltages() {
 
 #[test]
 fn every_table_stays_within_the_limits() {
-    // A triangle that asks for more than the slew.
+    // A triangle above the slew limit.
     let r: Vec<f64> = (0..1500).map(|t| 400.0 - 1.6 * (f64::from(t % 1500) - 750.0).abs()).map(|r| r * 0.6).collect();
-    let limits = Limits { low: Some(-25.0), high: Some(25.0), slew: Some(45.0), ..Limits::default() };
-    let settings = FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() };
+    let limits = Limits { low: Some(-25.0), high: Some(25.0), slew: Some(45.0), ..Default::default() };
+    let settings = FeedForwardSettings { limits, clip: true, ..Default::default() };
     let model = model("prandtl-ishlinskii", "um", 1.0);
     let made = make(&ExportRequest { reference: Some(&r), settings, ..ranged(&model) }).unwrap();
     for file in ["scan_gcs.txt", "scan_nv200.txt"] {
         let (points, held) = played(text(&made, file));
-        // Rounding to 0.15 mV adds to the slew.
+        // Rounding to 0.15 mV increases the slew.
         let usage = limits.check(&[points.as_slice(), &points[..1]].concat(), held).unwrap();
         assert!(usage.slew.value < 45.0 + 1.5e-4 / held && usage.slew.value > 40.0, "{file}: {usage:?}");
     }
     let strict = ExportRequest {
         reference: Some(&r),
-        settings: FeedForwardSettings { limits, ..FeedForwardSettings::default() },
+        settings: FeedForwardSettings { limits, ..Default::default() },
         ..ExportRequest::new(&model, "scan")
     };
     assert!(make(&strict).unwrap_err().to_string().starts_with("the drive exceeds its limits: slew"));
 }
 
 #[test]
-fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
+fn without_a_range_a_note_replaces_the_file_in_percent() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
     let made =
         make(&ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") }).unwrap();
@@ -178,21 +176,21 @@ fn without_a_range_there_is_no_file_for_percentages_and_a_note_says_so() {
 }
 
 #[test]
-fn what_makes_no_table_is_refused_by_name() {
+fn requests_without_a_table_are_errors() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
     let plain = || ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") };
     let said = |request: ExportRequest| make(&request).unwrap_err().to_string();
     assert!(said(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
-    let single = ExportOptions { float: true, ..ExportOptions::default() }.run("waveform", &model, Some(&r), None);
+    let single = ExportOptions { float: true, ..Default::default() }.run("waveform", &model, Some(&r), None);
     assert!(single.unwrap_err().to_string().starts_with("float = true: is not for the target waveform, but for c,"));
     let c = ExportOptions::default().run("c", &model, Some(&r), None);
     assert!(c.unwrap_err().to_string().ends_with("is not for the target c, but for waveform"));
-    let options = ExportOptions { name: "9".into(), ..ExportOptions::default() };
+    let options = ExportOptions { name: "9".into(), ..Default::default() };
     assert!(said(ExportRequest { options, ..plain() }).starts_with("name = `9`"));
     let far = sine(100, 1e5);
     assert!(said(ExportRequest { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
-    assert!(said(ExportRequest { reference: Some(&r[..60]), ..plain() }).contains("must join its beginning"));
-    let options = ExportOptions { servo_cycle: 0.0, ..ExportOptions::default() };
+    assert!(said(ExportRequest { reference: Some(&r[..60]), ..plain() }).contains("must end where it begins"));
+    let options = ExportOptions { servo_cycle: 0.0, ..Default::default() };
     assert!(said(ExportRequest { options, ..plain() }).starts_with("servo_cycle = 0"));
     let millivolts = model.clone().with_units(Units { u: "mV".into(), y: "um".into() });
     let settings = FeedForwardSettings::default();

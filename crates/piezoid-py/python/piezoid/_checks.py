@@ -51,13 +51,6 @@ def number(name: str, value: Any) -> float:
     raise PiezoidError(f"{name} = {value!r}: must be a number")
 
 
-def tuning(late: Any, gain_margin: Any, phase_margin: Any) -> tuple[int, float | None, float | None]:
-    """How a controller is tuned."""
-    margins = {"gain_margin": gain_margin, "phase_margin": phase_margin}
-    gain_db, phase_deg = (None if given is None else number(name, given) for name, given in margins.items())
-    return whole("late", late), gain_db, phase_deg
-
-
 def some(name: str, value: Any, what: str) -> tuple[Any, ...]:
     """As many as `what` names, such as "low, high"; a list does as well."""
     count = what.count(",") + 1

@@ -1,6 +1,6 @@
 import os
 from collections.abc import Sequence
-from typing import Any, TypeAlias, final
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
@@ -9,8 +9,6 @@ from ._types import Array, Samples, Told
 
 __version__: str
 
-_Columns: TypeAlias = tuple[str | None, str | None, str | None]
-_Tuning: TypeAlias = tuple[int, float | None, float | None]
 
 class PiezoidError(ValueError):
     """What is wrong, the value, where, and what to do."""
@@ -41,8 +39,8 @@ class Columns:
     def from_arrays(columns: Sequence[tuple[str, Samples]], others: Sequence[tuple[str, str]]) -> Columns: ...
     @property
     def names(self) -> list[str]: ...
-    def record(self, ts: float | None, columns: _Columns, part: tuple[float, float]) -> Record: ...
-    def reference(self, ts: float | None, columns: _Columns, unit: str) -> tuple[float, Array]: ...
+    def record(self, given: dict[str, Any]) -> Record: ...
+    def reference(self, given: dict[str, Any], unit: str) -> tuple[float, Array]: ...
 
 @final
 class Model:
@@ -105,7 +103,7 @@ class Plant:
     def from_json(text: str) -> Plant: ...
     def to_json(self) -> str: ...
     def drawn(self, tolerance: float, seed: int, index: int) -> Plant: ...
-    def _measured(self, u: Samples, ts: float, seed: int, begin: str) -> tuple[Array, str | None]: ...
+    def _measured(self, u: Samples, ts: float, given: dict[str, Any]) -> tuple[Array, str | None]: ...
 
 @final
 class Arx:
@@ -149,7 +147,7 @@ class Arx:
 def identify(
     records: tuple[list[Record], list[Record]],
     given: dict[str, Any],
-    provenance: str,
+    made: tuple[str, str],
     progress: Told | None,
 ) -> Model: ...
 def identify_options() -> list[dict[str, Any]]: ...
@@ -157,36 +155,28 @@ def fit(
     records: list[Record],
     orders: tuple[int, int, int],
     by: str,
-    swarm: tuple[int | None, int | None, int, str | None],
+    swarm: dict[str, Any],
     progress: Told | None,
 ) -> tuple[Arx, dict[str, Any]]: ...
 def lists() -> dict[str, list[dict[str, Any]]]: ...
-def excite(name: str, ts: float, duration: float, values: list[tuple[str, float]]) -> Array: ...
+def excite(name: str, common: dict[str, Any], own: dict[str, Any]) -> Array: ...
 def follow(name: str, ts: float, n: int, peak: float, hz: float) -> Array: ...
 def control(
     plant: tuple[str, Plant],
     model: Model,
-    schemes: list[str],
     references: list[tuple[str, Samples]],
-    settings: dict[str, Any],
-    tuning: _Tuning,
-    preview: int | None,
-    seed: int,
-    tolerance: tuple[float, int] | None,
+    given: dict[str, Any],
     progress: Told | None,
 ) -> tuple[dict[str, Any], list[dict[str, Any]], str]: ...
 def export(
     model: Model,
-    target_name: str,
-    name: str,
-    options: tuple[bool, int, str | None],
-    tuning: _Tuning,
-    settings: dict[str, Any],
+    target: str,
+    given: dict[str, Any],
     reference: Samples | None,
-    playback: tuple[float | None, tuple[float, float] | None],
     folder: str | os.PathLike[str] | None,
 ) -> tuple[list[tuple[str, bytes]], list[str]]: ...
+def export_options() -> list[dict[str, Any]]: ...
 def write(path: str | os.PathLike[str], content: bytes) -> None: ...
 def study(
-    name: str, seed: int, progress: Told | None
+    given: dict[str, Any], progress: Told | None
 ) -> tuple[dict[str, Any], list[tuple[str, str]], str, str]: ...

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
-from ._checks import called, number, some, tuning, whole
+from ._checks import called, number, some
 from ._checks import limits as checked
 from ._progress import told
 from ._types import Array, Progress, Samples
@@ -109,20 +109,15 @@ def control(
     schemes = [controller] if isinstance(controller, str) else list(controller)
     if not schemes or not named:
         raise _piezoid.PiezoidError(f"there is no {'reference' if schemes else 'controller'}: give one at least")
-    share = None if tolerance is None else some("tolerance", tolerance, "share, draws")
-    names = {"gain_db": "gain_margin", "phase_deg": "phase_margin", "share": "tolerance"}
-    with told(progress) as watch, called(**names):
-        figures, runs, html = _piezoid.control(
-            (twin.name, twin._core),
-            known._core,
-            schemes,
-            [(str(name), r) for name, r in named.items()],
-            checked(limits),
-            tuning(late, gain_margin, phase_margin),
-            None if preview is None else whole("preview", preview),
-            whole("seed", seed),
-            None if share is None else (number("tolerance", share[0]), whole("draws", share[1])),
-            watch,
-        )
+    share = (None, 200) if tolerance is None else some("tolerance", tolerance, "share, draws")
+    # The library counts in percent.
+    percent = None if share[0] is None else round(100 * number("tolerance", share[0]), 12)
+    options = {
+        "controller": schemes, "late": late, "gain_margin": gain_margin, "phase_margin": phase_margin, "preview": preview,
+        "tolerance": percent, "draws": share[1], "seed": seed, **checked(limits),
+    }  # fmt: skip
+    references = [(str(name), r) for name, r in named.items()]
+    with told(progress) as watch:
+        figures, runs, html = _piezoid.control((twin.name, twin._core), known._core, references, options, watch)
     return Comparison(figures, runs, html, known.ts)
 

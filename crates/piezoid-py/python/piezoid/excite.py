@@ -11,10 +11,9 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from ._checks import number
 from ._piezoid import excite as _samples
 from ._types import Array
-from .lists import ALL
+from .lists import ALL, described
 
 
 class Excitation:
@@ -26,7 +25,7 @@ class Excitation:
         self.__qualname__ = f"excite.{self.__name__}"
         self.__module__ = __name__
         settings = [_setting(p) for p in row["parameters"]]
-        lines = [f"{p['name']}: {p['help']}{_unit(p)}" for p in row["parameters"]]
+        lines = described(row["parameters"])
         self.__doc__ = "\n".join(
             [
                 f"{row['summary'][:1].upper()}{row['summary'][1:]}.",
@@ -44,22 +43,15 @@ class Excitation:
         self.__signature__ = inspect.Signature([*own, *settings], return_annotation=Array)
 
     def __call__(self, *, ts: float, duration: float, **settings: float) -> Array:
-        given = [(name, number(name, value)) for name, value in settings.items()]
-        return _samples(self.kind, number("ts", ts), number("duration", duration), given)
+        return _samples(self.kind, {"ts": ts, "duration": duration}, settings)
 
     def __repr__(self) -> str:
         return f"<excitation {self.__name__}{self.__signature__}>"
 
 
-def _setting(parameter: dict[str, Any]) -> inspect.Parameter:
-    default = inspect.Parameter.empty if parameter["default"] is None else parameter["default"]
-    return inspect.Parameter(
-        parameter["name"], inspect.Parameter.KEYWORD_ONLY, default=default, annotation=float
-    )
-
-
-def _unit(parameter: dict[str, Any]) -> str:
-    return f" [{parameter['unit']}]" if parameter["unit"] else ""
+def _setting(row: dict[str, Any]) -> inspect.Parameter:
+    default = inspect.Parameter.empty if row["required"] else row["default"]
+    return inspect.Parameter(row["name"], inspect.Parameter.KEYWORD_ONLY, default=default, annotation=float)
 
 
 _KINDS = {row["name"].replace("-", "_"): Excitation(row) for row in ALL["excitations"]}

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from . import _piezoid
-from ._piezoid import PiezoidError, __version__
+from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Progress
 from .model import Model
@@ -83,9 +83,8 @@ def identify(
     changed = {name: value for name, value in options.items() if name == "method" or value != usual[name]}
     command = f"piezoid.identify({', '.join(f'{name}={value!r}' for name, value in changed.items())})"
     files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]
-    made = json.dumps({"command": command, "version": __version__, "files": files, "seed": seed}, default=int)
     with told(progress) as watch:
-        core = _piezoid.identify(([r._core for r in small], [r._core for r in large + everything]), options, made, watch)
+        core = _piezoid.identify(([r._core for r in small], [r._core for r in large + everything]), options, (command, json.dumps(files)), watch)
     return Model._of(core)
 
 

@@ -60,12 +60,7 @@ def fit(
     is_one = isinstance(order, str) or not isinstance(order, Sequence)
     na, nb, delay = (order, whole("order", order) + 1, 0) if is_one else some("order", order, "a, b, delay")
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))
-    swarm = (
-        None if particles is None else whole("particles", particles),
-        None if iterations is None else whole("iterations", iterations),
-        whole("seed", seed),
-        global_best,
-    )
+    swarm = {"particles": particles, "iterations": iterations, "seed": seed, "global_best": global_best}
     with told(progress) as watch:
         arx, found = _piezoid.fit([r._core for r in given], orders, estimator, swarm, watch)
     return Fit(arx, **found)

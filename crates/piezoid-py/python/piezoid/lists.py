@@ -19,6 +19,16 @@ ALL: dict[str, list[dict[str, Any]]] = lists()
 """All lists, as the library has them."""
 
 
+def described(rows: list[dict[str, Any]]) -> list[str]:
+    """What options mean, a line each."""
+
+    def line(row: dict[str, Any]) -> str:
+        known = row["unit"] or " or ".join(map(repr, row["choices"]))
+        return f"{row['name']}: {row['help']}" + (f" [{known}]" if known else "")
+
+    return [line(row) for row in rows]
+
+
 @dataclass(frozen=True)
 class Row:
     """One member of a list."""

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _files, _html, _piezoid
-from ._checks import called, number, whole
+from ._checks import number, whole
 from ._checks import limits as checked
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units
@@ -169,8 +169,7 @@ class Model:
         offset: "free" takes the mean error off first, since sensors drift
         """
         measured = as_record(record)
-        with called(**{"from": "skip"}):
-            figures, simulated = self._core._validate(measured._core, {"skip": skip, "offset": offset})
+        figures, simulated = self._core._validate(measured._core, {"skip": skip, "offset": offset})
         return Validation(measured, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
@@ -212,7 +211,7 @@ class Model:
         """
         settings = {
             "driver": driver, "capacitance": capacitance, "low": low, "high": high, "slew": slew, "current": current,
-            "clip": clip, "smooth": smooth, "zvd": zvd, "notch": notch, "sweeps": whole("sweeps", sweeps),
+            "clip": clip, "smooth": smooth, "zvd": zvd, "notch": notch, "sweeps": sweeps,
         }  # fmt: skip
         u, reached, figures = self._core._compensation(reference, settings)
         return Compensation(u, reached, **figures)

@@ -34,23 +34,24 @@ class Plant:
         self.name = name
 
     def simulate(
-        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled"] = "rest"
+        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled", "motion"] = "rest"
     ) -> Array:
         """What the sensor reads [um], of shape (n,), of voltages `u` [V], of shape (n,), every `ts` [s].
 
-        `seed` is that of the noise. `begin` says what came before: rest, or the first voltage, which had stood for long.
+        `seed` is that of the noise. `begin` says what came before: rest; the first voltage, which had stood for long; or the
+        same as in `u`.
         Limits that were reached are a `UserWarning`.
         """
-        y, reached = self._core._measured(u, number("ts", ts), whole("seed", seed), begin)
+        y, reached = self._core._measured(u, number("ts", ts), {"seed": seed, "begin": begin})
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=2)
         return y
 
     def measure(
-        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled"] = "rest"
+        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled", "motion"] = "rest"
     ) -> Record:
         """The same as a record."""
-        y, reached = self._core._measured(u, number("ts", ts), whole("seed", seed), begin)
+        y, reached = self._core._measured(u, number("ts", ts), {"seed": seed, "begin": begin})
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=2)
         return Record(u, y, ts)

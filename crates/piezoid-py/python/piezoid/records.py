@@ -184,9 +184,10 @@ def read(
     ('V', 'nm')
     """
     columns = _columns(source)
-    part = number("start", start), number("stop", stop)
+    ends = {"from": number("start", start), "to": None if number("stop", stop) == float("inf") else stop}
+    given = {"ts": ts, "input_col": input_col, "output_col": output_col, "time_col": time_col, **ends}
     with columns.named(), called(**_ENDS):
-        record = Record._of(columns.core.record(ts, (input_col, output_col, time_col), part))
+        record = Record._of(columns.core.record(given))
     return record if units is None else Record(record.u, record.y, record.ts, units)
 
 
@@ -202,7 +203,7 @@ def read_reference(
     that is not sampled as the model is refused."""
     columns = _columns(source)
     with columns.named():
-        own, r = columns.core.reference(ts, (None, output_col, time_col), model.units[1])
+        own, r = columns.core.reference({"ts": ts, "output_col": output_col, "time_col": time_col}, model.units[1])
         if abs(own - model.ts) > 1e-6 * model.ts:
             raise PiezoidError(f"the model is sampled every {model.ts:g} s but the reference every {own:g} s: resample it")
     return r

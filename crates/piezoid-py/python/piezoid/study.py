@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _files, _piezoid
-from ._checks import whole
 from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Progress
@@ -59,5 +58,5 @@ class Study:
 def study(plant: str = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
     """The paper's experiment on one of `pz.plants`: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines of 7 steps."""
     with told(progress) as watch:
-        figures, svg, html, verdict = _piezoid.study(plant, whole("seed", seed), watch)
+        figures, svg, html, verdict = _piezoid.study({"plant": plant, "seed": seed}, watch)
     return Study(figures, dict(svg), html, verdict)

@@ -1,11 +1,11 @@
-//! Reports as one HTML file: text, figures and tables that open from disk, on a desk or a phone, and print.
+//! Reports as one HTML file: text, figures and tables for desktop, phone and print.
 //!
-//! A [`Page`] is a title and [`Section`]s; a section is text, [`Figure`](crate::plot::Figure)s, [`PageTable`]s, callouts
-//! and [`Fact`]s in the order they are added. Figures, tables and sections number themselves, and longer pages get a
-//! table of contents. The file asks for nothing from the network and works without scripts; it is light or dark as the
-//! system wishes, and a button, where scripts run, chooses the other.
+//! A [`Page`] is a title and [`Section`]s. A section is text, [`Figure`](crate::plot::Figure)s, [`PageTable`]s,
+//! callouts and [`Fact`]s in the order they are added. Figures, tables and sections are numbered, and longer pages get
+//! a table of contents. The file needs no network and works without scripts. It follows the system's choice of light or
+//! dark, and a button, if scripts are on, selects the other.
 //!
-//! The same page gives the same bytes: dates, paths and versions are in it only if the caller writes them there.
+//! The same page gives the same bytes: it contains dates, paths and versions only if the caller adds them.
 //!
 //! ```
 //! use piezoid_report::page::{Fact, Page, Section, PageTable};
@@ -21,19 +21,19 @@ mod section;
 mod table;
 mod text;
 
-pub use section::{Fact, Section};
-pub use table::{Cell, PageTable};
-pub use text::Text;
+pub(crate) use section::{Fact, Section};
+pub(crate) use table::{Cell, PageTable};
+pub(crate) use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{self, escape};
+use crate::plot::{Figure, escape};
 use section::Numbering;
 use std::fmt::Write;
 
-/// Chooses light or dark; shown only where it works.
+/// The button for light and dark; hidden without scripts.
 const TOGGLE: &str = include_str!("toggle.js");
 
-/// A report: one HTML document that needs nothing else.
+/// A report: one self-contained HTML document.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
     title: String,
@@ -47,7 +47,7 @@ impl Page {
         Page { title: title.into(), subtitle: String::new(), sections: Vec::new() }
     }
 
-    /// A line under the title: what the report is about.
+    /// A line under the title: the subject of the report.
     pub fn subtitle(self, text: impl Into<String>) -> Self {
         Page { subtitle: text.into(), ..self }
     }
@@ -65,7 +65,7 @@ impl Page {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
              <style>\n{}{}</style>\n</head>\n<body>\n",
-            plot::style(),
+            Figure::style(),
             include_str!("style.css")
         );
         let subtitle = if subtitle.is_empty() { subtitle } else { format!("<p class=\"subtitle\">{subtitle}</p>\n") };
@@ -91,7 +91,7 @@ impl Page {
         out
     }
 
-    /// The table of contents, where there is more than one section to find.
+    /// The table of contents, for more than one section.
     fn contents(&self, out: &mut String) {
         let titles = self.sections.iter().map(Section::title).filter(|t| !t.is_empty());
         let items: Vec<String> = (1..)
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_is_well_formed_and_keeps_text_text() {
+    fn a_page_is_well_formed_and_its_text_is_escaped() {
         let html = page().html();
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
         let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_asks_for_nothing_from_outside_and_is_the_same_each_time() {
+    fn a_page_needs_nothing_from_outside_and_is_reproducible() {
         let html = page().html();
         for outside in [" src=", "@import", "url(", "<link"] {
             assert!(!html.contains(outside), "{outside}");

@@ -1,4 +1,4 @@
-//! Tables: numbers in columns that line up, readable on a phone by scrolling sideways.
+//! Tables with aligned numbers, which scroll sideways on a phone.
 
 use super::text::Text;
 use std::fmt::Write;
@@ -11,12 +11,12 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The value to look at: the best of its column, or what fulfils a demand.
+    /// The best value of its column, or one that meets a requirement.
     pub fn best(self) -> Self {
         Cell { class: "best", ..self }
     }
 
-    /// A value that fails a demand.
+    /// A value that fails a requirement.
     pub fn bad(self) -> Self {
         Cell { class: "bad", ..self }
     }
@@ -49,7 +49,7 @@ impl<T: Into<Text>> From<T> for Cell {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageTable {
     title: Text,
-    /// Heading, and whether numbers stand below it.
+    /// Heading, and true for a column of numbers.
     columns: Vec<(Text, bool)>,
     rows: Vec<Vec<Cell>>,
     notes: Vec<Text>,
@@ -61,19 +61,20 @@ impl PageTable {
         PageTable { title: title.into(), columns: Vec::new(), rows: Vec::new(), notes: Vec::new() }
     }
 
-    /// One more column, of words: aligned to the left.
+    /// Adds a column of text, aligned to the left.
     pub fn text(mut self, heading: impl Into<Text>) -> Self {
         self.columns.push((heading.into(), false));
         self
     }
 
-    /// One more column, of numbers: aligned to the right, digits of one width. Units go in the heading, in brackets.
+    /// Adds a column of numbers, aligned to the right, with digits of equal width. Units go in the heading, in
+    /// brackets.
     pub fn number(mut self, heading: impl Into<Text>) -> Self {
         self.columns.push((heading.into(), true));
         self
     }
 
-    /// One more row, its cells in the order of the columns. Missing cells stay empty; cells too many get columns
+    /// Adds a row, its cells in the order of the columns. Missing cells stay empty; additional cells get columns
     /// without a heading.
     pub fn row<C: Into<Cell>>(mut self, cells: impl IntoIterator<Item = C>) -> Self {
         self.rows.push(cells.into_iter().map(Into::into).collect());
@@ -86,7 +87,7 @@ impl PageTable {
         self
     }
 
-    /// Writes the table, which is the `number`-th of its page.
+    /// Writes the table with this number.
     pub(super) fn write(&self, out: &mut String, number: usize) {
         let wide = self.rows.iter().map(Vec::len).chain([self.columns.len()]).max().unwrap_or(0);
         let class = |column: usize| if self.columns.get(column).is_some_and(|c| c.1) { "num" } else { "txt" };
@@ -96,7 +97,7 @@ impl PageTable {
             "<figcaption><span class=\"no\">Table {number}</span> <span class=\"what\">{}</span></figcaption>",
             self.title.html()
         );
-        // Focusable, so that the keyboard can scroll it too.
+        // Focusable, so that it can be scrolled with the keyboard.
         let _ = writeln!(
             out,
             "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table {number}\"><table>\n<thead><tr>"
@@ -129,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_of_any_length_make_a_rectangle() {
+    fn rows_of_any_length_give_a_rectangle() {
         let table = PageTable::new("t").text("a").number("b").row(["1"]).row(["1", "2", "3"]);
         let mut out = String::new();
         table.write(&mut out, 1);

@@ -1,8 +1,8 @@
-//! Running text: plain pieces, and pieces with emphasis, all escaped.
+//! Running text: plain, emphasised and other pieces, all escaped.
 
 use crate::plot::escape;
 
-/// A line or paragraph of text. Whatever it is made from stays text: no piece can become markup.
+/// A line or paragraph of text. No piece can become markup.
 ///
 /// ```
 /// use piezoid_report::page::Text;
@@ -14,7 +14,7 @@ pub struct Text {
 }
 
 impl Text {
-    /// Nothing yet.
+    /// Empty text.
     pub fn new() -> Self {
         Text::default()
     }
@@ -34,12 +34,12 @@ impl Text {
         self.wrapped("<strong>", text.as_ref(), "</strong>")
     }
 
-    /// What a machine reads or writes.
+    /// Code, file names, options.
     pub fn code(self, text: impl AsRef<str>) -> Self {
         self.wrapped("<code>", text.as_ref(), "</code>")
     }
 
-    /// A link to the web, a place on the page (`#…`) or a file beside it; any other target leaves plain text.
+    /// A link to the web, to a place on the page (`#…`) or to a file beside it; any other target gives plain text.
     pub fn link(self, text: impl AsRef<str>, target: &str) -> Self {
         let scheme = target.split(['/', '?', '#']).next().is_some_and(|start| start.contains(':'));
         if scheme && !target.starts_with("https://") && !target.starts_with("http://") {
@@ -55,7 +55,7 @@ impl Text {
         self
     }
 
-    /// As markup.
+    /// The markup.
     pub(super) fn html(&self) -> &str {
         &self.html
     }
@@ -75,7 +75,7 @@ impl From<String> for Text {
     }
 }
 
-/// The same words as a sentence.
+/// `text` as a sentence.
 pub(crate) fn sentence(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn a_link_leads_to_the_web_or_nearby_and_runs_nothing() {
+    fn links_lead_to_the_web_or_to_files_and_run_nothing() {
         assert_eq!(Text::new().link("x", "https://a.b/?c&d").html(), "<a href=\"https://a.b/?c&amp;d\">x</a>");
         assert_eq!(Text::new().link("x", "figures/loop.svg").html(), "<a href=\"figures/loop.svg\">x</a>");
         assert_eq!(Text::new().link("x", "javascript:alert(1)").html(), "x");

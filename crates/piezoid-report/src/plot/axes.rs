@@ -1,20 +1,20 @@
-//! One panel of a figure: two axes and what stands between them.
+//! One panel of a figure: two axes and the data between them.
 
 use super::axis::Axis;
 use super::series::Series;
 
-/// A straight line or strip across the panel, with a word on it.
+/// A line or strip across the panel, with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Mark {
-    /// A vertical rule at an x.
+    /// A vertical line at an x.
     X(f64, String),
-    /// A horizontal rule at a y.
+    /// A horizontal line at a y.
     Y(f64, String),
     /// A shaded strip from one x to another.
     OverX(f64, f64, String),
 }
 
-/// One panel: axes, series in the order they are drawn, and reference rules behind them.
+/// One panel: axes, series in the order they are drawn, and reference lines behind them.
 ///
 /// ```
 /// use piezoid_report::plot::{Axes, Axis, Series};
@@ -31,12 +31,12 @@ pub struct Axes {
     pub(super) y: Axis,
     pub(super) series: Vec<Series>,
     pub(super) marks: Vec<Mark>,
-    /// Height as a share of the usual.
+    /// Height relative to the default.
     pub(super) height: f64,
 }
 
 impl Axes {
-    /// An empty panel. A plain label makes a linear axis.
+    /// An empty panel. A text as an axis is the label of a linear one.
     pub fn new(x: impl Into<Axis>, y: impl Into<Axis>) -> Self {
         let (x, y) = (x.into(), y.into());
         Axes { title: String::new(), x, y, series: Vec::new(), marks: Vec::new(), height: 1.0 }
@@ -47,19 +47,19 @@ impl Axes {
         Axes { title: title.into(), ..self }
     }
 
-    /// One more series, drawn over those before it.
+    /// Adds a series, drawn over those before it.
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
     }
 
-    /// A vertical reference rule.
+    /// A vertical reference line.
     pub fn at_x(mut self, x: f64, label: impl Into<String>) -> Self {
         self.marks.push(Mark::X(x, label.into()));
         self
     }
 
-    /// A horizontal reference rule.
+    /// A horizontal reference line.
     pub fn at_y(mut self, y: f64, label: impl Into<String>) -> Self {
         self.marks.push(Mark::Y(y, label.into()));
         self
@@ -71,12 +71,12 @@ impl Axes {
         self
     }
 
-    /// Height as a share of the usual, between 0.3 and 3: a residual under its record needs less.
+    /// Height relative to the default, from 0.3 to 3.
     pub fn height(self, share: f64) -> Self {
         Axes { height: if share.is_finite() { share.clamp(0.3, 3.0) } else { 1.0 }, ..self }
     }
 
-    /// Every x that must be shown.
+    /// All x of series and marks.
     pub(super) fn xs(&self) -> impl Iterator<Item = f64> {
         let marks = self.marks.iter().flat_map(|m| match m {
             Mark::X(x, _) => [*x, f64::NAN],
@@ -86,7 +86,7 @@ impl Axes {
         self.series.iter().flat_map(Series::xs).chain(marks)
     }
 
-    /// Every y that must be shown.
+    /// All y of series and marks.
     pub(super) fn ys(&self) -> impl Iterator<Item = f64> {
         let marks = self.marks.iter().map(|m| if let Mark::Y(y, _) = m { *y } else { f64::NAN });
         self.series.iter().flat_map(Series::ys).chain(marks)

@@ -1,9 +1,9 @@
-//! What an axis shows: its label, how it divides, and from where to where.
+//! An axis: its label, ticks and range.
 
 use super::scale::Scale;
 use super::ticks::{self, Tick};
 
-/// A horizontal or vertical axis, as its user describes it.
+/// A horizontal or vertical axis.
 ///
 /// ```
 /// use piezoid_report::plot::Axis;
@@ -27,7 +27,7 @@ impl Axis {
         Axis { label, log: false, tight: false, ticks: Vec::new(), include: Vec::new(), range: None }
     }
 
-    /// A logarithmic axis, to base 10. What is not positive has no place on it.
+    /// A logarithmic axis to base 10, which shows positive values only.
     pub fn log(label: impl Into<String>) -> Self {
         Axis { log: true, ..Axis::new(label) }
     }
@@ -37,28 +37,28 @@ impl Axis {
         Axis { ticks: at.to_vec(), ..self }
     }
 
-    /// Begins and ends with the data, rather than on the next round number.
+    /// Starts and ends with the data instead of at round numbers.
     pub fn tight(self) -> Self {
         Axis { tight: true, ..self }
     }
 
-    /// Shows at least this value too: `from(0.0)` starts an axis of positive data at zero.
+    /// Includes this value: `from(0.0)` starts an axis of positive data at zero.
     pub fn from(mut self, value: f64) -> Self {
         self.include.push(value);
         self
     }
 
-    /// Shows exactly this range; what lies outside is cut off.
+    /// Shows exactly this range; data outside is clipped.
     pub fn range(self, low: f64, high: f64) -> Self {
         Axis { range: Some((low, high)), ..self }
     }
 
-    /// Whether data may lie outside.
+    /// True if data may lie outside the range.
     pub(super) fn cuts(&self) -> bool {
         self.range.is_some()
     }
 
-    /// From data to a scale and its ticks, for about `count` labels at most.
+    /// The scale for the data, and its ticks with about `count` labels.
     pub(super) fn resolve(&self, data: impl Iterator<Item = f64>, count: usize) -> (Scale, Vec<Tick>) {
         let shown = |v: &f64| v.is_finite() && (!self.log || *v > 0.0);
         let range = self.range.filter(|(low, high)| low < high && shown(low) && shown(high));
@@ -81,7 +81,7 @@ impl Axis {
             (false, true) => ticks::log(low, high, count),
             (false, false) => ticks::linear(low, high, step),
         };
-        // Given ticks stand a little off the ends, so that what is marked there is not cut by the frame.
+        // Given ticks are slightly inside the ends, so that the frame does not cut the marks there.
         let margin = if given && range.is_none() { 0.03 } else { 0.0 };
         let scale = if self.log {
             let factor = (high / low).powf(margin);
@@ -93,7 +93,7 @@ impl Axis {
         (scale, found)
     }
 
-    /// Ends that enclose something even where the data are empty or constant.
+    /// Ends that enclose a range even for empty or constant data.
     fn opened(&self, (low, high): (f64, f64)) -> (f64, f64) {
         match (low > high, self.log) {
             (true, true) => (1.0, 10.0),
@@ -141,22 +141,23 @@ mod tests {
     }
 
     #[test]
-    fn a_little_below_zero_does_not_cost_a_whole_division() {
+    fn data_slightly_below_zero_do_not_cost_a_whole_step() {
         assert_eq!(ends(&Axis::new("z"), &[-12.0, 1630.0]), (-100.0, 1700.0));
     }
 
     #[test]
-    fn no_data_constant_data_and_absurd_data_still_make_an_axis() {
+    fn empty_constant_and_extreme_data_give_a_valid_axis() {
+        let (tiny, max) = (f64::MIN_POSITIVE, f64::MAX);
         let hard: [&[f64]; 9] = [
             &[],
             &[f64::NAN, f64::INFINITY],
             &[0.0],
             &[5.0, 5.0],
             &[-1e-320],
-            &[f64::MAX, f64::MIN],
+            &[max, f64::MIN],
             &[1e300],
             &[1.0, 1.0 + 1e-15],
-            &[f64::MIN_POSITIVE, f64::MAX],
+            &[tiny, max],
         ];
         for data in hard {
             for axis in [Axis::new("x"), Axis::log("x"), Axis::new("x").tight(), Axis::new("x").range(2.0, 1.0)] {
@@ -167,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn given_ticks_are_labelled_as_they_are() {
+    fn given_ticks_are_labelled_exactly() {
         let axis = Axis::log("f").ticks(&[5.0, 20.0, 2.5]);
         let labels: Vec<String> = axis.resolve([6.0].into_iter(), 6).1.into_iter().map(|t| t.label).collect();
         assert_eq!(labels, ["5", "20", "2.5"]);

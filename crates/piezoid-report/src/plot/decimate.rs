@@ -1,20 +1,20 @@
-//! What the eye cannot see is left out: a record of a hundred thousand samples draws from a few hundred points.
+//! Decimation: a record of a hundred thousand samples is drawn with a few hundred points.
 //!
-//! All of it works on points of the drawing, after scaling. Lines whose x only grows keep first, lowest, highest and
-//! last of every pixel column, so no peak is lost; then any line, loops included, is simplified after Douglas and
-//! Peucker (doi:10.3138/FM57-6770-U75U-7727) to a tolerance far below the width of a stroke.
+//! It works on coordinates, after scaling. Lines with increasing x keep the first, lowest, highest and last point of
+//! every pixel column, so no peak is lost. Then every line, loops included, is simplified by the method of Douglas and
+//! Peucker (doi:10.3138/FM57-6770-U75U-7727) to a tolerance far below the stroke width.
 
 use super::path::Point;
 use std::collections::HashSet;
 
-/// How far a simplified line may stray [units of the drawing].
+/// Largest deviation of a simplified line [units of the drawing].
 const TOLERANCE: f64 = 0.12;
-/// Points simplified at a time: bounds the work, at the cost of a point kept a block.
+/// Points simplified at a time: limits the work, and keeps one more point per block.
 const BLOCK: usize = 512;
-/// Most points a line may keep before the tolerance is widened.
+/// Largest number of points of a line; beyond it the tolerance increases.
 const MOST: usize = 5000;
 
-/// A line that looks the same with fewer points.
+/// A visually identical line with fewer points.
 pub(super) fn line(points: &[Point]) -> Vec<Point> {
     let monotone = points.windows(2).all(|w| w[1][0] >= w[0][0]);
     let points = if monotone { columns(points) } else { points.to_vec() };
@@ -28,7 +28,7 @@ pub(super) fn line(points: &[Point]) -> Vec<Point> {
     }
 }
 
-/// At most `most` dots, no two in one cell of a grid that is widened until they are so few.
+/// At most `most` dots, one per cell of a grid that is coarsened until they are few enough.
 pub(super) fn dots(points: &[Point], most: usize) -> Vec<Point> {
     let mut cell = 0.8;
     loop {
@@ -42,7 +42,7 @@ pub(super) fn dots(points: &[Point], most: usize) -> Vec<Point> {
     }
 }
 
-/// Points of a line at least `apart` from the one before: where its markers go.
+/// Points at least `apart` from each other, for markers.
 pub(super) fn markers(points: &[Point], apart: f64) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     for p in points {
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_single_spike_among_a_hundred_thousand_samples_survives() {
+    fn a_single_spike_in_a_hundred_thousand_samples_is_kept() {
         let mut points: Vec<Point> = (0..100_000).map(|i| [f64::from(i) * 0.005, 100.0]).collect();
         points[31_416][1] = 7.0;
         points[65_537][1] = 193.0;
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_run_many_times_keeps_its_shape_within_the_tolerance() {
+    fn a_loop_run_many_times_keeps_its_shape() {
         let at = |i: i32| (f64::from(i) * 0.02).sin_cos();
         let points: Vec<Point> = (0..50_000).map(|i| [300.0 + 250.0 * at(i).0, 200.0 + 150.0 * at(i).1]).collect();
         let kept = line(&points);
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn dots_are_thinned_but_spread_as_before() {
+    fn dots_are_thinned_evenly() {
         let points: Vec<Point> = (0..100_000).map(|i| [f64::from(i % 500), f64::from(i / 500)]).collect();
         let kept = dots(&points, 3000);
         assert!((1500..=3000).contains(&kept.len()), "{}", kept.len());

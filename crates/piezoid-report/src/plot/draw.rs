@@ -6,11 +6,11 @@ use super::scale::Scale;
 use super::series::{Series, SeriesKind};
 use super::svg::{MARKED, Svg, marker};
 
-/// Most dots a series draws, and most lone points of a broken line.
+/// Largest number of dots of a series, and of single points of a broken line.
 const DOTS: usize = 3000;
-/// Most markers on a line.
+/// Largest number of markers on a line.
 const MARKERS: usize = 300;
-/// Least distance of two markers on a line [units of the drawing].
+/// Smallest distance of two markers [units of the drawing].
 const APART: f64 = 14.0;
 
 /// Draws a series in the colour of its role.
@@ -32,7 +32,7 @@ pub(super) fn series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
     svg.close();
 }
 
-/// The unbroken parts of a series, on the drawing.
+/// The unbroken parts of a series, in coordinates.
 fn runs(series: &Series, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
     let mut runs = vec![Vec::new()];
     for [px, py] in &series.points {
@@ -46,7 +46,7 @@ fn runs(series: &Series, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
     runs
 }
 
-/// All runs as one path. Points with gaps on both sides become dots.
+/// All runs as one path. Single points between gaps become dots.
 fn lines(svg: &mut Svg, class: &str, runs: &[Vec<Point>]) {
     let mut path = PathData::default();
     let mut lone = Vec::new();
@@ -66,7 +66,7 @@ fn held(run: &[Point]) -> Vec<Point> {
     corners.chain(run.last().copied()).collect()
 }
 
-/// The areas of a band: upper edge there, lower edge back.
+/// The areas of a band: the upper edge forward, the lower edge back.
 fn band(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
     let place = |(p, low): (&Point, &f64)| Some((x.at(p[0])?, y.at(p[1])?, y.at(*low)?));
     let places: Vec<_> = series.points.iter().zip(&series.lower).map(place).collect();
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_breaks_where_a_number_is_missing() {
+    fn a_line_breaks_at_a_missing_number() {
         let svg = drawn(&Series::line(&[0.0, 1.0, 2.0, 3.0, 4.0], &[0.0, 1.0, f64::NAN, 3.0, 4.0]));
         assert!(svg.contains("d=\"m0 100 10-10m20-20 10-10\""), "{svg}");
         assert!(!svg.contains("NaN"));
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_band_goes_there_above_and_back_below_and_breaks_too() {
+    fn a_band_is_an_outline_and_breaks_at_a_missing_number() {
         let x = [0.0, 1.0, 2.0, 3.0, 4.0];
         let svg = drawn(&Series::band(&x, &[0.0, 0.0, f64::NAN, 1.0, 1.0], &[2.0, 2.0, 2.0, 3.0, 3.0]));
         assert_eq!(svg.matches("pz-band").count(), 2, "{svg}");

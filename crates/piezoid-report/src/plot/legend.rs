@@ -1,4 +1,4 @@
-//! The row above a panel that names its series: never over the data.
+//! The legend above a panel, which never covers the data.
 
 use super::series::{Series, SeriesKind};
 use super::svg::{MARKED, Svg, marker};
@@ -9,7 +9,7 @@ pub(super) const ROW: f64 = 23.0;
 const SWATCH: f64 = 22.0;
 const GAP: f64 = 15.0;
 
-/// Which series stands where.
+/// Places of the entries.
 #[derive(Debug, Default)]
 pub(super) struct Legend {
     /// Row, left edge within the row, and index of the series.
@@ -21,7 +21,7 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// Fills rows of at most `room` with the series that have a name, in letters of size `em`.
+    /// Fills rows of width `room` with the named series, at letter size `em`.
     pub(super) fn lay(series: &[Series], room: f64, em: f64) -> Self {
         let mut legend = Legend::default();
         let mut x = 0.0;

@@ -1,14 +1,13 @@
-//! Figures as SVG: the few kinds that the study of hysteresis needs, drawn well.
+//! Figures as SVG.
 //!
-//! A [`Figure`] is made of panels ([`Axes`]), a panel of [`Series`]. What a curve is ([`Role`]) decides its colour, so
-//! that the ascending branch looks the same in every figure, in light and in dark. The drawing follows the system's
-//! choice between the two (`prefers-color-scheme`), or `data-theme` on the root element of the page around it.
+//! A [`Figure`] has panels ([`Axes`]), and a panel has [`Series`]. The [`Role`] of a curve sets its colour, so that the
+//! ascending branch looks the same in every figure, light and dark. The drawing follows the system's choice of light or
+//! dark (`prefers-color-scheme`), or `data-theme` on the root element of the page.
 //!
-//! The same figure gives the same bytes: nothing in them depends on time, place or chance. Coordinates have one
-//! decimal. What the eye cannot see is left out, so a record of a hundred thousand samples makes a file of some
-//! kilobytes.
+//! The same figure gives the same bytes. Coordinates have one decimal. Invisible detail is removed, so a record of a
+//! hundred thousand samples gives a file of some kilobytes.
 //!
-//! It does not: read or write files, do three dimensions, pie charts or animation, or know what is plotted.
+//! It does not do: files, three dimensions, pie charts, animation.
 //!
 //! ```
 //! use piezoid_report::plot::{Axes, Figure, Role, Series};
@@ -20,7 +19,7 @@
 //!     .with(Series::dashed(&[0.0, 60.0], &[0.0, 120.0]).named("separating line"));
 //! let figure = Figure::new("Hysteresis at 5 Hz", "The loop opens by 13 % of its height.").panel(panel);
 //! let file: String = figure.svg(); // a document of its own
-//! let part: String = figure.inline(); // for a page that carries `plot::style()`
+//! let part: String = figure.inline(); // for a page with `Figure::style()`
 //! # assert!(file.starts_with("<svg ") && part.starts_with("<svg "));
 //! ```
 
@@ -49,14 +48,7 @@ use panel::{Panel, RIGHT};
 use path::Point;
 use svg::Svg;
 
-/// The style sheet of all figures: what a page needs once to show [`Figure::inline`]. Its names begin with `pz-`.
-///
-/// It also offers the colours of the figures to the page: `--pz-paper`, `--pz-ink`, `--pz-brass`...
-pub fn style() -> String {
-    palette::properties() + include_str!("style.css")
-}
-
-/// Margin around a figure that is a document of its own [units of the drawing].
+/// Margin of a stand-alone figure [units of the drawing].
 const MARGIN: f64 = 14.0;
 
 /// One figure: a panel, a stack of panels over one x axis, or a grid of panels.
@@ -72,19 +64,26 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// An empty figure. The title names it; the caption says what is seen, for those who cannot see it too.
+    /// The style sheet of all figures, needed once on a page with [`Figure::inline`]. Its names begin with `pz-`.
+    ///
+    /// It also defines the colours for the page: `--pz-paper`, `--pz-ink`, `--pz-brass`...
+    pub fn style() -> String {
+        palette::properties() + include_str!("style.css")
+    }
+
+    /// An empty figure with a title. The caption describes it, also for those who cannot see it.
     pub fn new(title: impl Into<String>, caption: impl Into<String>) -> Self {
         let (title, caption) = (title.into(), caption.into());
         Figure { title, caption, panels: Vec::new(), panel: [640.0, 400.0], columns: 1, stacked: false }
     }
 
-    /// One more panel.
+    /// Adds a panel.
     pub fn panel(mut self, panel: Axes) -> Self {
         self.panels.push(panel);
         self
     }
 
-    /// Panels of 280 by 270 instead of 640 by 400 units: for many side by side.
+    /// Panels of 280 by 270 instead of 640 by 400 units.
     pub fn small(self) -> Self {
         Figure { panel: [280.0, 270.0], ..self }
     }
@@ -94,7 +93,7 @@ impl Figure {
         Figure { columns: columns.max(1), ..self }
     }
 
-    /// Panels one below the other over one x axis, which the lowest labels.
+    /// Panels one below the other with a common x axis, labelled at the lowest.
     pub fn stacked(self) -> Self {
         Figure { stacked: true, columns: 1, ..self }
     }
@@ -104,12 +103,12 @@ impl Figure {
         &self.title
     }
 
-    /// What is seen.
+    /// Its caption.
     pub fn caption(&self) -> &str {
         &self.caption
     }
 
-    /// A document of its own, with its style, its ground and a margin.
+    /// A stand-alone document, with its style, background and margin.
     pub fn svg(&self) -> String {
         let (body, size) = self.draw();
         let [w, h] = size.map(|s| text::px(s + 2.0 * MARGIN));
@@ -117,17 +116,17 @@ impl Figure {
         let fill = palette::ground("paper");
         let ground = format!("<rect class=\"pz-paper-fill\" fill=\"{fill}\" x=\"{from}\" y=\"{from}\"{sized}/>\n");
         let head = self.head(&format!("{from} {from} {w} {h}"), &sized);
-        format!("{head}<style>\n{}</style>\n{ground}{body}", style())
+        format!("{head}<style>\n{}</style>\n{ground}{body}", Figure::style())
     }
 
-    /// An element for a page that carries [`style`] once.
+    /// An element for a page with [`Figure::style`].
     pub fn inline(&self) -> String {
         let (body, size) = self.draw();
         let [w, h] = size.map(text::px);
         self.head(&format!("0 0 {w} {h}"), "") + &body
     }
 
-    /// The opening tag, with the words for those who cannot see the figure.
+    /// The opening tag, with title and description for screen readers.
     fn head(&self, window: &str, attributes: &str) -> String {
         let wide = if self.grows() { " pz-wide" } else { "" };
         let (title, caption) = (escape(&self.title), escape(&self.caption));
@@ -138,7 +137,7 @@ impl Figure {
         )
     }
 
-    /// Whether letters grow on a narrow screen: where one panel is as wide as the figure.
+    /// True if letters grow on a narrow screen: for one panel as wide as the figure.
     fn grows(&self) -> bool {
         self.columns == 1 && self.panel[0] > 520.0
     }
@@ -157,7 +156,7 @@ impl Figure {
             above.iter_mut().for_each(|panel| panel.share_x(lowest));
         }
         for (row, panels) in laid.chunks(columns).enumerate() {
-            // Frames align: in a row by what stands above and below, in a column by what stands to the left.
+            // Frames are aligned: in a row by the text above and below, in a column by the text on the left.
             let most = |of: fn(&Panel) -> f64| panels.iter().map(of).fold(0.0, f64::max);
             let (above, below) = (most(|p| p.above), most(|p| p.below));
             let share = self.panels[row * columns..].iter().take(columns).map(|a| a.height).fold(0.0, f64::max);
@@ -209,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_is_plotted_the_document_is_well_formed_and_free_of_nonsense() {
+    fn every_document_is_well_formed_and_free_of_nan() {
         for figure in [nasty(), nasty().small().columns(2), nasty().stacked(), Figure::new("", "")] {
             for text in [figure.svg(), figure.inline()] {
                 let document = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
@@ -257,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn stacked_panels_share_their_x_axis_and_only_the_lowest_labels_it() {
+    fn stacked_panels_share_their_x_axis_and_label_it_once() {
         let panel = |to: usize| Axes::new("t [s]", "y").with(Series::line(&ramp(to), &ramp(to)));
         let text = Figure::new("", "").panel(panel(3)).panel(panel(11).height(0.5)).stacked().inline();
         assert_eq!(text.matches("t [s]").count(), 1);

@@ -1,37 +1,36 @@
-//! Colours by meaning: what a curve is decides its colour, the same in every figure, in light and in dark.
+//! Colours by role, the same in every figure, light and dark.
 //!
-//! The hues follow Okabe and Ito's set that people with any colour vision can tell apart, darkened on paper and
-//! lightened on black until each stands at least 3:1 against its ground. Colours never carry a meaning alone: dashes,
-//! markers and the legend say it too.
+//! The hues follow Okabe and Ito's set, which people with any colour vision can distinguish, darkened on paper and
+//! lightened on black for a contrast of at least 3:1. Dashes, markers and the legend distinguish the curves as well.
 
 use std::fmt::Write;
 
-/// What a curve is. Its colour follows.
+/// The role of a curve, which sets its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// The branch of rising input.
     Ascending,
     /// The branch of falling input.
     Descending,
-    /// What the sensor said.
+    /// Measurement.
     Measured,
-    /// What the model says.
+    /// Model.
     Model,
-    /// What something is compared with: a separating line, an optimum, a limit.
+    /// Something to compare with: a separating line, an optimum, a limit.
     Reference,
-    /// What is left over: measured minus model.
+    /// Residual: measurement minus model.
     Residual,
-    /// Background that explains the rest.
+    /// Background.
     Muted,
-    /// First of several equals.
+    /// First of several similar curves.
     Accent1,
-    /// Second of several equals.
+    /// Second of several similar curves.
     Accent2,
-    /// Third of several equals.
+    /// Third of several similar curves.
     Accent3,
-    /// Fourth of several equals.
+    /// Fourth of several similar curves.
     Accent4,
-    /// Fifth of several equals.
+    /// Fifth of several similar curves.
     Accent5,
 }
 
@@ -46,7 +45,7 @@ const fn colour(name: &'static str, light: &'static str, dark: &'static str) -> 
     Colour { name, light, dark }
 }
 
-/// One row a [`Role`], in the order of the enum.
+/// One row per [`Role`], in the order of the enum.
 const ROLES: [Colour; 12] = [
     colour("ascending", "#0072b2", "#5cb3f2"),
     colour("descending", "#c8500a", "#ff9257"),
@@ -74,7 +73,7 @@ const GROUNDS: [Colour; 7] = [
 ];
 
 impl Role {
-    /// The `i`-th of several equals, counted from 0; begins anew after the fifth.
+    /// The `i`-th of several similar curves, counted from 0; repeats after the fifth.
     pub fn accent(i: usize) -> Role {
         [Role::Accent1, Role::Accent2, Role::Accent3, Role::Accent4, Role::Accent5][i % 5]
     }
@@ -84,20 +83,20 @@ impl Role {
         ROLES[self as usize].name
     }
 
-    /// Its colour on paper, for viewers that know no style sheets.
+    /// Its colour on paper, for viewers without style sheets.
     pub(super) fn light(self) -> &'static str {
         ROLES[self as usize].light
     }
 }
 
-/// The light value of a ground colour, for viewers that know no style sheets.
+/// The light value of a ground colour, for viewers without style sheets.
 pub(super) fn ground(name: &str) -> &'static str {
     GROUNDS.iter().find(|c| c.name == name).map_or("none", |c| c.light)
 }
 
 /// The colours as custom properties `--pz-…` of the root element.
 ///
-/// Dark where the system asks for it; `data-theme="dark"` or `"light"` on the root element overrides; print is light.
+/// Dark if the system asks for it; `data-theme="dark"` or `"light"` on the root element overrides; print is light.
 pub(super) fn properties() -> String {
     let all = || GROUNDS.iter().chain(&ROLES);
     let mut light = String::new();

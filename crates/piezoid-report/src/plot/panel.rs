@@ -1,4 +1,4 @@
-//! Lays one panel out and draws it: title, legend and y label above, ticks around, data inside.
+//! Layout and drawing of a panel: title, legend and y label above, ticks around, data inside.
 
 use super::axes::{Axes, Mark};
 use super::legend::{self, Legend};
@@ -14,28 +14,28 @@ const LABEL: f64 = 24.0;
 const MARKS: f64 = 20.0;
 const TICKS: f64 = 28.0;
 const GAP: f64 = 9.0;
-/// Room right of the data, for half of the last tick's label.
+/// Space right of the data, for half of the last tick label.
 pub(super) const RIGHT: f64 = 20.0;
 
-/// A panel with its scales and the room it needs around its data.
+/// A panel with its scales and the space around its data.
 #[derive(Debug)]
 pub(super) struct Panel<'a> {
     axes: &'a Axes,
     scales: (Scale, Scale),
     ticks: (Vec<Tick>, Vec<Tick>),
     legend: Legend,
-    /// Whether the x axis is labelled here, and not only in the panel below.
+    /// True if the x axis is labelled in this panel and not only in the one below.
     shows_x: bool,
-    /// Size of letters the layout provides for.
+    /// Letter size of the layout.
     em: f64,
-    /// Room left of, above and below the data.
+    /// Space left of, above and below the data.
     pub(super) left: f64,
     pub(super) above: f64,
     pub(super) below: f64,
 }
 
 impl<'a> Panel<'a> {
-    /// Lays a panel of `size` out. `xs` are the x to be shown, which stacked panels share.
+    /// The layout of a panel of `size`. `xs` are the x to be shown, which stacked panels share.
     pub(super) fn lay(axes: &'a Axes, xs: impl Iterator<Item = f64>, size: Point, shows_x: bool, em: f64) -> Self {
         let legend = Legend::lay(&axes.series, size[0], em);
         let beside = axes.beside(&legend, size[0], em);
@@ -47,7 +47,7 @@ impl<'a> Panel<'a> {
         let x_label = if axes.x.label.is_empty() { 0.0 } else { LABEL };
         let below = if shows_x { TICKS + x_label } else { GAP };
 
-        // About a label every 42 units of height, and where the widest labels leave room for half another.
+        // About one label per 42 units of height; in x with space for half another label.
         let count = |room: f64, each: f64| (room / each).round().clamp(3.0, 8.0) as usize;
         let (y, y_ticks) = axes.y.resolve(axes.ys(), count(size[1] - above - below, 42.0));
         let widest = y_ticks.iter().map(|t| width(&t.label)).fold(0.0, f64::max);
@@ -56,13 +56,13 @@ impl<'a> Panel<'a> {
         Panel { axes, scales: (x, y), ticks: (x_ticks, y_ticks), legend, shows_x, em, left, above, below }
     }
 
-    /// Takes the x axis of another panel, so that one below the other has the same scale, ticks and grid.
+    /// Takes the x axis of another panel, for equal scale, ticks and grid.
     pub(super) fn share_x(&mut self, other: &Panel) {
         self.scales.0 = other.scales.0;
         self.ticks.0.clone_from(&other.ticks.0);
     }
 
-    /// Draws it: its data between `corner` and `corner + size`, its text reaching out to the left edge `edge`.
+    /// Draws the panel: data between `corner` and `corner + size`, text from the left edge `edge` on.
     pub(super) fn draw(&self, svg: &mut Svg, edge: f64, corner: Point, size: Point) {
         let ([left, top], [right, bottom]) = (corner, [corner[0] + size[0], corner[1] + size[1]]);
         let (x, y) = (self.scales.0.onto(left, right), self.scales.1.onto(bottom, top));
@@ -101,7 +101,7 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Labels that would touch the one before are left out; their ticks stay.
+    /// Labels that would touch the previous one are omitted; their ticks stay.
     fn ticks_of_x(&self, svg: &mut Svg, x: &Scale, top: f64, bottom: f64) {
         let mut free = f64::MIN;
         for tick in &self.ticks.0 {
@@ -170,7 +170,8 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Labels of vertical rules and strips stand above the data, those of horizontal ones where they cover least of it.
+    /// Labels of vertical lines and strips are above the data, those of horizontal lines where they cover the least
+    /// data.
     fn words_of_marks(&self, svg: &mut Svg, x: &Scale, y: &Scale, corner: Point, size: Point) {
         let [left, top] = corner;
         let right = left + size[0];
@@ -197,12 +198,12 @@ impl<'a> Panel<'a> {
 }
 
 impl Axes {
-    /// Whether the legend fits into the row of the y label.
+    /// True if the legend fits into the row of the y label.
     fn beside(&self, legend: &Legend, room: f64, em: f64) -> bool {
         legend.rows == 1 && legend.width + em * width(&self.y.label) + 30.0 < room - RIGHT
     }
 
-    /// Whether a rule or strip wants a word above the data.
+    /// True if a line or strip has a label above the data.
     fn marks_above(&self) -> bool {
         self.marks.iter().any(|m| matches!(m, Mark::X(_, label) | Mark::OverX(_, _, label) if !label.is_empty()))
     }

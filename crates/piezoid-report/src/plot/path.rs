@@ -1,34 +1,34 @@
-//! Path data in few bytes: relative moves in whole tenths of a unit, so that rounding never accumulates.
+//! Compact path data: relative moves in tenths of a unit, without accumulated rounding.
 
 use super::text::{in_tenths, tenths};
 
 /// A point in the coordinates of the drawing.
 pub(super) type Point = [f64; 2];
 
-/// The `d` attribute of a path, as it grows.
+/// The `d` attribute of a path.
 #[derive(Debug, Default)]
 pub(super) struct PathData {
     d: String,
-    /// Where the pen stands, and where it was set down last [tenths].
+    /// Positions of the pen and of the start of the outline [tenths].
     at: [i64; 2],
     from: [i64; 2],
     command: char,
 }
 
 impl PathData {
-    /// Lifts the pen and sets it down at `p`.
+    /// Moves the pen to `p`.
     pub(super) fn start(&mut self, p: Point) {
         self.step('m', p);
     }
 
-    /// Draws to `p`, unless that is where the pen stands already.
+    /// Draws to `p`, unless the pen is there already.
     pub(super) fn line(&mut self, p: Point) {
         if p.map(in_tenths) != self.at || self.command == 'm' {
             self.step('l', p);
         }
     }
 
-    /// The polyline through `points`; a lone point becomes a dot of the stroke's width.
+    /// The polyline through `points`; a single point becomes a dot with the width of the stroke.
     pub(super) fn polyline(&mut self, points: &[Point]) {
         let Some((first, rest)) = points.split_first() else { return };
         if rest.is_empty() {
@@ -38,25 +38,25 @@ impl PathData {
         rest.iter().for_each(|p| self.line(*p));
     }
 
-    /// A dot of the stroke's width, where line ends are round.
+    /// A dot with the width of the stroke, for round line ends.
     pub(super) fn dot(&mut self, p: Point) {
         self.step('m', p);
         self.raw("h0");
     }
 
-    /// Closes the outline, which takes the pen back to its start.
+    /// Closes the outline; the pen returns to its start.
     pub(super) fn close(&mut self) {
         self.raw("z");
         self.at = self.from;
     }
 
-    /// Commands that leave the pen where it is.
+    /// Commands that do not move the pen.
     pub(super) fn raw(&mut self, commands: &str) {
         self.d.push_str(commands);
         self.command = ' ';
     }
 
-    /// The finished data.
+    /// The path data.
     pub(super) fn finish(self) -> String {
         self.d
     }
@@ -64,7 +64,7 @@ impl PathData {
     fn step(&mut self, command: char, p: Point) {
         let to = p.map(in_tenths);
         let [dx, dy] = [to[0] - self.at[0], to[1] - self.at[1]];
-        // After a move, further pairs draw lines: the letter need not be repeated.
+        // After a move, further pairs are lines without a letter.
         let implied = command == 'l' && matches!(self.command, 'l' | 'm');
         if !implied {
             self.d.push(command);
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn after_an_outline_is_closed_the_next_one_starts_where_it_should() {
+    fn the_outline_after_a_closed_one_starts_at_the_right_place() {
         let mut path = PathData::default();
         for x in [0.0, 10.0] {
             path.polyline(&[[x, 0.0], [x + 5.0, 0.0], [x + 5.0, 5.0]]);

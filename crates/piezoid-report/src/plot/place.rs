@@ -1,16 +1,16 @@
-//! Finds where along a horizontal rule a word covers least of the data.
+//! Places a label along a horizontal line where it covers the least data.
 
 use super::path::Point;
 use super::scale::Scale;
 use super::series::{Series, SeriesKind};
 
-/// Points of a series looked at; more would tell nothing new.
+/// Largest number of points used per series.
 const LOOKED_AT: usize = 2000;
-/// Places tried along the rule, from right to left.
+/// Number of positions along the line, from right to left.
 const PLACES: usize = 12;
 
-/// The upper left corner for a word of size `room` just above or below a rule at height `at`, within the panel from
-/// `corner` of `size`. Of equally free places the rightmost above the rule wins.
+/// The upper left corner for a label of size `room` directly above or below a line at height `at`, in the panel from
+/// `corner` of `size`. Among equal places, the rightmost above the line wins.
 pub(super) fn beside_rule(
     series: &[Series],
     x: &Scale,
@@ -34,7 +34,7 @@ pub(super) fn beside_rule(
     places.min_by_key(|place| covered(*place)).unwrap_or([to, above])
 }
 
-/// Points along what is drawn, a few units apart where a line joins them.
+/// Points along a series, a few units apart.
 fn outline(series: &Series, x: &Scale, y: &Scale) -> Vec<Point> {
     let every = series.points.len().div_ceil(LOOKED_AT).max(1);
     let place = |p: &Point| Some([x.at(p[0])?, y.at(p[1])?]);
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_word_gives_way_to_a_line() {
+    fn a_label_avoids_a_curve() {
         let (x, y) = (Scale::linear(0.0, 1.0).onto(0.0, 400.0), Scale::linear(0.0, 1.0).onto(200.0, 0.0));
         let place = |series: &[Series], at| beside_rule(series, &x, &y, [0.0, 0.0], [400.0, 200.0], at, [80.0, 22.0]);
         assert_eq!(place(&[], 100.0), [315.0, 77.0], "free: right, above");

@@ -2,7 +2,7 @@
 
 use super::palette::Role;
 
-/// How a series is drawn.
+/// Style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SeriesKind {
     Line,
@@ -13,10 +13,10 @@ pub(super) enum SeriesKind {
     Band,
 }
 
-/// Data in a panel: pairs of x and y, how they are drawn, and what they are.
+/// Data in a panel: pairs of x and y, their style, and their meaning.
 ///
-/// A pair with a number that is not finite (or not positive on a logarithmic axis) breaks the line there. Of two
-/// slices of different length the excess is left out.
+/// A pair that is not finite (or not positive on a logarithmic axis) breaks the line. If the slices differ in length,
+/// the rest of the longer one is ignored.
 ///
 /// ```
 /// use piezoid_report::plot::{Role, Series};
@@ -30,7 +30,7 @@ pub struct Series {
     pub(super) name: String,
     /// Pairs `[x, y]`.
     pub(super) points: Vec<[f64; 2]>,
-    /// Lower edge of a band, point by point; empty otherwise.
+    /// Lower edge of a band, one value per point; empty otherwise.
     pub(super) lower: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Series {
         Series { kind, role, name: String::new(), points, lower: Vec::new() }
     }
 
-    /// A line through the points, in their order.
+    /// A line through the points.
     pub fn line(x: &[f64], y: &[f64]) -> Self {
         Series::new(SeriesKind::Line, Role::Model, x, y)
     }
@@ -55,12 +55,12 @@ impl Series {
         Series::new(SeriesKind::Step, Role::Model, x, y)
     }
 
-    /// A line with a marker on its points. Each of the accents has its own shape.
+    /// A line with markers. Each accent has its own shape.
     pub fn marked(x: &[f64], y: &[f64]) -> Self {
         Series::new(SeriesKind::Marked, Role::Accent1, x, y)
     }
 
-    /// A cloud of small, half transparent dots.
+    /// Small, half transparent dots.
     pub fn dots(x: &[f64], y: &[f64]) -> Self {
         Series::new(SeriesKind::Dots, Role::Measured, x, y)
     }
@@ -71,22 +71,22 @@ impl Series {
         Series { lower: lower[..n].to_vec(), ..Series::new(SeriesKind::Band, Role::Muted, &x[..n], &upper[..n]) }
     }
 
-    /// What it is, and so its colour.
+    /// Its role, which sets its colour.
     pub fn role(self, role: Role) -> Self {
         Series { role, ..self }
     }
 
-    /// Its name in the legend. Without one it is not listed.
+    /// Its name in the legend; without one it is not listed.
     pub fn named(self, name: impl Into<String>) -> Self {
         Series { name: name.into(), ..self }
     }
 
-    /// Every x that must be shown.
+    /// All x of the points.
     pub(super) fn xs(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|p| p[0])
     }
 
-    /// Every y that must be shown.
+    /// All y of the points.
     pub(super) fn ys(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|p| p[1]).chain(self.lower.iter().copied())
     }

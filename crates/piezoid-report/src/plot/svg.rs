@@ -1,7 +1,7 @@
-//! The few SVG elements a figure is made of.
+//! The SVG elements of figures.
 //!
-//! Colours come from the style sheet; the light ones stand on the elements as attributes too, for viewers that know no
-//! custom properties (a style sheet overrides attributes, so nothing is said twice where it is known).
+//! Colours come from the style sheet. The light ones are also attributes of the elements, for viewers without custom
+//! properties; a style sheet overrides attributes.
 
 use super::palette::{Role, ground};
 use super::path::{PathData, Point};
@@ -10,7 +10,7 @@ use super::text::{escape, px};
 /// Class of markers.
 pub(super) const MARKED: &str = "pz-mark";
 
-/// An SVG document as it is written.
+/// An SVG document under construction.
 #[derive(Debug, Default)]
 pub(super) struct Svg {
     pub(super) out: String,
@@ -26,12 +26,12 @@ impl Svg {
         self.put(&["<g class=\"pz-", role.name(), "\" stroke=\"", role.light(), "\" fill=\"", role.light(), "\">"]);
     }
 
-    /// Closes what was opened last.
+    /// Closes the last group.
     pub(super) fn close(&mut self) {
         self.put(&["</g>\n"]);
     }
 
-    /// A window that cuts off what lies outside, without changing coordinates.
+    /// A window that clips its contents without changing coordinates.
     pub(super) fn open_window(&mut self, [x, y]: Point, [w, h]: Point) {
         let [x, y, w, h] = [x, y, w, h].map(px);
         self.put(&["<svg x=\"", &x, "\" y=\"", &y, "\" width=\"", &w, "\" height=\"", &h]);
@@ -66,7 +66,7 @@ impl Svg {
         }
     }
 
-    /// Dots, all in one path: round ends of lines of no length.
+    /// Dots, all in one path: round ends of lines of length zero.
     pub(super) fn dots(&mut self, points: &[Point]) {
         let mut path = PathData::default();
         points.iter().for_each(|p| path.dot(*p));
@@ -108,7 +108,7 @@ impl Svg {
     }
 }
 
-/// Outlines of markers at points; each accent has its own shape, all about equally heavy.
+/// Outlines of markers at points. Each accent has its own shape, of similar visual weight.
 pub(super) fn marker(role: Role, points: &[Point]) -> String {
     let shape: &[Point] = match role {
         Role::Accent2 => &[[-4.2, -4.2], [4.2, -4.2], [4.2, 4.2], [-4.2, 4.2]],

@@ -1,6 +1,6 @@
-//! Text and numbers as they stand in SVG and HTML: escaped, of fixed precision, and about this wide.
+//! Text and numbers in SVG and HTML: escaped, with fixed precision and an estimated width.
 
-/// The five characters that markup claims for itself, replaced; control characters XML forbids are left out.
+/// Replaces the five markup characters and removes control characters that XML forbids.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -18,12 +18,12 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// A coordinate with one decimal, and none where it is zero: `12.3`, `12`, never `-0`.
+/// A coordinate with one decimal, omitted if zero: `12.3`, `12`, never `-0`.
 pub(super) fn px(v: f64) -> String {
     tenths(in_tenths(v))
 }
 
-/// A coordinate in tenths of a unit. What lies absurdly far outside is brought near enough to print.
+/// A coordinate in tenths of a unit, clamped to a printable range.
 pub(super) fn in_tenths(v: f64) -> i64 {
     (v.clamp(-1e5, 1e5) * 10.0).round() as i64
 }
@@ -37,7 +37,7 @@ pub(super) fn tenths(n: i64) -> String {
     }
 }
 
-/// `value` with `decimals` decimals, a true minus sign and thin spaces between thousands from 10 000 on.
+/// `value` with `decimals` decimals, a typographic minus sign, and thin spaces between thousands from 10 000 on.
 pub(super) fn number(value: f64, decimals: usize) -> String {
     let plain = format!("{:.decimals$}", value.abs());
     let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
@@ -59,14 +59,14 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     out
 }
 
-/// `10` raised to a power, in superscript digits.
+/// A power of ten in superscript digits.
 pub(super) fn power_of_ten(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raised = exponent.to_string().chars().map(|c| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize])).collect();
     ["10".to_owned(), raised].concat()
 }
 
-/// About how wide a text is, in units of its font size: a typical system font, a little on the wide side.
+/// Estimated width of a text, in units of its font size, for a typical system font.
 pub(super) fn width(text: &str) -> f64 {
     let em = |c: char| match c {
         '\u{2009}' => 0.2,
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn markup_in_a_text_stays_text() {
+    fn markup_in_a_text_is_escaped() {
         assert_eq!(escape("a<b & \"c\">'d'\u{1}"), "a&lt;b &amp; &quot;c&quot;&gt;&#39;d&#39;");
     }
 
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_set_as_in_print() {
+    fn numbers_are_typeset() {
         assert_eq!(number(-0.25, 2), "\u{2212}0.25");
         assert_eq!(number(-0.001, 1), "0.0");
         assert_eq!(number(1234567.0, 0), "1\u{2009}234\u{2009}567");

@@ -1,8 +1,8 @@
-//! Where an axis is divided, and what stands there: steps of 1, 2 or 5 times a power of ten.
+//! Ticks and their labels: steps of 1, 2 or 5 times a power of ten.
 
 use super::text::{number, power_of_ten};
 
-/// A division of an axis. Without a label it is a minor one.
+/// A tick of an axis; minor ticks have no label.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) at: f64,
@@ -10,18 +10,15 @@ pub(super) struct Tick {
 }
 
 impl Tick {
-    /// A tick at a given value, labelled with its shortest decimals.
+    /// A tick at a value, labelled with as few decimals as possible.
     pub(super) fn plain(at: f64) -> Self {
         let decimals = (0..=6).find(|&d| (at - rounded(at, d)).abs() <= 1e-9 * at.abs()).unwrap_or(6);
         let plain = at == 0.0 || (1e-5..1e7).contains(&at.abs());
-        Tick {
-            at,
-            label: if plain {
-                number(at, decimals as usize)
-            } else {
-                scientific(at, at.abs().log10().floor() as i32, 0)
-            },
-        }
+        let label = match plain {
+            true => number(at, decimals as usize),
+            false => scientific(at, at.abs().log10().floor() as i32, 0),
+        };
+        Tick { at, label }
     }
 }
 
@@ -37,7 +34,7 @@ pub(super) struct TickStep {
 }
 
 impl TickStep {
-    /// The smallest such step that is not smaller than `least`.
+    /// The smallest such step of at least `least`.
     pub(super) fn nice(least: f64) -> Self {
         let least = if least.is_finite() { least.max(1e-300) } else { 1e307 };
         let exponent = least.log10().floor() as i32;
@@ -48,7 +45,7 @@ impl TickStep {
         }
     }
 
-    /// So many steps from zero. Division by a whole power of ten keeps decimals exact.
+    /// `n` steps from zero. Division by a power of ten keeps decimals exact.
     fn times(self, n: f64) -> f64 {
         let n = n * self.mantissa;
         if self.exponent < 0 { n / 10f64.powi(-self.exponent) } else { n * 10f64.powi(self.exponent) }
@@ -58,8 +55,8 @@ impl TickStep {
         v / self.times(1.0)
     }
 
-    /// Round ends around `low` and `high`: whole steps; or fifths of a step, where the data reach beyond a whole step
-    /// by less than two fifths, because a division nearly empty is paper wasted.
+    /// Round ends around `low` and `high`: whole steps, or fifths of a step if a whole step would leave more than three
+    /// fifths empty.
     pub(super) fn enclose(self, low: f64, high: f64) -> (f64, f64) {
         (-self.end(-low), self.end(high))
     }
@@ -68,18 +65,18 @@ impl TickStep {
         let n = self.count(v);
         let whole = (n - 1e-9).ceil();
         let fifths = (5.0 * n - 1e-9).ceil();
-        // Adding zero turns -0 into 0.
+        // Adding zero removes the sign of -0.
         self.times(if 5.0 * whole - fifths >= 3.0 { fifths / 5.0 } else { whole }) + 0.0
     }
 
-    /// `high`, or the next multiple of the step if that is nearer than half a percent of the way from `low`.
+    /// `high`, or the next multiple of the step if that is within half a percent of the range.
     pub(super) fn complete(self, low: f64, high: f64) -> f64 {
         let whole = self.times((self.count(high) - 1e-9).ceil());
         if whole - high < 0.005 * (high - low) { whole } else { high }
     }
 }
 
-/// The multiples of `step` between two ends, both included.
+/// The multiples of `step` between two ends, inclusive.
 pub(super) fn linear(low: f64, high: f64, step: TickStep) -> Vec<Tick> {
     let first = (step.count(low) - 1e-9).ceil();
     let last = (step.count(high) + 1e-9).floor();
@@ -102,7 +99,7 @@ fn scientific(v: f64, power: i32, decimals: usize) -> String {
     format!("{}×{}", number(v, decimals), power_of_ten(power))
 }
 
-/// Decades with minor ticks between; 1-2-5 where the decades are few; linear steps within one.
+/// Decades with minor ticks; 1-2-5 for few decades; linear steps within one decade.
 pub(super) fn log(low: f64, high: f64, count: usize) -> Vec<Tick> {
     let decades = (high / low).log10();
     let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
@@ -136,12 +133,12 @@ fn log_label(decade: i32, digit: i32) -> String {
     }
 }
 
-/// The last of 1, 2, 5 times a power of ten up to `v`.
+/// The largest 1, 2 or 5 times a power of ten up to `v`.
 pub(super) fn log_floor(v: f64) -> f64 {
     around(v).rev().find(|c| *c <= v * (1.0 + 1e-9)).unwrap_or(v)
 }
 
-/// The first of 1, 2, 5 times a power of ten from `v` on.
+/// The smallest 1, 2 or 5 times a power of ten from `v` on.
 pub(super) fn log_ceil(v: f64) -> f64 {
     around(v).find(|c| *c >= v * (1.0 - 1e-9)).unwrap_or(v)
 }
@@ -168,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_log_axis_shows_decades_or_one_two_five_or_linear_steps() {
+    fn a_log_axis_has_decades_or_one_two_five_or_linear_steps() {
         let decades = ["10⁻⁶", "10⁻⁵", "10⁻⁴", "0.001", "0.01", "0.1", "1", "10", "100"];
         assert_eq!(labels(&log(1e-6, 1e2, 9)), decades);
         assert_eq!(labels(&log(5.0, 200.0, 6)), ["5", "10", "20", "50", "100", "200"]);
@@ -177,32 +174,32 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn ticks_step_by_one_two_or_five_and_cover_the_data_to_two_fifths_of_a_step(
-            low in -1e6..1e6f64,
-            span in 1e-3..1e6f64,
-            count in 3..9usize,
-        ) {
-            let high = low + span;
-            let step = TickStep::nice(span / count as f64);
-            prop_assert!([1.0, 2.0, 5.0].contains(&step.mantissa));
-            let (from, to) = step.enclose(low, high);
-            let ticks = linear(from, to, step);
-            prop_assert!((2..=count + 2).contains(&ticks.len()));
-            let slack = 1e-8 * step.times(1.0);
-            prop_assert!(from <= low + slack && to >= high - slack);
-            let beyond = 0.4 * step.times(1.0) + slack;
-            prop_assert!(ticks[0].at <= low + beyond && ticks[ticks.len() - 1].at >= high - beyond);
-            for pair in ticks.windows(2) {
-                prop_assert!((step.count(pair[1].at - pair[0].at) - 1.0).abs() < 1e-6);
+            #[test]
+    fn ticks_step_by_one_two_or_five_and_enclose_the_data(
+                low in -1e6..1e6f64,
+                span in 1e-3..1e6f64,
+                count in 3..9usize,
+            ) {
+                let high = low + span;
+                let step = TickStep::nice(span / count as f64);
+                prop_assert!([1.0, 2.0, 5.0].contains(&step.mantissa));
+                let (from, to) = step.enclose(low, high);
+                let ticks = linear(from, to, step);
+                prop_assert!((2..=count + 2).contains(&ticks.len()));
+                let slack = 1e-8 * step.times(1.0);
+                prop_assert!(from <= low + slack && to >= high - slack);
+                let beyond = 0.4 * step.times(1.0) + slack;
+                prop_assert!(ticks[0].at <= low + beyond && ticks[ticks.len() - 1].at >= high - beyond);
+                for pair in ticks.windows(2) {
+                    prop_assert!((step.count(pair[1].at - pair[0].at) - 1.0).abs() < 1e-6);
+                }
+            }
+
+            #[test]
+            fn log_ends_enclose_the_data_by_less_than_a_factor_of_two_and_a_half(v in 1e-9..1e9f64) {
+                let (low, high) = (log_floor(v), log_ceil(v));
+                prop_assert!(low <= v * (1.0 + 1e-8) && v <= high * (1.0 + 1e-8));
+                prop_assert!(v / low < 2.51 && high / v < 2.51);
             }
         }
-
-        #[test]
-        fn log_ends_enclose_the_data_by_less_than_a_factor_of_two_and_a_half(v in 1e-9..1e9f64) {
-            let (low, high) = (log_floor(v), log_ceil(v));
-            prop_assert!(low <= v * (1.0 + 1e-8) && v <= high * (1.0 + 1e-8));
-            prop_assert!(v / low < 2.51 && high / v < 2.51);
-        }
-    }
 }

@@ -1,14 +1,14 @@
-//! Creep in the report: its lags, and what follows a step over the decades of time.
+//! Creep in the report: its lags, and its step response over the decades of time.
 
 use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::creep::{Creep, Lag};
 use piezoid::number::{round, short};
 
-/// Points of the curve in a decade of time.
+/// Points of the curve per decade.
 const FINE: i32 = 30;
 
-/// Adds the block, where there is one.
+/// Adds the block, if there is any creep.
 pub(super) fn block(section: Section, creep: &Creep) -> Section {
     let lags: Vec<Lag> = creep.lags().iter().filter(|lag| lag.gain != 0.0).copied().collect();
     let ends = |f: fn(f64, f64) -> f64| lags.iter().map(|lag| lag.tau_s).reduce(f);
@@ -19,7 +19,7 @@ pub(super) fn block(section: Section, creep: &Creep) -> Section {
     section
         .heading("Creep")
         .figure(figure(creep, 0.1 * quickest, 10.0 * slowest))
-        .table(table.note(format!("What each lag adds in the end, as a share of z: {all} % together.")))
+        .table(table.note(format!("Final contribution of each lag, relative to z: {all} % together.")))
 }
 
 fn figure(creep: &Creep, from: f64, to: f64) -> Figure {
@@ -31,11 +31,11 @@ fn figure(creep: &Creep, from: f64, to: f64) -> Figure {
         true => {
             let decade = 100.0 * (creep.after(late) - creep.after(early)) / (late / early).log10();
             let [early, late, decade] = [round(early), round(late), short(decade)];
-            format!(" Between {early} and {late} s it grows by {decade} % a decade.")
+            format!(" Between {early} and {late} s it grows by {decade} % per decade.")
         }
         false => String::new(),
     };
-    let caption = format!("What follows a step of the hidden variable, in percent of it.{grown}");
+    let caption = format!("Creep after a step of the hidden variable, in percent of the step.{grown}");
     Figure::new("Creep after a step", caption).panel(
         Axes::new(Axis::log("t [s]").tight(), Axis::new("creep [%]").from(0.0))
             .height(0.7)

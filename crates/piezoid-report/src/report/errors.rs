@@ -1,4 +1,4 @@
-//! Where the error lies: by frequency and by amplitude, over all records.
+//! Errors by frequency and by amplitude, over all records.
 
 use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
@@ -6,16 +6,16 @@ use piezoid::Compared;
 use piezoid::number::short;
 use piezoid::validation::{Bin, Source};
 
-/// Adds figures and tables of the bins of all records, where there are several bins.
-pub(super) fn by_all(section: Section, trials: &[Compared]) -> Section {
-    let units = trials[0].record.units();
-    let by_frequency = Bin::merged(trials.iter().flat_map(|t| &t.validation.by_frequency));
-    let by_amplitude = Bin::merged(trials.iter().flat_map(|t| &t.validation.by_amplitude));
+/// Adds figures and tables of the bins of all records, if there are several bins.
+pub(super) fn by_all(section: Section, records: &[Compared]) -> Section {
+    let units = records[0].record.units();
+    let by_frequency = Bin::merged(records.iter().flat_map(|t| &t.validation.by_frequency));
+    let by_amplitude = Bin::merged(records.iter().flat_map(|t| &t.validation.by_amplitude));
     let section = one(section, "Error by frequency", "f [Hz]", &by_frequency, &units.y);
     one(section, "Error by amplitude", &format!("amplitude of the input [{}]", units.u), &by_amplitude, &units.y)
 }
 
-/// One bin says no more than the figures do.
+/// Adds nothing for a single bin, which repeats the overall figures.
 fn one(section: Section, title: &str, label: &str, bins: &[Bin], unit: &str) -> Section {
     if bins.len() < 2 {
         return section;
@@ -32,8 +32,8 @@ fn one(section: Section, title: &str, label: &str, bins: &[Bin], unit: &str) -> 
     };
     let table = bins.iter().fold(table, |table, b| table.row(row(b)));
     section.figure(figure(title, label, bins)).table(table.note(
-        "Of the cycles of the input over all records, each at one over its length and half its height; where an input does not go \
-         to and fro, of the spectra of error and output.",
+"From the cycles of the input over all records, each at one over its length and half its height; for an input without \
+cycles, from the spectra of error and output.",
     ))
 }
 

@@ -1,4 +1,4 @@
-//! The hysteresis block in the report: its law, its parameters, and the loops that it makes by itself.
+//! The hysteresis block in the report: operator, parameters, and loops.
 
 use crate::page::{Cell, PageTable, Section, Text};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
@@ -10,10 +10,10 @@ use piezoid::series::ends;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// Minor loops, two on the way up and two on the way down, from where to where: shares of the range.
+/// Minor loops, two on the ascending and two on the descending branch: their ends as shares of the range.
 const MINOR: [(f64, f64); 4] = [(0.45, 0.2), (0.85, 0.6), (0.55, 0.8), (0.15, 0.4)];
 
-/// Samples from one end of the range to the other: usual, fewest and most.
+/// Samples from one end of the range to the other: default, minimum and maximum.
 const USUAL: f64 = 400.0;
 const FEWEST: f64 = 8.0;
 const MOST: f64 = 20_000.0;
@@ -23,11 +23,11 @@ pub(super) fn block(section: Section, model: &Model, trials: &[Compared]) -> Sec
     let (hysteresis, unit) = (model.hysteresis(), &model.units().u);
     let operator = hysteresis.operator();
     let range = range(model, trials);
-    let said = hysteresis
+    let identified = hysteresis
         .range()
         .map_or(String::new(), |(low, high)| format!("; identified from {} to {} {unit}", short(low), short(high)));
-    let law =
-        Text::new().code(operator.name).plain(format!(", {}{said}. Source: {}.", operator.summary, operator.reference));
+    let plain = format!(", {}{identified}. Source: {}.", operator.summary, operator.reference);
+    let law = Text::new().code(operator.name).plain(plain);
     let section = section.heading("Hysteresis").text(law);
     let section = match range.and_then(|range| figure(model, range)) {
         Some(figure) => section.figure(figure),
@@ -36,7 +36,7 @@ pub(super) fn block(section: Section, model: &Model, trials: &[Compared]) -> Sec
     section.table(parameters(hysteresis))
 }
 
-/// The inputs to show: those the operator was identified on, the model, or those of the records.
+/// The range to show: that of the operator's or the model's identification data, or of the records.
 fn range(model: &Model, trials: &[Compared]) -> Option<(f64, f64)> {
     let seen = || trials.iter().flat_map(|t| t.record.u()).copied();
     let domain = model.identified().map(|domain| (domain.u[0], domain.u[1]));
@@ -44,7 +44,7 @@ fn range(model: &Model, trials: &[Compared]) -> Option<(f64, f64)> {
     (range.0 < range.1).then_some(range)
 }
 
-/// An operator on its way between turning points, each a share of its range.
+/// Runs an operator between reversal points, each a share of its range.
 struct OperatorSweep<'a> {
     hysteresis: &'a dyn Hysteresis,
     range: (f64, f64),
@@ -52,11 +52,11 @@ struct OperatorSweep<'a> {
     at: f64,
 }
 
-/// Inputs and outputs along a way.
+/// Inputs and outputs of a part of the run.
 type Curve = [Vec<f64>; 2];
 
 impl OperatorSweep<'_> {
-    /// From where it stands to a turning point, as a sine goes, `n` samples being the whole range.
+    /// Moves along a half sine to a reversal point, with `n` samples for the whole range.
     fn to(&mut self, end: f64, n: f64) -> Curve {
         let (from, (low, high)) = (self.at, self.range);
         let n = ((end - from).abs() * n).ceil().max(FEWEST);
@@ -67,14 +67,14 @@ impl OperatorSweep<'_> {
         [u, z]
     }
 
-    /// The major loop, up and down, once one before has wiped out the past.
+    /// The major loop, ascending and descending, after one loop that wipes out the past.
     fn major(&mut self, n: f64) -> [Curve; 2] {
         self.to(1.0, n);
         self.to(0.0, n);
         [1.0, 0.0].map(|end| self.to(end, n))
     }
 
-    /// The minor loops, with gaps between them.
+    /// The minor loops, separated by gaps.
     fn minor(&mut self, n: f64) -> Curve {
         let mut all: Curve = Default::default();
         for (k, (from, to)) in MINOR.into_iter().enumerate() {
@@ -90,18 +90,18 @@ impl OperatorSweep<'_> {
     }
 }
 
-/// The loops of the operator; none where it makes no loop.
+/// The loops of the operator; `None` if they have no width.
 fn figure(model: &Model, range: (f64, f64)) -> Option<Figure> {
     let hysteresis = model.hysteresis();
     let samples = |hz: f64| 0.5 / (hz * hysteresis.ts());
-    let mut led = OperatorSweep { hysteresis, range, state: hysteresis.settled(range.0), at: 0.0 };
+    let mut sweep = OperatorSweep { hysteresis, range, state: hysteresis.settled(range.0), at: 0.0 };
     let (slow, fast) = speeds(model);
     let quick = fast.map(|hz| {
-        let [[up_u, up_z], [down_u, down_z]] = led.major(samples(hz));
+        let [[up_u, up_z], [down_u, down_z]] = sweep.major(samples(hz));
         ([up_u, down_u].concat(), [up_z, down_z].concat(), hz)
     });
-    let [up, down] = led.major(samples(slow));
-    let minor = led.minor(samples(slow));
+    let [up, down] = sweep.major(samples(slow));
+    let minor = sweep.minor(samples(slow));
 
     let (bottom, top) = ends(up[1].iter().chain(&down[1]).copied());
     let middle = up[1].len() / 2 - 1;
@@ -121,8 +121,8 @@ fn figure(model: &Model, range: (f64, f64)) -> Option<Figure> {
     Some(Figure::new("Loops of the hysteresis block", caption(hysteresis, width, slow, fast)).panel(panel))
 }
 
-/// The frequencies of the loops [Hz]. Where time matters to the operator: the lowest and the highest it was identified at, the
-/// latter only where it is another.
+/// The frequencies of the loops [Hz]. For a rate-dependent operator: the lowest and the highest of its identification
+/// data, the highest only if it differs.
 fn speeds(model: &Model) -> (f64, Option<f64>) {
     let hysteresis = model.hysteresis();
     let of = |samples: f64| 0.5 / (samples * hysteresis.ts());
@@ -138,19 +138,17 @@ fn caption(hysteresis: &dyn Hysteresis, width: f64, slow: f64, fast: Option<f64>
     let faster = fast.map_or(String::new(), |hz| format!(", and, dashed, at {} Hz", round(hz)));
     let time = match operator.rate_independent {
         true => String::new(),
-        false => format!(" This operator minds the time: it is run through at {} Hz{faster}.", round(slow)),
+        false => format!(" This operator is rate-dependent: it is shown at {} Hz{faster}.", round(slow)),
     };
     let inside = match operator.minor_loops {
         true => "with minor loops inside",
-        false => "and what it does inside, where it has no minor loops but jumps from branch to branch",
+        false => "and its behaviour inside, where it has no minor loops but jumps between branches",
     };
     let width = short(width);
-    format!(
-        "The hidden variable over the input, as the operator makes it: the major loop, {width} % of its height wide, {inside}.{time}"
-    )
+    format!("Hidden variable over input: the major loop, {width} % of its height wide, {inside}.{time}")
 }
 
-/// The parameters as the model's file has them; of lists, how many and from where to where.
+/// The parameters as in the model's file; of lists, the length and range.
 fn parameters(hysteresis: &dyn Hysteresis) -> PageTable {
     let mut rows = Vec::new();
     let document = Value::Object(hysteresis.params().into_iter().filter(|(name, _)| name != "range").collect());

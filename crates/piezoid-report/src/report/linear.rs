@@ -1,4 +1,4 @@
-//! The linear block in the report: read as mechanics, and its frequency response.
+//! The linear block in the report: its modes and frequency response.
 
 use crate::page::{Fact, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
@@ -9,13 +9,13 @@ use piezoid::series::ends;
 use piezoid::system::System;
 use std::f64::consts::{PI, TAU};
 
-/// Frequencies of the curves, evenly spread over three decades up to half the sampling rate.
+/// Number of frequencies of the curves, evenly spaced over three decades up to half the sampling rate.
 const FINE: i32 = 600;
 
-/// More of them on either side of a mode, the nearest a tenth of its width away.
+/// Additional frequencies on each side of a mode, the nearest at a tenth of its width.
 const BESIDE: i32 = 30;
 
-/// Adds the block with its coefficients and the offset behind it.
+/// Adds the block with its coefficients and the offset.
 pub(super) fn block(section: Section, model: &Model) -> Section {
     let (arx, units) = (model.linear(), model.units());
     let section = section.heading("Linear block");
@@ -45,22 +45,22 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
 fn facts(reading: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
     let first = reading.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
     let what = match reading.delay < -0.25 * ts {
-        true => "delay: the output was logged after its input acted",
-        false => "delay beyond the hold of the input",
+        true => "delay: the output was sampled after its input acted",
+        false => "delay in addition to the zero-order hold",
     };
     let delay = Fact::new(short(1e3 * reading.delay), "ms", what);
     [Some(Fact::new(short(reading.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
 }
 
 fn modes(reading: &ModalForm) -> PageTable {
-    let table = PageTable::new("The linear block read as mechanics").text("").number("f [Hz]").number("damping ratio");
+    let table = PageTable::new("Modes of the linear block").text("").number("f [Hz]").number("damping ratio");
     let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
     let table = reading.rows().into_iter().fold(table, PageTable::row).note(
-        "Shares of the static displacement. Mass and damper of a spring of 1 N/mm at the point where the displacement is measured: both \
-         grow in proportion to the stiffness.",
+"Shares of the static displacement. Mass and damper for a spring of 1 N/mm at the point of measurement: both are proportional \
+to the stiffness.",
     );
     match reading.images() {
-        Some(said) => table.note(said),
+        Some(images) => table.note(images),
         None => table,
     }
 }
@@ -70,7 +70,7 @@ fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
     let (hz, half) = (frequencies(arx, reading), 0.5 / arx.ts());
     let all: Vec<_> = hz.iter().map(|&hz| arx.response(hz)).collect();
     let gain: Vec<f64> = all.iter().map(|r| r.gain).collect();
-    // The phase goes on where it passes half a turn.
+    // The phase is unwrapped.
     let mut last = all[0].phase;
     let phase = all.iter().map(|r| {
         last += (r.phase - last + PI).rem_euclid(TAU) - PI;
@@ -89,26 +89,25 @@ fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
         (top.at_x(mode.pole.hz, name), low.at_x(mode.pole.hz, ""))
     });
     let (top, low) = (top.with(Series::line(&hz, &gain)), low.with(Series::line(&hz, &phase)));
-    Figure::new("Frequency response", told(&gain, &hz, reading)).panel(top).panel(low).stacked()
+    Figure::new("Frequency response", caption(&gain, &hz, reading)).panel(top).panel(low).stacked()
 }
 
-/// What is seen.
-fn told(gain: &[f64], hz: &[f64], reading: &ModalForm) -> String {
+fn caption(gain: &[f64], hz: &[f64], reading: &ModalForm) -> String {
     let half = short(hz[hz.len() - 1]);
     let peak = (0..gain.len()).max_by(|&i, &j| gain[i].total_cmp(&gain[j])).filter(|&k| gain[k] > 1.01 * gain[0]);
     let peak = peak.map_or(String::new(), |k| {
-        format!(" At {} Hz it moves {} times as far as at rest.", short(hz[k]), short(gain[k] / reading.gain.abs()))
+        format!(" At {} Hz the gain is {} times the static gain.", short(hz[k]), short(gain[k] / reading.gain.abs()))
     });
     let marked = match reading.modes().len() {
         0 => "",
         1 => " The dotted line is its mode.",
         _ => " The dotted lines are its modes, numbered as in the table.",
     };
-    let shaded = reading.images().map_or("", |_| " Shaded: where poles are images.");
+    let shaded = reading.images().map_or("", |_| " Shaded: frequencies at which poles are images.");
     format!("Gain and phase up to half the sampling rate, {half} Hz.{peak}{marked}{shaded}")
 }
 
-/// Quarters of a turn [°] about the phase, or halves where there are many.
+/// Multiples of 90° around the phase, or of 180° for a wide range.
 fn quarters(phase: &[f64]) -> Vec<f64> {
     let (low, high) = ends(phase.iter().copied());
     let step = if high - low > 540.0 { 180.0 } else { 90.0 };
@@ -116,7 +115,7 @@ fn quarters(phase: &[f64]) -> Vec<f64> {
     (first..=last).map(|k| step * f64::from(k)).collect()
 }
 
-/// Three decades up to half the sampling rate, more where a mode lies lower, and fine about each mode.
+/// Three decades up to half the sampling rate, more if a mode is lower, and finer around each mode.
 fn frequencies(arx: &Arx, reading: &ModalForm) -> Vec<f64> {
     let modes = reading.modes();
     let half = 0.5 / arx.ts();

@@ -1,4 +1,4 @@
-//! The report on a model: how it meets records it has not seen, and what it is, block by block; and that on schemes of control.
+//! The reports: on a model and its validation, block by block, and on control schemes.
 
 mod creep;
 mod errors;
@@ -19,7 +19,7 @@ use piezoid::number::short;
 use piezoid::system::System;
 use piezoid::validation::Metrics;
 
-/// The report: one file that opens from disk.
+/// The report on a model: one self-contained file.
 pub fn report(model: &Model, validated: &Validated) -> Page {
     let trials = &validated.files[..];
     let operator = model.hysteresis().operator();
@@ -32,7 +32,7 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
         },
         model.ts()
     ));
-    let page = if trials.is_empty() { page } else { page.section(proof(validated)) };
+    let page = if trials.is_empty() { page } else { page.section(validation(validated)) };
     let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
     let page = page.section(model::section(model, trials));
     match origin::section(model) {
@@ -41,10 +41,10 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
     }
 }
 
-fn proof(validated: &Validated) -> Section {
+fn validation(validated: &Validated) -> Section {
     let (trials, total) = (&validated.files[..], validated.total());
     let unit = &trials[0].record.units().y;
-    let table = PageTable::new("Free run against measurement").text("record").number("samples");
+    let table = PageTable::new("Free run and measurement").text("record").number("samples");
     let table = table.number(format!("rms error [{unit}]")).number(format!("largest [{unit}]"));
     let table = table.number("NRMSE [%]").number("rms / peak-to-peak [%]").number("fit [%]");
     let row = |name: &str, m: &Metrics| {
@@ -53,17 +53,17 @@ fn proof(validated: &Validated) -> Section {
     };
     let table = trials.iter().fold(table, |table, t| table.row(row(t.short(), &t.validation.metrics)));
     let table = if trials.len() > 1 { table.row(row("total", &total)) } else { table };
-    let section = Section::new("Proof")
+    let section = Section::new("Validation")
         .facts([
             Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
             Fact::new(short(total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
             Fact::new(short(total.max_abs), unit.clone(), "largest error"),
         ])
-        .table(table.note("Free run: the model sees the input alone, never the measured output."));
+        .table(table.note("Free run: the model uses the input only, never the measured output."));
     let section = errors::by_all(section, trials);
     match validated.not_covered() {
         open if open.is_empty() => section,
-        open => section.text("What none of these records shows, however good the figures are:").list(open),
+        open => section.text("Not covered by these records:").list(open),
     }
 }
 
@@ -78,7 +78,7 @@ mod tests {
     const NONE: Validated = Validated { files: Vec::new() };
 
     #[test]
-    fn every_operator_has_a_report_that_is_the_same_twice_and_tells_the_remarks() {
+    fn every_operator_has_a_reproducible_report() {
         for o in OPERATORS {
             let model = Model::new((o.example)(5e-4).unwrap(), Arx::gain(5e-4, 2.0).unwrap(), 0.0).unwrap();
             let u: Vec<f64> = (0..900).map(|t| 12.0 * (f64::from(t) * 0.05).sin() + 1.0).collect();
@@ -90,13 +90,13 @@ mod tests {
             assert!(html.contains("a&lt;b.csv"));
             assert_eq!(html.contains("has no minor loops"), !o.minor_loops, "{}", o.name);
             assert_eq!(html.contains("Loops of the hysteresis block"), o.name != "proportional", "{}", o.name);
-            assert_eq!(html.contains("minds the time"), !o.rate_independent, "{}", o.name);
+            assert_eq!(html.contains("is rate-dependent"), !o.rate_independent, "{}", o.name);
             assert!(html.contains("Parameters of the hysteresis block"), "{}", o.name);
         }
     }
 
     #[test]
-    fn where_the_error_lies_and_what_it_is_stands_in_tables_and_figures() {
+    fn errors_and_remarks_are_in_tables_and_figures() {
         let hysteresis = (piezoid::hysteresis::Operator::find("proportional").unwrap().example)(5e-4).unwrap();
         let beam = Arx::new(5e-4, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
         let model = Model::new(hysteresis, beam, 0.0).unwrap();
@@ -116,14 +116,14 @@ mod tests {
             "Loops, measured and model",
             "with itself",
             "over the input",
-            "no model leaves less",
+            "this is the noise floor",
             "the resonance at 146.7 Hz",
             "Identified on inputs from",
             "The input changes by up to",
         ] {
             assert!(html.contains(said), "{said}");
         }
-        assert!(!html.contains("Error by amplitude"), "one amplitude says no more than the figures");
+        assert!(!html.contains("Error by amplitude"), "one amplitude repeats the overall figures");
     }
 
     fn beam() -> Model {
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_identify_knew_is_told_where_the_model_has_it_and_nowhere_else() {
+    fn the_entries_of_identify_are_shown_if_there_are_any() {
         let bare = report(&beam(), &NONE).html();
         assert!(!bare.contains("Operators tried") && !bare.contains("How it was identified"));
         let made = json!({
@@ -144,24 +144,24 @@ mod tests {
             ],
             "parameters": [{"name": "mode 1 damping", "value": 0.03, "error": null}],
         });
-        let told = report(&beam().with_provenance(made), &NONE).html();
-        let at = |said: &str| told.find(said).unwrap_or_else(|| panic!("{said}"));
+        let html = report(&beam().with_provenance(made), &NONE).html();
+        let at = |said: &str| html.find(said).unwrap_or_else(|| panic!("{said}"));
         assert!(at("0.2500") < at("as good") && at("as good") < at("no &amp; why"), "the best first");
         assert!(at("taken") < at("as good"));
         at("mode 1 damping</td><td class=\"num\">0.03000</td><td class=\"num\">-</td>");
         at("piezoid identify &lt;here&gt;");
-        // What someone else wrote there does no harm.
+        // Other entries do no harm.
         let odd = json!({"trials": [7, {"operator": []}], "parameters": "none"});
         assert!(report(&beam().with_provenance(odd), &NONE).html().contains("Operators tried"));
     }
 
     #[test]
-    fn each_block_is_told_where_the_model_has_it() {
+    fn each_block_is_shown_if_the_model_has_it() {
         let plain = report(&beam(), &NONE).html();
         for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
             assert!(plain.contains(said), "{said}");
         }
-        for absent in ["Creep", "DriverModel", "image"] {
+        for absent in ["Creep", "Driver", "image"] {
             assert!(!plain.contains(absent), "{absent}");
         }
         let driver = piezoid::driver::DriverModel::new(1e-4, Some(6e4)).unwrap();

@@ -1,4 +1,4 @@
-//! The model in the report, block by block, in the order in which the input passes them.
+//! The model in the report, block by block, from input to output.
 
 use super::{creep, hysteresis, linear};
 use crate::page::Section;
@@ -8,7 +8,7 @@ use piezoid::hammerstein::{Domain, Model};
 use piezoid::number::{round, short};
 use std::f64::consts::TAU;
 
-/// What the model is made of.
+/// The section on the model.
 pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
     let section = Section::new("The model");
     let section = match model.identified() {
@@ -16,7 +16,7 @@ pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
         None => section,
     };
     let section = match model.driver() {
-        Some(driver) => section.heading("DriverModel").text(limits(driver, model)),
+        Some(driver) => section.heading("Driver").text(limits(driver, model)),
         None => section,
     };
     let section = hysteresis::block(section, model, trials);
@@ -24,16 +24,16 @@ pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
     linear::block(section, model)
 }
 
-/// The data it was identified on.
+/// The range of the identification data.
 fn known(domain: &Domain, unit: &str) -> String {
     let Domain { u, hz, slew, mean } = *domain;
     let power =
         hz.map_or(String::new(), |[low, high]| format!(", with power from {} to {} Hz", short(low), short(high)));
-    // Means that are zero but for rounding.
+    // Means that are zero up to rounding.
     let mean = mean.map(|mean| if mean.abs() < 1e-9 * (u[1] - u[0]) { 0.0 } else { mean });
     format!(
-        "Identified on inputs from {} to {} {unit}, of means from {} to {} {unit}, changing by up to {} {unit}/s{power}: beyond that \
-         it extrapolates.",
+        "Identified on inputs from {} to {} {unit}, with means from {} to {} {unit}, and rates up to {} {unit}/s{power}. Outside this \
+range it extrapolates.",
         short(u[0]),
         short(u[1]),
         short(mean[0]),
@@ -52,7 +52,7 @@ fn limits(driver: &DriverModel, model: &Model) -> String {
     let sine = model.identified().map(|domain| 0.5 * (domain.u[1] - domain.u[0])).filter(|half| *half > 0.0);
     let sine = sine.map_or(String::new(), |half| {
         let hz = short(slew / (TAU * half));
-        format!(" A sine of {} {unit}, the largest it was identified on, is cut from {hz} Hz on.", round(half))
+        format!(" A sine of {} {unit}, the largest in the identification data, is limited above {hz} Hz.", round(half))
     });
     format!("{lag}; the voltage changes by at most {} {unit}/s.{sine}", short(slew))
 }

@@ -1,11 +1,11 @@
-//! How the model was made: what `piezoid identify` wrote into the model's file, as far as it is there.
+//! Origin of the model: the entries of `piezoid identify` in the model's file, if any.
 
 use crate::page::{Cell, PageTable, Section, Text};
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
 use serde_json::Value;
 
-/// The operators that were tried, the parameters with their errors, and the command; none where the file says none of it.
+/// The operators tried, the parameters with their standard errors, and the command; `None` without any of them.
 pub(super) fn section(model: &Model) -> Option<Section> {
     let made = model.provenance();
     let list = |name: &str| made[name].as_array().map(Vec::as_slice).unwrap_or_default();
@@ -21,22 +21,21 @@ pub(super) fn section(model: &Model) -> Option<Section> {
 
 /// The operators, the best first.
 fn trials(tried: &[Value]) -> PageTable {
-    let left = |trial: &Value| trial["held_out_percent"].as_f64().unwrap_or(f64::INFINITY);
+    let held_out = |trial: &Value| trial["held_out_percent"].as_f64().unwrap_or(f64::INFINITY);
     let word = |trial: &Value, key: &str| trial[key].as_str().unwrap_or_default().to_string();
     let mut tried: Vec<&Value> = tried.iter().collect();
-    tried.sort_by(|p, q| left(p).total_cmp(&left(q)));
+    tried.sort_by(|p, q| held_out(p).total_cmp(&held_out(q)));
     let row = |trial: &Value| {
         let verdict = word(trial, "verdict");
         let taken = verdict == "taken";
         let number = |key: &str| trial[key].as_u64().map_or("-".into(), |n| n.to_string());
-        let cells = [word(trial, "operator"), number("parameters"), short(left(trial)), verdict].map(Cell::from);
+        let cells = [word(trial, "operator"), number("parameters"), short(held_out(trial)), verdict].map(Cell::from);
         if taken { cells.map(Cell::best) } else { cells }
     };
     let table = PageTable::new("Operators tried").text("operator").number("parameters");
     let table = table.number("held out [%]").text("verdict");
     let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
-        "Rms error over peak-to-peak of what was held out, each part foretold by a fit to all others. Of the operators as good as the \
-         best the simplest is taken.",
+"Held-out rms error over peak-to-peak (cross-validation). Among the operators as good as the best, the simplest is selected.",
     );
     let refused = tried.iter().filter_map(|trial| Some((word(trial, "operator"), trial["refused"].as_str()?)));
     refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))
@@ -46,6 +45,6 @@ fn parameters(known: &[Value]) -> PageTable {
     let number = |value: &Value| value.as_f64().map_or("-".into(), short);
     let row =
         |p: &Value| [p["name"].as_str().unwrap_or_default().to_string(), number(&p["value"]), number(&p["error"])];
-    let table = PageTable::new("Parameters as far as the records tell them").text("parameter").number("value");
+    let table = PageTable::new("Estimated parameters with standard errors").text("parameter").number("value");
     known.iter().fold(table.number("standard error"), |table, p| table.row(row(p)))
 }

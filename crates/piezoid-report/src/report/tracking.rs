@@ -1,4 +1,4 @@
-//! The page on schemes of control side by side.
+//! The report on control schemes.
 
 use crate::page::{Fact, Page, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
@@ -7,19 +7,19 @@ use piezoid::number::short;
 use piezoid::system::System;
 use piezoid::waveform::period;
 
-/// How many samples a figure shows of a reference that does not repeat, from where errors count.
+/// Samples shown of a reference that is not periodic.
 const SHOWN: usize = 1600;
 
-/// How many times the least error others may have beside it.
+/// Largest error of the schemes in the detailed panel, relative to the smallest.
 const NEAR: f64 = 10.0;
 
-/// Colours of equals.
+/// Number of colours.
 const COLOURS: usize = 5;
 
-/// Frequencies at which |S| is drawn.
+/// Number of frequencies of |S|.
 const GRID: usize = 400;
 
-/// The page: one file that opens from disk.
+/// The page: one self-contained file.
 pub fn tracking(compared: &Comparison) -> Page {
     let subtitle =
         format!("plant {}, controllers from a model of it; errors in % of the height of the reference", compared.plant);
@@ -28,7 +28,7 @@ pub fn tracking(compared: &Comparison) -> Page {
     [loops(compared), learning(compared), spread(compared)].into_iter().flatten().fold(page, Page::section)
 }
 
-/// A curve of one scheme, which looks the same all over the page; dashed when colours begin anew.
+/// A curve of one scheme, in the same style on the whole page; dashed if colours repeat.
 fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Series {
     let uncompensated = |d: &SchemeResult| d.name() == FEED_FORWARDS[0].name;
     let others = compared.driven.iter().filter(|d| !uncompensated(d));
@@ -55,18 +55,19 @@ fn errors(compared: &Comparison) -> Section {
     let section = Section::new("Errors");
     let section = match worst {
         Some(((percent, name), k)) => {
-            let of = format!("rms error of the best scheme where that is largest: {name}, {}", compared.wanted[k].name);
+            let of =
+                format!("rms error of the best scheme for the hardest reference: {name}, {}", compared.wanted[k].name);
             section.facts([Fact::new(short(percent), "%", of)])
         }
         None => section,
     };
     let section = section
         .table(table("Rms error [% of the height]", |a, _| a.tracking.percent_of_stroke).note(
-            "Of the reading, noise of the sensor included. References that repeat count after a quarter of a second. “gain” is the best \
-             straight line for each reference: no compensation.",
+"Errors of the measurement, with sensor noise. Periodic references count after a quarter of a second. “gain” is the best \
+straight line for each reference: no compensation.",
         ))
         .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
-    let section = section.table(table("Effort: rms change of voltage a sample [V]", |a, _| a.tracking.effort));
+    let section = section.table(table("Effort: rms change of voltage per sample [V]", |a, _| a.tracking.effort));
     let refusal = |d: &SchemeResult| {
         let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
             Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?))
@@ -75,11 +76,11 @@ fn errors(compared: &Comparison) -> Section {
     };
     match compared.driven.iter().flat_map(refusal).collect::<Vec<_>>() {
         none if none.is_empty() => section,
-        refused => section.text("Refused:").list(refused),
+        refused => section.text("Errors:").list(refused),
     }
 }
 
-/// Reference, error and voltage of every scheme along one reference, over two periods if it repeats.
+/// Reference, error and voltage of every scheme along one reference, over two periods if it is periodic.
 fn along(compared: &Comparison, k: usize) -> Section {
     let (wanted, unit) = (&compared.wanted[k], compared.unit());
     let length = period(&wanted.r).map_or(SHOWN, |period| 2 * period + 1);
@@ -88,29 +89,28 @@ fn along(compared: &Comparison, k: usize) -> Section {
     let t: Vec<f64> = shown.clone().map(|t| t as f64 * ts).collect();
     let mut path = Axes::new("t [s]", &*format!("y [{unit}]")).height(0.4);
     let mut error = Axes::new("t [s]", &*format!("r - y [{unit}]")).height(0.35);
-    let mut nearest = Axes::new("t [s]", &*format!("the nearest [{unit}]")).height(0.35);
+    let mut nearest = Axes::new("t [s]", &*format!("small errors [{unit}]")).height(0.35);
     let mut voltage = Axes::new("t [s]", "u [V]").height(0.4);
     let attempts = || compared.driven.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
     let best = attempts().map(|(_, a)| a.tracking.rms).fold(f64::INFINITY, f64::min);
     for (d, ReferenceResult { run, tracking, .. }) in attempts() {
-        let left: Vec<f64> = shown.clone().map(|t| run.r[t] - run.y[t]).collect();
+        let error_of: Vec<f64> = shown.clone().map(|t| run.r[t] - run.y[t]).collect();
         let curve = |y: &[f64]| curve(compared, d, &t, y);
         path = path.with(curve(&run.y[shown.clone()]).named(d.name()));
         voltage = voltage.with(curve(&run.u[shown.clone()]));
         if tracking.rms < NEAR * best {
-            nearest = nearest.with(curve(&left));
+            nearest = nearest.with(curve(&error_of));
         }
-        error = error.with(curve(&left));
+        error = error.with(curve(&error_of));
     }
-    let path = path.with(Series::dashed(&t, &wanted.r[shown]).role(Role::Reference).named("wanted"));
-    let caption = format!(
-        "Displacement, what it misses, the same of those within {NEAR} times the least rms error, and the voltage."
-    );
+    let path = path.with(Series::dashed(&t, &wanted.r[shown]).role(Role::Reference).named("reference"));
+    let caption =
+        format!("Displacement, error, error of the schemes within {NEAR} times the smallest rms error, and voltage.");
     let figure = Figure::new(wanted.name.clone(), caption).panel(path).panel(error).panel(nearest).panel(voltage);
     Section::new(&*wanted.name).figure(figure.stacked())
 }
 
-/// Margins and |S|, where there are loops.
+/// Margins and |S| of the closed loops.
 fn loops(compared: &Comparison) -> Option<Section> {
     let closed: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.drive.margins()?))).collect();
     let ts = closed.first()?.0.drive.model().ts();
@@ -128,25 +128,20 @@ fn loops(compared: &Comparison) -> Option<Section> {
         Some(s) => axes.with(curve(compared, d, &hz, &s).named(d.name())),
         None => axes,
     });
-    let caption = "What the loop makes of a disturbance: below 1 it is taken away, above 1 it is made larger.";
-    let table =
-        table.note("Where the hysteresis is steepest, creep included. Bandwidth is where |S| first rises above -3 dB.");
+    let caption = "Sensitivity to disturbances: attenuated below 1, amplified above 1.";
+    let table = table.note(
+        "At the largest slope of the hysteresis, with creep. Bandwidth is the lowest frequency with |S| = -3 dB.",
+    );
     Some(Section::new("Loops").table(table).figure(Figure::new("Sensitivity", caption).panel(axes)))
 }
 
-/// The error of each trial, where something was learnt.
+/// The error of each learning trial.
 fn learning(compared: &Comparison) -> Option<Section> {
     let learnt = |d: &SchemeResult| {
         let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
             Some((w.name.clone(), w.height(), a.as_ref().ok()?.feed_forward.trials.clone()))
         };
-        compared
-            .wanted
-            .iter()
-            .zip(&d.attempts)
-            .filter_map(of)
-            .filter(|(.., trials)| !trials.is_empty())
-            .collect::<Vec<_>>()
+        compared.wanted.iter().zip(&d.attempts).filter_map(of).filter(|(.., t)| !t.is_empty()).collect::<Vec<_>>()
     };
     let courses = compared.driven.iter().map(learnt).find(|courses| !courses.is_empty())?;
     let axes = Axes::new("trial", Axis::log("rms error [% of the height]"));
@@ -155,11 +150,11 @@ fn learning(compared: &Comparison) -> Option<Section> {
         let percent: Vec<f64> = trials.iter().map(|rms| 100.0 * rms / height).collect();
         axes.with(Series::marked(&n, &percent).role(Role::accent(k)).named(name.clone()))
     });
-    let caption = "ReportedRecord 0 is the feed-forward. One twice as bad as the best is taken back.";
+    let caption = "Trial 0 is the feed-forward. A trial with twice the error of the best one is discarded.";
     Some(Section::new("Learning").figure(Figure::new("Error by trial", caption).panel(axes)))
 }
 
-/// How the errors lie over plants of other tolerance.
+/// Errors over plants within a tolerance.
 fn spread(compared: &Comparison) -> Option<Section> {
     let drawn: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).collect();
     let table = PageTable::new("Draws").text("scheme").number("median [%]").number("9 of 10 [%]").number("worst [%]");
@@ -178,9 +173,9 @@ fn spread(compared: &Comparison) -> Option<Section> {
     });
     let wanted = &compared.wanted.first()?.name;
     let caption = format!(
-        "Along {wanted}: so many of the draws stay below this error. Every controller is that of the model of one plant."
+        "Along {wanted}: share of the draws below this error. Every controller is tuned to the model of the nominal plant."
     );
-    let text = "Plants drawn about this one, every value within its tolerance, under the same controllers.";
+    let text = "Random plants with parameters within the tolerance, with the same controllers.";
     let figure = Figure::new("Errors over the tolerance", caption).panel(axes);
     (!drawn.is_empty()).then(|| Section::new("Tolerance").text(text).table(table).figure(figure))
 }
@@ -198,28 +193,28 @@ mod tests {
     use piezoid::progress::silent;
 
     #[test]
-    fn the_page_shows_every_scheme_along_every_reference_and_says_what_was_refused() {
+    fn the_page_shows_every_scheme_along_every_reference_and_the_errors() {
         let ts = 5e-4;
         let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
         let units = piezoid::record::Units { u: "V".into(), y: "um".into() };
         let linear = Arx::new(ts, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1]).unwrap();
         let model = Model::new(plays, linear, 0.0).unwrap().with_units(units);
-        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
         let drive = |name| {
-            let how = FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() };
-            TunedScheme::new(Scheme::named(name).unwrap(), &model, how, 0, &MarginTarget::default()).unwrap()
+            let settings = FeedForwardSettings { limits, clip: true, ..Default::default() };
+            TunedScheme::new(Scheme::named(name).unwrap(), &model, settings, 0, &MarginTarget::default()).unwrap()
         };
         let wanted = |name, hz| {
             NamedReference::new(name, ts, (Reference::find(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap())
         };
         let drives = ["gain", "learning", "feed-forward+pi"].map(drive).to_vec();
-        let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Tolerance::default() });
+        let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Default::default() });
         let all = vec![wanted("sine", 10.0), wanted("random", 20.0)];
         let compared =
             Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut silent).unwrap();
         let html = tracking(&compared).html();
         for said in
-            ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "must repeat", "random"]
+            ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "not periodic", "random"]
         {
             assert!(html.contains(said), "{said}");
         }

@@ -1,4 +1,4 @@
-//! The plant on a bench: what an experimenter can measure there, and steps 3 to 6 of the paper on it.
+//! The simulated experiment: measurements on the plant, and steps 3 to 6 of the paper.
 
 use super::{
     AMPLITUDE, BINS, DURATION, Frequency, LoopSource, METHODS, MethodModel, RANGE_USED, RISING_DURATION, SETTLING,
@@ -18,23 +18,23 @@ use std::sync::Arc;
 /// A drive signal [V] by its amplitude [V].
 type DriveSignal<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
 
-/// The plant on a bench: what can be measured there, in millimetres.
+/// A plant whose output is measured in millimetres.
 pub(super) struct Bench {
     /// The plant.
     plant: Plant,
-    /// Seed of the study; each measurement has noise of its own.
+    /// Seed of the study; each measurement has its own noise.
     seed: u64,
     /// Range of the sensor [mm].
     range: Option<f64>,
 }
 
 impl Bench {
-    /// The plant of these parameters, its noise drawn from `seed`.
+    /// The plant with these parameters and this seed of its noise.
     pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
         Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor_range().map(|m| 1e3 * m) })
     }
 
-    /// Drives the plant from rest and records it; what limits were reached is added to `limits`.
+    /// Runs the plant from rest and records it; adds the limits that were reached to `limits`.
     pub(super) fn measure(
         &self,
         u: Vec<f64>,
@@ -48,15 +48,15 @@ impl Bench {
         Ok(Record::new(TS, u, y)?.with_units(Units { u: "V".into(), y: "mm".into() }))
     }
 
-    /// What the sensor reads from rest on [mm], with noise of its own, and the limits that were reached.
+    /// Measured output from rest [mm], with its own noise, and the limits that were reached.
     pub(super) fn answer(&self, u: &[f64]) -> (Vec<f64>, Saturation) {
         let number = u.iter().fold(self.seed, |hash, u| hash.rotate_left(5) ^ u.to_bits());
         let run = self.plant.clone().with_seed(number).run(u);
         (run.y.iter().map(|y| 1e3 * y).collect(), run.saturation)
     }
 
-    /// The amplitude [V] at which the answers to all `drives` stay well within the sensor's range: lowered from the whole
-    /// range of the driver as an experimenter would, by what the sensor shows.
+    /// The amplitude [V] at which the responses to all `drives` stay well within the sensor's range: reduced from the
+    /// whole range of the driver, as an experimenter would.
     fn amplitude(&self, drives: &[&DriveSignal]) -> Result<f64, Error> {
         let Some(range) = self.range else { return Ok(AMPLITUDE) };
         let mut amplitude = AMPLITUDE;
@@ -73,10 +73,10 @@ impl Bench {
         Ok(amplitude)
     }
 
-    /// A sine that rises to the largest amplitude the sensor can follow.
+    /// A rising sine up to the largest amplitude within the sensor's range.
     pub(super) fn rising(&self, hz: f64, limits: &mut Vec<(String, Saturation)>) -> Result<Record, Error> {
         let n = (RISING_DURATION / TS) as usize;
-        let rising = |amplitude| RisingSine { amplitude, frequency: hz, ..RisingSine::default() }.samples(TS, n);
+        let rising = |amplitude| RisingSine { amplitude, frequency: hz, ..Default::default() }.samples(TS, n);
         self.measure(rising(self.amplitude(&[&rising])?)?, &format!("rising sine of {hz} Hz"), limits)
     }
 
@@ -90,7 +90,7 @@ impl Bench {
     ) -> Result<Frequency, Error> {
         let n = (DURATION / TS) as usize;
         let frequency = hz;
-        let sine = |amplitude| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
+        let sine = |amplitude| Sine { amplitude, frequency, ..Default::default() }.samples(TS, n);
         let stepped =
             |amplitude| SteppedSine { amplitude, frequency, steps: Study::STEPS_USED, offset: 0.0 }.samples(TS, n);
         let amplitude = self.amplitude(&[&sine, &stepped])?;
@@ -107,14 +107,14 @@ impl Bench {
         let loop_by = |arx: &Arx, offset: f64| loop_of(&arx.hidden(offset, sine.y())?.0);
         let table_2 = table_2(hz)?;
         let (by_own, by_table_2) = (loop_by(&own.0, own.1)?, loop_by(&table_2, 0.0)?);
-        // Without the driver, whose lag is no hysteresis, but sampled as often as behind it.
+        // The driver is omitted, because its lag is not hysteresis, but the sampling behind it is kept.
         let faster = (TS / joint.hysteresis().ts()).round() as usize;
         let between = |w: &[f64]| {
             let (from, rise) = (w[0], (w[1] - w[0]) / faster as f64);
             (1..=faster).map(move |k| from + k as f64 * rise)
         };
         let u: Vec<f64> = std::iter::once(sine.u()[0]).chain(sine.u().windows(2).flat_map(between)).collect();
-        // Its z in the scale of the others: a factor may stand in z or in the gain of the linear block.
+        // Scaled to the z of the others, because a factor can be in z or in the gain of the linear block.
         let scale = joint.linear().dc_gain() / own.0.dc_gain();
         let z: Vec<f64> = joint.hysteresis().simulate(&u).iter().step_by(faster).map(|z| scale * z).collect();
         let of_joint = loop_of(&z)?;

@@ -5,7 +5,7 @@ use piezoid::hammerstein::OperatorTrial;
 use serde_json::{Map, Value, json};
 
 impl Study {
-    /// The studies as one document: `table1`, `table2` over all plants, `convergence` of the first, and each study whole
+    /// The studies as one document: `table1`, `table2` over all plants, `convergence` of the first, and each study
     /// under `studies`. Numbers that are not finite are null.
     pub fn to_json(studies: &[Study]) -> Value {
         let all = |table: &dyn Fn(&Study) -> Vec<Value>| studies.iter().flat_map(table).collect::<Vec<_>>();
@@ -50,7 +50,7 @@ fn table1(study: &Study) -> Vec<Value> {
     study.frequencies.iter().flat_map(|f| f.rows.iter().map(move |r| row(f, r))).collect()
 }
 
-/// A row a method: errors at the frequencies of Table 1.
+/// One row per method: errors at the frequencies of Table 1.
 fn test_signal(signal: &TestSignal) -> impl Iterator<Item = Value> {
     let row = |(method, mse): &(&str, [f64; 4])| {
         json!({

@@ -1,4 +1,4 @@
-//! The figures of the study: the paper's Figs 2 to 5, and those that show why its errors come about.
+//! The figures of the study: the paper's Figs 2 to 5, and the causes of its errors.
 
 use super::words;
 use super::{Frequency, METHODS, Study, TS, TestSignal};
@@ -6,10 +6,10 @@ use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::hysteresis::Branches;
 use piezoid::linear::Arx;
 
-/// Frequencies that are named on axes [Hz]: all would not fit.
+/// Labelled frequencies on axes [Hz]: not all would fit.
 const TICKS: [f64; 7] = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 250.0];
 
-/// Periods of the test that a figure shows.
+/// Periods of the test in a figure.
 const PERIODS: f64 = 2.0;
 
 impl Study {
@@ -41,10 +41,10 @@ pub(super) fn convergence(study: &Study) -> Figure {
     let printed = &study.convergence_as_printed;
     let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / study.optimum - 1.0).max(1e-12);
     let caption = format!(
-        "The best sum of absolute errors so far falls from {:.3} to {:.6} mm in {} iterations. No block of this form can go \
-         below {:.6} mm, which linear programming finds exactly: the swarm ends above it by a share of {:.0e}. All particles are \
-         drawn to the best position any of them has had, as is customary; with the best of the current positions, as the paper \
-         prints equation (4), they end above it by {:.0e}.",
+        "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations. The exact minimum of a block of this form \
+is {:.6} mm (linear programming); the swarm ends {:.0e} above it, relative to it. All particles are attracted to the best \
+position found so far, as is customary. With the best of the current positions, as the paper prints equation (4), they end \
+{:.0e} above it.",
         best[0],
         best[best.len() - 1],
         best.len() - 1,
@@ -54,7 +54,7 @@ pub(super) fn convergence(study: &Study) -> Figure {
     );
     Figure::new("Swarm convergence", caption).panel(
         Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
-            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best ever"))
+            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best so far"))
             .with(
                 Series::dashed(&iterations(printed.len()), printed)
                     .role(Role::Residual)
@@ -64,7 +64,7 @@ pub(super) fn convergence(study: &Study) -> Figure {
     )
 }
 
-/// The course of each coefficient: Fig 3, as the paper draws it.
+/// The history of each coefficient: Fig 3, as the paper draws it.
 pub(super) fn courses(study: &Study) -> Figure {
     let courses = study.blocks[1].fit.as_ref().map(|f| f.courses.as_slice()).unwrap_or_default();
     let (t, names) = (iterations(courses.len()), ["a1", "a2", "b0", "b1", "b2"]);
@@ -74,16 +74,17 @@ pub(super) fn courses(study: &Study) -> Figure {
     };
     let a = Axes::new("iteration", "a").with(line(0)).with(line(1));
     let b = Axes::new("iteration", "b [mm/V]").with(line(2)).with(line(3)).with(line(4));
-    // Within 1 % of the largest a, and of the largest b.
+    // The limits are 1 % of the largest a, and of the largest b.
     let end = courses.last().cloned().unwrap_or_default();
     let size = |k: std::ops::Range<usize>| end[k].iter().fold(0.0f64, |m, c| m.max(c.abs()));
-    let room =
+    let limits =
         if end.len() == 5 { [vec![0.01 * size(0..2); 2], vec![0.01 * size(2..5); 3]].concat() } else { Vec::new() };
-    let away = |theta: &Vec<f64>| theta.iter().zip(&end).zip(&room).any(|((now, end), room)| (now - end).abs() > *room);
+    let away =
+        |theta: &Vec<f64>| theta.iter().zip(&end).zip(&limits).any(|((now, end), limit)| (now - end).abs() > *limit);
     let caption = format!(
-        "The coefficients of the best position so far, by iteration. The paper's Fig. 3 shows courses of the search and does not say of \
-         which particle. From iteration {} on these stay within 1 % of where they end, a measured by the largest a and b by the \
-         largest b.",
+        "The coefficients of the best position so far, by iteration. The paper's Fig. 3 shows histories of the search without stating the \
+particle. From iteration {} on the coefficients stay within 1 % of their final values, relative to the largest a and the \
+largest b.",
         courses.iter().rposition(away).map_or(0, |last| last + 1)
     );
     Figure::new("Course of the estimated coefficients", caption).panel(a).panel(b).stacked()
@@ -100,8 +101,8 @@ pub(super) fn response(study: &Study) -> Figure {
     let phase = |arx: &Arx| curve(arx, &|r| r.phase.to_degrees());
     let axis = || Axis::log("f [Hz]").ticks(&[2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 900.0]).tight();
     let caption = format!(
-        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, of the block estimated here {:.0}°. The \
-         inverse of a block that leads more delays z by the difference, which widens the loop.",
+        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, that of the block estimated here {:.0}°. The \
+inverse of a block with more phase lead delays z by the difference, which widens the loop.",
         printed.response(80.0).phase.to_degrees(),
         own.response(80.0).phase.to_degrees()
     );
@@ -124,15 +125,16 @@ fn branch(branches: &Branches, read: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>
     (0..=120).map(|k| low + (high - low) * f64::from(k) / 120.0).map(|u| (u, read(u))).unzip()
 }
 
-/// The loop of the hidden variable with its separating line and branches, and that of the joint model: Figs 2, 4 and 5.
+/// The loop of the hidden variable with its separating line and branches, and the loop of the joint model: Figs 2, 4
+/// and 5.
 pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
     let found = &f.own.found;
     let (up_u, up_z) = branch(&found.branches, |u| found.branches.ascending(u));
     let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
     let [(u0, z0), (u1, z1)] = found.line;
     let caption = format!(
-        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that their direction says. The \
-         loop of the joint model opens by {:.1} %.",
+        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that matches their direction. The \
+loop of the joint model opens by {:.1} %.",
         100.0 * found.branches.width(),
         100.0 * found.agreement,
         100.0 * f.joint.found.branches.width()
@@ -151,13 +153,13 @@ pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
     )
 }
 
-/// Test and predictions over the last periods, with what each leaves.
+/// Test and predictions over the last periods, with their errors.
 pub(super) fn test(f: &Frequency) -> Figure {
     let y = f.test.y();
     let from = y.len() - ((PERIODS / (f.hz * TS)).round() as usize).clamp(1, y.len());
     let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
     let mut answer = Axes::new("t [ms]", "y [mm]").height(0.6).titled(format!("{} Hz", f.hz));
-    let mut left = Axes::new("t [ms]", "error [mm]").height(0.4);
+    let mut errors = Axes::new("t [ms]", "error [mm]").height(0.4);
     let shown = [
         ("printed-rule", "rule as printed", Role::Descending),
         ("held-direction", "direction held", Role::Model),
@@ -168,14 +170,14 @@ pub(super) fn test(f: &Frequency) -> Figure {
         let Some(row) = f.row(method) else { continue };
         let error: Vec<f64> = row.simulated[from..].iter().zip(&y[from..]).map(|(s, y)| y - s).collect();
         answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).named(name));
-        left = left.with(Series::line(&t, &error).role(role));
-        words.push(format!("the {name} leaves {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
+        errors = errors.with(Series::line(&t, &error).role(role));
+        words.push(format!("error of the {name}: {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
     }
     let answer = answer.with(Series::dashed(&t, &y[from..]).role(Role::Measured).named("twin"));
-    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(left).stacked()
+    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(errors).stacked()
 }
 
-/// Width of the loops by the estimated block and by that of Table 2.
+/// Width of the loops with the estimated block and with that of Table 2.
 pub(super) fn width(study: &Study) -> Figure {
     let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
     let widths =
@@ -184,9 +186,9 @@ pub(super) fn width(study: &Study) -> Figure {
     let printed = widths(&|f| f.by_table_2.found.branches.width());
     let joint = widths(&|f| f.joint.found.branches.width());
     let caption = format!(
-        "The same records, seen through two linear blocks. By the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
-         at {} Hz; by that of the paper's Table 2 it goes from {:.0} % to {:.0} %. Below zero a loop is inverted. The joint model \
-         sees no record through an inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
+        "The same records with two linear blocks. With the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
+at {} Hz; with that of the paper's Table 2 the width goes from {:.0} % to {:.0} %. A negative width is an inverted loop. The \
+joint model needs no inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
         own[0],
         hz[0],
         own[own.len() - 1],
@@ -220,18 +222,18 @@ pub(super) fn error(study: &Study) -> Figure {
         axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = Study::PRINTED_MSE.iter().copied().unzip();
-    // Dashed, for the line beneath to be seen where they are alike.
+    // Dashed, so that a line beneath stays visible.
     axes = axes.with(Series::dashed(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
     let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
     let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
     let caption = format!(
-        "Mean squared error of every method on a stepped sine of {used} steps a period, and the values of the paper's Table 1.{floor}",
+        "Mean squared error of every method on a stepped sine of {used} steps per period, and the values of the paper's Table 1.{floor}",
         used = Study::STEPS_USED
     );
     Figure::new("Error on the test signal against frequency", caption).panel(axes)
 }
 
-/// Methods shown over the test signal: name, words for stepped sines and for staircases, role.
+/// Methods shown over the test signal: name, labels for stepped sines and staircases, role.
 const SHOWN: [(&str, [&str; 2], Role); 4] = [
     ("printed-rule", ["rule as printed", "staircase"], Role::Descending),
     (TestSignal::UPPER_RULE, ["upper branch", ""], Role::Ascending),
@@ -239,7 +241,7 @@ const SHOWN: [(&str, [&str; 2], Role); 4] = [
     ("table2-arx", ["Table 2's block", ""], Role::Residual),
 ];
 
-/// An axis of steps and levels.
+/// An axis of steps per period, or levels.
 fn steps() -> Axis {
     let ends = (f64::from(*TestSignal::STEPS.start()), f64::from(*TestSignal::STEPS.end()));
     Axis::new("steps a period, or levels")
@@ -247,7 +249,7 @@ fn steps() -> Axis {
         .range(ends.0, ends.1)
 }
 
-/// A curve of each form: solid of stepped sines, dashed of staircases.
+/// One curve per form: solid for stepped sines, dashed for staircases.
 fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl Fn(&TestSignal) -> f64) -> Axes {
     TestSignal::FORMS.into_iter().zip(names).enumerate().fold(axes, |axes, (k, (form, name))| {
         let signals = study.test_signals.iter().filter(|s| s.form == form);
@@ -263,14 +265,14 @@ pub(super) fn test_signal(study: &Study) -> Figure {
     over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
 }
 
-/// The same as a figure a frequency.
+/// The same with one figure per frequency.
 pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
     over_steps(study).into_iter().zip(Study::PRINTED_MSE).map(|(axes, (hz, printed))| {
         Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm².")).panel(axes)
     })
 }
 
-/// Mean squared errors against steps and levels, a panel a frequency of Table 1.
+/// Mean squared errors against steps and levels, one panel per frequency of Table 1.
 fn over_steps(study: &Study) -> Vec<Axes> {
     let panel = |(k, (hz, printed)): (usize, &(f64, f64))| {
         let y = Axis::log("MSE [mm²]").from(FLOOR);
@@ -283,7 +285,7 @@ fn over_steps(study: &Study) -> Vec<Axes> {
     Study::PRINTED_MSE.iter().enumerate().map(panel).collect()
 }
 
-/// How near each test signal comes to the paper's Table 1.
+/// Deviation of each test signal from the paper's Table 1.
 pub(super) fn deviation(study: &Study) -> Figure {
     let found = |method: &str| {
         let found = TestSignal::nearest(&study.test_signals, method);
@@ -291,8 +293,8 @@ pub(super) fn deviation(study: &Study) -> Figure {
     };
     let caption = format!(
         "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of equal length, against \
-         steps a period; dashed: staircases, against levels. Nearest by the rule as printed is a {}; with its upper branch as the one that \
-         lies above a {}; with the linear block of the paper's Table 2 a {}.",
+steps per period; dashed: staircases, against levels. Closest with the rule as printed is a {}; with its upper branch as the one \
+that lies above, a {}; with the linear block of the paper's Table 2, a {}.",
         found("printed-rule"),
         found(TestSignal::UPPER_RULE),
         found("table2-arx")
@@ -302,5 +304,5 @@ pub(super) fn deviation(study: &Study) -> Figure {
     let axes = shown.fold(axes, |axes, (method, names, role)| {
         by_form(study, axes, *role, *names, |signal| 100.0 * signal.deviation(method))
     });
-    Figure::new("How near each test signal comes to the paper's Table 1", caption).panel(axes)
+    Figure::new("Deviation of each test signal from the paper's Table 1", caption).panel(axes)
 }

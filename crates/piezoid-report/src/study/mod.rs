@@ -1,11 +1,11 @@
-//! The paper's experiment as data: identify on a PRBS and sines, test on stepped sines, frequency by frequency; and how its
-//! Table 1 depends on the test signal, of which the paper states no more than that it is periodic and step-wise.
+//! The paper's experiment as data: identification on a PRBS and sines, test on stepped sines, frequency by frequency;
+//! and its Table 1 for other test signals, because the paper states only that its signal is periodic and step-wise.
 //!
-//! The paper's methods make a model of each frequency, from the PRBS and a sine of that frequency and amplitude. The joint
-//! one makes a single model of all, from the same PRBS and four rising sines; half of the frequencies of the test it has never
-//! seen. What differs is told by each row of [`METHODS`]; what is the paper's and what is ours is in its summary. The plant
-//! is asked only for what an experimenter could measure, and no model sees a test record. The joint model is given lag and
-//! current limit of the plant's driver, which its experimenter knows.
+//! The paper's methods identify one model per frequency, from the PRBS and a sine of that frequency and amplitude. The
+//! joint method identifies a single model for all, from the same PRBS and four rising sines; half of the test
+//! frequencies are not in its data. The summaries in [`METHODS`] state the differences, and whether a property is the
+//! paper's or ours. The plant returns only what an experimenter can measure, and no model uses a test record. The joint
+//! model is given the lag and current limit of the plant's driver, which its experimenter knows.
 
 mod bench;
 mod document;
@@ -33,60 +33,61 @@ use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records, identify_wi
 /// Sampling period [s], the paper's.
 const TS: f64 = 5e-4;
 
-/// Table 2 of the paper: frequency [Hz], and a1, a2, b0, b1, b2. The paper says that the block is identified only once, and
-/// prints a row a frequency, which differ in b0 (50 Hz has that of 80 Hz). Their unit is not stated; here it is taken to be mm/V.
+/// Table 2 of the paper: frequency [Hz], and a1, a2, b0, b1, b2. According to the paper the block is identified only
+/// once, but the table has one row per frequency, with different b0 (50 Hz has that of 80 Hz). The unit is not stated;
+/// mm/V is assumed.
 const TABLE_2: [(f64, [f64; 5]); 2] =
     [(5.0, [1.7424, -0.9453, 0.0012, -0.0004, -0.0003]), (80.0, [1.7424, -0.9453, 0.0011, -0.0004, -0.0003])];
 
-/// Amplitude of the sines, plain and stepped [V]: the whole range of the PL140, about its middle.
+/// Amplitude of the sines, plain and stepped [V]: the whole range of the PL140.
 const AMPLITUDE: f64 = 30.0;
 
 /// Amplitude of the PRBS [V], at which the hysteresis opens by less than 1 %.
 const SMALL: f64 = 1.0;
 
-/// Length of a sine, plain or stepped, and the part at its start that is left to settle [s].
+/// Length of a sine, plain or stepped, and the settling time at its start [s].
 const DURATION: f64 = 2.0;
 const SETTLING: f64 = 0.5;
 
-/// Largest share of the sensor's range the tip is sent to; where it would go further, the drive is lowered.
+/// Largest used share of the sensor's range; the drive is reduced if needed.
 const RANGE_USED: f64 = 0.6;
 
-/// Averages a branch.
+/// Number of averages per branch.
 const BINS: usize = 16;
 
 /// Frequencies [Hz] of the rising sines of the joint model, and their length [s].
 const RISING: [f64; 4] = [5.0, 20.0, 80.0, 160.0];
 const RISING_DURATION: f64 = 1.0;
 
-/// Operators of the joint model, of which the better is taken: the usual law of the literature, and what measured ceramics are
-/// most alike. Fits of all sixteen (`auto`) would take ten times as long.
+/// Operators of the joint model; the better one is selected: the usual law of the literature, and the one closest to
+/// measured ceramics. Fits of all sixteen (`auto`) would take ten times as long.
 const OPERATORS: &str = "bouc-wen, preisach";
 
 /// Levels of the Preisach operator.
 const LEVELS: usize = 20;
 
-/// One way to predict the test signal: a row of [`METHODS`].
+/// A method to predict the test signal: a row of [`METHODS`].
 #[derive(Debug)]
 pub struct StudyMethod {
-    /// As tables and files write it.
+    /// Name in tables and files.
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
     way: MethodModel,
 }
 
-/// What a method makes its model of.
+/// The model of a method.
 #[derive(Debug, Clone, Copy)]
 enum MethodModel {
-    /// Two branches of the loop at each frequency, by the printed or by the estimated linear block, read in this way.
+    /// Two branches of the loop at each frequency, from the printed or the estimated linear block.
     Branches(LoopSource, HeldInput),
-    /// A gain at each frequency.
+    /// One gain per frequency.
     Gain,
-    /// One model of all frequencies.
+    /// One model for all frequencies.
     Joint,
 }
 
-/// The linear block through which a loop is seen.
+/// The linear block whose inverse gives the loop.
 #[derive(Debug, Clone, Copy)]
 enum LoopSource {
     ByTable2,
@@ -102,18 +103,18 @@ pub static METHODS: &[StudyMethod] = &[
     },
     StudyMethod {
         name: "held-direction",
-        summary: "the same branches, the direction held while the input stands",
+        summary: "the same branches, with the direction held while the input is constant",
         way: MethodModel::Branches(LoopSource::ByOwn, HeldInput::Held),
     },
     StudyMethod { name: "linear", summary: "no hysteresis: the best gain", way: MethodModel::Gain },
     StudyMethod {
         name: "table2-arx",
-        summary: "the paper's rule with the linear block printed in its Table 2, the row of 80 Hz from there on",
+        summary: "the paper's rule with the linear block of its Table 2, the row of 80 Hz from there on",
         way: MethodModel::Branches(LoopSource::ByTable2, HeldInput::Printed),
     },
     StudyMethod {
         name: "joint",
-        summary: "one model of all frequencies, its parts identified together: the known driver, a hysteresis operator with memory, and no inverse",
+        summary: "one model for all frequencies, identified jointly: the known driver, a hysteresis operator with memory, and no inverse",
         way: MethodModel::Joint,
     },
 ];
@@ -121,11 +122,11 @@ pub static METHODS: &[StudyMethod] = &[
 /// A linear block of Table 2: the printed one, or one estimated here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyBlock {
-    /// `printed` and `printed-80hz`, the rows of 5 and of 80 Hz, or the name of the estimator.
+    /// `printed` and `printed-80hz`, the rows of 5 and 80 Hz, or the name of the estimator.
     pub name: &'static str,
     /// The block, in mm/V.
     pub arx: Arx,
-    /// How it was fitted; none for the printed one.
+    /// Its fit; none for a printed one.
     pub fit: Option<Fit>,
 }
 
@@ -141,29 +142,29 @@ impl StudyBlock {
     }
 }
 
-/// The block of Table 2 for `hz` [Hz]: the last row at or below it, or else the first.
+/// The block of Table 2 for `hz` [Hz]: the last row up to it, or the first.
 fn table_2(hz: f64) -> Result<Arx, Error> {
     let (_, theta) = TABLE_2.iter().rev().find(|row| row.0 <= hz).unwrap_or(&TABLE_2[0]);
     let (a, b) = theta.split_at(2);
     Arx::new(TS, a.to_vec(), b.to_vec())
 }
 
-/// What one method made of one frequency: a row of Table 1.
+/// The result of one method at one frequency: a row of Table 1.
 #[derive(Debug, Clone)]
 pub struct StudyRow {
     /// Name of the method.
     pub method: &'static str,
     /// Its model, in mm and V.
     pub model: Model,
-    /// The figures, in mm and mm^2.
+    /// The errors, in mm and mm^2.
     pub metrics: Metrics,
-    /// Widest opening of the loop of (u, z) it stands on, in % of the peak-to-peak of z; negative when turned round.
+    /// Largest opening of its loop of (u, z), in % of the peak-to-peak of z; negative for an inverted loop.
     pub loop_width_percent: f64,
     /// Its free run over the test [mm], from the first sample of [`Frequency::test`].
     pub simulated: Vec<f64>,
 }
 
-/// All about one frequency.
+/// The results at one frequency.
 #[derive(Debug, Clone)]
 pub struct Frequency {
     /// The frequency [Hz].
@@ -176,9 +177,9 @@ pub struct Frequency {
     pub by_table_2: HiddenLoop,
     /// The loop of the joint model's hysteresis block, z in the scale of `own`.
     pub joint: HiddenLoop,
-    /// The stepped sine and the answer to it [mm], settled.
+    /// The stepped sine and the response [mm], settled.
     pub test: Record,
-    /// One row a method.
+    /// One row per method.
     pub rows: Vec<StudyRow>,
 }
 
@@ -202,17 +203,17 @@ pub struct Study {
     pub convergence: Vec<f64>,
     /// The same with the g_best of equation (4) as printed: the best of the current positions [mm].
     pub convergence_as_printed: Vec<f64>,
-    /// The smallest cost there is, by linear programming [mm].
+    /// The exact minimum of the cost, by linear programming [mm].
     pub optimum: f64,
-    /// Noise gain of the inverse of the swarm's block [V/mm]; none when a zero lies on the unit circle.
+    /// Noise gain of the inverse of the swarm's block [V/mm]; none if a zero lies on the unit circle.
     pub noise_gain: Option<f64>,
-    /// The model of all frequencies, with the operators that were tried.
+    /// The model for all frequencies, with the operators tried.
     pub joint: Identified,
     /// By frequency.
     pub frequencies: Vec<Frequency>,
-    /// Table 1 by other test signals.
+    /// Table 1 for other test signals.
     pub test_signals: Vec<TestSignal>,
-    /// What its reader should know.
+    /// Remarks.
     pub notes: Vec<String>,
 }
 
@@ -230,7 +231,7 @@ impl StudyOptions {
     /// The study of each plant.
     ///
     /// # Errors
-    /// No such plant, and as [`Study::run`].
+    /// Returns an error for an unknown plant, and the errors of [`Study::run`].
     pub fn run(&self, progress: &mut Progress) -> Result<Vec<Study>, Error> {
         let plants = self.plant.as_deref().map_or(vec!["paper", "pl140"], |name| vec![name]);
         let plants = plants.into_iter().map(Preset::find).collect::<Result<Vec<_>, _>>()?;
@@ -239,13 +240,14 @@ impl StudyOptions {
 }
 
 impl Study {
-    /// Frequencies of the loops [Hz]: the paper's four, then on through the resonance.
+    /// Frequencies of the loops [Hz]: the paper's four, then up to above the resonance.
     pub const FREQUENCIES: [f64; 8] = [5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 250.0];
 
-    /// Table 1 of the paper: frequency [Hz] and mean squared error. Its unit is not stated; here it is taken to be mm^2.
+    /// Table 1 of the paper: frequency [Hz] and mean squared error. The unit is not stated; mm^2 is assumed.
     pub const PRINTED_MSE: [(f64, f64); 4] = [(5.0, 0.0129), (20.0, 0.0155), (40.0, 0.0180), (80.0, 0.0322)];
 
-    /// Steps a period of the test signal: of all that are tried on twin `paper` the nearest to the paper's Table 1 ([`nearest`]).
+    /// Steps per period of the test signal: of all tested on twin `paper` the closest to the paper's Table 1
+    /// ([`TestSignal::nearest`]).
     pub const STEPS_USED: u32 = 7;
 
     /// The figures of studies, and their page.
@@ -258,17 +260,17 @@ impl Study {
     /// Runs the experiment on `plant`; `seed` drives the swarms and the plant's noise.
     ///
     /// # Errors
-    /// What the identification refuses, and [`Error::Cancelled`].
+    /// The errors of the identification, and [`Error::Cancelled`].
     pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result<Study, Error> {
         let bench = Bench::new(&(plant.spec)(), seed)?;
         let (mut notes, mut limits) = (Vec::new(), Vec::new());
 
         let period = (1 << 12) - 1;
-        let prbs = Prbs { order: 12, amplitude: SMALL, ..Prbs::default() }.samples(TS, period)?;
+        let prbs = Prbs { order: 12, amplitude: SMALL, ..Default::default() }.samples(TS, period)?;
         let small_signal = bench.measure(prbs, "PRBS", &mut limits)?;
         let by = |name, global_best, progress: &mut Progress| {
             let (estimator, settings) =
-                (linear::Estimator::find(name)?, SwarmSettings { seed, global_best, ..SwarmSettings::default() });
+                (linear::Estimator::find(name)?, SwarmSettings { seed, global_best, ..Default::default() });
             estimator.fit(std::slice::from_ref(&small_signal), Orders::of(2), &settings, progress)
         };
         let mut of_swarm =
@@ -280,14 +282,14 @@ impl Study {
         let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
         if let Err(why) = own.0.inverse() {
             notes.push(format!(
-                "The paper's inverse (8) cannot be used: {why}. The loops stand on the inverse of the whole record instead, which runs \
-                 forward and backward in time."
+"The paper's inverse (8) cannot be used: {why}. The loops are computed with the inverse of the whole record instead, forward \
+and backward in time."
             ));
         }
         if let Some(why) = squares.order_too_low(std::slice::from_ref(&small_signal)) {
             notes.push(format!(
-                "Order 2 has room for one mode{why}. Modes above half the sampling rate, as every bender has, fold back below it, and the \
-                 paper's block has to bend to them."
+"Order 2 has one mode only{why}. Modes above half the sampling rate, which every bender has, are aliased below it and \
+distort the estimated block."
             ));
         }
 
@@ -296,7 +298,7 @@ impl Study {
             progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
         };
         let options =
-            IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..IdentifyOptions::default() }
+            IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..Default::default() }
                 .with_driver_of(&(plant.spec)());
         let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
         let joint = identify_with_progress(records, &options, &mut of_joint)?;

@@ -1,4 +1,4 @@
-//! The page of the study: what was done, what is seen, and why.
+//! The page of the study: procedure, results, and causes.
 
 use super::words::{self, mse, percent};
 use super::{Frequency, METHODS, RANGE_USED, RISING, Study, StudyBlock, StudyRow, figures};
@@ -10,7 +10,7 @@ impl Study {
     /// The report on one or more studies: one file that opens from disk.
     pub fn page(studies: &[Study]) -> Page {
         let page = Page::new("The paper, end to end")
-            .subtitle("Hammerstein model of the PL140 bender: two branches a frequency, ARX by particle swarm, on a simulated actuator; and one model of all frequencies beside it")
+.subtitle("Hammerstein model of the PL140 bender: two branches per frequency, ARX by particle swarm, on a simulated actuator; and one model for all frequencies")
             .section(introduction());
         let page = studies.iter().fold(page, |page, study| {
             let page = page.section(linear_block(study)).section(loops(study)).section(joint(study));
@@ -21,17 +21,17 @@ impl Study {
 }
 
 fn introduction() -> Section {
-    Section::new("What was done")
+    Section::new("Procedure")
         .text(
-            "L. Kuklisova Pavelkova (ICINCO 2025) models a piezo bender as a hysteresis block followed by linear dynamics. A small \
-             random binary signal identifies the dynamics; their inverse turns the answer to a sine into the hidden variable z; the \
-             loop of z over the voltage u, split in two, is the hysteresis block. This page repeats the experiment on simulated \
-             actuators that share no code with the models, at the paper's frequencies and beyond them.",
+"L. Kuklisova Pavelkova (ICINCO 2025) models a piezo bender as a hysteresis block followed by linear dynamics. A \
+small-signal random binary sequence identifies the dynamics; their inverse converts the response to a sine into the hidden \
+variable z; the loop of z over the voltage u, split in two, is the hysteresis block. This page repeats the experiment on \
+simulated actuators that share no code with the models, at the paper's frequencies and at higher ones.",
         )
-        .text(format!("The test signal of the paper is periodic and step-wise; no more is known of it. Here it is a sine in {used} steps a \
-             period, each held as equally long as whole samples allow, the highest at the amplitude of the sine that the branches come from. On \
-             twin “paper” this comes nearest to the paper's Table 1, of all numbers of steps and levels that are tried. While a step is \
-             held, the rule as printed reads the descending branch; with the direction held, the model stays on the branch it was on.", used = Study::STEPS_USED))
+.text(format!("The test signal of the paper is periodic and step-wise; the paper gives no details. Here it is a sine in {used} steps per \
+period, all of nearly equal length in whole samples, the highest at the amplitude of the sine that the branches come from. On \
+twin “paper” its errors are the closest to the paper's Table 1 of all tested numbers of steps and levels. While a step is \
+held, the rule as printed reads the descending branch; with the direction held, the model stays on its branch.", used = Study::STEPS_USED))
 }
 
 fn linear_block(study: &Study) -> Section {
@@ -43,32 +43,33 @@ fn linear_block(study: &Study) -> Section {
     let facts = [
         Fact::new(hz, "Hz", "pole of the estimated block (the paper's Table 2: 146.7 Hz)"),
         Fact::new(damping, "", "its damping ratio (the paper's Table 2: 0.061)"),
-        Fact::new(format!("{zero:.3}"), "", "|z|, the modulus of its outermost zero; above 1, (8) is unstable"),
+        Fact::new(format!("{zero:.3}"), "", "|z|, the modulus of its outermost zero; if above 1, (8) is unstable"),
     ];
     let mut section =
         Section::new(format!("Twin “{}”: the linear block", study.plant.name)).text(study.plant.summary).facts(facts);
     section = section.table(table_2(study));
     for note in &study.notes {
-        section = section.note("To know", note.as_str());
+        section = section.note("Note", note.as_str());
     }
     if let Some(gain) = study.noise_gain {
-        let which = if swarm.arx.inverse().is_ok() { "The inverse (8)" } else { "The inverse of the whole record" };
+        let which = if swarm.arx.inverse().is_ok() { "the inverse (8)" } else { "the inverse of the whole record" };
         let rings = swarm.arx.zeros().iter().any(|z| z.re < -0.9 && z.re > -1.0 && z.im == 0.0);
         let ringing = if rings {
-            " The zero near -1 that sampling puts there makes it ring at half the sampling rate; averaging over a branch takes the \
-             ringing out again."
+            " The sampling zero near -1 makes it ring at half the sampling rate; averaging over a branch removes the ringing."
         } else {
             ""
         };
-        section = section
-            .text(format!("{which} turns 1 µm rms of sensor noise into {:.3} V rms of z.{ringing}", 1e-3 * gain));
+        section = section.text(format!(
+            "The noise gain of {which} is {:.3} V rms of z per 1 µm rms of sensor noise.{ringing}",
+            1e-3 * gain
+        ));
     }
     section = section.text(
-        "Equation (1) has no constant, and a sensor has: one a record is found by least squares and taken off before the swarm starts. \
-         Nor does the paper state the box that the swarm starts in, the number of particles, their inertia or their largest velocity. Here \
-         a1 and a2 are sought within the bounds of a stable block, 2 and 1, each b within the largest output over the largest input; 50 \
-         particles, inertia from 0.9 to 0.4, and a fifth of the box per iteration are customary. How near the swarm comes to the least \
-         cost there is, the next figure says.",
+"Equation (1) has no constant, but a sensor has an offset: one per record is estimated by least squares and removed before the \
+swarm starts. The paper does not state the search range of the swarm, the number of particles, their inertia or their largest \
+velocity. Here a1 and a2 are sought within the bounds of a stable block, 2 and 1, and each b within the largest output over the \
+largest input. 50 particles, inertia from 0.9 to 0.4, and a fifth of the range per iteration are customary. The next figure \
+compares the result with the exact minimum.",
     );
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
 }
@@ -95,44 +96,42 @@ fn table_2(study: &Study) -> PageTable {
     };
     let table = study.blocks.iter().fold(table, |table, block| table.row(row(block)));
     table.note(
-        "printed: the row of 5 Hz of the paper's Table 2, printed-80hz that of 80 Hz. By the paper's text the block is identified only \
-         once; its table has a row a frequency, and they differ in b0. Four decimals leave the static gain uncertain by a third. Zeros in \
-         colour make (8) unstable.",
+"printed: the row of 5 Hz of the paper's Table 2, printed-80hz that of 80 Hz. According to the paper the block is identified only \
+once, but its table has one row per frequency, with different b0. With four decimals the static gain is uncertain by a third. \
+Coloured zeros make (8) unstable.",
     )
     .note(words::units(study))
 }
 
 fn loops(study: &Study) -> Section {
-    let turned: Vec<String> =
+    let inverted: Vec<String> =
         study.frequencies.iter().filter(|f| !f.own.found.ascending_below).map(|f| f.hz.to_string()).collect();
-    let mut words = "Grey dots are samples of voltage and hidden variable, hidden by the curves where these fit; so is the loop of the joint model. The dashed line through the two turning points splits them; \
-                     the curves are splines through the averages on either side. Which side is the ascending one the data decide."
-        .to_string();
+    let mut words = "Grey dots are samples of voltage and hidden variable; the curves and the loop of the joint model may cover them. \
+The dashed line through the two reversal points splits the loop; the curves are splines through the averages on each side. The data \
+determine which side is the ascending branch."
+.to_string();
     let slowest = &study.frequencies[0];
     let span = |x: &[f64]| ends(x.iter().copied()).1 - ends(x.iter().copied()).0;
     let times = span(&slowest.own.z) / span(&slowest.own.u);
     if !(0.67..1.5).contains(&times) {
         words += &format!(
-            " At {} Hz z spans {times:.1} times the voltage: by so much the static gain of the estimated block is off.",
+            " At {} Hz z spans {times:.1} times the voltage: the static gain of the estimated block is wrong by this factor.",
             slowest.hz
         );
     }
-    let against = |f: &&Frequency| f.own.found.line[1].1 < f.own.found.line[0].1;
-    let against: Vec<String> = study.frequencies.iter().filter(against).map(|f| f.hz.to_string()).collect();
-    if !against.is_empty() {
+    let falling = |f: &&Frequency| f.own.found.line[1].1 < f.own.found.line[0].1;
+    let falling: Vec<String> = study.frequencies.iter().filter(falling).map(|f| f.hz.to_string()).collect();
+    if !falling.is_empty() {
         words += &format!(
-            " At {} Hz the line falls: z runs against u, lagging by more than a quarter of a period. No ceramic does that; what the \
-             linear block lacks, and the driver's lag, are left to z.",
-            against.join(", ")
+            " At {} Hz the line falls: z lags u by more than a quarter of a period. This is not a property of ceramics: z contains the \
+errors of the linear block and the lag of the driver.",
+            falling.join(", ")
         );
     }
-    match turned.as_slice() {
-        [] if !against.is_empty() => {}
-        [] => words += " Rising voltage lies on the lower side at every frequency, as it does on a piezo loop.",
-        some => {
-            words +=
-                &format!(" At {} Hz the loop has turned round: rising voltage lies on the upper side.", some.join(", "))
-        }
+    match inverted.as_slice() {
+        [] if !falling.is_empty() => {}
+        [] => words += " The ascending branch lies below at every frequency, as in a piezo loop.",
+        some => words += &format!(" At {} Hz the loop is inverted: the ascending branch lies above.", some.join(", ")),
     }
     Section::new(format!("Twin “{}”: the loops", study.plant.name))
         .figures(
@@ -151,11 +150,10 @@ fn joint(study: &Study) -> Section {
     let held_out = study.joint.trials.iter().find(held_out).map_or(f64::NAN, |t| t.held_out_percent);
     let facts = [
         Fact::new(model.hysteresis().operator().name, "", "the operator chosen"),
-        Fact::new(percent(held_out), "%", "rms error of what was held out, of peak-to-peak"),
+        Fact::new(percent(held_out), "%", "held-out rms error, of peak-to-peak"),
         Fact::new(poles.join(" / "), "Hz", "poles of its linear block"),
     ];
-    let table =
-        PageTable::new("Operators tried, and what they leave of records held out in turn [% rms of peak-to-peak]");
+    let table = PageTable::new("Operators tried, and their errors on held-out records [% rms of peak-to-peak]");
     let table = table.text("operator").number("parameters").number("held out");
     let row = |t: &OperatorTrial| -> Vec<Cell> {
         let held_out = Cell::from(if t.refused.is_some() { "-".into() } else { percent(t.held_out_percent) });
@@ -165,28 +163,26 @@ fn joint(study: &Study) -> Section {
     let table = study.joint.trials.iter().fold(table, |table, t| table.row(row(t)));
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
     let driver = match model.driver() {
-        Some(_) => " Lag and current limit of the driver, which the experimenter knows, were given to it.",
+        Some(_) => " The lag and current limit of the driver, which the experimenter knows, are given.",
         None => "",
     };
     let words = format!(
-        "The same PRBS and rising sines of {} Hz, a second each, identify hysteresis, creep and dynamics together, by the error of the \
-         free run: an operator that remembers where the voltage has turned, behind it the linear block. Nothing is inverted, so the \
-         zeros of the block do not matter; one model serves every frequency and amplitude.{driver}",
+        "The same PRBS and rising sines of {} Hz, one second each, identify hysteresis, creep and dynamics together by the error of the \
+free run: an operator with memory of the reversals, followed by the linear block. Nothing is inverted, so the \
+zeros of the block do not matter. One model covers every frequency and amplitude.{driver}",
         rising.join(", ")
     );
     let section =
         Section::new(format!("Twin “{}”: one model of all frequencies", study.plant.name)).text(words).facts(facts);
-    let note = "In colour: as good as the best, within what the records can tell. The simplest of these is taken.";
-    study
-        .joint
-        .notes
-        .iter()
-        .fold(section.table(table.note(note)), |section, note| section.note("To know", sentence(note)))
+    let note =
+        "Coloured: as good as the best within the accuracy of the records. Among these the simplest is selected.";
+    let section = section.table(table.note(note));
+    study.joint.notes.iter().fold(section, |section, note| section.note("Note", sentence(note)))
 }
 
 fn tests(study: &Study) -> Section {
-    let caption = "Two periods of the test signal in free run, and the error of each reading. With the rule as printed every held \
-                   step falls to the descending branch.";
+    let caption = "Two periods of the test signal in free run, and the error of each method. With the rule as printed every held \
+step falls to the descending branch.";
     let section = Section::new(format!("Twin “{}”: the tests", study.plant.name));
     let section = words::paragraphs(study).into_iter().fold(section, Section::text);
     section
@@ -198,15 +194,15 @@ fn tests(study: &Study) -> Section {
         .figures(2, "Test and prediction", caption, study.frequencies.iter().map(figures::test))
 }
 
-/// What every method leaves at every frequency, beside Table 1 or alone.
-fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&StudyRow) -> String) -> PageTable {
+/// The errors of every method at every frequency, with or without the paper's Table 1.
+fn errors(study: &Study, beside_table_1: bool, title: &str, text: impl Fn(&StudyRow) -> String) -> PageTable {
     let table = PageTable::new(title).number("f [Hz]").number("u [V]");
     let table = METHODS.iter().fold(table, |t, m| t.number(m.name));
     let table = if beside_table_1 { table.number("paper") } else { table };
     let row = |f: &Frequency| -> Vec<Cell> {
         let cell = |r: &StudyRow| {
             let best = f.rows.iter().all(|other| r.metrics.mse <= 1.001 * other.metrics.mse);
-            if best { Cell::from(told(r)).best() } else { told(r).into() }
+            if best { Cell::from(text(r)).best() } else { text(r).into() }
         };
         let mut cells: Vec<Cell> = vec![f.hz.to_string().into(), f.amplitude.to_string().into()];
         cells.extend(f.rows.iter().map(cell));
@@ -223,9 +219,9 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, told: impl Fn(&Study
     ))
 }
 
-/// Table 1 over what the paper leaves open of its test signal.
+/// Table 1 over the unknown properties of the test signal.
 fn test_signal(study: &Study) -> Section {
-    let title = "The nearest test signals: mean squared error by the rule as printed [mm²], and the largest deviation from the paper's Table 1";
+    let title = "The closest test signals: mean squared error with the rule as printed [mm²], and the largest deviation from the paper's Table 1";
     let table = Study::PRINTED_MSE
         .iter()
         .fold(PageTable::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
@@ -240,30 +236,26 @@ fn test_signal(study: &Study) -> Section {
         let off = format!("{:.0}", 100.0 * signal.deviation("printed-rule"));
         table.row(row(signal.words(), signal.of("printed-rule"), off))
     });
+    let caption = words::over_test_signals(study);
     Section::new(format!("Twin “{}”: the paper's Table 1 over the test signal", study.plant.name))
-        .figures(
-            2,
-            "The paper's Table 1 over the test signal",
-            words::over_test_signals(study),
-            figures::test_signals(study),
-        )
+        .figures(2, "The paper's Table 1 over the test signal", caption, figures::test_signals(study))
         .figure(figures::deviation(study))
         .table(table)
 }
 
-/// Test signals that the table shows.
+/// Number of test signals in the table.
 const NEAREST: usize = 5;
 
 fn methods() -> Section {
-    let table = PageTable::new("Methods").text("method").text("what it is");
+    let table = PageTable::new("Methods").text("method").text("description");
     let table = METHODS.iter().fold(table, |t, m| t.row([Text::new().code(m.name), m.summary.into()]));
-    Section::new("How to read and repeat it")
+    Section::new("How to read and reproduce it")
         .table(table)
         .text(
-            "Every error is that of a free run from rest, compared after the first 0.5 s. Branches are identified on a sine and tested \
-             on the stepped sine of the same frequency and amplitude: this is the paper's test, and says nothing of other amplitudes, \
-             minor loops or mixed frequencies, which two branches cannot follow. The joint model is identified on other records than \
-             these, and on four frequencies of the eight.",
+"Every error is that of a free run from rest, compared after the first 0.5 s. Branches are identified on a sine and tested \
+on the stepped sine of the same frequency and amplitude. This is the paper's test. It does not cover other amplitudes, \
+minor loops or mixed frequencies, which two branches cannot follow. The joint model is identified on other records than \
+these, at four of the eight frequencies.",
         )
         .listing("piezoid study\npiezoid study --plant pl140 --seed 1 --json study.json")
 }

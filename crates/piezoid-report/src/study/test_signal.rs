@@ -1,8 +1,8 @@
-//! Table 1 over what the paper leaves open of its test: the form of the signal, its number of steps a period, and which branch is
-//! its "upper" one.
+//! Table 1 over the unknown properties of the paper's test: the form of the signal, its number of steps per period, and
+//! which branch is its "upper" one.
 //!
-//! The models are those of the study, and one more ([`TestSignal::UPPER_RULE`]); only the signal they are tested on changes. Of all signals
-//! the nearest to Table 1 is the one whose worst of four relative deviations is least.
+//! The models are those of the study and one more ([`TestSignal::UPPER_RULE`]); only the test signal changes. The
+//! signal closest to Table 1 has the smallest maximum of the four relative deviations.
 
 use super::bench::Bench;
 use super::{DURATION, Frequency, METHODS, MethodModel, SETTLING, Study, TS};
@@ -17,29 +17,31 @@ use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// Table 1 by one test signal.
+/// Table 1 for one test signal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TestSignal {
     /// Name of its form.
     pub form: &'static str,
-    /// Steps a period of a stepped sine, levels of a staircase.
+    /// Steps per period of a stepped sine, levels of a staircase.
     pub steps: u32,
-    /// By method that has branches, and by [`TestSignal::UPPER_RULE`]: mean squared errors [mm^2] at the frequencies of Table 1.
+    /// Mean squared errors [mm^2] at the frequencies of Table 1, by method with branches, and for
+    /// [`TestSignal::UPPER_RULE`].
     pub mse: Vec<(&'static str, [f64; 4])>,
 }
 
 impl TestSignal {
-    /// Forms that are tried, as the list of excitations has them: steps of equal length, and steps of equal height.
+    /// Tested forms, by their names as excitations: steps of equal length, and steps of equal height.
     pub const FORMS: [&str; 2] = ["stepped-sine", "staircase"];
 
-    /// Steps a period, or levels, that are tried.
+    /// Tested steps per period, or levels.
     pub const STEPS: RangeInclusive<u32> = 4..=40;
 
-    /// The rule as printed with its words taken as its Fig. 2 draws them: while the input rises it reads the "upper" branch, the one that
-    /// lies above in the loop. The methods of the study take that to be the ascending branch, which on a piezo loop lies below.
+    /// The rule as printed, with the "upper" branch of its Fig. 2: while the input rises it reads the branch that lies
+    /// above in the loop. The methods of the study take that to be the ascending branch, which lies below in a piezo
+    /// loop.
     pub const UPPER_RULE: &str = "upper-rule";
 
-    /// Mean squared errors [mm^2] by a method at the frequencies of Table 1.
+    /// Mean squared errors [mm^2] of a method at the frequencies of Table 1.
     pub fn of(&self, method: &str) -> [f64; 4] {
         self.mse.iter().find(|(name, _)| *name == method).map_or([f64::NAN; 4], |(_, mse)| *mse)
     }
@@ -56,7 +58,7 @@ impl TestSignal {
         format!("{} of {} {each}", self.form.replace('-', " "), self.steps)
     }
 
-    /// The test signal by which `method` comes nearest to Table 1; none where there are no signals.
+    /// The test signal closest to Table 1 for `method`; `None` without signals.
     pub fn nearest<'s>(signals: impl IntoIterator<Item = &'s TestSignal>, method: &str) -> Option<&'s TestSignal> {
         signals.into_iter().min_by(|p, q| p.deviation(method).total_cmp(&q.deviation(method)))
     }
@@ -80,7 +82,7 @@ pub(super) fn all(bench: &Bench, found: &[Frequency], progress: &mut Progress) -
 /// A frequency of Table 1 with the amplitude of the test there [V], and a model by method.
 type Tested = (f64, f64, Vec<(&'static str, Model)>);
 
-/// What is tested at each frequency of Table 1.
+/// The models at each frequency of Table 1.
 fn models(found: &[Frequency]) -> Result<Vec<Tested>, Error> {
     let branched = || METHODS.iter().filter(|method| matches!(method.way, MethodModel::Branches(..)));
     let at =

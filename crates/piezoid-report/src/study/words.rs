@@ -47,19 +47,19 @@ fn over_frequencies(study: &Study) -> String {
     };
     let [(worst, worst_hz), (linear, _)] = ["held-direction", "linear"].map(rms);
     let needless = at_hz(study, |f| error(f, "linear") < error(f, "printed-rule"))
-        .map_or(String::new(), |hz| format!(" At {hz} Hz such a model leaves less than the rule as printed."));
+        .map_or(String::new(), |hz| format!(" At {hz} Hz its error is smaller than that of the rule as printed."));
     let other = |f: &Frequency, method: &str| 1.01 * error(f, method) < error(f, "held-direction");
     let beaten = METHODS.iter().filter(|method| method.name != "joint").filter_map(|method| {
         let hz = at_hz(study, |f| other(f, method.name))?;
-        Some(format!(" At {hz} Hz `{}` leaves less than the direction held.", method.name))
+        Some(format!(" At {hz} Hz the error of `{}` is smaller than with the direction held.", method.name))
     });
     let beaten: String = beaten.collect();
     let width = |f: &Frequency| 100.0 * f.own.found.branches.width().abs();
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
     let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
         format!(
-            " By the estimated block the loop of z grows to {:.0} % of its height at {} Hz, where at {} Hz it is {:.0} %: the branches of \
-             that frequency absorb the block's own error, and would be wrong for another signal.",
+            " With the estimated block the loop of z is {:.0} % of its height wide at {} Hz, and {3:.0} % at {2} Hz: the branches of the \
+             first frequency absorb the error of the block, and would be wrong for another signal.",
             width(f),
             f.hz,
             study.frequencies[0].hz,
@@ -72,10 +72,10 @@ fn over_frequencies(study: &Study) -> String {
         at_hz(study, |f| found(f) < 0.0).map_or("no frequency".into(), |hz| format!("{hz} Hz"))
     };
     format!(
-        "With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; a model without hysteresis \
-         leaves up to {linear:.1} %.{needless}{beaten}{grown} Beyond 80 Hz the paper reports an error that grows rapidly, and above the \
-         resonance a loop that is inverted. Here the rule as printed leaves {} mm² at {} Hz; the loop is inverted at {} by the estimated \
-         block, and at {} by that of the paper's Table 2.",
+        "With the direction held the error is largest at {worst_hz} Hz: {worst:.2} % rms of peak-to-peak. The error of a model without \
+         hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} The paper reports an error that grows rapidly beyond 80 Hz, and an \
+         inverted loop above the resonance. Here the error of the rule as printed is {} mm² at {} Hz. The loop is inverted at {} with the \
+         estimated block, and at {} with that of the paper's Table 2.",
         listed(&|f| mse(error(f, "printed-rule"))),
         listed(&|f| f.hz.to_string()),
         turned(&|f| f.own.found.branches.width()),
@@ -94,13 +94,14 @@ fn against_table_1(study: &Study) -> String {
     let (least, most) = ends(over("table2-arx"));
     let by_its_own = TestSignal::nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
         let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
-        format!("; the test signal by which that block comes nearest, a {signal}, misses by up to {off:.0} %")
+        format!("; with the test signal that suits that block best, a {signal}, it deviates by up to {off:.0} %")
     });
     format!(
         "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of {used} steps, and a \
-         linear block that is estimated here, the rule as printed leaves {} mm² at {} Hz; the paper's Table 1 has {}. The error at 80 Hz \
-         is {:.1} times that at 5 Hz, in the paper {:.1} times. With the direction held it is at most {} mm² at these four. With the \
-         linear block of the paper's Table 2 the rule as printed leaves {least:.0} to {most:.0} times the paper's values{by_its_own}.",
+         linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; the paper's Table 1 has {}. The error \
+         at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. With the direction held it is at most {} mm² at these four \
+         frequencies. With the linear block of the paper's Table 2 the error of the rule as printed is {least:.0} to {most:.0} times the \
+         paper's{by_its_own}.",
         chosen(study),
         join(&of("printed-rule").map(mse)),
         join(&hz),
@@ -120,7 +121,7 @@ fn chosen(study: &Study) -> String {
         return String::new();
     };
     let (low, high) = (TestSignal::STEPS.start(), TestSignal::STEPS.end());
-    let tried = format!("stepped sines of {low} to {high} steps a period and staircases of as many levels");
+    let tried = format!("stepped sines of {low} to {high} steps per period and staircases of as many levels");
     if nearest == used {
         format!(
             "Of {tried}, a {} comes nearest to its Table 1, within {}, and is used here.",
@@ -129,8 +130,8 @@ fn chosen(study: &Study) -> String {
         )
     } else {
         format!(
-            "A {} is used here, the nearest to its Table 1 on twin `paper`. On this twin it misses by up to {}; of {tried}, a {} comes \
-             nearest, and misses by up to {}.",
+            "A {} is used here, because it comes nearest to Table 1 on the twin `paper`. On this twin it deviates by up to {}; of {tried}, a \
+             {} comes nearest, and deviates by up to {}.",
             used.words(),
             percent(used),
             nearest.words(),
@@ -145,8 +146,8 @@ fn by_upper_rule(study: &Study) -> String {
     let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
     format!(
         "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which on a piezo loop \
-         lies below. Read as the branch that lies above, a {} comes nearest to the paper's Table 1, and leaves {} mm², off by up to \
-         {:.0} %. Of {} test signals {} come within {:.0} % by that reading, {} by the one used here.",
+         lies below. If the branch that lies above is read instead, a {} comes nearest to the paper's Table 1: its errors are {} mm² and \
+         deviate by up to {:.0} %. Of {} test signals {} come within {:.0} % with that reading, {} with the one used here.",
         signal.words(),
         join(&signal.of(TestSignal::UPPER_RULE).map(mse)),
         100.0 * signal.deviation(TestSignal::UPPER_RULE),
@@ -170,10 +171,10 @@ pub(super) fn over_test_signals(study: &Study) -> String {
         return String::new();
     };
     format!(
-        "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps a period; dashed: staircases, steps of \
-         equal height, against levels; the horizontal line is the paper's value. Errors below {FLOOR:e} mm² are drawn there. By the rule as \
-         printed, the error at {} Hz goes from {} mm² with {} steps to {} with {}; a period there has {:.0} samples, so that with more steps \
-         nothing is held. The rest of the study uses {used} steps.",
+        "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per period; dashed: \
+         staircases, steps of equal height, against levels; the horizontal line is the paper's value. Errors below {FLOOR:e} mm² are drawn \
+         there. With the rule as printed, the error at {} Hz falls from {} mm² with {} steps to {} with {}; a period there has {:.0} samples, \
+         so that with as many steps or more no sample is held. The rest of the study uses {used} steps.",
         Study::PRINTED_MSE[last].0,
         mse(most.0),
         most.1,
@@ -212,7 +213,7 @@ fn joint(study: &Study) -> String {
     };
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
     let mut words = format!(
-        "The joint model, {} identified once on rising sines of {} Hz, serves all frequencies.",
+        "The joint model, {} identified once on rising sines of {} Hz, is used at all frequencies.",
         study.joint.model.hysteresis().operator().name,
         rising.join(", ")
     );
@@ -220,21 +221,20 @@ fn joint(study: &Study) -> String {
         let (hz, range) = listed(&better);
         let place = if worse.is_empty() { "At every frequency".into() } else { format!("At {hz} Hz") };
         words += &format!(
-            " {place} it leaves less than the branches made for that one alone, {range}. It \
-             inverts nothing, so its linear block may have as many modes as the records show. It also remembers reversals, of which \
-             this test has none but those at the ends."
+            " {place} its error is smaller than that of the branches made for that frequency alone: {range}. It inverts nothing, so its \
+             linear block may have as many modes as the records show. It also has minor loops, which this test does not exercise."
         );
     }
     if better.iter().any(|f| rms(f, "joint") < EXACT) {
-        words +=
-            " So little is left because this twin obeys that operator and has no noise; no measured actuator does.";
+        words += " The error is this small because this twin obeys that operator and has no noise; no measured actuator does.";
     }
     if !worse.is_empty() {
         let (hz, range) = listed(&worse);
-        words += &format!(" At {hz} Hz it leaves {range}, more than the branches made for that frequency.");
+        words +=
+            &format!(" At {hz} Hz its error is larger than that of the branches made for that frequency: {range}.");
     }
     if study.joint.model.driver().is_some() {
-        words += " Lag and current limit of the driver were given to it, and to no other method.";
+        words += " It knows lag and current limit of the driver; the other methods do not.";
     }
     words
 }

@@ -1,9 +1,9 @@
-//! A filter of finite impulse response that may look ahead.
+//! A filter of finite impulse response with preview.
 //!
 //! ```text
 //! y_t = f_0 x_{t+p} + f_1 x_{t+p-1} + ... + f_n x_{t+p-n}
 //! ```
-//! Over a whole record it looks p samples ahead; as a system, sample by sample, it answers p samples late.
+//! On a whole record it has a preview of p samples; as a system, sample by sample, it has a delay of p samples.
 
 use crate::error::{Error, finite, positive};
 use crate::linear::Response;
@@ -13,15 +13,15 @@ use crate::system::System;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-/// The taps and how far they look ahead.
+/// The taps and their preview.
 ///
 /// State: the last inputs, newest first.
 ///
 /// ```
 /// use piezoid::{System, compensation::Fir};
 /// let mean = Fir::new(1e-3, vec![1.0 / 3.0; 3], 1)?;
-/// assert_eq!(mean.whole(&[0.0, 3.0, 6.0]), [1.0, 3.0, 5.0]); // beyond its ends a record stands still
-/// assert_eq!(mean.simulate(&[0.0, 3.0, 6.0]), [0.0, 1.0, 3.0]); // the same a sample late, from rest
+/// assert_eq!(mean.whole(&[0.0, 3.0, 6.0]), [1.0, 3.0, 5.0]); // beyond its ends a record is constant
+/// assert_eq!(mean.simulate(&[0.0, 3.0, 6.0]), [0.0, 1.0, 3.0]); // the same, a sample later, from rest
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -32,10 +32,10 @@ pub struct Fir {
 }
 
 impl Fir {
-    /// The filter of these `taps`, sampled every `ts` [s], that looks `ahead` samples ahead.
+    /// The filter with these `taps`, sampled every `ts` [s], with a preview of `ahead` samples.
     ///
     /// # Errors
-    /// Refuses a `ts` that is not positive, no taps, and taps that are not finite.
+    /// Returns an error for a `ts` that is not positive, no taps, and taps that are not finite.
     pub fn new(ts: f64, taps: Vec<f64>, ahead: usize) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         finite("taps", &taps)?;
@@ -50,18 +50,18 @@ impl Fir {
         &self.taps
     }
 
-    /// Samples that it looks ahead over a whole record, and is late as a system.
+    /// Preview on a whole record, which is the delay as a system [samples].
     pub fn ahead(&self) -> usize {
         self.ahead
     }
 
-    /// The answer to a whole record, which stands still before its first sample and after its last.
+    /// The response to a whole record, which is constant before its first sample and after its last.
     pub fn whole(&self, x: &[f64]) -> Vec<f64> {
         let last = x.len() as isize - 1;
         self.filtered(x, |t| t.clamp(0, last))
     }
 
-    /// The answer to one period of a record without beginning or end.
+    /// The steady-state response to one period of a periodic record.
     pub fn periodic(&self, x: &[f64]) -> Vec<f64> {
         let n = x.len() as isize;
         self.filtered(x, |t| t.rem_euclid(n))
@@ -72,10 +72,10 @@ impl Fir {
         (0..x.len()).map(|t| self.taps.iter().enumerate().map(|(k, f)| f * at(t, k)).sum()).collect()
     }
 
-    /// The taps one after the other: first this filter, then `next`.
+    /// The two filters in series: first this one, then `next`.
     ///
     /// # Errors
-    /// Refuses another sampling period.
+    /// Returns an error if the sampling periods differ.
     pub fn then(&self, next: &Fir) -> Result<Fir, Error> {
         Record::same_sampling("the first filter", self.ts, "the next", next.ts)?;
         let mut taps = vec![0.0; self.taps.len() + next.taps.len() - 1];
@@ -93,14 +93,12 @@ impl Fir {
         Response { hz, gain: sum.norm(), phase: sum.arg() }
     }
 
-    /// Rms of the output for white noise of 1 rms.
+    /// Rms of the output for white noise of rms 1.
     pub fn noise_gain(&self) -> f64 {
         self.taps.iter().map(|f| f * f).sum::<f64>().sqrt()
     }
-}
-
-impl Fir {
-    /// The same for programs, sample by sample: a block called `preview` with a function of that name, before which its input stood at `at_rest`.
+    /// The filter as a program, sample by sample: a block `preview` with a function of that name, initially settled at
+    /// `at_rest`.
     pub(crate) fn block(&self, at_rest: f64) -> Block {
         let block = Block::new("preview", "the inverse of the linear block: a filter of finite impulse response");
         let block = block.numbers("past", vec![at_rest; self.order()]).table("taps", &self.taps);
@@ -116,7 +114,7 @@ impl Fir {
     }
 }
 
-/// Two at a time, which saves a machine half of the counting.
+/// Two taps per iteration, which halves the cost of counting.
 const PROGRAM: &str = "
 fn preview(x: preview, u) {
     let sum = -0.0;
@@ -171,7 +169,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn sample_by_sample_is_the_whole_record_late() {
+    fn sample_by_sample_is_the_whole_record_delayed() {
         let fir = Fir::new(1e-3, vec![0.5, -1.0, 2.0, 0.25], 2).unwrap();
         let x: Vec<f64> = (0..60).map(|t| f64::from(t * t % 17)).collect();
         let late = fir.resume(&mut fir.settled(x[0]), &x);

@@ -1,20 +1,22 @@
-//! Iterative learning: a periodic reference tried on the actuator itself, each trial corrected by the one before.
+//! Iterative learning control: a periodic reference is tried on the actuator, and each trial is corrected by the one
+//! before.
 //!
 //! ```text
 //! z_{j+1} = z_0 + Q (z_j - z_0 + k F (r - y_j)),    u_j = H^-1 z_j,    z_0 = F r
 //! ```
-//! What is corrected is z, not u: through the inverse hysteresis an error is answered with the slope it meets. F is the
-//! inverse of the linear block that looks ahead; Q is 1, or when asked a low-pass without phase, 1 / (1 + (f / f_q)^8), above
-//! which the feed-forward z_0 stays as it is. All go harmonic by harmonic. Where |1 - k G_true F| < 1 errors shrink from trial
-//! to trial, whatever their cause, creep and a wrong operator included. Harmonics disturb each other through the
-//! hysteresis, so a trial may be worse than the one before and the way still right. But one twice as bad as the best is taken
-//! back, and where three in a row are no better than it F is wrong somewhere, near a resonance that lies elsewhere than the
-//! model has it: harmonics whose error has grown are from then on answered by the change of z over the change of error
-//! that they showed. What is returned is the best trial.
+//! The correction applies to z, not to u: the inverse hysteresis then uses the local slope. F is the inverse of the
+//! linear block with preview. Q is 1, or a zero-phase low-pass 1 / (1 + (f / f_q)^8) if requested; above its corner the
+//! feed-forward z_0 does not change. All computations are per harmonic. Where |1 - k G_true F| < 1, errors fall from
+//! trial to trial for every cause, also for creep and a wrong operator. Harmonics are coupled by the hysteresis, so a
+//! single trial may be worse than the one before. A trial with twice the error of the best one is discarded. After
+//! three trials in a row without improvement F must be wrong at some frequency, usually near a resonance that differs
+//! from the model. The harmonics whose error has grown then use the measured ratio of the change of z to the change of
+//! error. The result is the best trial.
 //!
 //! Reference: D. A. Bristow, M. Tharayil & A. G. Alleyne, IEEE Control Syst. Mag. 26, 96 (2006), DOI
-//! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI 10.1016/j.mechatronics.2005.11.006
-//! (hysteresis). It does not do: references that do not repeat, and what does not repeat with them.
+//! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI
+//! 10.1016/j.mechatronics.2005.11.006 (hysteresis). It does not do: references that are not periodic, disturbances that
+//! are not periodic with them.
 
 use super::{FeedForward, FeedForwardSettings};
 use crate::creep::Creep;
@@ -23,54 +25,54 @@ use crate::fourier::forward;
 use crate::system::System;
 use nalgebra::Complex;
 
-/// How many times as bad as the best a trial must be to be taken back.
+/// A trial is discarded above this many times the error of the best one.
 const LOST: f64 = 2.0;
 
-/// Trials in a row that are no better than the best, after which harmonics are answered by what they did.
+/// Number of trials in a row without improvement after which measured responses are used.
 const STUCK: usize = 3;
 
-/// Trials in a row over which the error of such a harmonic has then grown.
+/// Number of trials in a row over which the error of such a harmonic has grown.
 const GROWS: usize = 2;
 
-/// Its least share of the sum of squares: below, noise grows and shrinks.
+/// Smallest share of such a harmonic in the sum of squares; smaller ones are noise.
 const MATTERS: f64 = 1e-3;
 
-/// How many times as far as by the model it may then be answered.
+/// Largest measured response, relative to that of the model.
 const FURTHER: f64 = 3.0;
 
-/// How trials are corrected.
+/// Settings of the learning.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Learning {
-    /// Trials in all.
+    /// Number of trials.
     pub trials: usize,
     /// Gain k of the correction, above 0 up to 1 [-].
     pub gain: f64,
-    /// Corner f_q of Q [Hz]; if not given, all that is sampled is learnt.
+    /// Corner f_q of Q [Hz]; if not given, Q is 1.
     pub cutoff_hz: Option<f64>,
 }
 
 impl Default for Learning {
-    /// Eleven trials: the first is the feed-forward.
+    /// Eleven trials; the first is the feed-forward.
     fn default() -> Self {
         Learning { trials: 11, gain: 0.8, cutoff_hz: None }
     }
 }
 
-/// What was learnt.
+/// Result of the learning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learned {
     /// One period of the best voltage [input unit].
     pub u: Vec<f64>,
-    /// What the actuator answered to it [output unit].
+    /// The response of the actuator to it [output unit].
     pub y: Vec<f64>,
-    /// Rms of what each trial left of the reference [output unit].
+    /// Rms error of each trial [output unit].
     pub rms: Vec<f64>,
 }
 
 impl Learning {
-    /// Learns the voltage for one period of a reference `r` [output unit], beginning with the feed-forward `inverse`. `plant` is
-    /// given one period of the voltage and answers with one period of the displacement, both repeated until they repeat. Trials
-    /// after the first are clipped to the limits.
+    /// Learns the voltage for one period of a reference `r` [output unit], starting with the feed-forward `inverse`.
+    /// `plant` gets one period of the voltage and returns one period of the displacement in steady state. Trials after
+    /// the first are clipped to the limits.
     ///
     /// ```
     /// use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
@@ -86,7 +88,8 @@ impl Learning {
     /// ```
     ///
     /// # Errors
-    /// As [`FeedForward::whole`]; settings that make no sense; answers of another length or that are not finite.
+    /// The errors of [`FeedForward::whole`]; errors for invalid settings, and for responses of another length or that
+    /// are not finite.
     pub fn run(
         &self,
         plant: &mut dyn FnMut(&[f64]) -> Vec<f64>,
@@ -100,12 +103,12 @@ impl Learning {
         if !(self.gain > 0.0 && self.gain <= 1.0) {
             return Err(Error::parameter("gain", self.gain, "must be above 0, and 1 at most"));
         }
-        // Creep repeats with the rest: what it adds is learnt.
+        // Creep is periodic too, so its contribution is learnt.
         let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
         let mut inverse = FeedForward::new(&model, FeedForwardSettings { sweeps: 0, ..inverse.settings })?;
-        let wanted: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
-        let mut harmonics = Harmonics::new(&inverse, &wanted, *self)?;
-        let mut best: Option<LearningTrial> = None;
+        let target: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
+        let mut harmonics = Harmonics::new(&inverse, &target, *self)?;
+        let mut best: Option<(f64, Vec<f64>, Vec<f64>)> = None;
         let mut rms: Vec<f64> = Vec::new();
         for _ in 0..self.trials {
             let u = inverse.period(&harmonics.whole(), r)?;
@@ -116,25 +119,18 @@ impl Learning {
                 return Err(Error::Lengths { left, left_len: y.len(), right, right_len: r.len() });
             }
             finite("the answer of the plant", &y)?;
-            let left = super::off(r, &y);
-            rms.push(left);
+            let error = super::rms_error(r, &y);
+            rms.push(error);
             harmonics.correct(&r.iter().zip(&y).map(|(r, y)| r - y).collect::<Vec<_>>());
-            best = best.filter(|best| best.left <= left).or(Some(LearningTrial { u, y, left }));
+            best = best.filter(|best| best.0 <= error).or(Some((error, u, y)));
         }
-        let (u, y) = best.map(|best| (best.u, best.y)).unwrap_or_default();
+        let (_, u, y) = best.unwrap_or_default();
         Ok(Learned { u, y, rms })
     }
 }
 
-/// One period of a trial, and the rms of what it left.
-struct LearningTrial {
-    u: Vec<f64>,
-    y: Vec<f64>,
-    left: f64,
-}
-
 impl FeedForward {
-    /// The input that repeats with `z`, which the reference `r` asks for.
+    /// One period of the input for the periodic `z` of the reference `r`.
     fn period(&self, z: &[f64], r: &[f64]) -> Result<Vec<f64>, Error> {
         let start = self.model.static_input_before_linear(z[0], self.ends);
         let twice = self.invert_path(&[z, z].concat(), start.u);
@@ -155,7 +151,7 @@ impl FeedForward {
 struct Harmonics {
     /// Samples of a period.
     n: usize,
-    /// F, and what now stands for k F.
+    /// F, and the present estimate of k F.
     inverse: Vec<Complex<f64>>,
     answer: Vec<Complex<f64>>,
     /// Q.
@@ -163,7 +159,7 @@ struct Harmonics {
     /// z of the feed-forward and of the next trial.
     first: Vec<Complex<f64>>,
     z: Vec<Complex<f64>>,
-    /// z and error of the trials since which an error grows.
+    /// z and error of the trials since which the error has grown.
     growing: Vec<Vec<[Complex<f64>; 2]>>,
     /// z and error of the best trial, and the trials since.
     best: (Vec<Complex<f64>>, Vec<Complex<f64>>),
@@ -172,18 +168,18 @@ struct Harmonics {
 }
 
 impl Harmonics {
-    fn new(inverse: &FeedForward, wanted: &[f64], settings: Learning) -> Result<Self, Error> {
-        let period = wanted.len() as f64 * inverse.model.ts();
+    fn new(inverse: &FeedForward, target: &[f64], settings: Learning) -> Result<Self, Error> {
+        let period = target.len() as f64 * inverse.model.ts();
         let cutoff = positive("cutoff", settings.cutoff_hz.unwrap_or(f64::MAX), "hertz")?;
         let hz = |k: usize| k as f64 / period;
         let response = |k: usize| {
             let f = inverse.preview().fir().response(hz(k));
             Complex::from_polar(f.gain, f.phase)
         };
-        let inverse: Vec<_> = (0..=wanted.len() / 2).map(response).collect();
-        let z: Vec<_> = lines(wanted).iter().zip(&inverse).map(|(r, f)| r * f).collect();
+        let inverse: Vec<_> = (0..=target.len() / 2).map(response).collect();
+        let z: Vec<_> = lines(target).iter().zip(&inverse).map(|(r, f)| r * f).collect();
         Ok(Harmonics {
-            n: wanted.len(),
+            n: target.len(),
             answer: inverse.iter().map(|f| f * settings.gain).collect(),
             kept: (0..z.len()).map(|k| 1.0 / (1.0 + (hz(k) / cutoff).powi(8))).collect(),
             inverse,
@@ -199,7 +195,7 @@ impl Harmonics {
     /// One period of z.
     fn whole(&self) -> Vec<f64> {
         let fft = forward(self.n);
-        // The forward transform of the conjugate is the way back.
+        // The inverse transform by the forward transform of the conjugate.
         let line = |k: usize| if k < self.z.len() { self.z[k].conj() } else { self.z[self.n - k] };
         let mut all: Vec<_> = (0..self.n).map(line).collect();
         fft.process(&mut all);

@@ -1,16 +1,16 @@
-//! Feed-forward: from a wanted displacement back through the whole model to a voltage.
+//! Feed-forward: from a requested displacement through the inverse of the whole model to a voltage.
 //!
 //! ```text
 //! r -> - offset -> inverse of the linear block -> of creep -> of the hysteresis -> u
 //! ```
-//! The linear block is inverted by a filter that looks ahead ([`preview`](Preview)), creep in closed form, the hysteresis
-//! sample by sample between the inputs that are allowed ([`crate::hysteresis::Hysteresis::invert`]). When asked, what the
-//! model's free run then leaves of the reference goes back through the same inverse, as often as that helps: this makes up for
-//! what the filter gives up.
+//! The linear block is inverted by a filter with preview ([`FirDesign`]), creep in closed form, and the hysteresis
+//! sample by sample within the allowed inputs ([`crate::hysteresis::Hysteresis::invert`]). Optional sweeps send the
+//! residual of the model's free run through the same inverse, as long as the error falls. They correct the
+//! approximation of the filter.
 //!
-//! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S. Devasia,
-//! E. Eleftheriou & S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345. It
-//! does not do: feedback. What the model does not know stays.
+//! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S.
+//! Devasia, E. Eleftheriou & S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI
+//! 10.1109/TCST.2007.903345. It does not do: feedback. Errors of the model remain.
 
 mod fir;
 mod learning;
@@ -32,32 +32,34 @@ use crate::number::{round, short};
 use crate::series::ends;
 use crate::system::System;
 
-/// Part of the identified inputs by which a voltage may go beyond them, to either side: so far operators extrapolate well.
+/// Allowed input beyond the identified range, as a share of that range on each side: operators extrapolate well so far.
 const BEYOND: f64 = 0.05;
 
-/// Part of the range of an operator that counts as reached.
+/// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
 
-/// What compensation may use.
+/// Settings of the feed-forward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForwardSettings {
-    /// Limits of the driver; where no voltage is given, the model's own inputs limit it.
+    /// Limits of the driver. A missing voltage limit is replaced by the range of the model's identification data.
     pub limits: Limits,
-    /// Whether to come as close as the limits allow instead of refusing.
+    /// True to clip to the limits instead of returning an error.
     pub clip: bool,
-    /// How often, at most, what the model's free run leaves of the reference is corrected. This brings the free run closer; the
-    /// actuator only where the model is right at high frequencies too, since that is where corrections go.
+    /// Largest number of corrections by the residual of the model's free run. They reduce the error of the free run;
+    /// that of the actuator only if the model is right at high frequencies, where the corrections act.
     pub sweeps: usize,
-    /// How the linear block is inverted; if not given, for whole records, looking further ahead by as much as the block is late.
+    /// Design of the inverse of the linear block. The default is for whole records, with the delay of the block added
+    /// to its preview.
     pub preview: Option<FirDesign>,
 }
 
 impl FeedForwardSettings {
-    /// The lowest and highest input that both the limits and what is known of `model` allow: where it was identified, and a
-    /// twentieth of that beyond.
+    /// The lowest and highest input within the limits and the range of the identification data of `model`, extended by
+    /// a twentieth on each side.
     ///
     /// # Errors
-    /// Limits that make no sense, leave nothing of that, or are not given where nothing is known.
+    /// Returns an error for invalid limits, limits outside that range, and missing limits of a model without that
+    /// range.
     pub fn ends(&self, model: &Model) -> Result<(f64, f64), Error> {
         let limits = &self.limits;
         limits.check(&[0.5 * (limits.low.unwrap_or(0.0) + limits.high.unwrap_or(0.0))], model.ts())?;
@@ -68,7 +70,7 @@ impl FeedForwardSettings {
         match low.zip(high) {
             Some((low, high)) if low < high => Ok((low, high)),
             Some((low, high)) => {
-                let rule = "must leave some of the inputs that the model was identified on";
+                let rule = "must overlap the inputs that the model was identified on";
                 Err(Error::parameter("limits", format!("{} to {}", round(low), round(high)), rule))
             }
             None => {
@@ -87,26 +89,27 @@ impl Default for FeedForwardSettings {
     }
 }
 
-/// A voltage for a reference, and what the model says it gives.
+/// A voltage for a reference, with the response of the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compensated {
     /// The voltage [input unit].
     pub u: Vec<f64>,
-    /// The model's free run, settled before it at the voltage that holds the first value of the reference [output unit].
+    /// Free run of the model, from the settled state at the first value of the reference [output unit].
     pub reached: Vec<f64>,
-    /// What it uses of the limits.
+    /// Usage of the limits.
     pub usage: Usage,
-    /// Samples at which a limit was in the way.
+    /// Number of samples clipped to a limit.
     pub clipped: usize,
-    /// What is worth knowing, one sentence each.
+    /// Remarks, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Model {
-    /// The voltage for a path `r` [output unit] that is known as a whole, within what the model was identified on.
+    /// The voltage for a reference `r` [output unit] that is known as a whole, within the range of the identification
+    /// data.
     ///
     /// # Errors
-    /// As [`FeedForward::new`] and [`FeedForward::whole`].
+    /// The errors of [`FeedForward::new`] and [`FeedForward::whole`].
     pub fn compensate(&self, r: &[f64]) -> Result<Compensated, Error> {
         FeedForward::new(self, FeedForwardSettings::default())?.whole(r)
     }
@@ -122,7 +125,7 @@ impl Model {
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
 /// let made = FeedForward::new(&model, FeedForwardSettings::default())?.whole(&r)?;
 /// let y = model.resume(&mut model.settled(made.u[0]), &made.u);
-/// // A corner at the start rings for a while.
+/// // A corner at the start excites the resonance.
 /// let worst = (300..2000).map(|t| (y[t] - r[t]).abs()).fold(0.0, f64::max);
 /// assert!(worst < 0.01, "{worst}");
 /// # Ok::<(), piezoid::Error>(())
@@ -134,9 +137,9 @@ pub struct FeedForward {
     preview: Preview,
     /// Lowest and highest input allowed.
     ends: (f64, f64),
-    /// Largest change of the input in a sample.
+    /// Largest change of the input per sample.
     step: f64,
-    /// What creep puts out where these ends have stood for long.
+    /// Settled output of creep at these ends.
     crept: (f64, f64),
     notes: Vec<String>,
 }
@@ -145,8 +148,8 @@ impl FeedForward {
     /// The inverse of `model` within the limits.
     ///
     /// # Errors
-    /// [`Error::NoInverse`] where the linear block has none, [`Error::Unsuited`] where the hysteresis does not rise;
-    /// limits in volts of a model whose input is in another unit; limits that make no sense.
+    /// [`Error::NoInverse`] if the linear block has none, [`Error::Unsuited`] if the hysteresis does not rise; an error
+    /// for invalid limits, and for limits in volts if the input of the model has another unit.
     pub fn new(model: &Model, settings: FeedForwardSettings) -> Result<Self, Error> {
         let found = &model.units().u;
         if settings.limits != Limits::default() && found != "V" {
@@ -162,7 +165,7 @@ impl FeedForward {
         if !(low < high && high.is_finite() && low.is_finite()) {
             let [from, to] = [ends.0, ends.1].map(round);
             let because = format!(
-                "from an input of {from} to one of {to} its z goes from {} to {}; it has to rise",
+                "z must rise with the input, but goes from {} to {} for inputs from {from} to {to}",
                 short(low),
                 short(high)
             );
@@ -171,7 +174,7 @@ impl FeedForward {
         let step = settings.limits.fastest() * model.ts();
         let notes = model.hysteresis().falling_input(ends.0, ends.1).map(|u| {
             let u = round(u);
-            format!("the hysteresis block falls with its input near {u}: of several inputs one is taken")
+            format!("the hysteresis block falls with its input near {u}: the inverse is not unique there")
         });
         let notes = notes.into_iter().collect();
         Ok(FeedForward { model: model.clone(), settings, preview, ends, step, crept: (low, high), notes })
@@ -187,29 +190,29 @@ impl FeedForward {
         &self.preview
     }
 
-    /// The lowest and highest displacement that can be held for long [output unit].
+    /// The lowest and highest displacement that can be held [output unit].
     pub fn reach(&self) -> (f64, f64) {
         let [a, b] = [self.crept.0, self.crept.1].map(|z| self.model.offset() + self.model.linear().dc_gain() * z);
         (a.min(b), a.max(b))
     }
 
-    /// Whether the displacements of `r` [output unit] can be held for long; how fast they can be reached is left to [`FeedForward::whole`].
+    /// Checks that every value of `r` [output unit] can be held. [`FeedForward::whole`] checks its speed.
     ///
     /// # Errors
-    /// [`Error::Unreachable`] with the first that cannot.
+    /// [`Error::Unreachable`] with the first value that cannot be held.
     pub fn holds(&self, r: &[f64]) -> Result<(), Error> {
         finite("reference", r)?;
         let (low, high) = self.reach();
         r.iter().position(|r| !(low..=high).contains(r)).map_or(Ok(()), |t| Err(self.unreachable(r, t)))
     }
 
-    /// The voltage for the reference `r` [output unit], which had stood at its first value for long and goes on after its last
-    /// as it moved before. The answer cannot begin before the record does: let a reference that has to be met from its start
-    /// stand for some milliseconds first.
+    /// The voltage for the reference `r` [output unit]. Before it the model is settled at its first value; after it the
+    /// motion is extrapolated. The voltage cannot start before the record: if the reference must be met from its start,
+    /// begin it with some milliseconds at a constant value.
     ///
     /// # Errors
-    /// [`Error::Unreachable`] where no allowed voltage gives the reference, [`Error::Limits`] where slew or current would have
-    /// to exceed theirs, neither when clipping; a reference that is empty or not finite.
+    /// [`Error::Unreachable`] if no allowed voltage gives the reference, [`Error::Limits`] if slew or current exceed
+    /// their limits (neither of them with clipping), and errors for a reference that is empty or not finite.
     pub fn whole(&self, r: &[f64]) -> Result<Compensated, Error> {
         finite("reference", r)?;
         let Some(&first) = r.first() else {
@@ -217,28 +220,28 @@ impl FeedForward {
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         };
         let offset = self.model.offset();
-        let mut wanted = self.preview.fir().whole(&self.extended_past_end(r));
-        wanted.truncate(r.len());
+        let mut target = self.preview.fir().whole(&self.extended_past_end(r));
+        target.truncate(r.len());
         let held = (first - offset) / self.model.linear().dc_gain();
         let start = self.model.static_input_before_linear(held, self.ends);
-        let mut best = self.invert_path(&wanted, start.u);
+        let mut best = self.invert_path(&target, start.u);
         if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.settings.clip {
             return Err(self.unreachable(r, 0));
         }
         if let Some(sample) = best.missed.filter(|_| !self.settings.clip) {
             return Err(self.unreachable(r, sample));
         }
-        best.left = off(r, &best.reached);
-        let first_left = best.left;
+        best.rms = rms_error(r, &best.reached);
+        let first_rms = best.rms;
         let mut sweeps = 0;
         for _ in 0..self.settings.sweeps {
-            let left: Vec<f64> = r.iter().zip(&best.reached).map(|(r, y)| r - y).collect();
-            self.preview.fir().whole(&left).iter().zip(&mut wanted).for_each(|(more, wanted)| *wanted += more);
-            let mut next = self.invert_path(&wanted, start.u);
-            next.left = off(r, &next.reached);
+            let residual: Vec<f64> = r.iter().zip(&best.reached).map(|(r, y)| r - y).collect();
+            self.preview.fir().whole(&residual).iter().zip(&mut target).for_each(|(more, target)| *target += more);
+            let mut next = self.invert_path(&target, start.u);
+            next.rms = rms_error(r, &next.reached);
             let allowed = self.settings.clip
                 || (next.missed.is_none() && self.settings.limits.refuse(&next.u, self.model.ts()).is_ok());
-            if !(allowed && next.left < 0.98 * best.left) {
+            if !(allowed && next.rms < 0.98 * best.rms) {
                 break;
             }
             (best, sweeps) = (next, sweeps + 1);
@@ -250,16 +253,14 @@ impl FeedForward {
         }?;
         let mut notes = self.notes.clone();
         if sweeps > 0 {
-            let (from, to, unit) = (short(first_left), short(best.left), &self.model.units().y);
-            notes.push(format!(
-                "{sweeps} sweeps of correction by the model's free run: rms error {from} to {to} {unit}"
-            ));
+            let (from, to, unit) = (short(first_rms), short(best.rms), &self.model.units().y);
+            notes.push(format!("{sweeps} correction sweeps: rms error of the free run from {from} to {to} {unit}"));
         }
-        notes.extend(self.told(&best));
+        notes.extend(self.notes_on(&best));
         Ok(Compensated { u: best.u, reached: best.reached, usage, clipped: best.clipped, notes })
     }
 
-    /// The reference without offset, going on beyond its end as it moves there: mirrored through its last point.
+    /// The reference without offset, extrapolated beyond its end: mirrored through its last point.
     fn extended_past_end(&self, r: &[f64]) -> Vec<f64> {
         let ahead = self.preview.fir().ahead();
         let last = r.last().copied().unwrap_or_default();
@@ -267,21 +268,14 @@ impl FeedForward {
         r.iter().copied().chain(after).map(|r| r - self.model.offset()).collect()
     }
 
-    /// Back from what creep is to put out to the input, from the model settled at `start`.
-    fn invert_path(&self, wanted: &[f64], start: f64) -> InverseRun {
+    /// Inverts a series of creep outputs to inputs, from the model settled at `start`.
+    fn invert_path(&self, target: &[f64], start: f64) -> InverseRun {
         let mut x = self.model.settled(start);
-        let mut run = InverseRun {
-            u: Vec::with_capacity(wanted.len()),
-            reached: Vec::new(),
-            left: 0.0,
-            clipped: 0,
-            jumped: 0,
-            missed: None,
-        };
+        let mut run = InverseRun { u: Vec::with_capacity(target.len()), ..Default::default() };
         let mut before = start;
-        for (t, wanted) in wanted.iter().enumerate() {
-            let found = self.model.invert_before_linear(&mut x, *wanted, self.from(before));
-            if !self.within(found.z - wanted) {
+        for (t, z) in target.iter().enumerate() {
+            let found = self.model.invert_before_linear(&mut x, *z, self.from(before));
+            if !self.within(found.z - z) {
                 if self.at_end(found.u, before) {
                     run.clipped += 1;
                     run.missed = run.missed.or(Some(t));
@@ -303,15 +297,15 @@ impl FeedForward {
         ((before - step).clamp(low, high), (before + step).clamp(low, high))
     }
 
-    /// Whether this input lies at an end of those allowed after `before`.
+    /// True if this input is at a limit of those allowed after `before`.
     fn at_end(&self, u: f64, before: f64) -> bool {
         let (low, high) = self.from(before);
         u <= low || u >= high
     }
 
-    /// Whether this is no difference worth the name.
-    fn within(&self, off: f64) -> bool {
-        off.abs() <= REACHED * (self.crept.1 - self.crept.0)
+    /// True if the error counts as zero.
+    fn within(&self, error: f64) -> bool {
+        error.abs() <= REACHED * (self.crept.1 - self.crept.0)
     }
 
     fn unreachable(&self, r: &[f64], sample: usize) -> Error {
@@ -320,23 +314,22 @@ impl FeedForward {
         let (bottom, top) = self.reach();
         let [value, at, bottom, top] = [r[sample], sample as f64 * self.model.ts(), bottom, top].map(round);
         let (lowest, highest) = ends(r.iter().copied());
-        let still = self.reach().0 <= lowest && highest <= self.reach().1;
-        let instead = match still {
+        let instead = match self.reach().0 <= lowest && highest <= self.reach().1 {
             true if sample < self.preview.fir().ahead() => {
-                "let it stand for some milliseconds before it moves, or smooth it"
+                "start with some milliseconds at a constant value, or smooth it"
             }
             true => "move slower or smooth it",
             false => "lower it",
         };
         let input = &self.model.units().u;
         Error::Unreachable(format!(
-            "{value} {unit} at sample {sample} ({at} s) takes more than the inputs of {low} to {high} {input} give, which for long \
-             hold {bottom} to {top} {unit}; {instead}, or ask to clip"
+            "{value} {unit} at sample {sample} ({at} s) cannot be reached with inputs from {low} to {high} {input} (static range \
+{bottom} to {top} {unit}); {instead}, or clip"
         ))
     }
 
-    /// What the voltages of a run have that the model was not identified on, and what was clipped.
-    fn told(&self, run: &InverseRun) -> Vec<String> {
+    /// Notes on clipped samples, jumps, and voltages outside the identification data.
+    fn notes_on(&self, run: &InverseRun) -> Vec<String> {
         let (n, clipped) = (run.u.len(), run.clipped);
         let mut notes = Vec::new();
         if clipped > 0 {
@@ -345,14 +338,14 @@ impl FeedForward {
         if run.jumped > 0 {
             let jumped = run.jumped;
             notes.push(format!(
-                "at {jumped} of {n} samples the hysteresis block jumps past what is wanted: the nearest is taken"
-            ));
+"at {jumped} of {n} samples the hysteresis block jumps over the requested value; the nearest value is used"
+));
         }
         notes.extend(self.beyond(&run.u));
         notes
     }
 
-    /// What the voltages `u` have that the model was not identified on.
+    /// Notes on voltages `u` outside the identification data.
     pub fn beyond(&self, u: &[f64]) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(known) = self.model.identified() {
@@ -366,28 +359,31 @@ impl FeedForward {
             }
             if used.slew > known.slew {
                 let [slew, known] = [used.slew, known.slew].map(round);
-                notes.push(format!("the input changes by {slew} {input}/s, but the model has seen {known} at most"));
+                notes.push(format!(
+                    "the input changes by {slew} {input}/s, but at most by {known} in the identification data"
+                ));
             }
         }
         notes
     }
 }
 
-/// What one way back found.
+/// Result of one inversion.
+#[derive(Default)]
 struct InverseRun {
     u: Vec<f64>,
     reached: Vec<f64>,
-    /// Rms of what it leaves of the reference.
-    left: f64,
+    /// Rms error of the free run.
+    rms: f64,
     clipped: usize,
-    /// Samples that no input meets, since z jumps there.
+    /// Samples without a matching input, because z jumps there.
     jumped: usize,
-    /// The first sample at which an end of the inputs was in the way.
+    /// The first sample that is limited.
     missed: Option<usize>,
 }
 
-/// Root of the mean square of the difference.
-fn off(r: &[f64], y: &[f64]) -> f64 {
+/// Root of the mean squared difference.
+fn rms_error(r: &[f64], y: &[f64]) -> f64 {
     (r.iter().zip(y).map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / r.len() as f64).sqrt()
 }
 

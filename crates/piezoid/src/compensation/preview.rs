@@ -1,17 +1,18 @@
-//! The inverse of the linear block as a filter that looks ahead.
+//! The inverse of the linear block as a filter with preview.
 //!
 //! ```text
 //! minimise  mean over f of  W(f) |G(f) F(f) / g - 1|^2 + m |F(f)|^2      g = G(0),  F(0) = 1 / g
 //! W = 1 / (1 + (f / f_c)^2)^2
 //! ```
-//! Zeros outside the unit circle make a stable inverse look ahead; zeros near it, among them those that sampling puts close
-//! to -1, make it ring for long and raise noise. Least squares over the frequencies with a price m on effort gives both up
-//! where it costs least: references are slow, so errors count by W, and beyond what the price allows F fades. At 0 Hz F is
-//! exact. [`Preview::error`] says how far it is off elsewhere.
+//! For zeros outside the unit circle a stable inverse needs preview. Zeros near it, such as the sampling zeros close to
+//! -1, make it ring and amplify noise. Weighted least squares with a price m on effort gives up accuracy where it
+//! matters least: references are slow, so errors are weighted by W, and F fades at frequencies where it would cost too
+//! much. At 0 Hz F is exact. [`Preview::error`] gives the error elsewhere.
 //!
-//! Reference: S. Devasia, D. Chen & B. Paden, IEEE Trans. Autom. Control 41, 930 (1996), DOI 10.1109/9.508898 (looking
-//! ahead); M. Tomizuka, J. Dyn. Syst. Meas. Control 109, 65 (1987), DOI 10.1115/1.3143822 (zeros that cannot be cancelled).
-//! It does not do: zeros near 1, slower than its taps are long; [`super::FeedForward`] makes up for them over whole records.
+//! Reference: S. Devasia, D. Chen & B. Paden, IEEE Trans. Autom. Control 41, 930 (1996), DOI 10.1109/9.508898
+//! (preview); M. Tomizuka, J. Dyn. Syst. Meas. Control 109, 65 (1987), DOI 10.1115/1.3143822 (zeros that cannot be
+//! cancelled). It does not do: zeros near 1 that are slower than the filter is long; the sweeps of
+//! [`super::FeedForward`] correct for them.
 
 use super::fir::Fir;
 use crate::error::Error;
@@ -20,22 +21,22 @@ use crate::system::System;
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Frequencies at which the error is weighed.
+/// Number of frequencies in the least squares.
 const GRID: usize = 2048;
 
-/// The most taps: solving takes their cube.
+/// Largest number of taps: the solution costs their cube.
 const MOST: usize = 1024;
 
-/// How the inverse is made.
+/// Design of the inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirDesign {
-    /// Samples that it looks ahead.
+    /// Preview [samples].
     pub ahead: usize,
-    /// Taps in all.
+    /// Number of taps.
     pub taps: usize,
     /// Corner f_c of the weight, as a share of half the sampling rate [-].
     pub corner: f64,
-    /// Price m of effort [-].
+    /// Price m on effort [-].
     pub effort: f64,
 }
 
@@ -60,7 +61,7 @@ impl Preview {
     /// The inverse of `block`.
     ///
     /// # Errors
-    /// [`Error::NoInverse`] of a block that is unstable or without a gain at 0 Hz; and settings that make no sense.
+    /// [`Error::NoInverse`] for a block that is unstable or has no gain at 0 Hz; an error for invalid settings.
     pub fn new(block: &Arx, design: FirDesign) -> Result<Self, Error> {
         let FirDesign { ahead, taps, corner, effort } = design;
         if !(1..=MOST).contains(&taps) || taps <= ahead {
@@ -72,22 +73,22 @@ impl Preview {
         let none = |because: String| Err(Error::NoInverse { kind: "bounded", because });
         if !block.is_stable() {
             let farthest = block.poles().iter().map(|pole| pole.z.modulus()).fold(0.0, f64::max);
-            return none(format!("it is unstable, with a pole of modulus {farthest}; identify it anew"));
+            return none(format!("it is unstable (pole modulus {farthest}): identify the model again"));
         }
         if !(g.is_finite() && g != 0.0) {
-            return none(format!("its gain at 0 Hz is {g}: a displacement that is held has no one input"));
+            return none(format!("its gain at 0 Hz is {g}: no unique input holds a constant displacement"));
         }
         if let ([], [late]) = (block.a(), &nonzero(block.b())[..])
             && *late <= ahead
         {
-            // A gain has an exact inverse, which waits for the rest of what it is asked to be late.
+            // A pure gain has an exact inverse, which only adds the rest of the delay.
             let mut f = vec![0.0; ahead - late];
             f.push(1.0 / g);
             return Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() });
         }
-        // Correlations of the weighted response make the normal equations; the last row keeps the gain at 0 Hz.
+        // Correlations of the weighted response give the normal equations; the last row fixes the gain at 0 Hz.
         let mut own = vec![0.0; taps];
-        let mut wanted = DVector::zeros(taps + 1);
+        let mut right = DVector::zeros(taps + 1);
         for k in 0..GRID {
             let angle = PI * (k as f64 + 0.5) / GRID as f64;
             let r = block.response(0.5 * angle / (PI * block.ts()));
@@ -97,7 +98,7 @@ impl Preview {
             let (mut rotated, mut lag) = (Complex::cis(-angle * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
             for j in 0..taps {
                 own[j] += weight * lag.re;
-                wanted[j] += weight * rotated.re;
+                right[j] += weight * rotated.re;
                 lag *= rotation;
                 rotated *= rotation;
             }
@@ -108,8 +109,8 @@ impl Preview {
             (true, true) => 0.0,
             _ => 1.0,
         });
-        wanted[taps] = 1.0;
-        let solved = normal.lu().solve(&wanted).filter(|f| f.iter().all(|f| f.is_finite()));
+        right[taps] = 1.0;
+        let solved = normal.lu().solve(&right).filter(|f| f.iter().all(|f| f.is_finite()));
         let unsolved = || Error::NoInverse { kind: "bounded", because: "its least squares has no solution".into() };
         let mut f: Vec<f64> = solved.ok_or_else(unsolved)?.iter().take(taps).copied().collect();
         let sum: f64 = f.iter().sum();
@@ -117,19 +118,19 @@ impl Preview {
         Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() })
     }
 
-    /// The filter: displacement without offset in, what the block is to see out.
+    /// The filter: its input is the displacement without offset, its output the input of the block.
     pub fn fir(&self) -> &Fir {
         &self.fir
     }
 
-    /// |G F - 1| at `hz` [Hz]: the share of a sine of that frequency which is missed.
+    /// |G F - 1| at `hz` [Hz]: the relative error for a sine of that frequency.
     pub fn error(&self, hz: f64) -> f64 {
         let (g, f) = (self.block.response(hz), self.fir.response(hz));
         (Complex::from_polar(g.gain * f.gain, g.phase + f.phase) - 1.0).norm()
     }
 }
 
-/// Where numbers stand that are not 0.
+/// Positions of the numbers that are not 0.
 fn nonzero(numbers: &[f64]) -> Vec<usize> {
     numbers.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(k, _)| k).collect()
 }
@@ -139,13 +140,13 @@ mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    /// Poles of a beam, a late input, a sampling zero near -1 and one outside the circle.
+    /// Poles of a beam, a delayed input, a sampling zero near -1 and one outside the unit circle.
     fn beam() -> Arx {
         Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.05, 0.149, 0.0976]).unwrap()
     }
 
     #[test]
-    fn a_gain_however_late_has_an_exact_inverse_of_one_tap() {
+    fn a_gain_with_a_delay_has_an_exact_inverse() {
         for (late, ahead) in [(0, 0), (0, 3), (2, 3)] {
             let block = Arx::new(1e-3, Vec::new(), [vec![0.0; late], vec![4.0]].concat()).unwrap();
             let fir = Preview::new(&block, FirDesign::late(ahead)).unwrap().fir().clone();
@@ -156,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn block_after_inverse_is_what_was_wanted_at_low_frequencies_and_exactly_at_rest() {
+    fn block_after_inverse_is_exact_at_rest_and_accurate_at_low_frequencies() {
         let block = beam();
         assert!(block.zeros().iter().any(|z| z.modulus() > 1.5) && block.zeros().iter().any(|z| z.re < -0.9));
         let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
@@ -166,6 +167,10 @@ mod tests {
         assert_close(&y[300..700], &r[300..700], 0.0, 1e-3);
         assert!(inverse.error(0.0) < 1e-12 && inverse.error(5.0) < 1e-5, "{}", inverse.error(5.0));
         assert_close(&inverse.fir().whole(&[7.0; 9]), &[7.0 / block.dc_gain(); 9], 1e-12, 0.0);
+        // The same for a delayed input.
+        let delayed =
+            Preview::new(&Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.1, 0.09]).unwrap(), FirDesign::WHOLE);
+        assert!(delayed.as_ref().unwrap().error(0.0) < 1e-12 && delayed.unwrap().error(100.0) < 1e-4);
     }
 
     #[test]
@@ -181,14 +186,14 @@ mod tests {
     }
 
     #[test]
-    fn the_more_it_may_look_ahead_the_better_it_is() {
+    fn the_error_falls_with_the_preview() {
         let error = |ahead| Preview::new(&beam(), FirDesign::late(ahead)).unwrap().error(40.0);
         let errors = [1, 2, 4, 8, 16].map(error);
         assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
     }
 
     #[test]
-    fn a_block_that_holds_no_displacement_has_no_inverse() {
+    fn a_block_without_static_gain_or_stability_has_no_inverse() {
         let refused = |a: Vec<f64>, b: Vec<f64>| {
             Preview::new(&Arx::new(1.0, a, b).unwrap(), FirDesign::WHOLE).unwrap_err().to_string()
         };
@@ -197,12 +202,5 @@ mod tests {
         assert!(refused(vec![1.1], vec![1.0]).contains("unstable"));
         let none = FirDesign { taps: 3, ahead: 3, ..FirDesign::WHOLE };
         assert!(Preview::new(&beam(), none).unwrap_err().to_string().starts_with("taps = 3: must be from 4"));
-    }
-
-    #[test]
-    fn the_inverse_is_exact_at_rest_and_close_below_its_corner() {
-        let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.1, 0.09]).unwrap(); // the input acts a sample late
-        let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
-        assert!(inverse.error(0.0) < 1e-12 && inverse.error(100.0) < 1e-4);
     }
 }

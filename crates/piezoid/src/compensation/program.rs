@@ -6,10 +6,11 @@ use crate::program::{Block, Program};
 use crate::system::System;
 
 impl Causal {
-    /// Adds to the program of its model a block `ff_state` and a function `ff_step(s: ff_state, r)`: the same as its step here.
+    /// Adds a block `ff_state` and a function `ff_step(s: ff_state, r)` to the program of the model: the same as
+    /// [`System::step`].
     ///
     /// # Errors
-    /// [`Error::Content`] of another program than that of its model.
+    /// [`Error::Content`] if the program is not that of the model.
     pub fn extend(&self, program: &mut Program) -> Result<(), Error> {
         let (model, fir) = (self.inverse.model(), self.preview().fir());
         program.add(fir.block(self.resting()))?;
@@ -38,7 +39,7 @@ impl Causal {
         let (hidden, moves) = (model.hidden_call("s", "u"), program.function("hysteresis_move").is_some());
         let moves = match (model.creep().order() > 0, model.driver().is_some()) {
             (true, _) => format!("creep(s.creep, {hidden});"),
-            // Nobody asks what z is.
+            // The value of z is not needed.
             (false, false) if moves => "hysteresis_move(s.hysteresis, u);".into(),
             (false, false) if model.hysteresis().order() == 0 => String::new(),
             (false, _) => format!("{hidden};"),
@@ -86,8 +87,8 @@ mod tests {
     use crate::program::Machine;
 
     #[test]
-    fn a_program_is_the_causal_feed_forward_to_the_bit_for_every_operator() {
-        let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
+    fn the_program_is_bit_identical_to_the_causal_feed_forward_for_every_operator() {
+        let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Default::default() };
         let slewing = Limits { slew: Some(4000.0), ..limits };
         for o in OPERATORS {
             for (driver, limits) in
@@ -101,8 +102,7 @@ mod tests {
                 };
                 let model = Model::driven(driver, (o.example)(ts).unwrap(), block.unwrap(), 2.0).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
-                let causal =
-                    Causal::new(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }, 2).unwrap();
+                let causal = Causal::new(&model, FeedForwardSettings { limits, ..Default::default() }, 2).unwrap();
                 let mut program = model.program().unwrap();
                 causal.extend(&mut program).unwrap();
                 let mut machine = Machine::new(&program, "ff_state", false);

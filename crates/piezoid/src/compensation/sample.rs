@@ -1,12 +1,12 @@
-//! Feed-forward sample by sample: reference in, voltage out, a stated number of samples late.
+//! Feed-forward sample by sample: reference in, voltage out, with a given delay.
 //!
 //! ```text
-//! u_t = H^-1 (C^-1 (sum over k of f_k (r_{t-k} - offset)))        the displacement then follows r_{t-d}
+//! u_t = H^-1 (C^-1 (sum over k of f_k (r_{t-k} - offset)))        the displacement follows r_{t-d}
 //! ```
-//! The same inverses as [`super::FeedForward`], but the filter sees d samples ahead only because it is that late, nothing is
-//! corrected afterwards, what the limits do not allow is clipped, and a reference that is not finite counts as the one
-//! before. A step allocates nothing for states of up to 256 numbers and takes as many operations every time, but for the
-//! trials of the hysteresis, of which there are 120 at most.
+//! It uses the same inverses as [`super::FeedForward`]. The filter gets its preview of d samples from the delay. There
+//! are no sweeps, voltages are clipped to the limits, and a reference that is not finite is replaced by the previous
+//! one. A step does not allocate for states of up to 256 numbers. It takes the same number of operations in every
+//! sample, except for the search of the hysteresis inverse (at most 120 trials).
 
 use super::{FeedForward, FeedForwardSettings, FirDesign, Preview};
 use crate::error::Error;
@@ -15,7 +15,7 @@ use crate::system::System;
 
 /// Reference [output unit] to voltage [input unit].
 ///
-/// State: the input before; the last references, newest first; then the state of the model.
+/// State: the last input; the last references, newest first; the state of the model.
 ///
 /// ```
 /// use piezoid::compensation::{Causal, FeedForwardSettings};
@@ -35,17 +35,17 @@ pub struct Causal {
     pub(super) inverse: FeedForward,
 }
 
-/// Numbers of the state before the references.
+/// Length of the state before the references.
 const BEFORE: usize = 1;
 
 impl Causal {
-    /// The latest: with it the filter has as many taps as can be solved for.
+    /// Largest delay [samples]: the filter then has the largest number of taps.
     pub const LATEST: usize = 488;
 
-    /// The inverse of `model` that is `late` samples late; settings of `settings` for whole records do not count.
+    /// The inverse of `model` with a delay of `late` samples. The settings for whole records are ignored.
     ///
     /// # Errors
-    /// As [`FeedForward::new`].
+    /// The errors of [`FeedForward::new`].
     pub fn new(model: &Model, settings: FeedForwardSettings, late: usize) -> Result<Self, Error> {
         if late > Causal::LATEST {
             return Err(Error::parameter("late", late, format!("must be at most {} samples", Causal::LATEST)));
@@ -54,7 +54,7 @@ impl Causal {
         Ok(Causal { inverse: FeedForward::new(model, settings)? })
     }
 
-    /// Samples by which the displacement follows the reference late.
+    /// Delay from the reference to the displacement [samples].
     pub fn late(&self) -> usize {
         self.inverse.preview().fir().ahead()
     }
@@ -64,14 +64,15 @@ impl Causal {
         self.inverse.preview()
     }
 
-    /// The reference that the model answers at rest [output unit].
+    /// The output of the model at rest [output unit].
     pub(super) fn resting(&self) -> f64 {
         let model = self.inverse.model();
         model.offset() + model.linear().dc_gain() * model.step_before_linear(&mut model.initial(), 0.0)
     }
 
-    /// The state after `r` has stood for long, where `known`, of which `r` is the first if there is any, is told beforehand: a
-    /// step then takes the reference that follows. So known as many samples ahead as it is late, a reference is met in time.
+    /// The settled state at `r`, with the references `known` (the first of them `r`) already in the filter: the next
+    /// step takes the reference after them. With a preview as long as the delay, the reference is followed without
+    /// delay.
     pub fn settled_with_preview(&self, r: f64, known: &[f64]) -> Vec<f64> {
         let mut x = self.settled(r);
         let past = &mut x[BEFORE..BEFORE + self.preview().fir().order()];
@@ -100,7 +101,7 @@ impl System for Causal {
         self.state(0.0, self.resting(), self.inverse.model().initial())
     }
 
-    /// The state after the reference `r` [output unit], or the nearest within reach, has stood for long.
+    /// The settled state at the reference `r` [output unit], or at the nearest value within reach.
     fn settled(&self, r: f64) -> Vec<f64> {
         let model = self.inverse.model();
         let u = model.static_input(r, self.inverse.ends);
@@ -111,11 +112,11 @@ impl System for Causal {
         let fir = self.preview().fir();
         let (before, x) = x.split_at_mut(BEFORE);
         let (past, model) = x.split_at_mut(fir.order());
-        // The filter keeps what is constant by 1 / G(0): so does the offset.
+        // The static gain of the filter is 1 / G(0), which therefore also applies to the offset.
         let block = self.inverse.model();
         let r = if r.is_finite() { r } else { past.first().copied().unwrap_or_default() };
-        let wanted = fir.step(past, r) - block.offset() / block.linear().dc_gain();
-        before[0] = block.invert_before_linear(model, wanted, self.inverse.from(before[0])).u;
+        let z = fir.step(past, r) - block.offset() / block.linear().dc_gain();
+        before[0] = block.invert_before_linear(model, z, self.inverse.from(before[0])).u;
         before[0]
     }
 }

@@ -1,18 +1,18 @@
-//! References made easy to follow: smoothed, or shaped so that a mode does not ring.
+//! Reference shaping: smoothing, and shapers that do not excite a mode.
 //!
 //! ```text
 //! smooth   minimum jerk over S seconds:  30 s^2 (1 - s)^2, s from 0 to 1, as the weights of a mean
 //! ZV       A_0 + A_1 q^-n + A_2 q^-(n+1),  zero at the mode's poles exactly, sum 1
-//! ZVD      ZV after ZV: zero twice there, so that a mode a little off rings little too
-//! notch    (1 - 2 cos(w) q^-1 + q^-2) over the same with poles pulled inside, gain 1 at 0 Hz
+//! ZVD      ZV after ZV: a double zero there, so that a mode at a slightly different frequency rings little
+//! notch    (1 - 2 cos(w) q^-1 + q^-2) over the same with its poles inside the circle, gain 1 at 0 Hz
 //! ```
-//! ZV is two impulses half a damped period apart [Singer & Seering]; half a period is no whole number of samples, so the
-//! second is split between two. All leave 0 Hz alone. They answer late: the FIR ones by half their length, which
-//! [`Fir::whole`] takes off again.
+//! ZV is two impulses half a damped period apart [Singer & Seering]. Half a period is not an integer number of samples,
+//! so the second impulse is split between two. All have gain 1 at 0 Hz. All have a delay; for the FIR filters it is
+//! half their length, and [`Fir::whole`] removes it.
 //!
-//! Reference: N. C. Singer & W. P. Seering, J. Dyn. Syst. Meas. Control 112, 76 (1990), DOI 10.1115/1.2894142; T. Flash & N.
-//! Hogan, J. Neurosci. 5, 1688 (1985), DOI 10.1523/JNEUROSCI.05-07-01688.1985 (minimum jerk). They do not do: several
-//! modes at once ([`Fir::then`] puts shapers in series).
+//! Reference: N. C. Singer & W. P. Seering, J. Dyn. Syst. Meas. Control 112, 76 (1990), DOI 10.1115/1.2894142; T. Flash
+//! & N. Hogan, J. Neurosci. 5, 1688 (1985), DOI 10.1523/JNEUROSCI.05-07-01688.1985 (minimum jerk). They do not do:
+//! several modes ([`Fir::then`] puts shapers in series).
 
 use super::Fir;
 use crate::error::{Error, positive};
@@ -23,14 +23,14 @@ use crate::system::System;
 use std::f64::consts::{PI, TAU};
 
 options! {
-    /// How a reference is shaped: smoothed first, then kept from making a model's resonance ring.
+/// Shaping of a reference: smoothing first, then a filter that does not excite the model's resonance.
     #[derive(Copy)]
     pub struct Shaping {
-        /// Make minimum-jerk moves of this length from steps and corners.
+/// Smooth steps and corners to minimum-jerk moves of this length.
         smooth: Option<f64> = None, OptionRow::positive("s");
-        /// Take the model's resonance out of the reference with a notch.
+/// Filter the reference with a notch at the model's resonance.
         notch: bool = false, OptionRow::new(OptionKind::Switch);
-        /// Shaping the reference so that the model's resonance does not ring.
+/// Shape the reference (ZVD) so that the resonance is not excited.
         zvd: bool = false, OptionRow::new(OptionKind::Switch);
     }
 }
@@ -39,10 +39,11 @@ options! {
 const NOTCH: f64 = 0.2;
 
 impl Shaping {
-    /// The reference `r` for `model`, shaped.
+    /// The shaped reference `r` for `model`.
     ///
     /// # Errors
-    /// What [`Fir::smooth`], [`Fir::zvd`] and [`Arx::notch`] refuse, and shaping for a resonance that the model does not have.
+    /// The errors of [`Fir::smooth`], [`Fir::zvd`] and [`Arx::notch`], and an error if the model has no resonance to
+    /// shape for.
     pub fn of(&self, model: &Model, mut r: Vec<f64>) -> Result<Vec<f64>, Error> {
         let ts = model.ts();
         if let Some(seconds) = self.smooth {
@@ -53,7 +54,7 @@ impl Shaping {
         }
         let none = || {
             let name = if self.zvd { "zvd" } else { "notch" };
-            Error::parameter(name, "true", "is for a model that rings, and this one has no resonance: leave it out")
+            Error::parameter(name, "true", "needs a model with a resonance, and this one has none: leave it out")
         };
         let mode = model.linear().resonance().ok_or_else(none)?;
         if self.zvd {
@@ -71,7 +72,7 @@ impl Shaping {
 const LONGEST: f64 = 1e5;
 
 impl Fir {
-    /// A mean over `seconds` under a minimum-jerk bell, centred: a step becomes a minimum-jerk move.
+    /// A centred mean over `seconds` with minimum-jerk weights: a step becomes a minimum-jerk move.
     ///
     /// ```
     /// use piezoid::compensation::Fir;
@@ -82,11 +83,11 @@ impl Fir {
     /// ```
     ///
     /// # Errors
-    /// Refuses a `ts` [s] or length that is not positive, and more than 100000 samples.
+    /// Returns an error for a `ts` [s] or length that is not positive, and for more than 100000 samples.
     pub fn smooth(ts: f64, seconds: f64) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         positive("smooth", seconds, "seconds")?;
-        // An odd number has a middle.
+        // An odd length has a middle.
         let half = (0.5 * seconds / ts).round();
         if half > LONGEST {
             return Err(Error::parameter("smooth", seconds, format!("must be at most {LONGEST} samples of {ts} s")));
@@ -104,14 +105,15 @@ impl Fir {
     /// The zero-vibration shaper of a mode of natural frequency `hz` [Hz] and `damping` ratio.
     ///
     /// # Errors
-    /// Refuses a frequency that is not below half the sampling rate and a damping that is not from 0 to below 1.
+    /// Returns an error for a frequency that is not below half the sampling rate and a damping ratio outside 0 to below
+    /// 1.
     pub fn zv(ts: f64, hz: f64, damping: f64) -> Result<Self, Error> {
         let (decay, angle) = mode(ts, hz, damping)?;
         let n = (PI / angle).floor();
         if n > LONGEST {
             return Err(Error::parameter("hz", hz, format!("must have a half period of at most {LONGEST} samples")));
         }
-        // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i turn): its imaginary part gives A_1 / A_2.
+        // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i angle): its imaginary part gives A_1 / A_2.
         let (a, b) = ((n * angle).sin() * (n * decay).exp(), ((n + 1.0) * angle).sin() * ((n + 1.0) * decay).exp());
         let (one, two) = (-b, a);
         let real =
@@ -124,10 +126,10 @@ impl Fir {
         Fir::new(ts, taps, (n as usize).div_ceil(2))
     }
 
-    /// The zero-vibration-and-derivative shaper of a mode: longer, and forgiving where the mode is a little off.
+    /// The zero-vibration-and-derivative shaper of a mode: longer, and more robust to its frequency.
     ///
     /// # Errors
-    /// As [`Fir::zv`].
+    /// The errors of [`Fir::zv`].
     pub fn zvd(ts: f64, hz: f64, damping: f64) -> Result<Self, Error> {
         let zv = Fir::zv(ts, hz, damping)?;
         zv.then(&zv)
@@ -138,18 +140,18 @@ impl Arx {
     /// A notch at `hz` [Hz] that is `width` [Hz] wide between its points of -3 dB.
     ///
     /// # Errors
-    /// Refuses frequencies that are not positive or not below half the sampling rate.
+    /// Returns an error for frequencies that are not positive or not below half the sampling rate.
     pub fn notch(ts: f64, hz: f64, width: f64) -> Result<Self, Error> {
         let (_, angle) = mode(ts, hz, 0.0)?;
         positive("width", width, "hertz")?;
-        // The bilinear notch: tan of half the width gives the poles.
+        // The bilinear notch: the tangent of half the width gives the poles.
         let t = (PI * width * ts).min(0.49 * PI).tan();
         let (c, k) = (angle.cos(), 1.0 / (1.0 + t));
         Arx::new(ts, vec![2.0 * c * k, -(1.0 - t) * k], vec![k, -2.0 * c * k, k])
     }
 }
 
-/// Decay and turn [rad] of a mode in a sample.
+/// Decay and angle [rad] of a mode per sample.
 fn mode(ts: f64, hz: f64, damping: f64) -> Result<(f64, f64), Error> {
     positive("ts", ts, "seconds")?;
     positive("hz", hz, "hertz")?;
@@ -180,14 +182,14 @@ mod tests {
         Arx::new(TS, a, vec![b]).unwrap()
     }
 
-    /// The largest distance from 1 after a shaped step has passed.
+    /// Largest deviation from 1 after a shaped step.
     fn rings(shaper: &Fir, mode: &Arx) -> f64 {
         let y = mode.simulate(&shaper.simulate(&[1.0; 400]));
         y[shaper.order()..].iter().fold(0.0, |m, y| m.max((y - 1.0).abs()))
     }
 
     #[test]
-    fn a_shaped_step_does_not_ring_at_all_and_zvd_hardly_where_the_mode_is_off() {
+    fn a_shaped_step_does_not_ring_and_zvd_rings_little_for_another_frequency() {
         for (hz, damping) in [(156.7, 0.006), (146.7, 0.061), (40.0, 0.0), (20.0, 0.3), (700.0, 0.02)] {
             let (zv, zvd) = (Fir::zv(TS, hz, damping).unwrap(), Fir::zvd(TS, hz, damping).unwrap());
             let exact = oscillator(hz, damping);
@@ -200,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_notch_stops_its_frequency_and_passes_others() {
+    fn a_notch_blocks_its_frequency_and_passes_others() {
         let notch = Arx::notch(TS, 160.0, 20.0).unwrap();
         assert!(notch.response(160.0).gain < 1e-9);
         let at = |hz| notch.response(hz).gain;
@@ -209,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_smoothed_step_has_no_corner_and_stays_where_it_was() {
+    fn a_smoothed_step_has_no_corner_and_no_shift() {
         let bell = Fir::smooth(TS, 0.02).unwrap();
         assert_eq!((bell.taps().len(), bell.ahead()), (41, 20));
         let step: Vec<f64> = (0..200).map(|t| f64::from(u8::from(t >= 100))).collect();
@@ -221,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn modes_that_cannot_be_are_refused() {
+    fn invalid_modes_are_errors() {
         assert!(Fir::zv(TS, 1000.0, 0.1).unwrap_err().to_string().starts_with("hz = 1000"));
         assert!(Fir::zvd(TS, 100.0, 1.0).unwrap_err().to_string().starts_with("damping = 1"));
         assert!(Fir::smooth(TS, 0.0).is_err() && Arx::notch(TS, 100.0, 0.0).is_err() && Fir::smooth(TS, 1e9).is_err());

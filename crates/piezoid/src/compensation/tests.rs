@@ -2,7 +2,7 @@ use super::*;
 use crate::creep::Creep;
 use crate::driver::DriverModel;
 use crate::excitation::{Prbs, RisingSine, Triangle};
-use crate::hysteresis::OPERATORS;
+use crate::hysteresis::{OPERATORS, Operator};
 use crate::linear::Arx;
 use crate::plant::Plant;
 use crate::record::{Record, Units};
@@ -13,195 +13,181 @@ use std::sync::Arc;
 
 const TS: f64 = 5e-4;
 
-/// A beam behind an operator with creep, and behind a driver or none; +-30 V hold about +-1 mm.
+const PLAYS: &str = "prandtl-ishlinskii";
+
+/// A beam with hysteresis, creep and possibly a driver; +-30 V hold about +-1 mm.
 fn model(operator: &str, driver: Option<DriverModel>) -> Model {
     let ts = TS / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
-    let hysteresis = (crate::hysteresis::Operator::find(operator).unwrap().example)(ts).unwrap();
+    let hysteresis = (Operator::find(operator).unwrap().example)(ts).unwrap();
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.5, 3.2]).unwrap();
     let creep = Creep::logarithmic(TS, 0.01, 0.05, 5.0).unwrap();
     Model::driven(driver, hysteresis, block, 5.0).unwrap().with_creep(creep).unwrap()
 }
 
-/// A sine about `bias` that stands still before it moves and begins without a corner.
+fn inverse_of(model: &Model) -> FeedForward {
+    inverse_with(model, FeedForwardSettings::default())
+}
+
+fn inverse_with(model: &Model, settings: FeedForwardSettings) -> FeedForward {
+    FeedForward::new(model, settings).unwrap()
+}
+
+/// A sine about `bias`, constant at first, which starts without a corner.
 fn sine(bias: f64, height: f64, hz: f64, n: usize) -> Vec<f64> {
     let begins = |t: f64| (t / 0.05).min(1.0).powi(2);
     let at = |t: f64| bias + if t > 0.0 { height * begins(t) * (TAU * hz * t).sin() } else { 0.0 };
     (0..n).map(|t| at((t as f64 - 80.0) * TS)).collect()
 }
 
-fn rms(r: &[f64], y: &[f64]) -> f64 {
-    off(r, y)
-}
-
 #[test]
-fn the_free_run_of_a_model_meets_the_reference_for_every_operator_without_jumps_and_behind_a_driver() {
+fn the_free_run_follows_the_reference_for_every_operator_without_jumps_and_with_a_driver() {
     for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
         for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {
             let model = model(o.name, driver);
-            let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-            let inverse =
-                FeedForward::new(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }).unwrap();
+            let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+            let inverse = inverse_with(&model, FeedForwardSettings { limits, ..Default::default() });
             let (low, high) = inverse.reach();
             let r = sine(0.5 * (low + high), 0.3 * (high - low), 20.0, 600);
             let made = inverse.whole(&r).unwrap();
             assert_close(&model.resume(&mut model.settled(made.u[0]), &made.u), &made.reached, 0.0, 1e-6);
-            let left = rms(&r, &made.reached) / (high - low);
-            assert!(left < 3e-4 && made.clipped == 0, "{}: {left:e}", o.name);
+            let error = rms_error(&r, &made.reached) / (high - low);
+            assert!(error < 3e-4 && made.clipped == 0, "{}: {error:e}", o.name);
         }
     }
 }
 
 #[test]
-fn where_the_hysteresis_jumps_past_what_is_wanted_the_nearest_is_taken_and_told() {
-    let slips = model("maxwell-slip", None);
-    let inverse = FeedForward::new(&slips, FeedForwardSettings::default()).unwrap();
+fn if_the_hysteresis_jumps_over_the_reference_the_nearest_value_is_used_and_noted() {
+    let inverse = inverse_of(&model("maxwell-slip", None));
     let (low, high) = inverse.reach();
     let made = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
-    assert!(
-        made.clipped == 0 && made.notes.iter().any(|n| n.contains("jumps past what is wanted")),
-        "{:?}",
-        made.notes
-    );
+    let noted = made.notes.iter().any(|n| n.contains("jumps over the requested value"));
+    assert!(made.clipped == 0 && noted, "{:?}", made.notes);
 }
 
 #[test]
-fn a_block_that_is_very_late_is_looked_ahead_of_by_as_much() {
-    let late = |delay: usize| {
-        let plays = (crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+fn the_preview_covers_a_long_delay_of_the_block() {
+    let error = |delay: usize| {
+        let plays = (Operator::find(PLAYS).unwrap().example)(TS).unwrap();
         let b = [vec![0.0; delay], vec![3.5, 3.2]].concat();
         let model = Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], b).unwrap(), 0.0).unwrap();
         let r = sine(0.0, 300.0, 10.0, 1200);
-        rms(
-            &r[200..],
-            &FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap().reached[200..],
-        )
+        rms_error(&r[200..], &inverse_of(&model).whole(&r).unwrap().reached[200..])
     };
-    assert!(late(1) < 0.01 && late(100) < 0.1, "{} {}", late(1), late(100));
+    assert!(error(1) < 0.01 && error(100) < 0.1, "{} {}", error(1), error(100));
 }
 
 #[test]
-fn a_displacement_that_stands_is_held_exactly() {
-    let model = model("prandtl-ishlinskii", None);
-    let made = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&[321.0; 500]).unwrap();
+fn a_constant_displacement_is_held_exactly() {
+    let made = inverse_of(&model(PLAYS, None)).whole(&[321.0; 500]).unwrap();
     assert_close(&made.reached, &[321.0; 500], 1e-9, 0.0);
     assert_close(&made.u, &[made.u[0]; 500], 1e-9, 0.0);
 }
 
 #[test]
-fn a_reference_that_ends_in_motion_is_met_to_its_end() {
-    let model = model("prandtl-ishlinskii", None);
+fn a_reference_that_ends_in_motion_is_followed_to_its_end() {
     let r = sine(0.0, 700.0, 40.0, 1000);
-    let made = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap();
+    let made = inverse_of(&model(PLAYS, None)).whole(&r).unwrap();
     assert!((r[999] - r[998]).abs() > 50.0, "it moves at its end");
     assert_close(&made.reached[900..], &r[900..], 0.0, 0.5);
 }
 
 #[test]
-fn a_reference_that_starts_off_too_fast_is_told_to_stand_first() {
-    let model = model("prandtl-ishlinskii", None);
+fn for_a_reference_that_starts_too_fast_the_error_asks_for_a_constant_start() {
     let r: Vec<f64> = (0..400).map(|t| 700.0 * (TAU * 200.0 * TS * f64::from(t)).sin()).collect();
-    let message = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap_err().to_string();
-    assert!(
-        message.contains("at sample 0 (0 s)") && message.contains("let it stand for some milliseconds"),
-        "{message}"
-    );
+    let message = inverse_of(&model(PLAYS, None)).whole(&r).unwrap_err().to_string();
+    assert!(message.contains("at sample 0 (0 s)") && message.contains("start with some milliseconds"), "{message}");
 }
 
 #[test]
-fn sweeps_bring_the_free_run_closer_and_say_so() {
+fn sweeps_reduce_the_error_of_the_free_run_and_are_noted() {
     let model = model("preisach", None);
     let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
     let smooth = Fir::smooth(TS, 0.004).unwrap().whole(&r);
-    let left = |sweeps| {
-        let settings = FeedForwardSettings { sweeps, clip: true, ..FeedForwardSettings::default() };
-        let made = FeedForward::new(&model, settings).unwrap().whole(&smooth).unwrap();
-        (rms(&smooth, &made.reached), made.notes.iter().any(|note| note.contains("sweeps of correction")))
+    let swept = |sweeps| {
+        let settings = FeedForwardSettings { sweeps, clip: true, ..Default::default() };
+        let made = inverse_with(&model, settings).whole(&smooth).unwrap();
+        (rms_error(&smooth, &made.reached), made.notes.iter().any(|note| note.contains("correction sweeps")))
     };
-    let (none, some) = (left(0), left(10));
+    let (none, some) = (swept(0), swept(10));
     assert!(some.0 < 0.7 * none.0 && some.1 && !none.1, "{none:?} {some:?}");
 }
 
 #[test]
-fn what_cannot_be_reached_is_named_or_clipped_and_counted() {
-    let model = model("prandtl-ishlinskii", None);
+fn values_out_of_reach_are_errors_or_clipped_and_counted() {
+    let model = model(PLAYS, None);
     let r = sine(0.0, 3000.0, 5.0, 1000);
-    let message = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&r).unwrap_err().to_string();
-    assert!(message.contains("the reference cannot be reached") && message.contains("lower it"), "{message}");
-    let made = FeedForward::new(&model, FeedForwardSettings { clip: true, ..FeedForwardSettings::default() })
-        .unwrap()
-        .whole(&r)
-        .unwrap();
+    let message = |r: &[f64]| inverse_of(&model).whole(r).unwrap_err().to_string();
+    assert!(
+        message(&r).contains("the reference cannot be reached") && message(&r).contains("lower it"),
+        "{}",
+        message(&r)
+    );
+    let clip = FeedForwardSettings { clip: true, ..Default::default() };
+    let made = inverse_with(&model, clip).whole(&r).unwrap();
     assert!(made.clipped > 300 && made.notes[0].contains("of 1000 samples are clipped"), "{:?}", made.notes);
     assert!(made.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
-
     let step = [vec![0.0; 80], vec![600.0; 400]].concat();
-    let message =
-        FeedForward::new(&model, FeedForwardSettings::default()).unwrap().whole(&step).unwrap_err().to_string();
-    assert!(message.contains("move slower or smooth it"), "{message}");
+    assert!(message(&step).contains("move slower or smooth it"), "{}", message(&step));
 }
 
 #[test]
-fn limits_of_slew_and_current_are_refused_or_kept() {
-    let model = model("prandtl-ishlinskii", None);
-    let limits = Limits { current: Some(0.02), capacitance: Some(8.2e-6), ..Limits::default() };
+fn limits_of_slew_and_current_are_errors_or_kept() {
+    let model = model(PLAYS, None);
+    let limits = Limits { current: Some(0.02), capacitance: Some(8.2e-6), ..Default::default() };
     let r = sine(0.0, 700.0, 20.0, 1000);
-    let message = FeedForward::new(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() })
-        .unwrap()
-        .whole(&r)
-        .unwrap_err()
-        .to_string();
+    let whole = |clip| {
+        let settings = FeedForwardSettings { limits, clip, ..Default::default() };
+        inverse_with(&model, settings).whole(&r)
+    };
+    let message = whole(false).unwrap_err().to_string();
     assert!(message.contains("current") && message.contains("limit 0.02 A"), "{message}");
-    let made = FeedForward::new(&model, FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() })
-        .unwrap()
-        .whole(&r)
-        .unwrap();
+    let made = whole(true).unwrap();
     assert!(limits.refuse(&made.u, TS).is_ok() && made.clipped > 100);
     assert!(made.usage.current.is_some_and(|peak| peak.share.is_some_and(|share| share > 0.99)));
 }
 
 #[test]
-fn references_and_models_that_make_no_sense_are_refused() {
-    let inverse = FeedForward::new(&model("prandtl-ishlinskii", None), FeedForwardSettings::default()).unwrap();
+fn invalid_references_and_models_are_errors() {
+    let inverse = inverse_of(&model(PLAYS, None));
     assert!(inverse.whole(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
     assert!(inverse.whole(&[]).unwrap_err().to_string().contains("the reference has 0 samples"));
-    let refused =
-        |model: Model, settings: FeedForwardSettings| FeedForward::new(&model, settings).unwrap_err().to_string();
+    let refused = |model: Model, settings| FeedForward::new(&model, settings).unwrap_err().to_string();
     let proportional = |k: f64| Arc::new(crate::hysteresis::Proportional::new(TS, k).unwrap());
     let plain = |k: f64| Model::new(proportional(k), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
     assert!(refused(plain(1.0), FeedForwardSettings::default()).contains("limits = none"));
-    let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
-    let within = FeedForwardSettings { limits: volts, ..FeedForwardSettings::default() };
+    let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+    let within = FeedForwardSettings { limits: volts, ..Default::default() };
     assert!(refused(plain(0.0), within).contains("gives no inverse of its hysteresis"));
     let units = Units { u: "counts".into(), y: "um".into() };
     assert!(refused(plain(1.0).with_units(units), within).contains("counts"));
-    let high = Limits { low: Some(50.0), high: Some(60.0), ..Limits::default() };
-    assert!(
-        refused(model("preisach", None), FeedForwardSettings { limits: high, ..FeedForwardSettings::default() })
-            .contains("must leave some")
-    );
+    let limits = Limits { low: Some(50.0), high: Some(60.0), ..Default::default() };
+    let high = FeedForwardSettings { limits, ..Default::default() };
+    assert!(refused(model("preisach", None), high).contains("must overlap"));
     let differences = Arx::new(TS, vec![], vec![1.0, -1.0]).unwrap();
     let no_gain = Model::new(proportional(1.0), differences, 0.0).unwrap();
     assert!(refused(no_gain, within).contains("no bounded inverse"));
 }
 
 #[test]
-fn sample_by_sample_it_follows_late_by_what_it_says() {
+fn sample_by_sample_the_displacement_has_the_given_delay() {
     let model = model("generalised-prandtl-ishlinskii", Some(DriverModel::new(1e-4, None).unwrap()));
-    let (low, high) = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().reach();
+    let (low, high) = inverse_of(&model).reach();
     let r = sine(0.5 * (low + high), 0.25 * (high - low), 10.0, 1200);
     for late in [1, 4, 16] {
         let causal = Causal::new(&model, FeedForwardSettings::default(), late).unwrap();
         let u = causal.resume(&mut causal.settled(r[0]), &r);
         let y = model.resume(&mut model.settled(u[0]), &u);
-        let left = rms(&r[..r.len() - late], &y[late..]) / (high - low);
-        assert!(causal.late() == late && left < 2e-3, "{late}: {left:e}");
+        let error = rms_error(&r[..r.len() - late], &y[late..]) / (high - low);
+        assert!(causal.late() == late && error < 2e-3, "{late}: {error:e}");
     }
     let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
-    assert!(causal.simulate(&[causal_rest(&model); 50]).iter().all(|u| u.abs() < 1e-9));
+    let rest = model.simulate(&[0.0; 4000])[3999];
+    assert!(causal.simulate(&[rest; 50]).iter().all(|u| u.abs() < 1e-9));
 }
 
 #[test]
-fn sample_by_sample_a_reference_that_is_no_number_is_held_over_and_one_beyond_reach_clipped() {
+fn sample_by_sample_invalid_values_are_replaced_by_the_previous_and_others_clipped() {
     let model = model("preisach", None);
     let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
     let r: Vec<f64> = sine(0.0, 400.0, 10.0, 300);
@@ -211,14 +197,9 @@ fn sample_by_sample_a_reference_that_is_no_number_is_held_over_and_one_beyond_re
         causal.resume(&mut causal.settled(0.0), &r)
     };
     assert_eq!(with(&[(150, f64::NAN), (151, f64::INFINITY)]), with(&[(150, r[149]), (151, r[149])]));
-    let high = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().ends.1;
+    let high = inverse_of(&model).ends.1;
     let far = with(&[(150, 1e6)]);
     assert!(far.iter().all(|u| u.is_finite()) && far[150..155].contains(&high));
-}
-
-/// What the model puts out at rest.
-fn causal_rest(model: &Model) -> f64 {
-    model.simulate(&[0.0; 4000])[3999]
 }
 
 /// The twin of a bender and a model identified on records of it.
@@ -228,33 +209,34 @@ fn identified() -> (Plant, Model) {
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     };
-    let small = record(Prbs::default().samples(TS, 4094).unwrap());
+    let small_signal = [record(Prbs::default().samples(TS, 4094).unwrap())];
     let rising = |frequency: f64, n| {
-        record(RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(TS, n).unwrap())
+        record(RisingSine { amplitude: 28.0, frequency, ..Default::default() }.samples(TS, n).unwrap())
     };
-    let rich = [rising(2.0, 6000), rising(40.0, 3000)];
+    let large_signal = [rising(2.0, 6000), rising(40.0, 3000)];
     let operator = "generalised-prandtl-ishlinskii".into();
-    let options = IdentifyOptions { operator, order: Some(5), seed: 0, ..IdentifyOptions::default() };
-    let model = identify(Records { small_signal: &[small], large_signal: &rich }, &options).unwrap().model;
+    let options = IdentifyOptions { operator, order: Some(5), seed: 0, ..Default::default() };
+    let records = Records { small_signal: &small_signal, large_signal: &large_signal };
+    let model = identify(records, &options).unwrap().model;
     (plant, model)
 }
 
 #[test]
-fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
+fn on_the_twin_the_inverse_is_ten_times_better_than_a_gain_and_learning_is_better_still() {
     let (plant, model) = identified();
-    let inverse = FeedForward::new(&model, FeedForwardSettings::default()).unwrap();
+    let inverse = inverse_of(&model);
     let answer = |u: &[f64]| plant.run(u).y.iter().map(|y| 1e6 * y).collect::<Vec<_>>();
     let (low, high) = inverse.reach();
     let gain = (high - low) / (inverse.ends.1 - inverse.ends.0);
     for hz in [5.0, 40.0] {
         let r = sine(0.0, 800.0, hz, 1500);
-        let none = rms(&r, &answer(&r.iter().map(|r| r / gain).collect::<Vec<_>>()));
-        let made = rms(&r, &answer(&inverse.whole(&r).unwrap().u));
+        let none = rms_error(&r, &answer(&r.iter().map(|r| r / gain).collect::<Vec<_>>()));
+        let made = rms_error(&r, &answer(&inverse.whole(&r).unwrap().u));
         assert!(10.0 * made < none, "{hz} Hz: {made} um instead of {none} um");
     }
-    // 40 Hz; of a triangle a tenth per cent of the stroke.
+    // 40 Hz; for the triangle a tenth of a percent of the stroke.
     let sine: Vec<f64> = (0..50).map(|t| 800.0 * (TAU * f64::from(t) / 50.0).sin()).collect();
-    let triangle = Triangle { amplitude: 800.0, frequency: 40.0, ..Triangle::default() }.samples(TS, 50).unwrap();
+    let triangle = Triangle { amplitude: 800.0, frequency: 40.0, ..Default::default() }.samples(TS, 50).unwrap();
     for (period, most) in [(sine, 0.5), (triangle, 1.6)] {
         let mut x = plant.initial();
         let mut trial = |u: &[f64]| {
@@ -262,46 +244,46 @@ fn on_the_twin_it_is_ten_times_better_than_a_gain_and_learning_better_still() {
             last.iter().map(|y| 1e6 * y).collect()
         };
         let learned = Learning::default().run(&mut trial, &inverse, &period).unwrap();
-        let best = rms(&period, &learned.y);
+        let best = rms_error(&period, &learned.y);
         assert!(best < most && best < 0.5 * learned.rms[0], "{:?}", learned.rms);
     }
 }
 
 #[test]
-fn a_resonance_that_lies_elsewhere_is_learnt_from_what_it_did() {
-    // 166 Hz by the model, 135 Hz in truth, both with a damping of 0.03: at 140 Hz the answer has turned round.
+fn learning_adapts_to_a_resonance_at_another_frequency() {
+    // 166 Hz in the model, 135 Hz on the plant, both with a damping of 0.03: at 140 Hz the response has the opposite
+    // sign.
     let beam = |hz: f64| {
         let (decay, angle) = (0.03 * TAU * hz * 5e-4, TAU * hz * 5e-4);
         let a = vec![2.0 * (-decay).exp() * angle.cos(), -(-2.0 * decay).exp()];
         let b = 30.0 * (1.0 - a.iter().sum::<f64>());
         Arx::new(5e-4, a, vec![0.0, b]).unwrap()
     };
-    let plays = (crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+    let plays = (Operator::find(PLAYS).unwrap().example)(5e-4).unwrap();
     let of = |hz| Model::new(plays.clone(), beam(hz), 0.0).unwrap();
-    let inverse = FeedForward::new(&of(166.0), FeedForwardSettings::default()).unwrap();
-    let r = Triangle { amplitude: 300.0, frequency: 20.0, ..Triangle::default() }.samples(5e-4, 100).unwrap();
+    let inverse = inverse_of(&of(166.0));
+    let r = Triangle { amplitude: 300.0, frequency: 20.0, ..Default::default() }.samples(5e-4, 100).unwrap();
     let (truth, mut x) = (of(135.0), of(135.0).initial());
     let mut trial = |u: &[f64]| {
         (0..8).for_each(|_| drop(truth.resume(&mut x, u)));
         truth.resume(&mut x, u)
     };
-    let learned = (Learning { trials: 31, ..Learning::default() }).run(&mut trial, &inverse, &r).unwrap();
+    let learned = (Learning { trials: 31, ..Default::default() }).run(&mut trial, &inverse, &r).unwrap();
     let least = learned.rms.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(least < 0.05 * learned.rms[0], "{:?}", learned.rms);
 }
 
 #[test]
-fn learning_refuses_what_is_no_answer_and_takes_back_what_made_it_worse() {
-    let model = model("prandtl-ishlinskii", None);
-    let inverse = FeedForward::new(&model, FeedForwardSettings::default()).unwrap();
+fn learning_checks_the_responses_and_discards_bad_trials() {
+    let inverse = inverse_of(&model(PLAYS, None));
     let r: Vec<f64> = (0..100).map(|t| 500.0 * (TAU * f64::from(t) / 100.0).sin()).collect();
     let learnt = |plant: &mut dyn FnMut(&[f64]) -> Vec<f64>| Learning::default().run(plant, &inverse, &r);
     assert!(learnt(&mut |_| vec![0.0; 3]).unwrap_err().to_string().contains("has 3 samples"));
     assert!(learnt(&mut |_| vec![f64::NAN; 100]).unwrap_err().to_string().contains("NaN"));
-    // An actuator that goes the other way: every correction makes it worse.
+    // An actuator with the opposite sign: every correction increases the error.
     let first = learnt(&mut |u| u.iter().map(|u| -20.0 * u).collect()).unwrap();
     let best = first.rms.iter().copied().fold(f64::INFINITY, f64::min);
-    assert_close(&[rms(&r, &first.y)], &[best], 1e-12, 0.0);
-    let none = Learning { gain: 0.0, ..Learning::default() };
+    assert_close(&[rms_error(&r, &first.y)], &[best], 1e-12, 0.0);
+    let none = Learning { gain: 0.0, ..Default::default() };
     assert!(none.run(&mut |u| u.to_vec(), &inverse, &r).unwrap_err().to_string().starts_with("gain = 0"));
 }

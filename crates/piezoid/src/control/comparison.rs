@@ -1,7 +1,8 @@
-//! Several schemes on one plant along several references, side by side.
+//! Comparison of several schemes on one plant along several references.
 //!
-//! The error is r - y of the reading, noise of the sensor included, and counts from a sample of each reference on: of one that repeats
-//! after a quarter of a second in whole periods, since none begins as it goes on. Percent are of the height of the reference.
+//! The error is r - y of the measurement, with sensor noise. It counts from a start sample of each reference: for a
+//! periodic one after the whole periods that cover a quarter of a second. Percentages refer to the peak-to-peak value
+//! of the reference.
 
 use super::{ClosedLoopRun, FeedResult, Scaled, Spread, Tolerance, Tracking, TunedScheme};
 use crate::error::Error;
@@ -14,54 +15,54 @@ use crate::waveform::period;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-/// How long a reference that repeats takes to begin [s].
-const BEGINNING: f64 = 0.25;
+/// Time that does not count at the start of a periodic reference [s].
+const SETTLING: f64 = 0.25;
 
 /// A reference by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedReference {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// What is wanted [output unit].
+    /// The reference [output unit].
     pub r: Vec<f64>,
     /// The first sample that counts.
     pub from: usize,
 }
 
 impl NamedReference {
-    /// `r` every `ts` [s], counted after its first periods if it repeats, else from its start.
+    /// `r` every `ts` [s]; counts after its first periods if it is periodic, otherwise from its start.
     pub fn new(name: impl Into<String>, ts: f64, r: Vec<f64>) -> Self {
-        let begun = |period: usize| (BEGINNING / ts / period as f64).ceil() as usize * period;
+        let begun = |period: usize| (SETTLING / ts / period as f64).ceil() as usize * period;
         let from = period(&r).map_or(0, |period| begun(period).min(r.len() / period / 2 * period).max(period));
         NamedReference { name: name.into(), r, from }
     }
 
-    /// From end to end [output unit].
+    /// Peak-to-peak value [output unit].
     pub fn height(&self) -> f64 {
         let (low, high) = ends(self.r.iter().copied());
         high - low
     }
 }
 
-/// What one scheme did along one reference.
+/// Result of one scheme along one reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceResult {
     /// The feed-forward.
     pub feed_forward: FeedResult,
     /// The run.
     pub run: ClosedLoopRun,
-    /// How well it tracks.
+    /// Tracking error.
     pub tracking: Tracking,
 }
 
-/// What one scheme did.
+/// Results of one scheme.
 #[derive(Debug, Clone)]
 pub struct SchemeResult {
-    /// The scheme, ready for more.
+    /// The tuned scheme.
     pub drive: TunedScheme,
-    /// One a reference; what was refused says why.
+    /// One result per reference, or the error of the scheme.
     pub attempts: Vec<Result<ReferenceResult, Error>>,
-    /// How it does on plants of other tolerance along the first reference, if that was asked.
+    /// Results on plants within a tolerance, along the first reference, if requested.
     pub spread: Option<Spread>,
 }
 
@@ -72,7 +73,7 @@ impl SchemeResult {
     }
 }
 
-/// Schemes side by side.
+/// Several schemes, compared.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// Name of the plant.
@@ -81,16 +82,17 @@ pub struct Comparison {
     pub wanted: Vec<NamedReference>,
     /// The schemes, in the order given.
     pub driven: Vec<SchemeResult>,
-    /// What was left out, one sentence each.
+    /// Notes on omissions, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Comparison {
-    /// Drives the plant of `spec` along every reference by every scheme; with a tolerance also plants drawn about it, along the first.
+    /// Runs every scheme along every reference on the plant of `spec`; with a tolerance also on plants drawn around it,
+    /// along the first reference.
     ///
     /// # Errors
-    /// What every scheme refuses of a reference, or of all of them; what one alone refuses is told in its place. Models of different
-    /// sampling or units, nothing to compare, and work that is cancelled.
+    /// Returns an error if no scheme can follow a reference; an error of one scheme alone is part of its results.
+    /// Further errors: models with different sampling or units, an empty list, and cancellation.
     pub fn run(
         (name, spec): (&str, &Spec),
         drives: Vec<TunedScheme>,
@@ -114,12 +116,8 @@ impl Comparison {
                 });
             }
         }
-        if let Some(still) = wanted.iter().find(|wanted| wanted.height() <= 0.0) {
-            return Err(Error::parameter(
-                "reference",
-                &still.name,
-                "must move: nothing can be told of one that stands",
-            ));
+        if let Some(constant) = wanted.iter().find(|wanted| wanted.height() <= 0.0) {
+            return Err(Error::parameter("reference", &constant.name, "must not be constant"));
         }
         let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
         let attempt = |drive: &TunedScheme, wanted: &NamedReference| -> Result<ReferenceResult, Error> {
@@ -144,7 +142,7 @@ impl Comparison {
             };
             driven.push(SchemeResult { drive, attempts, spread });
         }
-        // A reference that nothing follows is a mistake in it.
+        // If every scheme fails, the reference is wrong.
         let refused = |k: &usize| driven.iter().all(|d| d.attempts[*k].is_err());
         let none = (0..wanted.len()).find(refused);
         if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
@@ -160,7 +158,8 @@ impl Comparison {
         self.driven.first().map_or("", |d| &d.drive.model().units().y)
     }
 
-    /// All figures as one document: `references`, then `schemes`, each with its `margins`, `tracking` a reference, and `tolerance`.
+    /// All results as one document: `references`, then `schemes`, each with its `margins`, `tracking` per reference,
+    /// and `tolerance`.
     pub fn to_json(&self) -> Value {
         let attempt = |wanted: &NamedReference, attempt: &Result<ReferenceResult, Error>| match attempt {
             Err(error) => json!({"reference": wanted.name, "refused": error.to_string()}),

@@ -1,16 +1,16 @@
-//! Disturbance observer: what the nominal plant does not explain is taken for a voltage, low-passed and taken off.
+//! Disturbance observer: the disturbance voltage is estimated with the nominal plant, low-pass filtered and subtracted.
 //!
 //! ```text
 //! w_t = Q(q) (g F(q) e_t + w_{t-d}),    u_t = feed_t + w_t within the limits
 //! F(q) = A(q) / (k B(1)),    q^-d k B(1) / A(q) for the loop's k B(q) q^-(1+l) / A(q)
 //! ```
-//! F e is the voltage that the error stands for by the nominal plant, w_{t-d} what was given then; where Q is 1 their
-//! difference is the disturbance, and w undoes it. A(q) is a notch at every pole of the model. d is the delay at rest of the
-//! numerator, the sample of the loop and the l by which readings come late. Q is a lag of second order, critically damped. It
-//! needs no guard against windup: w is what the limits let through.
+//! F e is the voltage that corresponds to the error by the nominal plant; w_{t-d} is the correction applied at that
+//! time. Where Q is 1 their difference is the disturbance, and w cancels it. A(q) acts as a notch at every pole of the
+//! model. d is the sum of the static delay of the numerator, the sample of the loop and the sensor delay l. Q is a
+//! critically damped low-pass of second order. It needs no anti-windup, because w is the voltage after the limits.
 //!
-//! Reference: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatron. 1, 56 (1996), DOI 10.1109/3516.491410. It does not
-//! do: the inverse of the numerator, whose zeros may lie anywhere.
+//! Reference: K. Ohnishi, M. Shibata, T. Murakami, IEEE/ASME Trans. Mechatron. 1, 56 (1996), DOI 10.1109/3516.491410.
+//! It does not do: an inverse of the numerator, whose zeros may lie outside the unit circle.
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{spread, strongest};
@@ -21,7 +21,7 @@ use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
-/// The controller. State: that of g F, then of Q, then the last w, newest first [V].
+/// The controller. State: that of g F, that of Q, and the last values of w, newest first [V].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DisturbanceObserver {
     inverse: Arx,
@@ -31,16 +31,16 @@ pub(crate) struct DisturbanceObserver {
 }
 
 impl DisturbanceObserver {
-    /// For this loop, with the corner of Q [Hz] and the share g of the whole correction [-].
+    /// The observer of a loop, with the corner frequency of Q [Hz] and the share g of the full correction [-].
     ///
     /// # Errors
-    /// Refuses a corner that is not positive, a share that is not finite, and a loop without gain at rest.
+    /// Returns an error for a corner that is not positive, a share that is not finite, and a loop without static gain.
     pub(crate) fn new(path: &ControlLoop, corner_hz: f64, share: f64) -> Result<Self, Error> {
         positive("corner_hz", corner_hz, "Hz")?;
         check(&[("share", share)], path.limits)?;
         let (ts, b) = (path.linear().ts(), path.linear().b());
         let rest: f64 = b.iter().sum();
-        let gain = positive("gain at rest", path.slope.1 * rest, "output units a volt")?;
+        let gain = positive("static gain", path.slope.1 * rest, "output units per volt")?;
         let mean = b.iter().enumerate().map(|(k, b)| k as f64 * b).sum::<f64>() / rest;
         let delay = 1 + path.late + mean.round().clamp(0.0, 100.0) as usize;
         let f: Vec<f64> = path.linear().denominator().iter().map(|a| share * a / gain).collect();
@@ -102,7 +102,7 @@ fn control_step(s: control_state, r, y, feed) {{
 
 pub(super) const ROW: ControllerKind = ControllerKind {
     name: "disturbance-observer",
-    summary: "takes off, low-passed, the voltage that the nominal plant does not explain",
+    summary: "subtracts the low-pass filtered disturbance voltage, estimated with the nominal plant",
     reference: "Ohnishi, Shibata & Murakami 1996, DOI 10.1109/3516.491410",
     uses_feed_forward: true,
     tune: |path, target| {
@@ -117,6 +117,7 @@ mod tests {
     use super::super::margins::tests::path_of;
     use super::*;
     use crate::control::ClosedLoop;
+    use crate::control::tests::assert_follows_its_law;
     use crate::testing::assert_close;
 
     fn path() -> ControlLoop {
@@ -124,20 +125,15 @@ mod tests {
     }
 
     #[test]
-    fn its_steps_are_those_of_its_law() {
-        let c = DisturbanceObserver::new(&path(), 20.0, 0.8).unwrap();
-        let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
-        let mut x = c.initial();
-        let u: Vec<f64> =
-            e.iter().map(|&e| c.step(&mut x, &ControllerInput { r: e, ..ControllerInput::default() })).collect();
-        assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-9);
+    fn its_steps_follow_its_law() {
+        assert_follows_its_law(&DisturbanceObserver::new(&path(), 20.0, 0.8).unwrap(), 0.0);
     }
 
     #[test]
-    fn a_constant_disturbance_is_taken_off_whole() {
+    fn a_constant_disturbance_is_removed() {
         let path = path();
         let c = DisturbanceObserver::new(&path, 10.0, 1.0).unwrap();
-        // A feed-forward that is off by 0.3 V.
+        // The feed-forward has an error of 0.3 V.
         let y = ClosedLoop::new(&[1.0; 4000], &[0.7; 4000], path.limits).run(path.linear(), &c).unwrap().y;
         assert_close(&y[3999..], &[1.0], 0.0, 1e-6);
     }

@@ -1,14 +1,14 @@
-//! Feed-forwards: voltages for a reference, made before the run or in it.
+//! Feed-forwards: voltages for a reference, computed before or during the run.
 //!
 //! ```text
-//! gain           u_t = k (r_{t+s} - r_mean) + u_0     k, u_0 and s of least error over the model's own answer to it
-//! feed-forward   u = model^-1 (r)                     all of r known, or as many samples ahead as are told
-//! learning       u_{j+1} from r - y_j                 tried on the plant itself, of references that repeat
+//! gain           u_t = k (r_{t+s} - r_mean) + u_0     k, u_0 and s of least error in the model's response
+//! feed-forward   u = model^-1 (r)                     all of r known, or a given number of samples of preview
+//! learning       u_{j+1} from r - y_j                 trials on the plant, for periodic references
 //! ```
-//! `gain` is as good as a straight line can be for this very reference, shifted by as many samples as are known ahead and help: what
-//! others gain over it is not owed to a poor line.
+//! `gain` is the best straight line for the given reference, shifted by up to as many samples as there are of preview.
+//! Thus it is a fair baseline: the improvement by the others is not due to a badly chosen line.
 //!
-//! Reference: as the rows. It does not do: references that are made up on the way.
+//! Reference: see the rows. It does not do: references that are generated during the run.
 
 use crate::compensation::{Causal, FeedForward, FeedForwardSettings, FirDesign, Learning};
 use crate::error::{Error, row};
@@ -17,70 +17,65 @@ use crate::series::{mean, scatter};
 use crate::system::System;
 use crate::waveform::period;
 
-/// How long a trial is repeated before it is looked at, and how long it is then averaged, both in whole periods [s].
+/// Time for which a trial settles, and then for which it is averaged, both rounded up to whole periods [s].
 const SETTLES: f64 = 0.25;
 
-/// How often the straight line is corrected: its gain depends on the height of the loop.
-const STRAIGHTENED: usize = 4;
+/// Number of corrections of the straight line: its gain depends on the height of the loop.
+const LINE_CORRECTIONS: usize = 4;
 
-/// How many samples the straight line may look ahead.
+/// Largest preview of the straight line [samples].
 const SHIFT: usize = 8;
 
-/// How far ahead is as good as all [samples]: what the inverse for whole references looks ahead.
+/// Preview that counts as the whole reference [samples]: the one of the inverse for whole references.
 pub(super) const ALL: usize = FirDesign::WHOLE.ahead;
 
-/// What a feed-forward is made for.
+/// The input of a feed-forward.
 #[derive(Debug, Clone, Copy)]
 pub struct FeedRequest<'a> {
     /// The model.
     pub model: &'a Model,
-    /// Limits and whether to clip.
+    /// Limits and clipping.
     pub settings: FeedForwardSettings,
-    /// What is wanted [output unit].
+    /// The reference [output unit].
     pub r: &'a [f64],
-    /// Samples of it known beyond the present one.
+    /// Preview [samples].
     pub ahead: usize,
-    /// The plant, for those that try.
+    /// The plant, for learning trials.
     pub plant: &'a dyn System,
 }
 
-/// A feed-forward, and how it came about.
+/// The output of a feed-forward.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FeedResult {
-    /// The voltages, one a sample of the reference [V].
+    /// The voltages, one per sample of the reference [V].
     pub u: Vec<f64>,
-    /// Rms error of each trial, if there were any [output unit].
+    /// Rms error of each learning trial [output unit].
     pub trials: Vec<f64>,
-    /// State of the plant after them.
+    /// State of the plant after the trials.
     pub after: Option<Vec<f64>>,
-    /// What is worth knowing, one sentence each.
+    /// Remarks, one sentence each.
     pub notes: Vec<String>,
 }
 
 /// One kind of feed-forward: a row of [`FEED_FORWARDS`].
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct FeedForwardKind {
-    /// As users write it.
+    /// Name in options and files.
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// Where it comes from.
+    /// Publication.
     pub reference: &'static str,
-    /// Makes it. Refused where the reference cannot be reached, or where it does not repeat and has to.
+    /// Computes the feed-forward, or returns an error if the reference cannot be reached, or has to be periodic and is
+    /// not.
     pub make: fn(&FeedRequest) -> Result<FeedResult, Error>,
 }
 
-impl std::fmt::Debug for FeedForwardKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Feed").field(&self.name).finish()
-    }
-}
-
-/// The feed-forwards there are; the first is taken where none is named.
+/// All feed-forwards; the first is the default.
 pub static FEED_FORWARDS: &[FeedForwardKind] = &[
     FeedForwardKind {
         name: "gain",
-        summary: "a straight line from displacement to voltage: no compensation",
+        summary: "a constant gain from displacement to voltage: no compensation",
         reference: "least squares",
         make: line,
     },
@@ -92,13 +87,13 @@ pub static FEED_FORWARDS: &[FeedForwardKind] = &[
     },
     FeedForwardKind {
         name: "learning",
-        summary: "the inverse, corrected by ten trials on the plant; for references that repeat",
+        summary: "the inverse, corrected by ten learning trials on the plant; for periodic references",
         reference: "Bristow, Tharayil & Alleyne 2006, DOI 10.1109/MCS.2006.1636313",
         make: learnt,
     },
 ];
 
-/// First through the ends of the loop, then by what the model answers.
+/// Starts with the line through the ends of the loop, then corrects it by the response of the model.
 fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
     let FeedRequest { model, r, ahead, .. } = *request;
     let (low, high) = request.settings.ends(model)?;
@@ -114,11 +109,11 @@ fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
         let later = r.iter().skip(shift).copied().chain(std::iter::repeat_n(last, shift.min(r.len())));
         later.map(|r| k * (r - middle) + u_0).collect::<Vec<f64>>()
     };
-    let left = |y: &[f64]| y.iter().zip(r).map(|(y, r)| (r - y) * (r - y)).sum::<f64>();
+    let squares = |y: &[f64]| y.iter().zip(r).map(|(y, r)| (r - y) * (r - y)).sum::<f64>();
     let fitted = |shift: usize| {
         let (mut k, mut u_0) = (1.0 / gain, 0.5 * (low + high));
         let answer = |u: &[f64]| model.resume(&mut model.settled(u.first().copied().unwrap_or(0.0)), u);
-        for _ in 0..STRAIGHTENED {
+        for _ in 0..LINE_CORRECTIONS {
             let y = answer(&along(k, u_0, shift));
             let (centre, moved) = (mean(&y), scatter(&y));
             let together: f64 = y.iter().zip(r).map(|(y, r)| (y - centre) * (r - middle)).sum();
@@ -128,32 +123,32 @@ fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
             u_0 += (middle - centre) / gain;
         }
         let u = along(k, u_0, shift);
-        (left(&answer(&u)), u)
+        (squares(&answer(&u)), u)
     };
     let shifts = (0..=ahead.min(SHIFT)).map(fitted);
     let best = shifts.min_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(FeedResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..FeedResult::default() })
+    Ok(FeedResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..Default::default() })
 }
 
 fn inverse(request: &FeedRequest) -> Result<FeedResult, Error> {
     let FeedRequest { model, settings, r, ahead, .. } = *request;
     if ahead >= ALL {
         let made = FeedForward::new(model, settings)?.whole(r)?;
-        return Ok(FeedResult { u: made.u, notes: made.notes, ..FeedResult::default() });
+        return Ok(FeedResult { u: made.u, notes: made.notes, ..Default::default() });
     }
     crate::error::finite("reference", r)?;
     let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedResult::default()) };
     let causal = Causal::new(model, settings, ahead)?;
     let (known, rest) = r.split_at(ahead.min(r.len()));
     let mut x = causal.settled_with_preview(first, known);
-    let told = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
-    Ok(FeedResult { u: told.map(|r| causal.step(&mut x, r)).collect(), ..FeedResult::default() })
+    let previewed = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
+    Ok(FeedResult { u: previewed.map(|r| causal.step(&mut x, r)).collect(), ..Default::default() })
 }
 
 fn learnt(request: &FeedRequest) -> Result<FeedResult, Error> {
     let FeedRequest { model, settings, r, plant, .. } = *request;
     let Some(n) = period(r) else {
-        return Err(Error::parameter("reference", "a path that never repeats", "must repeat to be learnt"));
+        return Err(Error::parameter("reference", "not periodic", "learning needs a periodic reference"));
     };
     let mut x = plant.initial();
     let periods = (SETTLES / (n as f64 * model.ts())).ceil() as usize;
@@ -170,14 +165,15 @@ fn learnt(request: &FeedRequest) -> Result<FeedResult, Error> {
         u: learnt.u.iter().copied().cycle().take(r.len()).collect(),
         trials: learnt.rms,
         after: Some(x),
-        ..FeedResult::default()
+        ..Default::default()
     })
 }
 
 impl FeedForwardKind {
-    /// The feed-forward called `name`.    ///
+    /// The feed-forward called `name`.
+    ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("feed-forward", FEED_FORWARDS.iter(), |row| row.name, name)
     }

@@ -1,15 +1,16 @@
-//! Integral with notches: an integrator whose output avoids the modes.
+//! Integral with notches: an integrator whose output does not excite the modes.
 //!
 //! ```text
 //! I_t = I_{t-1} + k_i Ts e_t,    w_t = N_1(q) N_2(q) ... I_t,    u_t = feed_t + w_t within the limits
 //! N(s) = (s^2 + 2 d w s + w^2) / (s^2 + 2 D w s + w^2),    D > d, by matched poles
 //! ```
-//! A notch takes the peak of its mode out of the loop, so that the integral may be as much stronger; D says how far the mode may
-//! lie from where it was identified. The integral stands still while u is at a limit and e leads further beyond it.
+//! A notch removes the peak of its mode from the loop, so that the integral gain can be larger by that factor. D sets
+//! how far the mode may be from its identified frequency. The integral is frozen while u is at a limit and e drives it
+//! further beyond.
 //!
-//! Reference: D. Y. Abramovitch, S. Hoen, R. Workman, Proc. American Control Conference 2008, 2684,
-//! DOI 10.1109/ACC.2008.4586898 (integral, PI and notches on positioners). It does not do: damping of the mode, which rings on as
-//! it did when something else excites it.
+//! Reference: D. Y. Abramovitch, S. Hoen, R. Workman, Proc. American Control Conference 2008, 2684, DOI
+//! 10.1109/ACC.2008.4586898 (integral, PI and notches on positioners). It does not do: damping of the mode, which still
+//! rings when something else excites it.
 
 use super::filters::{notch, ratio, times};
 use super::tune::{modes, spread, strongest};
@@ -20,7 +21,7 @@ use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
-/// The controller. State: the integral [V], then that of each notch.
+/// The controller. State: the integral [V], then the states of the notches.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct IntegralNotch {
     ts: f64,
@@ -30,11 +31,12 @@ pub(crate) struct IntegralNotch {
 }
 
 impl IntegralNotch {
-    /// `ki` [V / (output unit s)], and of each notch its frequency [Hz] and the damping ratios d and D up to 1, between the
-    /// lowest and the highest voltage [V].
+    /// `ki` [V / (output unit s)]; frequency [Hz] and damping ratios d and D (up to 1) of each notch; lowest and
+    /// highest voltage [V].
     ///
     /// # Errors
-    /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
+    /// Returns an error for values that are not positive or finite, a damping ratio above 1, and limits in the wrong
+    /// order.
     pub(crate) fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         check(&[("ki", ki)], limits)?;
@@ -111,7 +113,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
     tune: |path, target| {
         let ts = path.linear().ts();
         let modes = modes(path.linear());
-        // How many modes, how wide, how deep, and how far from the mode: a detuned mode counts below and above it.
+        // Number of modes, width, depth, and offset from the mode: a detuned mode can be below or above it.
         let shapes = (0..=modes.len().min(3)).flat_map(|n| spread(0.1, 1.0, 8).map(move |wide| (n, wide)));
         let shapes = shapes.flat_map(|(n, wide)| [0.1, 0.3, 0.6].map(|deep| (n, wide, deep)));
         let shapes = shapes.flat_map(|(n, wide, deep)| [0.85, 0.92, 1.0, 1.08].map(|off| (n, wide, deep, off)));
@@ -126,25 +128,19 @@ pub(super) const ROW: ControllerKind = ControllerKind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use crate::control::tests::assert_follows_its_law;
 
     #[test]
-    fn its_steps_are_those_of_its_law_until_a_limit_is_met() {
+    fn its_steps_follow_its_law() {
         let notches = [(160.0, 0.03, 0.5), (900.0, 0.02, 0.3)];
-        let c = IntegralNotch::new(5e-4, 10.0, &notches, (-1e6, 1e6)).unwrap();
-        let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.7).sin()).collect();
-        let mut x = c.initial();
-        let u: Vec<f64> =
-            e.iter().map(|&e| c.step(&mut x, &ControllerInput { r: e, ..ControllerInput::default() })).collect();
-        assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
+        assert_follows_its_law(&IntegralNotch::new(5e-4, 10.0, &notches, (-1e6, 1e6)).unwrap(), 0.0);
     }
 
     #[test]
-    fn the_integral_does_not_grow_at_a_limit() {
+    fn the_integral_is_frozen_at_a_limit() {
         let c = IntegralNotch::new(5e-4, 10.0, &[(160.0, 0.03, 0.5)], (-1.0, 1.0)).unwrap();
         let mut x = c.initial();
-        (0..10_000)
-            .for_each(|_| assert!(c.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }) <= 1.0));
+        (0..10_000).for_each(|_| assert!(c.step(&mut x, &ControllerInput { r: 1.0, ..Default::default() }) <= 1.0));
         assert!(x[0] < 1.1, "{}", x[0]);
     }
 

@@ -1,13 +1,13 @@
-//! The closed loop on a plant, sample by sample, and how well it tracks.
+//! The closed loop on a plant, sample by sample, and its tracking error.
 //!
 //! ```text
 //! u_t = C(y_{t-1-d}, r_{t-1-d}, feed_t, r_t ... r_{t+p}) within the limits,    y_t = plant(u_t)
 //! ```
-//! y_t is what the plant returns for u_t, so that the voltage answers the measurement before: one sample of delay, and d more
-//! where readings come late. The error of a measurement is taken from what was wanted at its instant; a feed-forward that is
-//! exact is thus left alone. Before the first sample the plant has stood for long, and is wanted where it is.
+//! y_t is the response of the plant to u_t. The voltage answers the measurement before: one sample of delay, plus a
+//! sensor delay of d samples. The error of a measurement refers to the reference at its instant, so that an exact
+//! feed-forward is left unchanged. Before the first sample the plant is settled and the error is zero.
 //!
-//! Reference: none; it is the definition. It does not do: delays of part of a sample, or jitter.
+//! Reference: none; it is the definition. It does not do: delays of a fraction of a sample, jitter.
 
 use super::{Controller, ControllerInput};
 use crate::error::{Error, finite};
@@ -16,12 +16,12 @@ use crate::record::Record;
 use crate::record::Units;
 use crate::system::System;
 
-/// A plant in other units: its output times a factor, as micrometres from a plant in metres.
+/// A plant in other units: its output times a factor, for example micrometres for a plant in metres.
 #[derive(Debug, Clone)]
 pub(crate) struct Scaled<S> {
     /// The plant.
     pub system: S,
-    /// Output unit wanted over output unit [-].
+    /// Factor from the plant's unit to the output unit [-].
     pub factor: f64,
 }
 
@@ -29,7 +29,7 @@ impl<S: System> Scaled<S> {
     /// A plant in metres, in the unit of the output of `model`.
     ///
     /// # Errors
-    /// An output that is no length.
+    /// Returns an error if the output of `model` is not a length.
     pub(crate) fn of(system: S, model: &Model) -> Result<Self, Error> {
         let unit = &model.units().y;
         let not_a_length = || {
@@ -62,29 +62,29 @@ impl<S: System> System for Scaled<S> {
     }
 }
 
-/// What a loop is to follow, and how.
+/// The settings of a closed loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedLoop<'a> {
-    /// What is wanted [output unit].
+    /// The reference [output unit].
     pub r: &'a [f64],
-    /// Feed-forward, as long; zeros for none [V].
+    /// Feed-forward, one value per sample of the reference; zeros for none [V].
     pub feed: &'a [f64],
-    /// Lowest and highest voltage; what lies beyond is clipped [V].
+    /// Lowest and highest voltage; voltages outside are clipped [V].
     pub limits: (f64, f64),
-    /// The fastest change of voltage; what is faster is clipped, and infinite where there is no limit [V/s].
+    /// Largest rate of the voltage; faster changes are clipped. Infinite for no limit [V/s].
     pub slew: f64,
-    /// Samples d by which readings come late.
+    /// Sensor delay d [samples].
     pub late: usize,
-    /// Samples p of the reference known beyond the present one.
+    /// Preview p of the reference [samples].
     pub ahead: usize,
-    /// Voltage that has stood before for long [V].
+    /// Voltage at which the plant has settled [V].
     pub start: f64,
-    /// State of the plant before, if it has been on this course already.
+    /// State of the plant at the start, if it is not settled: the end of an earlier run.
     pub before: Option<&'a [f64]>,
 }
 
 impl<'a> ClosedLoop<'a> {
-    /// From rest at 0 V, with readings in time and a reference known to its end.
+    /// From rest at 0 V, without sensor delay and with the whole reference known.
     pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
         ClosedLoop { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, start: 0.0, before: None }
     }
@@ -106,7 +106,8 @@ impl ClosedLoop<'_> {
     /// ```
     ///
     /// # Errors
-    /// Refuses series that are not finite or not equally long, other sampling periods, and limits the wrong way round.
+    /// Returns an error for series that are not finite or differ in length, different sampling periods, and limits in
+    /// the wrong order.
     pub fn run(&self, plant: &dyn System, controller: &dyn Controller) -> Result<ClosedLoopRun, Error> {
         let ClosedLoop { r, feed, limits, slew, late, ahead, start, before } = *self;
         super::check(&[], limits)?;
@@ -126,18 +127,17 @@ impl ClosedLoop<'_> {
             Some(_) => r.first().copied().unwrap_or(0.0),
         };
         let step = slew * plant.ts();
-        // An inverse comes as near to a limit as it is exact.
+        // The inverse reaches a limit only within its own accuracy.
         let near = 1e-6 * (limits.1 - limits.0);
         let mut limited = 0;
         for (t, &feed) in feed.iter().enumerate() {
-            let (read, wanted) =
-                t.checked_sub(late).and_then(|t| t.checked_sub(1)).map_or((rest, rest), |t| (y[t], r[t]));
+            let (y_read, r_read) = t.checked_sub(late.saturating_add(1)).map_or((rest, rest), |t| (y[t], r[t]));
             let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
-            let now = ControllerInput { y: read, r: wanted, feed, ahead: &r[t..known] };
-            let asked = controller.step(&mut state, &now);
+            let input = ControllerInput { y: y_read, r: r_read, feed, ahead: &r[t..known] };
+            let requested = controller.step(&mut state, &input);
             let (low, high) = ((last - step).max(limits.0), (last + step).min(limits.1));
-            last = if asked.is_finite() { asked.clamp(low, high) } else { last };
-            limited += usize::from(last != asked || last <= limits.0 + near || last >= limits.1 - near);
+            last = if requested.is_finite() { requested.clamp(low, high) } else { last };
+            limited += usize::from(last != requested || last <= limits.0 + near || last >= limits.1 - near);
             u.push(last);
             y.push(plant.step(&mut x, last));
         }
@@ -145,20 +145,20 @@ impl ClosedLoop<'_> {
     }
 }
 
-/// A run of the loop.
+/// Result of a run of the loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedLoopRun {
-    /// What was wanted [output unit].
+    /// The reference [output unit].
     pub r: Vec<f64>,
-    /// What was measured [output unit].
+    /// The measured output [output unit].
     pub y: Vec<f64>,
     /// The voltages [V].
     pub u: Vec<f64>,
-    /// Samples whose voltage was at a limit, or clipped.
+    /// Number of samples at a limit or clipped.
     pub limited: usize,
 }
 
-/// How well a run tracks.
+/// Tracking error of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracking {
     /// Rms of r - y [output unit].
@@ -167,17 +167,18 @@ pub struct Tracking {
     pub max: f64,
     /// 100 rms / stroke [%].
     pub percent_of_stroke: f64,
-    /// Rms of the change of voltage a sample [V].
+    /// Rms of the change of voltage per sample [V].
     pub effort: f64,
 }
 
 impl ClosedLoopRun {
-    /// The highest voltage to either side [V].
+    /// The largest absolute voltage [V].
     pub fn highest(&self) -> f64 {
         self.u.iter().fold(0.0, |m, u| m.max(u.abs()))
     }
 
-    /// How well it tracks from sample `from` on, of a stroke [output unit] from end to end; NaN if nothing is left.
+    /// Tracking error from sample `from` on, for a peak-to-peak reference of `stroke` [output unit]; NaN for an empty
+    /// range.
     pub fn tracking(&self, from: usize, stroke: f64) -> Tracking {
         let from = from.min(self.r.len());
         let errors = || self.r[from..].iter().zip(&self.y[from..]).map(|(r, y)| r - y);
@@ -200,7 +201,7 @@ mod tests {
     use crate::linear::Arx;
 
     #[test]
-    fn an_exact_feed_forward_is_left_alone() {
+    fn an_exact_feed_forward_is_left_unchanged() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let feed: Vec<f64> = (0..500).map(|t| (f64::from(t) * 0.1).sin()).collect();
         let r = plant.simulate(&feed);
@@ -210,8 +211,8 @@ mod tests {
     }
 
     #[test]
-    fn a_controller_is_told_of_late_readings_what_was_wanted_then_and_no_more_of_the_future_than_is_known() {
-        /// Answers with what it is told, in digits.
+    fn a_controller_gets_the_reference_of_delayed_measurements_and_only_the_preview() {
+        /// Returns its inputs as digits.
         #[derive(Debug)]
         struct Echo;
         impl Controller for Echo {
@@ -230,16 +231,16 @@ mod tests {
         }
         let plant = Arx::gain(1e-3, 1e-20).unwrap();
         let r = [1.0, 2.0, 3.0, 4.0, 5.0];
-        let told = |late, ahead| {
+        let seen = |late, ahead| {
             let closed_loop = ClosedLoop { late, ahead, ..ClosedLoop::new(&r, &[0.0; 5], (-1e12, 1e12)) };
             closed_loop.run(&plant, &Echo).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
         };
-        assert_eq!(told(0, 1), [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]);
-        assert_eq!(told(2, 9), [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]);
+        assert_eq!(seen(0, 1), [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]);
+        assert_eq!(seen(2, 9), [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]);
     }
 
     #[test]
-    fn what_is_no_number_or_does_not_fit_is_refused() {
+    fn series_that_are_not_finite_or_differ_in_length_are_errors() {
         let plant = Arx::gain(1e-3, 1.0).unwrap();
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
         let message =
@@ -251,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn tracking_is_of_what_follows_the_first_samples() {
+    fn tracking_ignores_the_first_samples() {
         let done = ClosedLoopRun { r: vec![9.0, 1.0, 2.0], y: vec![0.0, 0.0, 4.0], u: vec![7.0, 1.0, 3.0], limited: 0 };
         let t = done.tracking(1, 50.0);
         assert_eq!((t.max, t.effort, t.percent_of_stroke), (2.0, 2.0, 2.0 * t.rms));

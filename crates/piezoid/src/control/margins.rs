@@ -1,16 +1,17 @@
-//! How far a loop is from ringing: gain and phase margin, sensitivity peak, bandwidth, poles.
+//! Stability margins of a loop: gain and phase margin, sensitivity peak, bandwidth, poles.
 //!
 //! ```text
 //! L = C(q) k G(q) q^-(1+d),    S = 1 / (1 + L),    Ms = max |S|
 //! ```
-//! q^-1 is the sample between a measurement and the voltage that answers it, d how many samples later readings come. k is the
-//! slope dz/du of the hysteresis block, which differs from place to place of a loop and within minor ones; margins hold where
-//! they hold for the largest. Creep adds to a slow slope at most the sum of its gains, and the largest slope here includes it.
-//! Frequency responses are taken on a logarithmic grid that is finer around every mode, and where late readings turn the
-//! phase; between its points L is a chord. Whether the loop is stable is asked of its poles, which have no grid.
+//! q^-1 is the sample between a measurement and the voltage that answers it; d is the sensor delay in samples. k is the
+//! slope dz/du of the hysteresis block. It varies along a loop and in minor loops; the margins hold for all slopes if
+//! they hold for the largest. Creep adds to slow slopes at most the sum of its gains; the largest slope includes it.
+//! Frequency responses are computed on a logarithmic grid that is finer around every mode, and for a sensor delay at
+//! high frequencies. Between its points L is interpolated linearly. Stability is checked with the poles, without a
+//! grid.
 //!
-//! Reference: K. J. Astrom, R. M. Murray, Feedback Systems, 2008, ISBN 978-0-691-13576-2, chapter 9. It does not do: limit
-//! cycles, the time-varying slope as such (see the circle criterion), delays of part of a sample.
+//! Reference: K. J. Astrom, R. M. Murray, Feedback Systems, 2008, ISBN 978-0-691-13576-2, chapter 9. It does not do:
+//! limit cycles, the time-varying slope as such (see the circle criterion), delays of a fraction of a sample.
 
 use super::Controller;
 use super::filters::{plus, ratio, times};
@@ -22,58 +23,58 @@ use crate::system::System;
 use nalgebra::Complex;
 use serde::Serialize;
 
-/// Points of the grid in all, and around each mode to either side.
+/// Number of grid points, and of points on each side of a mode.
 const POINTS: usize = 500;
 const AROUND: i32 = 60;
 
-/// Points for each sample by which readings come late: 6 degrees of its phase.
+/// Grid points per sample of sensor delay: 6 degrees of its phase.
 const TURN: usize = 32;
 
-/// Share of the sampling rate up to which all must be known for nothing to lie beyond.
+/// Share of the sampling rate above which a model counts as known at all frequencies.
 const KNOWN: f64 = 0.4;
 
-/// Samples of each way on which the slope is taken.
+/// Samples of each ramp on which the slope is computed.
 const LEG: usize = 200;
 
-/// What a controller sees of a model: slope, linear block, and the voltages there are.
+/// A model as a controller sees it: slopes, linear block, voltage limits.
 #[derive(Debug, Clone)]
 pub struct ControlLoop {
-    /// The model it is of.
+    /// The model.
     pub model: Model,
-    /// Smallest and largest slope dz/du, the latter with all its creep [z unit / V].
+    /// Smallest and largest slope dz/du; the largest includes all creep [z unit / V].
     pub slope: (f64, f64),
     /// Lowest and highest voltage [V].
     pub limits: (f64, f64),
-    /// The fastest change of voltage, infinite where there is no limit [V/s]. Margins know nothing of it.
+    /// Largest rate of the voltage, infinite for no limit [V/s]. The margins do not depend on it.
     pub slew: f64,
-    /// Samples d by which readings come late, [`ControlLoop::LATEST`] at most.
+    /// Sensor delay d [samples], at most [`ControlLoop::LATEST`].
     pub late: usize,
 }
 
-/// How far a loop is from ringing.
+/// Stability margins of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
-    /// By how much the gain may grow [dB]; infinite if without end.
+    /// Gain margin [dB]; infinite if there is no limit.
     pub gain_db: f64,
-    /// By how much the phase may lag or lead [degrees]; infinite if |L| never is 1.
+    /// Phase margin in both directions [degrees]; infinite if |L| is never 1.
     pub phase_deg: f64,
     /// Ms, the largest |S| [-].
     pub peak: f64,
-    /// Where |S| first rises above -3 dB [Hz]; 0 if it begins there.
+    /// Lowest frequency with |S| = -3 dB [Hz]; 0 if |S| is larger from the start.
     pub bandwidth_hz: f64,
-    /// Whether every pole of the closed loop lies inside the unit circle.
+    /// True if every pole of the closed loop lies inside the unit circle.
     pub stable: bool,
 }
 
 impl ControlLoop {
-    /// Samples by which readings may come late, at most, for a controller to be tuned.
+    /// Largest sensor delay for which controllers are tuned [samples].
     pub const LATEST: usize = 20;
 
-    /// The loop of a model between the lowest and the highest voltage [V], with readings in time. The slew limit of a driver in the
-    /// model is left out.
+    /// The loop of a model between the lowest and the highest voltage [V], without sensor delay. A slew limit of the
+    /// driver in the model is ignored.
     ///
     /// # Errors
-    /// Refuses limits the wrong way round.
+    /// Returns an error for limits in the wrong order.
     pub fn of(model: &Model, limits: (f64, f64)) -> Result<Self, Error> {
         super::check(&[], limits)?;
         let crept: f64 = model.creep().lags().iter().map(|lag| lag.gain.max(0.0)).sum();
@@ -82,7 +83,7 @@ impl ControlLoop {
         Ok(ControlLoop { model: model.clone(), slope, limits, slew: f64::INFINITY, late: 0 })
     }
 
-    /// Refuses a loop that no law with a positive gain closes.
+    /// Returns an error if the gain of the loop is not positive.
     pub(super) fn check_positive_gain(&self) -> Result<(), Error> {
         let (slope, gain) = (self.slope.1, self.linear().dc_gain());
         if slope > 0.0 && slope.is_finite() && gain > 0.0 {
@@ -90,31 +91,31 @@ impl ControlLoop {
         }
         let (low, high) = self.limits;
         let because = format!(
-            "slope {slope} of the hysteresis times gain {gain} of the linear block is not a positive number: turn the sign of y, or \
-             identify the model on records that cover {low} to {high} V"
+            "slope {slope} of the hysteresis times gain {gain} of the linear block must be positive: change the sign of y, or \
+identify the model on records that cover {low} to {high} V"
         );
         Err(Error::Unsuited { what: "controller".into(), because })
     }
 
-    /// The highest frequency that its model was identified at, if it is known and some lie beyond [Hz].
+    /// The highest frequency of the identification data, if the model covers only a part of the frequencies [Hz].
     pub fn known_hz(&self) -> Option<f64> {
         let [_, high] = self.model.identified()?.hz?;
         Some(high).filter(|high| *high < KNOWN / self.linear().ts())
     }
 
-    /// What passes between a voltage and the reading that shows it, beside the linear block [s]: the sample of the loop, d more, and
-    /// the lag of a driver, which delays slow signals by as much.
+    /// Delay from a voltage to its measurement, without the linear block [s]: one sample of the loop, the sensor delay
+    /// d, and the lag of a driver, which delays slow signals by its time constant.
     pub(super) fn delay_s(&self) -> f64 {
         let lag = self.model.driver().map_or(0.0, |driver| driver.lag_s);
         (1 + self.late) as f64 * self.linear().ts() + lag
     }
 
-    /// Its linear block, from z to y.
+    /// The linear block, from z to y.
     pub fn linear(&self) -> &Arx {
         self.model.linear()
     }
 
-    /// The margins under a controller, at this slope [z unit / V]; `None` if its law is not linear.
+    /// The margins with a controller, at this slope [z unit / V]; `None` if its law is not linear.
     pub fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
         let grid = grid(&[self.linear(), &law], self.late);
@@ -132,17 +133,17 @@ impl ControlLoop {
         })
     }
 
-    /// |S| under a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
+    /// |S| with a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
     pub fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
         let law = controller.law()?;
         let l = open(hz, self.linear(), slope, self.delay_s()).zip(at(hz, &law)).map(|(g, c)| g * c);
         Some(l.map(|l| 1.0 / (1.0 + l).norm()).collect())
     }
 
-    /// The closed loop from r to y under a linear law.
+    /// The closed loop from r to y with a linear law.
     ///
     /// # Errors
-    /// Refuses what is too long for an [`Arx`].
+    /// Returns an error if it is too long for an [`Arx`].
     pub fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
         let forward = std::iter::repeat_n(0.0, 1 + self.late).chain(times(law.b(), self.linear().b()));
         let forward: Vec<f64> = forward.map(|c| slope * c).collect();
@@ -151,7 +152,7 @@ impl ControlLoop {
     }
 }
 
-/// Refuses readings that come later than controllers are tuned for.
+/// Returns an error for a sensor delay that is too long for tuning.
 pub(super) fn check_late(late: usize) -> Result<(), Error> {
     match late <= ControlLoop::LATEST {
         true => Ok(()),
@@ -159,8 +160,8 @@ pub(super) fn check_late(late: usize) -> Result<(), Error> {
     }
 }
 
-/// Smallest and largest slope of the hysteresis on a major loop and on minor ones within it. The step after a turn is left
-/// out: there a two-branch operator jumps.
+/// Smallest and largest slope of the hysteresis on a major loop and on minor loops. The step after a reversal is
+/// omitted, because a two-branch operator jumps there.
 fn slopes(model: &Model, (low, high): (f64, f64)) -> (f64, f64) {
     let at = |share: f64| low + share * (high - low);
     let turns = [0.0, 1.0, 0.0, 0.75, 0.25, 0.5, 0.4, 1.0, 0.6, 0.9, 0.0].map(at);
@@ -174,7 +175,8 @@ fn slopes(model: &Model, (low, high): (f64, f64)) -> (f64, f64) {
     }))
 }
 
-/// Frequencies [Hz] up to half the sampling rate, finer around the modes of these blocks and where readings come `late`.
+/// Frequencies [Hz] up to half the sampling rate, finer around the modes of the blocks and for a sensor delay of `late`
+/// samples.
 pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
     let Some(first) = blocks.first() else { return Vec::new() };
     let nyquist = 0.5 / first.ts();
@@ -190,7 +192,7 @@ pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
     grid
 }
 
-/// k G(q), `after` [s] later.
+/// k G(q), delayed by `after` [s].
 pub(super) fn open<'a>(
     grid: &'a [f64],
     linear: &'a Arx,
@@ -208,7 +210,7 @@ pub(super) fn at<'a>(grid: &'a [f64], block: &'a Arx) -> impl Iterator<Item = Co
     })
 }
 
-/// The factors on L that would lead it through -1.
+/// The factors on L for which it passes through -1.
 pub(super) fn growths(l: &[Complex<f64>]) -> impl Iterator<Item = f64> + '_ {
     let crossings = l.windows(2).filter(|w| (w[0].im < 0.0) != (w[1].im < 0.0)).map(|w| {
         let share = w[0].im / (w[0].im - w[1].im);
@@ -234,7 +236,7 @@ fn peak(l: &[Complex<f64>]) -> f64 {
     l.iter().map(|l| 1.0 / (1.0 + l).norm()).fold(0.0, f64::max)
 }
 
-/// Where |S| first rises above -3 dB [Hz].
+/// The lowest frequency with |S| = -3 dB [Hz].
 fn bandwidth(grid: &[f64], l: &[Complex<f64>]) -> f64 {
     let s = |i: usize| -(1.0 + l[i]).norm().ln();
     let edge = -0.5 * std::f64::consts::LN_2;
@@ -258,7 +260,7 @@ pub(super) mod tests {
 
     const TS: f64 = 5e-4;
 
-    /// A loop of +-30 V of a model that rises by the mean of these slopes.
+    /// A loop of +-30 V with these slopes; the slope of its model is their mean.
     pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> ControlLoop {
         let rises = crate::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
         let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
@@ -270,7 +272,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_margins_of_an_integral_on_a_gain_are_their_formulas() {
+    fn the_margins_of_an_integral_on_a_gain_match_their_formulas() {
         // L = K / (exp(j w) - 1), S = (exp(j w) - 1) / (exp(j w) - 1 + K).
         let path = path(Arx::gain(TS, 1.0).unwrap());
         for k in [0.1, 0.5, 1.0] {
@@ -286,15 +288,15 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_margins_of_a_pi_on_a_resonance_are_those_of_numpy() {
-        // Of five million frequencies; gain and phase by the crossings among them.
+    fn the_margins_of_a_pi_on_a_resonance_match_numpy() {
+        // From five million frequencies; gain and phase at the crossings.
         let path = path(filters::lag(TS, 160.0, 0.03).unwrap());
         let m = path.margins(&Pi::new(TS, 0.01, 25.0, (-1.0, 1.0)).unwrap(), 1.0).unwrap();
         assert_close(&[m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz], &[7.9968, 90.844, 1.771, 4.042], 2e-3, 0.0);
     }
 
     #[test]
-    fn late_readings_cost_the_margins_that_as_much_delay_of_the_plant_does() {
+    fn a_sensor_delay_changes_the_margins_as_a_delay_of_the_plant() {
         let block = filters::lag(TS, 160.0, 0.03).unwrap();
         let pi = Pi::new(TS, 0.01, 12.0, (-1.0, 1.0)).unwrap();
         let in_time = path(block.clone()).margins(&pi, 1.0).unwrap();
@@ -317,35 +319,30 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn gain_beyond_the_margin_makes_the_poles_leave_the_circle() {
+    fn a_gain_above_the_margin_is_unstable() {
         let path = path(filters::lag(TS, 160.0, 0.03).unwrap());
         let pi = Pi::new(TS, 0.01, 25.0, (-1.0, 1.0)).unwrap();
-        let room = 10f64.powf(path.margins(&pi, 1.0).unwrap().gain_db / 20.0);
+        let margin = 10f64.powf(path.margins(&pi, 1.0).unwrap().gain_db / 20.0);
         let stable = |k: f64| path.margins(&pi, k).unwrap().stable;
-        assert!(stable(0.998 * room) && !stable(1.002 * room));
+        assert!(stable(0.998 * margin) && !stable(1.002 * margin));
     }
 
     #[test]
-    fn slopes_are_those_of_the_operator_with_creep_on_the_largest() {
+    fn slopes_are_those_of_the_operator_with_creep_in_the_largest() {
         let plays = crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap();
         let operator = (plays.example)(TS).unwrap();
         let (low, high) =
             slopes(&Model::new(operator.clone(), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap(), (-30.0, 30.0));
-        // Of plays, the slope after a turn is the first weight, and at the end of the loop the sum of all.
+        // For plays the slope after a reversal is the first weight, and the slope at the end of the loop is the sum of
+        // all.
         assert!(low > 0.0 && high > low, "{low} {high}");
         let creep = crate::creep::Creep::new(TS, vec![Lag { tau_s: 1.0, gain: 0.1 }]).unwrap();
         let model = Model::new(operator, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap().with_creep(creep).unwrap();
         let path = ControlLoop::of(&model, (-30.0, 30.0)).unwrap();
         assert_close(&[path.slope.0, path.slope.1], &[low, 1.1 * high], 1e-12, 0.0);
-        let turned = Model::new((plays.example)(TS).unwrap(), Arx::gain(TS, -1.0).unwrap(), 0.0).unwrap();
-        assert!(
-            ControlLoop::of(&turned, (-30.0, 30.0))
-                .unwrap()
-                .check_positive_gain()
-                .unwrap_err()
-                .to_string()
-                .contains("turn the sign")
-        );
-        assert!(ControlLoop::of(&turned, (30.0, -30.0)).is_err());
+        let inverted = Model::new((plays.example)(TS).unwrap(), Arx::gain(TS, -1.0).unwrap(), 0.0).unwrap();
+        let message = ControlLoop::of(&inverted, (-30.0, 30.0)).unwrap().check_positive_gain().unwrap_err().to_string();
+        assert!(message.contains("change the sign"), "{message}");
+        assert!(ControlLoop::of(&inverted, (30.0, -30.0)).is_err());
     }
 }

@@ -1,18 +1,18 @@
-//! Feedback: controllers that hold a displacement against creep, drift and what a feed-forward leaves.
+//! Feedback: controllers that remove creep, drift and the residual error of a feed-forward.
 //!
 //! ```text
 //! e = r - y,    u = feed + w,    w = C(q) e    within the voltages allowed
 //! ```
-//! A controller is given y as it was measured last, one sample before u acts, and r as it was wanted at that instant. Where
-//! readings come later still ([`ControlLoop::late`]) it is made for that. Those with a law add to a feed-forward voltage, which may be
-//! zero, and do nothing while that alone keeps y at r. They are tuned to stated margins from a model ([`MarginTarget`]), at the largest
-//! slope of the hysteresis and with its modes detuned; [`Margins`] are computed apart from that. [`predictive`] plans on the
-//! model itself. A [`Scheme`] is a feed-forward and a controller; [`run`] closes the loop on any plant, and [`trials`] on plants
-//! of other tolerance.
+//! A controller gets the last measured y, sampled one sample before u acts, and the reference r of that instant. It can
+//! be tuned for a sensor delay ([`ControlLoop::late`]). A controller with a law C(q) adds to a feed-forward voltage,
+//! which may be zero, and does nothing while that alone keeps y at r. It is tuned to given margins ([`MarginTarget`]),
+//! at the largest slope of the hysteresis and with detuned modes; [`Margins`] are computed independently of the tuning.
+//! [`predictive`] optimises with the whole model. A [`Scheme`] is a feed-forward and a controller. [`ClosedLoop::run`]
+//! closes the loop on any plant, [`Tolerance`] draws plants with other parameters.
 //!
-//! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E. Eleftheriou,
-//! S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345 (positioners). It does
-//! not do: several axes, adaptation.
+//! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6; S. Devasia, E.
+//! Eleftheriou, S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI 10.1109/TCST.2007.903345
+//! (positioners). It does not do: several axes, adaptation.
 
 mod comparison;
 mod disturbance_observer;
@@ -50,26 +50,26 @@ use crate::program::Block;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// What a controller is told before a sample.
+/// The input of a controller in one sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ControllerInput<'a> {
-    /// The last reading [output unit].
+    /// The last measurement [output unit].
     pub y: f64,
-    /// What was wanted at its instant [output unit].
+    /// The reference at the instant of that measurement [output unit].
     pub r: f64,
     /// The feed-forward voltage of this sample [V].
     pub feed: f64,
-    /// What is wanted from this sample on, as far as it is known [output unit].
+    /// The reference from this sample on, as far as it is known [output unit].
     pub ahead: &'a [f64],
 }
 
 impl ControllerInput<'_> {
-    /// The feed-forward within the limits; of what is no number, as of 0.
+    /// The feed-forward within the limits; 0 if it is not a finite number.
     fn limited_feed_forward(&self, (low, high): (f64, f64)) -> f64 {
         Some(self.feed).filter(|feed| feed.is_finite()).unwrap_or(0.0).clamp(low, high)
     }
 
-    /// r - y; none where the reading is no number, so that it leaves the state alone.
+    /// r - y; 0 if the measurement is not a finite number, so that the state does not change.
     fn error(&self) -> f64 {
         Some(self.r - self.y).filter(|e| e.is_finite()).unwrap_or(0.0)
     }
@@ -88,49 +88,44 @@ pub trait Controller: Debug + Send + Sync {
         vec![0.0; self.order()]
     }
 
-    /// The state after the voltage `u` [V] has stood for long.
+    /// The state after a long time at the voltage `u` [V].
     fn settled(&self, _u: f64) -> Vec<f64> {
         self.initial()
     }
 
-    /// One sample: advances the state `x` and returns the voltage u [V]. It allocates nothing.
+    /// One sample: advances the state `x` and returns the voltage u [V]. Does not allocate.
     fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64;
 
-    /// The same for programs: blocks, the last of which is the state, `control_state`, with a function `control_step(s: control_state, r, y, feed)`.
-    /// None if it cannot be exported.
+    /// The controller as a program: blocks. The last one is the state, `control_state`, with a function
+    /// `control_step(s: control_state, r, y, feed)`. None if it cannot be exported.
     fn blocks(&self) -> Option<Vec<Block>> {
         None
     }
 
-    /// C(q), the law from e to w while no limit is met [V / output unit]; `None` if it is no such law.
+    /// C(q), the linear law from e to w while no limit is active [V / output unit]; `None` for a controller without
+    /// one.
     fn law(&self) -> Option<Arx>;
 }
 
-/// How a controller is tuned to a loop so that the target is met.
+/// Tunes a controller to a loop and a target.
 pub(crate) type Tune = fn(&ControlLoop, &MarginTarget) -> Result<Arc<dyn Controller>, Error>;
 
 /// One kind of controller: a row of [`CONTROLLERS`].
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct ControllerKind {
-    /// As users write it.
+    /// Name in options and files.
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// Where it comes from.
+    /// Publication.
     pub reference: &'static str,
-    /// Whether it adds to a feed-forward.
+    /// True if it adds to a feed-forward.
     pub uses_feed_forward: bool,
-    /// The strongest that meets the target, of the largest integral gain, where there is a law. Refused where the loop leaves none.
+    /// Returns the controller with the largest integral gain that meets the target, or an error if there is none.
     pub tune: Tune,
 }
 
-impl Debug for ControllerKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Law").field(&self.name).finish()
-    }
-}
-
-/// The controllers there are.
+/// All controllers.
 pub static CONTROLLERS: &[ControllerKind] =
     &[pi::ROW, pid::ROW, integral_notch::ROW, positive_position::ROW, disturbance_observer::ROW, predictive::ROW];
 
@@ -151,14 +146,14 @@ impl ControllerKind {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("controller", CONTROLLERS.iter(), |row| row.name, name)
     }
 }
 
-/// `w` on top of the feed-forward within the limits. The integral takes its `gain` of this sample, but where that would drive
-/// the voltage further beyond a limit.
+/// `w` plus the feed-forward, within the limits. The integral changes by `gain`, unless that would drive the voltage
+/// further beyond an active limit.
 fn integrating(limits: (f64, f64), input: &ControllerInput, w: f64, integral: &mut f64, gain: f64) -> f64 {
     let v = input.limited_feed_forward(limits) + w;
     let u = v.clamp(limits.0, limits.1);
@@ -168,7 +163,7 @@ fn integrating(limits: (f64, f64), input: &ControllerInput, w: f64, integral: &m
     u
 }
 
-/// Refuses gains that are no numbers or negative, and voltages without room between them.
+/// Checks that gains are finite and not negative, and that the limits are ordered.
 fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
     for (name, value) in gains {
         if !(value.is_finite() && *value >= 0.0) {
@@ -183,7 +178,7 @@ fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
 
 #[cfg(test)]
 mod tests {
-    //! The contract every controller keeps.
+    //! The contract of every controller.
     use super::margins::tests::path_of;
     use super::*;
     use crate::System;
@@ -194,13 +189,20 @@ mod tests {
     fn path(late: usize) -> ControlLoop {
         ControlLoop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
     }
+    /// Compares the steps of a controller with its law, for a sine error around the output `y`.
+    pub(super) fn assert_follows_its_law(c: &dyn Controller, y: f64) {
+        let e: Vec<f64> = (0..400).map(|t| 5.0 * (f64::from(t) * 0.3).sin()).collect();
+        let mut x = c.initial();
+        let step = |&e: &f64| c.step(&mut x, &ControllerInput { r: e + y, y, ..Default::default() });
+        assert_close(&e.iter().map(step).collect::<Vec<f64>>(), &c.law().unwrap().simulate(&e), 1e-7, 1e-9);
+    }
 
     fn tuned(late: usize) -> impl Iterator<Item = (&'static ControllerKind, Arc<dyn Controller>)> {
         CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &MarginTarget::default()).unwrap()))
     }
 
     #[test]
-    fn every_controller_says_what_it_is_and_where_it_comes_from() {
+    fn every_controller_has_a_summary_and_a_reference() {
         for c in CONTROLLERS {
             assert!(!c.summary.is_empty() && !c.reference.is_empty(), "{}", c.name);
             assert_eq!(ControllerKind::find(c.name).unwrap().name, c.name);
@@ -209,21 +211,14 @@ mod tests {
     }
 
     #[test]
-    fn every_controller_follows_its_law_while_no_limit_is_met() {
-        for (kind, c, law) in tuned(0).filter_map(|(kind, c)| c.law().map(|law| (kind, c, law))) {
-            let e: Vec<f64> = (0..300).map(|t| 5.0 * (f64::from(t) * 0.2).sin()).collect();
-            let mut x = c.initial();
-            let u: Vec<f64> = e
-                .iter()
-                .map(|&e| c.step(&mut x, &ControllerInput { r: e + 1.0, y: 1.0, ..ControllerInput::default() }))
-                .collect();
-            assert!(u.iter().all(|u| u.abs() < 30.0), "{}", kind.name);
-            assert_close(&u, &law.simulate(&e), 1e-7, 1e-9);
+    fn every_controller_follows_its_law_within_the_limits() {
+        for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
+            assert_follows_its_law(&*c, 1.0);
         }
     }
 
     #[test]
-    fn every_controller_stays_within_its_limits_and_comes_back_from_them() {
+    fn every_controller_keeps_its_limits_and_recovers_from_them() {
         for late in [0, 3] {
             for (kind, c) in tuned(late) {
                 let plant = Scaled { system: path(late).linear().clone(), factor: 40.0 };
@@ -231,14 +226,14 @@ mod tests {
                 let closed_loop = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
                 let done = closed_loop.run(&plant, &*c).unwrap();
                 assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
-                // In 0.5 s; wound up for two seconds by 1300 um it would take as long again.
+                // Within 0.5 s. After windup by 1300 um for two seconds it would take two seconds more.
                 assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
             }
         }
     }
 
     #[test]
-    fn every_controller_with_a_law_gives_the_same_bits_as_a_program() {
+    fn every_controller_with_a_law_is_bit_identical_to_its_program() {
         for late in [0, 3] {
             for (kind, c) in tuned(late) {
                 assert_eq!(c.blocks().is_some(), c.law().is_some(), "{}", kind.name);
@@ -247,7 +242,7 @@ mod tests {
                 let mut machine = Machine::new(&program, "control_state", false);
                 let mut x = c.initial();
                 for t in 0..600 {
-                    // Into the limits and out again, and a reading that is lost.
+                    // Into the limits and back, with lost measurements.
                     let r = 900.0 * (0.03 * f64::from(t)).sin();
                     let y = if t % 50 == 7 { f64::NAN } else { 0.2 * r + f64::from(t % 11) };
                     let feed = if t % 70 == 9 { f64::NAN } else { 35.0 * (0.05 * f64::from(t)).cos() };
@@ -261,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_is_no_number_is_left_out() {
+    fn a_measurement_that_is_not_a_number_is_ignored() {
         for (kind, c) in tuned(0) {
             let mut x = c.initial();
             let lost =
@@ -271,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn every_controller_leaves_a_feed_forward_alone_that_is_exact() {
+    fn every_controller_leaves_an_exact_feed_forward_unchanged() {
         for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
             let mut x = c.initial();
             let exact = |t| ControllerInput { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };

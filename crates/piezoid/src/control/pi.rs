@@ -4,10 +4,10 @@
 //! v_t = feed_t + k_p e_t + I_t,    I_t = I_{t-1} + k_i Ts e_t,    u_t = v_t within the limits
 //! I_t <- I_t + min(1, k_i Ts / k_p) (u_t - v_t)
 //! ```
-//! While a limit is met the integral tracks what it lets through, with the time constant k_p / k_i.
+//! At a limit the integral follows the limited voltage, with the time constant k_p / k_i.
 //!
-//! Reference: K. J. Astrom, L. Rundqwist, Integrator windup and how to avoid it, Proc. American Control Conference 1989, 1693,
-//! DOI 10.23919/ACC.1989.4790464. It does not do: anything about a resonance, which alone bounds its gain.
+//! Reference: K. J. Astrom, L. Rundqwist, Integrator windup and how to avoid it, Proc. American Control Conference
+//! 1989, 1693, DOI 10.23919/ACC.1989.4790464. It does not do: damping of a resonance, which therefore limits its gain.
 
 use super::tune::{spread, strongest};
 use super::{Controller, ControllerInput, ControllerKind, check, program};
@@ -35,10 +35,10 @@ pub struct Pi {
 }
 
 impl Pi {
-    /// `kp` [V / output unit], `ki` [V / (output unit s)], between the lowest and the highest voltage [V].
+    /// `kp` [V / output unit], `ki` [V / (output unit s)], lowest and highest voltage [V].
     ///
     /// # Errors
-    /// Refuses a `ts` that is not positive, gains that are not finite, and limits the wrong way round.
+    /// Returns an error for a `ts` that is not positive, gains that are not finite, and limits in the wrong order.
     pub fn new(ts: f64, kp: f64, ki: f64, limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         check(&[("kp", kp), ("ki", ki)], limits)?;
@@ -98,7 +98,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
     uses_feed_forward: true,
     tune: |path, target| {
         let ts = path.linear().ts();
-        // k_p / k_i, from none to a twentieth of a second.
+        // k_p / k_i, from 0 to a twentieth of a second.
         let shapes = std::iter::once(0.0).chain(spread(0.1 * ts, 100.0 * ts, 40));
         let build = |ti: f64, k: f64| Pi::new(ts, k * ti, k, path.limits);
         strongest(path, target, shapes, build).map(|c| Arc::new(c) as Arc<dyn Controller>)
@@ -112,8 +112,8 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn on_a_plant_of_first_order_the_loop_is_its_formula() {
-        // y_t = a y_{t-1} + b u_{t-1}, measured, and answered one sample later.
+    fn the_loop_on_a_first_order_plant_matches_its_formula() {
+        // y_t = a y_{t-1} + b u_{t-1}, measured and answered one sample later.
         let (ts, a, b, kp, ki) = (1e-3, 0.9, 0.2, 0.3, 40.0);
         let plant = Arx::new(ts, vec![a], vec![0.0, b]).unwrap();
         let pi = Pi::new(ts, kp, ki, (-1e6, 1e6)).unwrap();
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn after_a_limit_it_comes_back_at_once_where_an_integral_alone_winds_up() {
+    fn it_recovers_from_a_limit_without_the_windup_of_a_plain_integral() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let late = |limits| {
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn gains_and_limits_that_make_no_sense_are_refused() {
+    fn invalid_gains_and_limits_are_errors() {
         let message = |kp, limits| Pi::new(1e-3, kp, 1.0, limits).unwrap_err().to_string();
         assert!(message(f64::NAN, (-1.0, 1.0)).starts_with("kp = NaN"));
         assert!(message(1.0, (1.0, -1.0)).starts_with("limits = (1.0, -1.0)"));

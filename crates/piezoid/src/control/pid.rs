@@ -4,10 +4,10 @@
 //! v_t = feed_t + k_p e_t + I_t + D_t,    I_t = I_{t-1} + k_i Ts e_t,    u_t = v_t within the limits
 //! D_t = (T_f D_{t-1} + k_d (e_t - e_{t-1})) / (T_f + Ts)
 //! ```
-//! The integral stands still while v is beyond a limit and e leads further beyond it.
+//! The integral is frozen while v is beyond a limit and e drives it further beyond.
 //!
-//! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6, sections 3.3 and 3.5. It does
-//! not do: weights on r, whose place the feed-forward has; bumpless changes of gains.
+//! Reference: K. J. Astrom, T. Hagglund, Advanced PID Control, ISA 2006, ISBN 978-1-55617-942-6, sections 3.3 and 3.5.
+//! It does not do: setpoint weights (the feed-forward replaces them), bumpless changes of gains.
 
 use super::filters::{plus, ratio, times};
 use super::tune::{spread, strongest};
@@ -40,10 +40,11 @@ pub(crate) struct Pid {
 }
 
 impl Pid {
-    /// These gains, between the lowest and the highest voltage [V].
+    /// A controller with these gains, between the lowest and the highest voltage [V].
     ///
     /// # Errors
-    /// Refuses a `ts` that is not positive, gains that are not finite, a negative filter, and limits the wrong way round.
+    /// Returns an error for a `ts` that is not positive, gains that are not finite, a negative filter, and limits in
+    /// the wrong order.
     pub(crate) fn new(ts: f64, gains: Gains, limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let Gains { kp, ki, kd, filter_s } = gains;
@@ -54,7 +55,7 @@ impl Pid {
         Ok(Pid { ts, gains, limits })
     }
 
-    /// What a derivative keeps a sample, and what it takes of a change of e [V / output unit].
+    /// Factors of the derivative: on its last value, and on the change of e [V / output unit].
     fn derivative(&self) -> (f64, f64) {
         let whole = self.gains.filter_s + self.ts;
         (self.gains.filter_s / whole, self.gains.kd / whole)
@@ -115,7 +116,8 @@ pub(super) const ROW: ControllerKind = ControllerKind {
     tune: |path, target| {
         let ts = path.linear().ts();
         let times = || std::iter::once(0.0).chain(spread(0.1 * ts, 30.0 * ts, 12));
-        // k_p / k_i and k_d / k_p; with a filter of a few samples the derivative may also be a lag against a resonance.
+        // k_p / k_i and k_d / k_p. With a filter of a few samples the derivative can also act as a low-pass against a
+        // resonance.
         let shapes = times().flat_map(|ti| spread(0.1 * ts, 10.0 * ts, 8).map(move |td| (ti, td)));
         let shapes = shapes.flat_map(|(ti, td)| [1.0, 4.0].map(|tf| (ti, td, tf * ts)));
         let build = |(ti, td, filter_s): (f64, f64, f64), k: f64| {
@@ -131,7 +133,7 @@ mod tests {
     use crate::control::ClosedLoop;
 
     #[test]
-    fn after_a_limit_it_comes_back_at_once() {
+    fn it_recovers_from_a_limit_without_windup() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let pid = Pid::new(1e-3, Gains { kp: 0.3, ki: 20.0, kd: 1e-4, filter_s: 1e-3 }, (-1.0, 1.0)).unwrap();
@@ -153,6 +155,6 @@ mod tests {
     fn the_first_step_is_the_sum_of_its_terms() {
         let pid = Pid::new(1e-3, Gains { kp: 0.5, ki: 100.0, kd: 1e-3, filter_s: 1e-3 }, (-30.0, 30.0)).unwrap();
         let mut x = pid.initial();
-        assert_eq!(pid.step(&mut x, &ControllerInput { r: 1.0, ..ControllerInput::default() }), 0.5 + 0.1 + 0.5);
+        assert_eq!(pid.step(&mut x, &ControllerInput { r: 1.0, ..Default::default() }), 0.5 + 0.1 + 0.5);
     }
 }

@@ -1,15 +1,16 @@
-//! Positive position feedback around an integrator: a resonator beside the integral takes energy out of the first mode.
+//! Positive position feedback with an integrator: a resonator parallel to the integral damps the first mode.
 //!
 //! ```text
 //! I_t = I_{t-1} + k_i Ts e_t,    p_t = H(q) e_t,    H(s) = W^2 / (s^2 + 2 D W s + W^2) by matched poles
 //! u_t = feed_t + I_t - g p_t within the limits
 //! ```
-//! The minus on e is the plus on y that gives the law its name: fed back positively through a resonator, y at resonance
-//! returns a quarter of a period late, as a force against the velocity. H falls off above W, so that modes beyond are left
-//! alone. It acts on y - r and thus not on what the feed-forward wants. The integral stands still while u is at a limit and e
-//! leads further beyond it.
+//! The minus sign on e is a plus sign on y, hence the name. Fed back through the resonator, y at resonance returns a
+//! quarter of a period later, as a force against the velocity. H falls off above W, so that higher modes are not
+//! affected. The law acts on y - r and thus does not act against the feed-forward. The integral is frozen while u is at
+//! a limit and e drives it further beyond.
 //!
-//! Reference: J. L. Fanson, T. K. Caughey, AIAA Journal 28, 717 (1990), DOI 10.2514/3.10451. It does not do: several modes.
+//! Reference: J. L. Fanson, T. K. Caughey, AIAA Journal 28, 717 (1990), DOI 10.2514/3.10451. It does not do: several
+//! modes.
 
 use super::filters::{lag, plus, ratio, times};
 use super::tune::{modes, spread, strongest};
@@ -20,7 +21,7 @@ use crate::program::Block;
 use crate::system::System;
 use std::sync::Arc;
 
-/// The controller. State: the integral [V], then that of the resonator.
+/// The controller. State: the integral [V], then the state of the resonator.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PositivePosition {
     ts: f64,
@@ -31,11 +32,12 @@ pub(crate) struct PositivePosition {
 }
 
 impl PositivePosition {
-    /// `ki` [V / (output unit s)], `gain` g [V / output unit], W / 2 pi [Hz] and D up to 1 of the resonator, between the lowest
-    /// and the highest voltage [V].
+    /// `ki` [V / (output unit s)], `gain` g [V / output unit], W / 2 pi [Hz] and D (up to 1) of the resonator, lowest
+    /// and highest voltage [V].
     ///
     /// # Errors
-    /// Refuses what is not positive or finite, a damping ratio above 1, and limits the wrong way round.
+    /// Returns an error for values that are not positive or finite, a damping ratio above 1, and limits in the wrong
+    /// order.
     pub(crate) fn new(
         ts: f64,
         ki: f64,
@@ -103,7 +105,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
         let ts = path.linear().ts();
         let low = modes(path.linear()).into_iter().map(|m| m.0).fold(f64::INFINITY, f64::min);
         let hz = if low.is_finite() { low } else { 0.05 / ts };
-        // W over the mode, D, and g W / k_i: how much is damping and how much is integral.
+        // W over the frequency of the mode, D, and g W / k_i, the ratio of damping to integral action.
         let shapes = spread(0.4, 2.0, 12).flat_map(|over| spread(0.1, 1.0, 6).map(move |d| (over, d)));
         let shapes = shapes.flat_map(|(over, d)| spread(0.05, 20.0, 14).map(move |share| (over, d, share)));
         let build = |(over, d, share): (f64, f64, f64), k: f64| {
@@ -118,21 +120,16 @@ pub(super) const ROW: ControllerKind = ControllerKind {
 mod tests {
     use super::super::margins::tests::path_of;
     use super::*;
-    use crate::testing::assert_close;
+    use crate::control::tests::assert_follows_its_law;
 
     #[test]
-    fn its_steps_are_those_of_its_law() {
-        let c = PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-1e6, 1e6)).unwrap();
-        let e: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.3).sin()).collect();
-        let mut x = c.initial();
-        let u: Vec<f64> =
-            e.iter().map(|&e| c.step(&mut x, &ControllerInput { r: e, ..ControllerInput::default() })).collect();
-        assert_close(&u, &c.law().unwrap().simulate(&e), 1e-9, 1e-12);
+    fn its_steps_follow_its_law() {
+        assert_follows_its_law(&PositivePosition::new(5e-4, 3.0, 0.01, (180.0, 0.3), (-1e6, 1e6)).unwrap(), 0.0);
     }
 
     #[test]
-    fn it_damps_the_mode_that_it_is_tuned_to() {
-        // Without an integral: the closed loop's mode is far better damped than the plant's.
+    fn it_damps_its_mode() {
+        // Without an integral, the mode of the closed loop is far better damped than that of the plant.
         let plant = lag(5e-4, 100.0, 0.02).unwrap();
         let path = path_of(plant, (1.0, 1.0));
         let c = PositivePosition::new(5e-4, 0.0, 0.15, (120.0, 0.3), (-1.0, 1.0)).unwrap();

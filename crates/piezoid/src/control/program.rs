@@ -1,8 +1,8 @@
-//! What controllers have in common as programs.
+//! The common parts of controllers as programs.
 
 use crate::program::Block;
 
-/// The block of a controller's state, with the functions that all controllers share: the error, and the limits.
+/// The block of a controller's state, with the functions that all controllers share: error and limits.
 pub(super) fn block(about: &str, limits: (f64, f64)) -> Block {
     Block::new("control_state", about).constant("low", limits.0).constant("high", limits.1).text(SHARED)
 }
@@ -24,7 +24,7 @@ fn fed(feed) {
 }
 ";
 
-/// As [`super::integrating`], of a state that has an `integral`.
+/// The same as [`super::integrating`], for a state with an `integral`.
 pub(super) const INTEGRATING: &str = "
 // w on top of the feed-forward within the limits. The integral takes its gain, but where that would drive the input further beyond a limit.
 fn integrating(s: control_state, feed, w, gain) {

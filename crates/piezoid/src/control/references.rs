@@ -1,6 +1,6 @@
-//! References: the displacements that tracking is judged by, each with its peak and its frequency.
+//! References for tracking tests, each with a peak and a frequency.
 //!
-//! They are the excitations of [`excitation`](crate::excitation) in output units, and a random path.
+//! They are the excitations of [`excitation`](crate::excitation) in output units, and a random reference.
 
 use crate::compensation::Fir;
 use crate::error::{Error, positive, row};
@@ -9,25 +9,26 @@ use crate::excitation::{Multisine, Sine, Staircase, Triangle};
 /// One kind of reference: a row of [`REFERENCES`].
 #[derive(Debug, Clone, Copy)]
 pub struct Reference {
-    /// As users write it.
+    /// Name in options and files.
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// `n` samples every `ts` [s], of this peak [output unit] and frequency [Hz]. Refused where they make no sense.
+    /// `n` samples every `ts` [s], with this peak [output unit] and frequency [Hz]. Returns an error for invalid
+    /// values.
     pub samples: fn(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error>,
 }
 
-/// The references there are.
+/// All references.
 pub static REFERENCES: &[Reference] = &[
     Reference {
         name: "sine",
         summary: "one frequency",
-        samples: |ts, n, peak, hz| Sine { amplitude: peak, frequency: hz, ..Sine::default() }.samples(ts, n),
+        samples: |ts, n, peak, hz| Sine { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
     },
     Reference {
         name: "triangle",
         summary: "the raster of a scan, at constant speed",
-        samples: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Triangle::default() }.samples(ts, n),
+        samples: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
     },
     Reference {
         name: "staircase",
@@ -41,14 +42,14 @@ pub static REFERENCES: &[Reference] = &[
     },
 ];
 
-/// The steps of a staircase as moves of half the time that its shortest level lasts: a jump, which nothing follows, says nothing.
+/// A staircase whose steps are moves of half the duration of its shortest level. No actuator can follow a jump.
 fn staircase(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
-    let steps = Staircase { amplitude: peak, frequency: hz, levels: 9, ..Staircase::default() }.samples(ts, n)?;
+    let steps = Staircase { amplitude: peak, frequency: hz, levels: 9, ..Default::default() }.samples(ts, n)?;
     Ok(Fir::smooth(ts, 1.0 / (48.0 * hz))?.whole(&steps))
 }
 
-/// Sines up to `hz` in equal strength and with random phases, from rest within two periods of it. It repeats after
-/// 20 s, or 20 periods of `hz`.
+/// Sines up to `hz` of equal amplitude with random phases, starting from rest within two periods of `hz`. The period is
+/// 20 s, or 20 periods of `hz` if that is longer.
 fn random(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
     positive("hz", hz, "Hz")?;
     let period = 20.0f64.max(20.0 / hz);
@@ -58,7 +59,7 @@ fn random(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
         frequency_high: hz,
         period,
         seed: 1,
-        ..Multisine::default()
+        ..Default::default()
     };
     let rise = 2.0 / (hz * ts);
     let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
@@ -77,7 +78,7 @@ impl Reference {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("reference", REFERENCES.iter(), |row| row.name, name)
     }

@@ -1,9 +1,9 @@
-//! Schemes: a feed-forward, and a controller on top of it, written `feed-forward+pi`.
+//! Schemes: a feed-forward and a controller, written `feed-forward+pi`.
 //!
-//! What names no feed-forward has `gain`, what names no controller is open. So `gain` is what one does without a model but for its
-//! gain, `pi` a feedback on that, `feed-forward` the inverse alone.
+//! The default feed-forward is `gain`, the default controller is none (open loop). So `gain` uses only the gain of the
+//! model, `pi` adds feedback to that, and `feed-forward` is the inverse alone.
 //!
-//! Reference: as the parts. It does not do: two feed-forwards or two controllers at once.
+//! Reference: see the parts. It does not do: two feed-forwards or two controllers at the same time.
 
 use super::feeds::{FEED_FORWARDS, FeedForwardKind, FeedRequest, FeedResult};
 use super::{
@@ -22,7 +22,7 @@ use std::sync::Arc;
 pub struct Scheme {
     /// The feed-forward.
     pub feed: &'static FeedForwardKind,
-    /// The controller on top of it, if any.
+    /// The controller, if any.
     pub law: Option<&'static ControllerKind>,
 }
 
@@ -38,7 +38,7 @@ impl Scheme {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are; two feed-forwards or two controllers.
+    /// [`Error::Unknown`] with the known names; an error for two feed-forwards or two controllers.
     pub fn named(name: &str) -> Result<Self, Error> {
         let mut scheme = Scheme { feed: &FEED_FORWARDS[0], law: None };
         let (mut feeds, mut laws) = (0, 0);
@@ -53,17 +53,17 @@ impl Scheme {
             }
         }
         if feeds + laws > 1 && scheme.law.is_some_and(|law| !law.uses_feed_forward) {
-            let rule = "must name that controller alone: it makes its own feed-forward";
+            let rule = "must name this controller alone: it has its own feed-forward";
             return Err(Error::parameter("controller", name, rule));
         }
         if feeds > 1 || laws > 1 {
-            let rule = "must name one feed-forward, one controller, or one of each, as feed-forward+pi";
+            let rule = "must name one feed-forward, one controller, or one of each, such as feed-forward+pi";
             return Err(Error::parameter("controller", name, rule));
         }
         Ok(scheme)
     }
 
-    /// As [`Scheme::named`] reads it.
+    /// The name that [`Scheme::named`] accepts.
     pub fn name(&self) -> String {
         match self.law {
             None => self.feed.name.into(),
@@ -73,7 +73,7 @@ impl Scheme {
     }
 }
 
-/// No feedback.
+/// Open loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Open {
     ts: f64,
@@ -97,7 +97,7 @@ impl Controller for Open {
     }
 }
 
-/// A scheme tuned to a model, ready for plants.
+/// A scheme tuned to a model, ready to run on plants.
 ///
 /// ```
 /// use piezoid::control::{TunedScheme, Scheme, MarginTarget};
@@ -115,9 +115,9 @@ impl Controller for Open {
 /// ```
 #[derive(Debug, Clone)]
 pub struct TunedScheme {
-    /// What it is.
+    /// The scheme.
     pub scheme: Scheme,
-    /// Samples of the reference known beyond the present one.
+    /// Preview of the reference [samples].
     pub ahead: usize,
     settings: FeedForwardSettings,
     path: ControlLoop,
@@ -125,11 +125,11 @@ pub struct TunedScheme {
 }
 
 impl TunedScheme {
-    /// `scheme` for `model` within the limits of `settings`, its controller tuned to `target` for readings that come `late` by so
-    /// many samples; references are known to their end.
+    /// `scheme` for `model` within the limits of `settings`, its controller tuned to `target` for a sensor delay of
+    /// `late` samples. References are known to their end.
     ///
     /// # Errors
-    /// What the tuning refuses, and a model without inputs that are allowed.
+    /// The errors of the tuning, and an error for a model without any allowed input.
     pub fn new(
         scheme: Scheme,
         model: &Model,
@@ -151,32 +151,33 @@ impl TunedScheme {
         &self.path.model
     }
 
-    /// Samples by which readings come late, which its controller is tuned for.
+    /// Sensor delay that the controller is tuned for [samples].
     pub fn late(&self) -> usize {
         self.path.late
     }
 
-    /// What closes its loop.
+    /// The controller.
     pub fn controller(&self) -> &dyn Controller {
         &*self.controller
     }
 
-    /// The margins of its loop where the hysteresis is steepest; `None` without feedback, or of one without a law.
+    /// The margins of the loop at the largest slope of the hysteresis; `None` without feedback or without a linear law.
     pub fn margins(&self) -> Option<Margins> {
         self.path.margins(&*self.controller, self.path.slope.1)
     }
 
-    /// Its bandwidth where the hysteresis is flattest, and it is least [Hz].
+    /// The bandwidth at the smallest slope, where it is lowest [Hz].
     pub fn least_bandwidth_hz(&self) -> Option<f64> {
         Some(self.path.margins(&*self.controller, self.path.slope.0)?.bandwidth_hz)
     }
 
-    /// |S| of that loop at these frequencies [Hz].
+    /// |S| of the loop at these frequencies [Hz].
     pub fn sensitivity(&self, hz: &[f64]) -> Option<Vec<f64>> {
         self.path.sensitivity(&*self.controller, self.path.slope.1, hz)
     }
 
-    /// Whether `r` [output unit] lies within what the model can hold, or is to be clipped. A model without an inverse cannot say.
+    /// Checks that the model can hold every value of `r` [output unit]. Passes if values are to be clipped, or if the
+    /// model has no inverse.
     ///
     /// # Errors
     /// [`Error::Unreachable`], and a reference that is not finite.
@@ -188,15 +189,15 @@ impl TunedScheme {
         }
     }
 
-    /// The highest frequency that the model was identified at, if some lie beyond [Hz].
+    /// The highest frequency of the identification data, if the model covers only a part of the frequencies [Hz].
     pub fn known_hz(&self) -> Option<f64> {
         self.path.known_hz()
     }
 
-    /// The feed-forward for `r` [output unit]; `plant` gives its output in the same unit.
+    /// The feed-forward for `r` [output unit]; the output of `plant` is in the same unit.
     ///
     /// # Errors
-    /// As the row of [`FEED_FORWARDS`].
+    /// The errors of the row of [`FEED_FORWARDS`].
     pub fn feed(&self, plant: &dyn System, r: &[f64]) -> Result<FeedResult, Error> {
         (self.scheme.feed.make)(&FeedRequest {
             model: self.model(),
@@ -207,10 +208,11 @@ impl TunedScheme {
         })
     }
 
-    /// Drives `plant` along `r` [output unit] with this feed-forward: from what holds the first of `r` by the model, or from where its trials left it.
+    /// Runs `plant` along `r` [output unit] with this feed-forward. It starts settled at the first value of `r` (by the
+    /// model), or at the end of the learning trials.
     ///
     /// # Errors
-    /// As [`run`].
+    /// The errors of [`ClosedLoop::run`].
     pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedResult) -> Result<ClosedLoopRun, Error> {
         let (limits, late, ahead, before) =
             (self.path.limits, self.path.late, self.ahead, feed_forward.after.as_deref());
@@ -230,7 +232,7 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
-    /// Plays before a resonance, of this share of its gain.
+    /// Plays and a resonance, with `share` of the nominal gain.
     fn model(share: f64) -> Model {
         let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
         Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1 * share, 3.1 * share]).unwrap(), 4.0)
@@ -241,24 +243,20 @@ mod tests {
         Sine { amplitude: 400.0, offset: 4.0, frequency: 10.0 }.samples(TS, n).unwrap()
     }
 
-    fn drive(name: &str) -> TunedScheme {
-        TunedScheme::new(
-            Scheme::named(name).unwrap(),
-            &model(1.0),
-            FeedForwardSettings::default(),
-            0,
-            &MarginTarget::default(),
-        )
-        .unwrap()
+    fn tuned(name: &str, settings: FeedForwardSettings, late: usize) -> TunedScheme {
+        TunedScheme::new(Scheme::named(name).unwrap(), &model(1.0), settings, late, &MarginTarget::default()).unwrap()
     }
 
+    fn drive(name: &str) -> TunedScheme {
+        tuned(name, FeedForwardSettings::default(), 0)
+    }
     fn percent(drive: &TunedScheme, plant: &Model, r: &[f64]) -> f64 {
         let feed_forward = drive.feed(plant, r).unwrap();
         drive.run(plant, r, &feed_forward).unwrap().tracking(400, 800.0).percent_of_stroke
     }
 
     #[test]
-    fn every_scheme_there_is_follows_another_plant_and_its_name_leads_back_to_it() {
+    fn every_scheme_tracks_on_another_plant_and_keeps_its_name() {
         let r = sine(2000);
         let line = percent(&drive("gain"), &model(1.1), &r);
         for feed in FEED_FORWARDS {
@@ -271,16 +269,9 @@ mod tests {
                 }
                 assert_eq!(Scheme::named(&scheme.name()).unwrap().name(), scheme.name());
                 for late in [0, 3] {
-                    let drive = TunedScheme::new(
-                        scheme,
-                        &model(1.0),
-                        FeedForwardSettings::default(),
-                        late,
-                        &MarginTarget::default(),
-                    )
-                    .unwrap();
-                    let left = percent(&drive, &model(1.1), &r);
-                    assert!(drive.late() == late && left < 1.5 * line, "{}: {left} after {line}", scheme.name());
+                    let drive = tuned(&scheme.name(), FeedForwardSettings::default(), late);
+                    let error = percent(&drive, &model(1.1), &r);
+                    assert!(drive.late() == late && error < 1.5 * line, "{}: {error} after {line}", scheme.name());
                 }
             }
         }
@@ -291,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reference_that_stands_is_held_from_the_first_sample_however_little_is_known_ahead() {
+    fn a_constant_reference_is_held_from_the_first_sample_for_any_preview() {
         let (model, r) = (model(1.0), [300.0; 200]);
         for ahead in [0, 1, 5] {
             let drive = TunedScheme { ahead, ..drive("feed-forward") };
@@ -301,47 +292,41 @@ mod tests {
     }
 
     #[test]
-    fn no_other_straight_line_does_better_on_the_model() {
+    fn no_other_straight_line_is_better_on_the_model() {
         let (model, r, drive) = (model(1.0), sine(2000), drive("gain"));
         let u = drive.feed(&model, &r).unwrap().u;
         let error = |share: f64| {
             let u: Vec<f64> = u.iter().map(|u| share * u).collect();
-            drive
-                .run(&model, &r, &FeedResult { u, ..FeedResult::default() })
-                .unwrap()
-                .tracking(400, 800.0)
-                .percent_of_stroke
+            let feed_forward = FeedResult { u, ..Default::default() };
+            drive.run(&model, &r, &feed_forward).unwrap().tracking(400, 800.0).percent_of_stroke
         };
         let [less, best, more] = [0.97, 1.0, 1.03].map(error);
         assert!(less > best && more > best && best > 0.3, "{less} {best} {more}");
     }
 
     #[test]
-    fn the_more_is_known_ahead_the_nearer_it_comes_and_from_far_on_as_near_as_whole() {
+    fn the_error_falls_with_the_preview_down_to_that_of_the_whole_reference() {
         let (model, r) = (model(1.0), sine(2000));
-        let left = |ahead: usize| percent(&TunedScheme { ahead, ..drive("feed-forward") }, &model, &r);
-        assert!(left(0) > left(2) && left(2) > left(6), "{} {} {}", left(0), left(2), left(6));
-        assert!(left(usize::MAX) < 0.01 && left(ALL - 1) < 0.01, "{} {}", left(usize::MAX), left(ALL - 1));
+        let error = |ahead: usize| percent(&TunedScheme { ahead, ..drive("feed-forward") }, &model, &r);
+        assert!(error(0) > error(2) && error(2) > error(6), "{} {} {}", error(0), error(2), error(6));
+        assert!(error(usize::MAX) < 0.01 && error(ALL - 1) < 0.01, "{} {}", error(usize::MAX), error(ALL - 1));
     }
 
     #[test]
-    fn what_lies_beyond_the_model_is_refused_unless_it_is_to_be_clipped() {
+    fn a_reference_beyond_the_model_is_an_error_unless_it_is_clipped() {
         let far: Vec<f64> = sine(400).iter().map(|r| 5.0 * r).collect();
         let refused = drive("pi").check(&far).unwrap_err().to_string();
-        assert!(refused.contains("cannot be reached") && refused.contains("for long hold"), "{refused}");
-        let settings = FeedForwardSettings { clip: true, ..FeedForwardSettings::default() };
-        let clipped =
-            TunedScheme::new(Scheme::named("pi").unwrap(), &model(1.0), settings, 0, &MarginTarget::default()).unwrap();
-        assert!(
-            clipped.check(&far).is_ok() && clipped.check(&[f64::NAN]).is_err() && drive("pi").check(&sine(400)).is_ok()
-        );
+        assert!(refused.contains("cannot be reached") && refused.contains("static range"), "{refused}");
+        let clipped = tuned("pi", FeedForwardSettings { clip: true, ..Default::default() }, 0);
+        assert!(clipped.check(&far).is_ok() && clipped.check(&[f64::NAN]).is_err());
+        assert!(drive("pi").check(&sine(400)).is_ok());
     }
 
     #[test]
-    fn what_does_not_repeat_cannot_be_learnt_and_what_does_leaves_its_trials() {
+    fn learning_needs_a_periodic_reference_and_returns_its_trials() {
         let path: Vec<f64> = (0..3000).map(|t| f64::from(t) * 0.1).collect();
         let refused = drive("learning").feed(&model(1.0), &path).unwrap_err().to_string();
-        assert!(refused.contains("must repeat"), "{refused}");
+        assert!(refused.contains("needs a periodic reference"), "{refused}");
         let feed_forward = drive("learning").feed(&model(1.2), &sine(1000)).unwrap();
         assert_eq!((feed_forward.u.len(), feed_forward.trials.len()), (1000, 11));
         assert!(feed_forward.trials[10] < 0.01 * feed_forward.trials[0], "{:?}", feed_forward.trials);

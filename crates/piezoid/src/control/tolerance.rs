@@ -1,11 +1,12 @@
-//! Tolerance: a scheme on plants that differ from the one it was made for as catalogue values do.
+//! Tolerance: a scheme on plants whose parameters differ from the nominal ones by catalogue tolerances.
 //!
-//! Every value of a draw is its value times a number drawn evenly from 1 - share to 1 + share: stiffness, density (which together
-//! are the frequency), the damping of each mode, displacement, width of the loop, creep, capacitance and lag of the driver.
-//! After the reference its last value is held for half a second; a loop that then still swings, by more than a hundredth
-//! of the reference's height, is unstable, whatever limits bound it; so is feedback that has not come within a tenth of it.
+//! Every parameter of a draw is its nominal value times a number drawn uniformly from 1 - share to 1 + share:
+//! stiffness, density (both set the frequencies), damping of each mode, displacement, width of the loop, creep,
+//! capacitance and lag of the driver. After the reference its last value is held for half a second. The loop is
+//! unstable if it then still oscillates by more than a hundredth of the reference's height, even within limits, or,
+//! with feedback, if the error exceeds a tenth of it.
 //!
-//! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: values that depend on each other, or on temperature.
+//! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: correlated parameters, temperature.
 
 use super::{Scaled, Tracking, TunedScheme};
 use crate::error::Error;
@@ -17,26 +18,25 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-/// How long the last value is held, and how long of it is watched [s].
+/// Time for which the last value is held, and time at its end that is checked [s].
 const HELD: f64 = 0.5;
 const WATCHED: f64 = 0.1;
 
-/// Draws between two reports of progress.
+/// Number of draws between two progress reports.
 const BATCH: usize = 8;
 
-/// Swing that remains, and distance of a feedback from what is wanted, as shares of the reference's height, above which a loop
-/// is unstable.
+/// Thresholds of an unstable loop, as shares of the reference's height: remaining oscillation, and error with feedback.
 const SWINGS: f64 = 0.01;
 const ARRIVED: f64 = 0.1;
 
-/// How much, how often, and from which seed.
+/// Size, number and seed of the draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Largest deviation of a value, as a share of it [-].
+    /// Largest relative deviation of a parameter [-].
     pub share: f64,
-    /// Plants drawn.
+    /// Number of plants.
     pub draws: usize,
-    /// Seed of the draws and of their noise.
+    /// Seed of the draws and of their sensor noise.
     pub seed: u64,
 }
 
@@ -52,9 +52,9 @@ impl Default for Tolerance {
 pub struct Draw {
     /// The plant.
     pub spec: Spec,
-    /// How well it tracked.
+    /// Tracking error.
     pub tracking: Tracking,
-    /// Whether it came to rest.
+    /// True if it came to rest at the reference.
     pub stable: bool,
 }
 
@@ -66,12 +66,12 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// How many did not come to rest.
+    /// Number of draws that are unstable.
     pub fn unstable(&self) -> usize {
         self.trials.iter().filter(|t| !t.stable).count()
     }
 
-    /// The rms error that a share of the draws (0.5 for the median, 1 for the worst) does not exceed, in percent of stroke.
+    /// The rms error that a share of the draws (0.5 for the median, 1 for the worst) does not exceed [% of stroke].
     pub fn percent_of_stroke(&self, share: f64) -> f64 {
         let mut sorted: Vec<f64> = self.trials.iter().map(|t| t.tracking.percent_of_stroke).collect();
         sorted.sort_by(f64::total_cmp);
@@ -81,11 +81,12 @@ impl Spread {
 }
 
 impl Tolerance {
-    /// Drives plants drawn about `spec` along `r` [output unit of the drive's model], in parallel; errors count from sample `from` on,
-    /// of the height of `r`. The order of the draws does not depend on the threads.
+    /// Runs plants drawn around `spec` along `r` [output unit of the scheme's model], in parallel. Errors count from
+    /// sample `from` on, relative to the height of `r`. The order of the draws does not depend on the threads.
     ///
     /// # Errors
-    /// Refuses a share outside 0 to below 1, a model whose output is no length, and what [`TunedScheme`] and [`Plant::new`] refuse.
+    /// Returns an error for a share outside 0 to below 1 or a model whose output is not a length, and the errors of
+    /// [`TunedScheme`] and [`Plant::new`].
     pub(crate) fn trials(
         &self,
         spec: &Spec,
@@ -112,7 +113,7 @@ impl Tolerance {
 }
 
 impl Spec {
-    /// Plant `i` of those drawn from `seed` about this one, whose values differ by up to `share` of each.
+    /// Plant `i` of those drawn with `seed` around this one. Its parameters differ by up to `share` of their values.
     ///
     /// ```
     /// let bender = (piezoid::plant::Preset::find("pl140")?.spec)();
@@ -122,7 +123,7 @@ impl Spec {
     /// ```
     ///
     /// # Errors
-    /// Refuses a share outside 0 to below 1.
+    /// Returns an error for a share outside 0 to below 1.
     pub fn drawn(&self, share: f64, seed: u64, i: u64) -> Result<Spec, Error> {
         if !(0.0..1.0).contains(&share) {
             return Err(Error::parameter("share", share, "must be from 0 to below 1"));
@@ -169,7 +170,8 @@ fn trial(spec: Spec, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> 
     let mut done = drive.run(&plant, &held(r), &feed_forward)?;
     let watched = &done.y[done.y.len() - (WATCHED / plant.ts()) as usize..];
     let ((low, high), (bottom, top)) = (ends(watched.iter().copied()), ends(r.iter().copied()));
-    // Feedback that integrates comes to what is wanted; a loop stuck at a limit, or no number, does not.
+    // Feedback with an integral reaches the reference; a loop stuck at a limit, or with values that are not numbers,
+    // does not.
     let off = (0.5 * (low + high) - r.last().copied().unwrap_or(0.0)).abs();
     let arrived = drive.scheme.law.is_none() || off <= ARRIVED * (top - bottom);
     let stable = watched.iter().all(|y| y.is_finite()) && high - low <= SWINGS * (top - bottom) && arrived;
@@ -193,7 +195,7 @@ mod tests {
     use crate::progress::silent;
     use std::sync::Arc;
 
-    /// A gain of 35 um / V under an integral of this gain, in 1/s.
+    /// A gain of 35 um / V with an integral controller of gain `KI` [1/s] (0.1 for `KI` = 1).
     fn drive<const KI: u32>() -> TunedScheme {
         static WEAK: ControllerKind =
             ControllerKind { tune: |_, _| Ok(Arc::new(Pi::new(5e-4, 0.0, 0.1, (-30.0, 30.0))?)), ..CONTROLLERS[0] };
@@ -202,15 +204,15 @@ mod tests {
         let law = if KI > 1 { &STRONG } else { &WEAK };
         let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0).unwrap()), Arx::gain(5e-4, 35.0).unwrap(), 0.0);
         let units = crate::record::Units { u: "V".into(), y: "um".into() };
-        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
         let scheme = Scheme { feed: FeedForwardKind::find("gain").unwrap(), law: Some(law) };
-        let settings = FeedForwardSettings { limits, ..FeedForwardSettings::default() };
+        let settings = FeedForwardSettings { limits, ..Default::default() };
         TunedScheme::new(scheme, &model.unwrap().with_units(units), settings, 0, &MarginTarget::default()).unwrap()
     }
 
     fn spread(drive: &TunedScheme, threads: usize) -> Spread {
-        let r = Sine { amplitude: 500.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 400).unwrap();
-        let tolerance = Tolerance { draws: 4, ..Tolerance::default() };
+        let r = Sine { amplitude: 500.0, frequency: 5.0, ..Default::default() }.samples(5e-4, 400).unwrap();
+        let tolerance = Tolerance { draws: 4, ..Default::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let spec = (Preset::find("pl140").unwrap().spec)();
         pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut silent)).unwrap()
@@ -225,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_that_swings_within_its_limits_is_unstable_all_the_same() {
+    fn a_loop_that_oscillates_within_its_limits_is_unstable() {
         assert_eq!(spread(&drive::<1>(), 2).unstable(), 0);
         assert_eq!(spread(&drive::<30>(), 2).unstable(), 4);
     }

@@ -1,17 +1,18 @@
-//! Tuning: of all controllers of a kind that keep the margins, the one with the largest integral gain.
+//! Tuning: the controller with the largest integral gain among those of a kind that meet the margins.
 //!
 //! ```text
 //! max  k_i = lim |C(exp(j w Ts))| w  for w to 0,    over the shapes of a kind and the factor on each,
-//! so that  gain margin >= gain_db  for every detuning of the modes,  and  phase margin >= phase_deg,
-//! and      |C| k |G(0)| 20 <= 10^(-gain_db / 20)  at frequencies beyond those the model was identified at
+//! such that  gain margin >= gain_db  for every detuning of the modes,  and  phase margin >= phase_deg,
+//! and        |C| k |G(0)| 20 <= 10^(-gain_db / 20)  above the frequencies of the identification data
 //! ```
-//! at the largest slope. The integral gain is what a slow disturbance (hysteresis, creep, drift) is divided by. L is
-//! proportional to the factor and the plant stable, so that the loop is stable from 0 up to the first factor that leads L
-//! through -1: the gain margin is one from that, and no other count of Nyquist's is needed. Where no record has been there may be a
-//! mode: a model of a 5 Hz sine alone gives a slow loop, not one that sets off the resonance it has not seen.
+//! at the largest slope. The integral gain divides slow disturbances (hysteresis, creep, drift). L is proportional to
+//! the factor and the plant is stable. Therefore the loop is stable from factor 0 up to the first factor for which L
+//! passes through -1. The gain margin refers to that factor, and no further encirclements have to be counted. There may
+//! be a mode at frequencies without data: a model from a 5 Hz sine alone gives a slow loop that does not excite an
+//! unknown resonance.
 //!
-//! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9. It
-//! does not do: the best shape to the last digit; shapes come from lists.
+//! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9.
+//! It does not do: continuous optimisation of the shapes; they come from lists.
 
 use super::margins::{ControlLoop, at, check_late, grid, growths, open, phase};
 use super::{Controller, filters};
@@ -21,38 +22,38 @@ use crate::system::System;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-/// A step down in search of the phase margin: 0.25 dB, and how many there are.
+/// Factor between two trials of the phase margin (0.25 dB), and the number of trials.
 const STEP: f64 = 0.971_627_951_577_106;
 const STEPS: i32 = 200;
 
-/// How many times the gain at rest a mode may answer with that no record has shown: of a damping of 0.025.
+/// Largest gain of an unknown mode over the static gain: a damping ratio of 0.025.
 const UNSEEN: f64 = 20.0;
 
-/// A mode that rings: damping ratios below this are detuned.
+/// Modes with a damping ratio below this are detuned.
 const RINGS: f64 = 0.3;
 
-/// What a tuned loop must keep.
+/// The margins that a tuned loop must have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MarginTarget {
     /// Gain margin [dB].
     pub gain_db: f64,
     /// Phase margin [degrees].
     pub phase_deg: f64,
-    /// Share by which the modes may lie lower or higher than the model has them [-].
+    /// Relative deviation of the modes' frequencies from the model, in both directions [-].
     pub detuning: f64,
 }
 
 impl Default for MarginTarget {
-    /// 6 dB, 45 degrees, 22 %. A bender's values are +-20 % by its sheet: displacement a volt is 1.6 dB and damping 1.9 dB of
-    /// gain, which together leave 2.5 of the 6; stiffness over mass is 22 % of frequency. At the crossover 45 degrees
-    /// are |S| = 1.3.
+    /// 6 dB, 45 degrees, 22 %. The tolerance of a bender is +-20 % by its data sheet. Displacement per volt takes 1.6
+    /// dB and damping 1.9 dB of gain, which leaves 2.5 dB of 6. Stiffness over mass gives 22 % of frequency. 45 degrees
+    /// at the crossover give |S| = 1.3.
     fn default() -> Self {
         MarginTarget { gain_db: 6.0, phase_deg: 45.0, detuning: 0.22 }
     }
 }
 
-/// The strongest controller that keeps the target: `build` makes one of a shape and a factor to which its law is
-/// proportional.
+/// The controller with the largest integral gain that meets the target. `build` makes a controller from a shape and a
+/// factor; its law is proportional to the factor.
 pub(super) fn strongest<S: Copy, C: Controller>(
     path: &ControlLoop,
     target: &MarginTarget,
@@ -67,34 +68,34 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     check_late(path.late)?;
     let none = |because: &str| Error::Unsuited { what: "controller".into(), because: because.into() };
     if !path.linear().is_stable() {
-        return Err(none("the linear block of the model is not stable: identify it anew, with another order"));
+        return Err(none("the linear block of the model is not stable: identify it again with another order"));
     }
     path.check_positive_gain()?;
-    let bench = PlantSet::new(path, target)?;
+    let plants = PlantSet::new(path, target)?;
     let mut best: Option<(f64, S, f64)> = None;
     for shape in shapes {
         let Some(law) = build(shape, 1.0)?.law() else { continue };
-        let Some(factor) = bench.factor(&law, target) else { continue };
+        let Some(factor) = plants.factor(&law, target) else { continue };
         let merit = factor * integral_gain(&law);
         if best.is_none_or(|(most, ..)| merit > most) {
             best = Some((merit, shape, factor));
         }
     }
     let (_, shape, factor) =
-        best.ok_or_else(|| none("no gain keeps the margins: ask for smaller ones, or for less detuning of the modes"))?;
+        best.ok_or_else(|| none("no gain meets the margins: choose smaller margins, or less detuning of the modes"))?;
     build(shape, factor)
 }
 
-/// |C| w, well below all its dynamics.
+/// |C| w, far below all its dynamics.
 fn integral_gain(law: &Arx) -> f64 {
     let hz = 1e-6 / law.ts();
     law.response(hz).gain * TAU * hz
 }
 
-/// The plants that a law must bear, as responses on one grid; the model as it is comes first.
+/// The plants that a law must stabilise, as responses on one grid; the nominal model is the first.
 struct PlantSet {
     grid: Vec<f64>,
-    /// Frequencies beyond what is known [Hz], and k G there at most.
+    /// Highest frequency of the data [Hz], and the largest possible k G above it.
     beyond: f64,
     unseen: f64,
     plants: Vec<Vec<Complex<f64>>>,
@@ -111,7 +112,7 @@ impl PlantSet {
         Ok(PlantSet { grid, beyond: path.known_hz().unwrap_or(f64::INFINITY), unseen, plants })
     }
 
-    /// The largest factor on `law` that keeps the target.
+    /// The largest factor on `law` that meets the target.
     fn factor(&self, law: &Arx, target: &MarginTarget) -> Option<f64> {
         let c: Vec<Complex<f64>> = at(&self.grid, law).collect();
         let l = |plant: &[Complex<f64>], k: f64| c.iter().zip(plant).map(|(c, g)| c * g * k).collect::<Vec<_>>();
@@ -121,7 +122,7 @@ impl PlantSet {
         let first = beyond.map(|(_, c)| 1.0 / (self.unseen * c.norm())).fold(first, f64::min);
         let most = first * 10f64.powf(-target.gain_db / 20.0);
         let nominal = l(self.plants.first()?, most);
-        // An infinite margin is that of a loop too weak for its crossover to lie on the grid.
+        // The margin is infinite if the loop is too weak for a crossover on the grid.
         let angle = |k: f64| phase(&nominal.iter().map(|l| l * k).collect::<Vec<_>>());
         let keeps = |k: f64| (target.phase_deg..f64::INFINITY).contains(&angle(k));
         let factors = (0..STEPS).map(|i| STEP.powi(i));
@@ -129,13 +130,13 @@ impl PlantSet {
     }
 }
 
-/// The block with every mode that rings at `share` of its frequency, with its damping ratio and gain at rest.
+/// The block with every lightly damped mode at `share` of its frequency, with the same damping ratios and static gain.
 pub(super) fn detuned(block: &Arx, share: f64) -> Result<Arx, Error> {
     let ts = block.ts();
     let mut denominator = vec![1.0];
     for pole in block.poles() {
         let rings = pole.z.im > 0.0 && pole.damping < RINGS;
-        // A mode that would pass half the sampling rate stays below it.
+        // A mode is kept below half the sampling rate.
         let hz = if rings { (share * pole.hz).min((0.49 / ts).max(pole.hz)) } else { pole.hz };
         let factor = match pole.z.im > 0.0 {
             true if rings => filters::pair(ts, hz, pole.damping).to_vec(),
@@ -149,12 +150,12 @@ pub(super) fn detuned(block: &Arx, share: f64) -> Result<Arx, Error> {
     filters::ratio(ts, &numerator, &denominator)
 }
 
-/// `n` numbers from `low` to `high`, equally apart in their logarithms.
+/// `n` numbers from `low` to `high`, equally spaced in their logarithms.
 pub(super) fn spread(low: f64, high: f64, n: usize) -> impl Iterator<Item = f64> + Clone {
     (0..n).map(move |i| low * (high / low).powf(i as f64 / (n - 1).max(1) as f64))
 }
 
-/// The modes that ring, as natural frequency [Hz] and damping ratio, the least damped first.
+/// Natural frequency [Hz] and damping ratio of the lightly damped modes, the least damped first.
 pub(super) fn modes(block: &Arx) -> Vec<(f64, f64)> {
     let mut modes: Vec<(f64, f64)> =
         block.poles().iter().filter(|p| p.z.im > 0.0 && p.damping < RINGS).map(|p| (p.hz, p.damping)).collect();
@@ -174,7 +175,7 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
-    /// A bender of two modes, its slope 30 to 40 um / V.
+    /// A bender with two modes and slopes from 30 to 40 um / V.
     fn bender() -> ControlLoop {
         let p = filters::times(&filters::pair(TS, 160.0, 0.03), &filters::pair(TS, 900.0, 0.03));
         let gain = p.iter().sum::<f64>();
@@ -182,34 +183,34 @@ mod tests {
         path_of(linear, (30.0, 40.0))
     }
 
-    /// The controllers with a law, tuned.
+    /// The tuned controllers with a linear law.
     fn lawful(path: &ControlLoop) -> impl Iterator<Item = (&'static ControllerKind, Arc<dyn Controller>, Arx)> {
         let tuned = CONTROLLERS.iter().map(|kind| (kind, (kind.tune)(path, &MarginTarget::default()).unwrap()));
         tuned.filter_map(|(kind, controller)| controller.law().map(|law| (kind, controller, law)))
     }
 
     #[test]
-    fn every_controller_keeps_the_margins_it_was_tuned_to_and_its_gain_with_every_mode_detuned() {
+    fn every_controller_keeps_its_margins_with_every_mode_detuned() {
         for late in [0, 3] {
             let path = ControlLoop { late, ..bender() };
             for (kind, controller, law) in lawful(&path) {
                 let (m, name) = (path.margins(&*controller, path.slope.1).unwrap(), kind.name);
                 let keeps = m.stable && m.gain_db > 5.9 && m.phase_deg > 44.5 && m.bandwidth_hz > 1.0;
-                assert!(keeps, "{name}, {late} late: {m:?}");
+                assert!(keeps, "{name}, late = {late}: {m:?}");
                 for share in [0.78, 0.9, 1.1, 1.22] {
                     let other = ControlLoop { late, ..path_of(detuned(path.linear(), share).unwrap(), path.slope) };
                     let loud = other.closed(&law, 1.95 * path.slope.1).unwrap();
-                    assert!(loud.is_stable(), "{name} with modes at {share}, {late} late");
+                    assert!(loud.is_stable(), "{name} with modes at {share}, late = {late}");
                 }
             }
         }
     }
 
     #[test]
-    fn the_phase_margin_holds_in_simulation_as_samples_of_delay() {
+    fn the_loop_is_stable_with_a_delay_of_the_phase_margin() {
         let path = bender();
         for (_, controller, law) in lawful(&path) {
-            // Where |L| is 1 for the last time: the least delay that any margin stands for.
+            // The last crossover of |L| = 1 gives the smallest delay that a margin allows.
             let grid = grid(&[path.linear(), &law], 0);
             let plant = open(&grid, path.linear(), path.slope.1, path.delay_s());
             let l: Vec<_> = plant.zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
@@ -223,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn notches_and_damping_allow_more_than_a_pi() {
+    fn notches_and_damping_allow_larger_gains_than_a_pi() {
         let path = bender();
         let gain = |name| {
             let tune = super::super::ControllerKind::find(name).unwrap().tune;
@@ -234,8 +235,8 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_knows_only_slow_motion_gives_a_loop_that_bears_a_resonance_it_has_not_seen() {
-        // A gain by the model, identified up to 5 Hz; in truth a mode at 160 Hz.
+    fn a_model_of_slow_motion_gives_a_loop_that_is_stable_with_an_unknown_resonance() {
+        // The model is a gain identified up to 5 Hz; the plant has a mode at 160 Hz.
         let slow = path_of(Arx::gain(TS, 0.9).unwrap(), (30.0, 40.0));
         let known = Domain { u: [-30.0, 30.0], hz: Some([5.0, 5.0]), slew: 1e3, mean: [0.0, 0.0] };
         let seen = ControlLoop { model: slow.model.clone().with_identified(known), ..slow.clone() };
@@ -252,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn a_detuned_block_has_its_modes_where_they_were_sent() {
+    fn a_detuned_block_has_its_modes_at_the_requested_frequencies() {
         let block = bender().linear().clone();
         let lower = detuned(&block, 0.8).unwrap();
         let hz: Vec<f64> = lower.poles().iter().map(|p| p.hz).collect();
@@ -262,9 +263,9 @@ mod tests {
     }
 
     #[test]
-    fn targets_and_blocks_that_leave_no_controller_are_refused() {
+    fn targets_and_blocks_without_a_controller_are_errors() {
         let pi = super::super::ControllerKind::find("pi").unwrap().tune;
-        let wrong = MarginTarget { phase_deg: 0.0, ..MarginTarget::default() };
+        let wrong = MarginTarget { phase_deg: 0.0, ..Default::default() };
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
         let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));
         assert!(pi(&unstable, &MarginTarget::default()).unwrap_err().to_string().contains("not stable"));
@@ -272,7 +273,7 @@ mod tests {
         assert!(
             pi(&late, &MarginTarget::default()).unwrap_err().to_string().starts_with("late = 21: must be at most 20")
         );
-        let steep = MarginTarget { phase_deg: 179.0, ..MarginTarget::default() };
-        assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain keeps the margins"));
+        let steep = MarginTarget { phase_deg: 179.0, ..Default::default() };
+        assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain meets the margins"));
     }
 }

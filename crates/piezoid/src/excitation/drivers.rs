@@ -8,6 +8,7 @@ use super::Limits;
 use super::limits::GROUP;
 use crate::error::{Error, row};
 use crate::options::{OptionKind, OptionRow, options};
+use serde_json::Value;
 
 /// A driver by name.
 #[derive(Debug, Clone, Copy)]
@@ -92,8 +93,9 @@ impl LimitOptions {
             Some(name) => Amplifier::find(name)?.loaded(own.capacitance)?,
             None if own == Limits::default() => return Ok(None),
             None if own == (Limits { capacitance: own.capacitance, ..Limits::default() }) => {
-                let rule = "is for a limit of current: name a driver, or leave it out";
-                return Err(Error::parameter("capacitance", own.capacitance.unwrap_or_default(), rule));
+                let rule = "is for a limit of current: leave it out, or ";
+                let error = Error::parameter("capacitance", own.capacitance.unwrap_or_default(), rule);
+                return Err(error.advised(vec![("driver", Value::Null), ("current", Value::Null)]));
             }
             None => Limits::default(),
         };
@@ -112,6 +114,7 @@ impl LimitOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::Options;
 
     #[test]
     fn every_driver_says_what_it_is_and_holds_its_own_middle() {
@@ -126,5 +129,15 @@ mod tests {
     #[test]
     fn an_unknown_driver_is_answered_with_those_there_are() {
         assert!(Amplifier::find("pl149").unwrap_err().to_string().ends_with("did you mean `pl140`?"));
+    }
+
+    #[test]
+    fn limits_that_are_given_go_before_those_of_the_driver() {
+        let of = |given: serde_json::Value| LimitOptions::from_json(given).and_then(|options| options.limits());
+        let limits = of(serde_json::json!({"driver": "pl140", "high": 20})).unwrap().unwrap();
+        assert_eq!((limits.low, limits.high, limits.current), (Some(-30.0), Some(20.0), Some(0.5)));
+        assert_eq!(of(serde_json::json!({})), Ok(None));
+        let refusal = of(serde_json::json!({"capacitance": 1e-6})).unwrap_err().to_string();
+        assert!(refusal.ends_with("leave it out, or give `driver` or `current`"), "{refusal}");
     }
 }

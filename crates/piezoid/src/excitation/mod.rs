@@ -81,7 +81,8 @@ impl Excitation {
 }
 
 impl Excitation {
-    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. Its options are `given` by their names.
+    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. Its options are
+    /// `given` by their names.
     ///
     /// ```
     /// let sine = piezoid::excitation::Excitation::find("sine")?;

@@ -125,7 +125,7 @@ impl ColumnRole {
                 line: table.header,
                 column: None,
                 problem: format!(
-                    "{} could each be the {}; ",
+                    "{} could each be the {}; choose one: ",
                     listed(candidates.iter().map(|c| c.name.as_str())),
                     self.what,
                 ),
@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(default(&INPUT, "t_s,u_cmdV,y_um").unwrap(), "u_cmdV");
         assert_eq!(
             default(&INPUT, "t_s,u_cmdV,u_monV,y_um").unwrap_err(),
-            "line 1: `u_cmdV`, `u_monV` could each be the input; give `input_col`"
+            "line 1: `u_cmdV`, `u_monV` could each be the input; choose one: give `input_col`"
         );
     }
 
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(default(&OUTPUT, "t_s,u_V,y_counts,yref_um").unwrap(), "y_counts");
         assert_eq!(
             default(&OUTPUT, "t_s,u_V,y_um,y_mm").unwrap_err(),
-            "line 1: `y_um`, `y_mm` could each be the output; give `output_col`"
+            "line 1: `y_um`, `y_mm` could each be the output; choose one: give `output_col`"
         );
         let chosen = ColumnSelection { output_col: Some("y_mm".into()), ..ColumnSelection::default() };
         assert_eq!(found(&OUTPUT, "t_s,u_V,y_um,y_mm", &chosen).unwrap(), "y_mm");

@@ -10,7 +10,9 @@ use super::instrumental::{self, Iterations};
 use super::output_error::{OutputError, Refinement};
 use super::regression::{Orders, Regression};
 use crate::error::{Error, row};
-use crate::optimize::{Minimum, Reason, least_absolute, swarm};
+#[cfg(feature = "clarabel")]
+use crate::optimize::least_absolute;
+use crate::optimize::{Minimum, Reason, swarm};
 use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use crate::series::scatter;
@@ -77,6 +79,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         reference: "Ljung 1998, System Identification: Theory for the User",
         estimate: |given, _, _| Ok(given.start.clone().into()),
     },
+    #[cfg(feature = "clarabel")]
     Estimator {
         name: "least-absolute",
         summary: "sum of absolute errors, exactly, by linear programming: the reference for the swarm",

@@ -18,8 +18,7 @@
 use super::regression::Orders;
 use crate::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
 use crate::record::Record;
-use crate::series::mean;
-use multiversion::multiversion;
+use crate::series::{dot_wide, mean};
 use nalgebra::DMatrix;
 use std::ops::RangeInclusive;
 
@@ -260,6 +259,11 @@ impl Orders {
     }
 }
 
+/// The scalar product as eight parallel sums.
+pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    dot_wide::<8>(x, y)
+}
+
 /// The mean of a series, and the series without it.
 pub(super) fn centred(x: &[f64]) -> (f64, Vec<f64>) {
     let middle = mean(x);
@@ -302,26 +306,6 @@ pub(super) fn decays(a: &[f64]) -> bool {
         c.iter_mut().zip(&reversed).for_each(|(c, r)| *c = (*c + k * r) / (1.0 - k * k));
     }
     true
-}
-
-/// The scalar product as eight parallel sums, added in the same order on every processor.
-#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    let ((x, x_rest), (y, y_rest)) = (x.as_chunks::<8>(), y.as_chunks::<8>());
-    let (mut sums, mut rest) = ([0.0; 8], 0.0);
-    for t in 0..x.len().min(y.len()) {
-        for i in 0..8 {
-            sums[i] += x[t][i] * y[t][i];
-        }
-    }
-    for i in 0..x_rest.len().min(y_rest.len()) {
-        rest += x_rest[i] * y_rest[i];
-    }
-    let mut sum = 0.0;
-    for part in sums {
-        sum += part;
-    }
-    sum + rest
 }
 
 #[cfg(test)]

@@ -1,10 +1,12 @@
 //! Searches for the best parameters. How a search ended is data ([`Minimum::reason`]), not an error.
 
+#[cfg(feature = "clarabel")]
 mod least_absolute;
 pub(crate) mod levenberg_marquardt;
 mod non_negative;
 pub mod swarm;
 
+#[cfg(feature = "clarabel")]
 pub(crate) use least_absolute::least_absolute;
 pub(crate) use non_negative::non_negative;
 

@@ -10,7 +10,7 @@
 //! 10.1090/S0025-5718-1994-1250776-4; C. L. Lawson, R. J. Hanson, Solving Least Squares Problems (1974), DOI
 //! 10.1137/1.9781611971217.
 
-use multiversion::multiversion;
+use crate::series::dot_wide;
 
 /// Exchanges of whole blocks that may fail to reduce the number of broken rules.
 const PATIENCE: usize = 4;
@@ -78,6 +78,11 @@ fn downhill(h: &[f64], g: &[f64], signed: &[bool], free: &mut [bool]) -> Option<
     Some(x)
 }
 
+/// The scalar product in sixteen strands.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    dot_wide::<16>(a, b)
+}
+
 fn gradient(h: &[f64], g: &[f64], x: &[f64]) -> Vec<f64> {
     h.chunks_exact(g.len()).zip(g).map(|(row, g)| dot(row, x) - g).collect()
 }
@@ -116,26 +121,6 @@ fn solve(h: &[f64], g: &[f64], n: usize, free: &[bool]) -> Option<Vec<f64>> {
     let mut all = vec![0.0; n];
     active.iter().zip(x).for_each(|(&k, x)| all[k] = x);
     Some(all)
-}
-
-/// The product, summed in sixteen strands whatever the instruction set.
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<16>(), b.as_chunks::<16>());
-    let (mut sums, mut tail) = ([0.0; 16], 0.0);
-    for i in 0..a.len().min(b.len()) {
-        for k in 0..16 {
-            sums[k] += a[i][k] * b[i][k];
-        }
-    }
-    for i in 0..a_rest.len().min(b_rest.len()) {
-        tail += a_rest[i] * b_rest[i];
-    }
-    let mut sum = 0.0;
-    for part in sums {
-        sum += part;
-    }
-    sum + tail
 }
 
 #[cfg(test)]

@@ -57,18 +57,6 @@ pub enum GlobalBest {
     Current,
 }
 
-impl GlobalBest {
-    /// `ever` or `current`.
-    ///
-    /// # Errors
-    /// [`Error::Unknown`] with the names there are.
-    pub fn find(name: &str) -> Result<Self, Error> {
-        let known = [("ever", GlobalBest::Ever), ("current", GlobalBest::Current)];
-        let found = known.iter().find(|(known, _)| *known == name).map(|(_, which)| *which);
-        found.ok_or_else(|| Error::unknown("global_best", name, known.map(|(known, _)| known)))
-    }
-}
-
 /// How the swarm searches. The defaults are the paper's where it states them, else what is customary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]

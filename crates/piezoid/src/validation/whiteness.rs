@@ -12,7 +12,7 @@
 //! Reference: Ljung & Box 1978, doi:10.1093/biomet/65.2.297; Ljung 1998, System Identification, section 16.6.
 
 use crate::number::short;
-use crate::series::mean;
+use crate::series::{dot, mean};
 use serde::Serialize;
 
 /// Number of lags.
@@ -130,10 +130,6 @@ impl Whiteness {
 fn centred(x: &[f64]) -> Vec<f64> {
     let middle = mean(x);
     x.iter().map(|x| x - middle).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The probability that chi-squared of an even number of degrees is larger than `q`: exp(-q/2) times the sum of

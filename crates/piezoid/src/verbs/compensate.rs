@@ -1,6 +1,6 @@
 //! The voltage for a requested displacement.
 
-use super::File;
+use super::{File, blamed};
 use crate::compensation::shaping::Shaping;
 use crate::compensation::{Compensated, FeedForward, FeedForwardSettings};
 use crate::error::Error;
@@ -67,8 +67,9 @@ impl CompensateOptions {
     /// # Errors
     /// As [`CompensateOptions::of`], and files without a model or a reference.
     pub fn run(&self, model: &File, reference: &File, columns: &ColumnSelection) -> Result<Compensation, Error> {
-        let model = model.model()?;
-        self.of(&model, reference.reference(columns, &model)?)
+        let (file, model) = (model, model.model()?);
+        let made = self.of(&model, reference.reference(columns, &model)?);
+        made.map_err(|e| blamed(e, file).about(&reference.name))
     }
 }
 

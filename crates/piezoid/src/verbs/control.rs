@@ -1,6 +1,6 @@
 //! Schemes of control along references, on a simulated actuator.
 
-use super::File;
+use super::{File, blamed};
 use crate::compensation::{FeedForward, FeedForwardSettings};
 use crate::control::{
     ClosedLoopRun, Comparison, ControlLoop, MarginTarget, NamedReference, Reference, ReferenceResult, Scheme,
@@ -107,7 +107,8 @@ impl ControlOptions {
     /// Each scheme along each reference on a plant. A reference that is no name is one of the `files`.
     ///
     /// # Errors
-    /// Names that there are not, a file that holds no reference or is not there, and what [`ControlOptions::along`] refuses.
+    /// Names that there are not, a file that holds no reference or is not there, and what [`ControlOptions::along`]
+    /// refuses.
     pub fn run(
         &self,
         (plant, spec): (&str, &Spec),
@@ -137,7 +138,7 @@ impl ControlOptions {
             }
         };
         let wanted = names.into_iter().map(wanted).collect::<Result<_, _>>()?;
-        self.along((plant, &spec), &model, wanted, progress)
+        self.along((plant, &spec), &model, wanted, progress).map_err(|e| blamed(e, file))
     }
 
     /// The same along references that are known.
@@ -232,8 +233,8 @@ impl Comparison {
         let mut told = self.notes.clone();
         if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
             told.push(format!(
-                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it on a PRBS too for \
-                 a faster one",
+                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it \
+                 on a PRBS too for a faster one",
                 short(hz)
             ));
         }
@@ -282,6 +283,7 @@ fn held(model: &Model, settings: FeedForwardSettings) -> Result<f64, Error> {
     }
     let (low, high, unit) = (round(low), round(high), &model.units().y);
     Err(Error::Content(format!(
-        "the model holds {low} to {high} {unit}, and named references go to both sides of 0: give a file or an amplitude"
+        "the model holds {low} to {high} {unit}, and named references go to both sides of 0: give a file or an \
+         amplitude"
     )))
 }

@@ -40,7 +40,8 @@ impl ExciteOptions {
         let mut u = kind.samples(self.ts, self.duration, given)?;
         let Some(limits) = self.limits.limits()? else {
             if self.clip {
-                return Err(Error::parameter("clip", true, "is for limits: name a driver, or leave it out"));
+                let error = Error::parameter("clip", true, "is for limits of the voltage: leave it out, or ");
+                return Err(error.advised(vec![("driver", Value::Null)]));
             }
             return Ok(Excited { ts: self.ts, u, usage: None, clipped: 0 });
         };
@@ -50,7 +51,11 @@ impl ExciteOptions {
             clipped = u.iter().zip(&within).filter(|(u, within)| u != within).count();
             u = within;
         }
-        Ok(Excited { ts: self.ts, usage: Some(limits.refuse(&u, self.ts)?), u, clipped })
+        let named = |e: Error| match &self.limits.driver {
+            Some(name) => e.about(&format!("driver `{name}`")),
+            None => e,
+        };
+        Ok(Excited { ts: self.ts, usage: Some(limits.refuse(&u, self.ts).map_err(named)?), u, clipped })
     }
 }
 

@@ -55,8 +55,8 @@ impl IdentifyOptions {
         Ok(Identification { found, model, training, linearity })
     }
 
-    /// How a model was made, for its file: by which command, from which files. A report needs the operators that were tried
-    /// and the errors of the parameters too: the model alone does not tell them.
+    /// How a model was made, for its file: by which command, from which files. A report needs the operators that were
+    /// tried and the errors of the parameters too: the model alone does not tell them.
     pub fn provenance(&self, found: &Identified, command: &str, files: Value) -> Value {
         let version = env!("CARGO_PKG_VERSION");
         let mut made = json!({"command": command, "version": version, "files": files, "seed": self.seed});

@@ -100,6 +100,15 @@ impl File {
     }
 }
 
+/// What the model in `file` does not give is about that file.
+fn blamed(error: Error, file: &File) -> Error {
+    let inner = if let Error::File { error, .. } = &error { error } else { &error };
+    match inner {
+        Error::Unsuited { .. } | Error::NoInverse { .. } => error.of(&file.name),
+        _ => error,
+    }
+}
+
 /// A name without folders.
 fn short(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)

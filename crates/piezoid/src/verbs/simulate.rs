@@ -10,9 +10,9 @@ use crate::record::{Record, Units};
 use crate::system::System;
 
 const BEGINNINGS: OptionKind = OptionKind::Choice(&[
-    ("rest", "rest, and a jump to the first input"),
-    ("settled", "the first input, which had stood for long"),
-    ("motion", "the same as in the record"),
+    ("rest", "Rest, and a jump to the first input"),
+    ("settled", "The first input, which had stood for long"),
+    ("motion", "The same as in the record"),
 ]);
 
 options! {
@@ -49,15 +49,25 @@ impl SimulateOptions {
     pub fn plant(&self, plant: &Spec, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
         let Signal { ts, samples: u, .. } = input.input(columns)?;
         let plant = Plant::new(plant, ts)?.with_seed(self.seed);
-        let settled = || plant.settled(u.first().copied().unwrap_or_default());
-        let mut x = if self.begin == InitialCondition::Rest { plant.initial() } else { settled() };
-        if self.begin == InitialCondition::Motion {
-            plant.resume(&mut x, &u);
-        }
+        let mut x = self.before(&plant, &u);
         let y = plant.resume(&mut x, &u).iter().map(|y| y * 1e6).collect();
         let saturation = plant.saturation(&x);
         let reached = if saturation.any() { saturation.to_string() } else { String::new() };
         Simulated { ts, u, y, units: Units::default(), reached }.bounded()
+    }
+
+    /// The state of a plant before the input `u` [V].
+    pub fn before(&self, plant: &Plant, u: &[f64]) -> Vec<f64> {
+        let settled = || plant.settled(u.first().copied().unwrap_or_default());
+        match self.begin {
+            InitialCondition::Rest => plant.initial(),
+            InitialCondition::Settled => settled(),
+            InitialCondition::Motion => {
+                let mut x = settled();
+                plant.resume(&mut x, u);
+                x
+            }
+        }
     }
 
     /// What a model answers to the input in a file.

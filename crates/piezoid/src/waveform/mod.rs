@@ -14,13 +14,7 @@ use crate::series::ends;
 
 /// The frequency at which `u` goes to and fro about its mid-value [Hz], sampled every `ts` [s]: the mean over whole
 /// periods, told by its crossings. `None` where there is no whole period.
-///
-/// ```
-/// let u: Vec<f64> = (0..1000).map(|t| (f64::from(t) * 0.02).sin()).collect();
-/// let hz = piezoid::waveform::dominant_frequency(&u, 1e-3).unwrap();
-/// assert!((hz - 0.02 / std::f64::consts::TAU * 1e3).abs() < 0.01);
-/// ```
-pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
+pub(crate) fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
     let (low, high) = ends(u.iter().copied());
     let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
     // A crossing upwards counts once the input has been clearly below; its time is interpolated.

@@ -1,28 +1,29 @@
-//! The quadratic program of one sample, condensed to the moves alone, by a dual active-set method in buffers of fixed size.
+//! The quadratic program of one sample, condensed to the moves, by a dual active-set method with buffers of fixed size.
 //!
 //! ```text
 //! min over x of  1/2 x' H x - g' x + 1/2 sigma sum e_i^2     low_i - e_i <= a_i' x <= high_i + e_i
 //! ```
-//! e_i = 0 on hard rows. H and the rows stay the same from sample to sample, so that M = A H^-1 A' is made once, and with it
-//! everything happens among rows: v = A x, and one multiplier a row. A soft row adds 1 / sigma to its diagonal of M, its e_i
-//! being its multiplier over sigma. From the free optimum, the row broken most (of those that bound last time, if there
-//! are any) is taken in, and bound rows whose multiplier comes to zero are let go, until none is broken.
+//! e_i = 0 on hard rows. H and the rows are constant, so M = A H^-1 A' is computed once, and all operations are on
+//! rows: v = A x and one multiplier per row. A soft row adds 1 / sigma to its diagonal of M; its e_i is its multiplier
+//! over sigma. Starting at the free optimum, the most violated row (first among those that were active in the last
+//! sample) is added, and active rows whose multiplier reaches zero are removed, until no row is violated.
 //!
-//! Reference: D. Goldfarb, A. Idnani, Math. Program. 27, 1 (1983), DOI 10.1007/BF02591962. It does not do: equality of other
-//! rows than those with low = high; H that is not positive definite.
+//! Reference: D. Goldfarb, A. Idnani, Math. Program. 27, 1 (1983), DOI 10.1007/BF02591962. It does not do: equalities
+//! other than low = high; an H that is not positive definite.
 
+use crate::series::dot;
 use nalgebra::{Cholesky, DMatrix};
 
-/// How far a row may be broken by rounding, over the size of what is bound.
+/// Violation of a row by rounding, relative to the size of the limited values.
 const TINY: f64 = 1e-11;
 
-/// What of a row's own curvature must be left beside the rows already bound for it to be another one.
+/// Smallest remaining share of a row's curvature for which it is independent of the active rows.
 const INDEPENDENT: f64 = 1e-10;
 
-/// Changes of the bound rows in one sample, for each move.
+/// Largest number of active-set changes in one sample, per move.
 const PATIENCE: usize = 4;
 
-/// The program, but for g and the limits.
+/// The program without g and the limits.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Condensed {
     /// H, the rows A and the stiffness of each, for other solvers.
@@ -31,18 +32,18 @@ pub(super) struct Condensed {
     pub(super) sigma: Vec<f64>,
     /// A, row by row.
     rows: Vec<f64>,
-    /// A H^-1 A' with what soft rows add, row by row.
+    /// A H^-1 A' with the terms of soft rows, row by row.
     m: Vec<f64>,
     /// H^-1 A', row by row.
     back: Vec<f64>,
 }
 
-/// How a sample's program ended.
+/// Result of a sample's program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SolveResult {
-    /// Rows taken in and let go.
+    /// Number of rows added and removed.
     pub(super) changes: usize,
-    /// Whether no row is broken.
+    /// True if no row is violated.
     pub(super) solved: bool,
 }
 
@@ -54,16 +55,16 @@ struct Buffers<'w> {
     last: &'w mut [f64],
     /// a_i' x, soft rows less their e_i.
     v: &'w mut [f64],
-    /// The bound rows in their order, counted from 1, negative at the low end.
+    /// The active rows in their order, counted from 1, negative at the low end.
     bound: &'w mut [f64],
-    /// How their multipliers give way.
+    /// Decrease of their multipliers.
     r: &'w mut [f64],
-    /// Cholesky factor of M among the bound rows and a trial one, row by row.
+    /// Cholesky factor of M among the active rows and a trial row, row by row.
     factor: &'w mut [f64],
 }
 
 impl Condensed {
-    /// H, the rows A, and sigma of each: infinite where the row is hard. `None` where H is not positive definite.
+    /// From H, the rows A, and sigma of each, infinite for a hard row. `None` if H is not positive definite.
     pub(super) fn new(h: DMatrix<f64>, a: DMatrix<f64>, sigma: Vec<f64>) -> Option<Self> {
         let back = Cholesky::new(h.clone())?.solve(&a.transpose());
         let mut m = &a * &back;
@@ -76,7 +77,7 @@ impl Condensed {
         self.h.nrows()
     }
 
-    /// Rows that may be bound at once: as many hard ones as there are moves, and the soft ones.
+    /// Largest number of active rows: as many hard ones as there are moves, and the soft ones.
     fn most(&self) -> usize {
         self.sigma.len().min(self.moves() + self.sigma.iter().filter(|s| s.is_finite()).count())
     }
@@ -87,7 +88,7 @@ impl Condensed {
         3 * rows + most * (most + 2)
     }
 
-    /// Changes of the bound rows after which a sample is left as it stands.
+    /// Number of active-set changes after which a sample ends unsolved.
     fn patience(&self) -> usize {
         PATIENCE * self.moves()
     }
@@ -102,8 +103,8 @@ impl Condensed {
         Buffers { lambda, last, v, bound, r, factor }
     }
 
-    /// Replaces the free optimum `x` = H^-1 g by that within the limits `low` and `high` of each row. `scratch`, of length
-    /// [`Condensed::scratch`], carries the multipliers from sample to sample and begins as zeros.
+    /// Replaces the free optimum `x` = H^-1 g by the optimum within the limits `low` and `high` of each row. `scratch`,
+    /// of length [`Condensed::scratch`], carries the multipliers from sample to sample and starts as zeros.
     pub(super) fn solve(&self, x: &mut [f64], low: &[f64], high: &[f64], scratch: &mut [f64]) -> SolveResult {
         let mut w = self.cut(scratch);
         w.last.copy_from_slice(w.lambda);
@@ -120,7 +121,8 @@ impl Condensed {
                     break 'rows false;
                 }
                 changes += 1;
-                // A multiplier of p raised by t lowers those of the bound rows by t r, and what p is over by t curvature.
+                // Raising the multiplier of p by t lowers those of the active rows by t r, and the violation of p by t
+                // curvature.
                 let curvature = self.direction(p, side, count, &mut w);
                 let over = if side > 0.0 { w.v[p] - high[p] } else { low[p] - w.v[p] };
                 let independent = count < self.most() && curvature > INDEPENDENT * self.m(p, p);
@@ -155,7 +157,7 @@ impl Condensed {
         self.m[i * self.sigma.len() + j]
     }
 
-    /// The row broken most, and on which side; of those that bound last time, if there are any.
+    /// The most violated row and its side; rows that were active in the last sample come first.
     fn worst(&self, low: &[f64], high: &[f64], tiny: f64, count: usize, w: &Buffers<'_>) -> Option<(usize, f64)> {
         let mut worst = (false, 0.0, None);
         for (i, &v) in w.v.iter().enumerate() {
@@ -171,8 +173,7 @@ impl Condensed {
         worst.2
     }
 
-    /// Puts L^-1 M_p into row `k` of the factor L of the first `k` bound rows, and returns what p keeps of its curvature
-    /// beside them.
+    /// Puts L^-1 M_p into row `k` of the factor L of the first `k` active rows. Returns the remaining curvature of p.
     fn forward(&self, p: usize, k: usize, w: &mut Buffers<'_>) -> f64 {
         let stride = self.most() + 1;
         let (factor, rest) = w.factor.split_at_mut(k * stride);
@@ -184,7 +185,7 @@ impl Condensed {
         left
     }
 
-    /// How the multipliers of the bound rows give way to that of row `p`, and the curvature p keeps beside them.
+    /// The decrease r of the multipliers of the active rows for that of row `p`, and the remaining curvature of p.
     fn direction(&self, p: usize, side: f64, count: usize, w: &mut Buffers<'_>) -> f64 {
         let left = self.forward(p, count, w);
         let stride = self.most() + 1;
@@ -200,7 +201,7 @@ impl Condensed {
         let rows = self.sigma.len();
         let mut add = |i: usize, by: f64| {
             w.lambda[i] += by;
-            // M is symmetric: its row i is how each v falls.
+            // M is symmetric: its row i is the decrease of each v.
             w.v.iter_mut().zip(&self.m[i * rows..]).for_each(|(v, m)| *v -= by * m);
         };
         add(p, side * t);
@@ -208,17 +209,18 @@ impl Condensed {
     }
 }
 
-/// Multiplications of one sample at worst, of `n` moves and of `rows` rows, `most` of which may be bound at once: every row that
-/// may be is taken in, then one after another is let go and another taken in.
+/// Multiplications of one sample in the worst case, for `n` moves and `rows` rows with at most `most` active ones: rows
+/// are added up to the maximum, then one is removed and another added in every change.
 pub(super) fn operations(n: usize, rows: usize, most: usize) -> usize {
     let (every, first) = (PATIENCE * n, most.min(PATIENCE * n));
     let taken_in = first * (rows * most / 2 + most * most / 3);
     let exchanged = (every - first) * (rows * most + most * most + most * most * most / 12);
-    // What a row is searched for costs about as much as four of them.
+    // The search over rows costs about four multiplications per row.
     2 * rows * n + taken_in + exchanged + every * 4 * rows
 }
 
-/// How far the multiplier of a row can be raised until one of the `bound` rows has to be let go, and which.
+/// Largest increase of the multiplier of a row until one of the `bound` rows has to be removed, and that row's
+/// position.
 fn first_gone(bound: &[f64], lambda: &[f64], r: &[f64]) -> (f64, usize) {
     let mut first = (f64::INFINITY, 0);
     for (k, (&b, r)) in bound.iter().zip(r).enumerate() {
@@ -240,10 +242,6 @@ fn by_rows(m: &DMatrix<f64>) -> Vec<f64> {
     m.transpose().as_slice().to_vec()
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::interior;
@@ -252,7 +250,7 @@ mod tests {
     use nalgebra::DVector;
     use rand::{Rng, RngExt, SeedableRng};
 
-    /// Boxes, rates and soft outputs of eight moves, drawn at random.
+    /// Bounds, rates and soft outputs of eight random moves.
     fn program(random: &mut impl Rng) -> Condensed {
         let n = 8;
         let phi = DMatrix::from_fn(n, n, |i, j| if i >= j { random.random_range(-1.0..1.0) } else { 0.0 });
@@ -272,13 +270,13 @@ mod tests {
     }
 
     #[test]
-    fn the_optimum_is_that_of_the_interior_point_method() {
+    fn the_optimum_matches_the_interior_point_method() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let mut bound = 0;
         for _ in 0..200 {
             let program = program(&mut random);
             let mut scratch = vec![0.0; program.scratch()];
-            // Samples that resemble each other, so that the start is warm.
+            // Similar samples, so that the start is warm.
             let mut g = DVector::from_fn(8, |_, _| random.random_range(-5.0..5.0));
             for _ in 0..4 {
                 g += DVector::from_fn(8, |_, _| random.random_range(-0.5..0.5));
@@ -297,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_that_cannot_be_kept_end_and_say_so() {
+    fn limits_that_cannot_be_met_end_unsolved() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(2);
         let program = program(&mut random);
         let (mut low, mut high) = (vec![-1.0; 23], vec![1.0; 23]);

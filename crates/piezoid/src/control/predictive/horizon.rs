@@ -1,11 +1,11 @@
-//! The horizon as a quadratic program: what the moves lead to, what they cost, and the rows that are limited.
+//! The horizon as a quadratic program: response to the moves, their cost, and the limited rows.
 //!
 //! ```text
 //! y = offset + free s + G phi z        free_i = C A^(d+i),  phi_ij = h_{d+i-j} / G
 //! H = phi' phi + move_cost S' S        S z: the steps of z, the first from the last z
-//! rows: z;  S z but for its first;  phi z where displacements are limited, softly
+//! rows: z;  S z except its first;  phi z if displacements are limited (soft)
 //! ```
-//! Errors are over |G| throughout, so that nothing depends on the unit of y.
+//! Errors are divided by |G|, so that nothing depends on the unit of y.
 
 use super::PredictiveSettings;
 use super::condensed::Condensed;
@@ -13,16 +13,16 @@ use super::realisation::Realisation;
 use crate::error::Error;
 use nalgebra::{Cholesky, DMatrix, DVector, DVectorView, DVectorViewMut};
 
-/// How much dearer the square of a displacement beyond its limit is than that of an error.
+/// Cost of a squared displacement beyond its limit, relative to a squared error.
 const STIFFNESS: f64 = 1e3;
 
-/// Its matrices.
+/// The matrices.
 #[derive(Debug, Clone)]
 pub(super) struct Horizon {
     /// C A^(d+i), and h over |G|.
     free: DMatrix<f64>,
     pub(super) phi: DMatrix<f64>,
-    /// From the errors of the free response, and from the last z, to the moves without limits.
+    /// From the errors of the free response, and from the last z, to the optimal moves without limits.
     from_errors: DMatrix<f64>,
     from_last: DVector<f64>,
     /// |G| [output unit / z's unit].
@@ -31,10 +31,10 @@ pub(super) struct Horizon {
 }
 
 impl Horizon {
-    /// Of a plant whose `gain` stands for G.
+    /// The matrices for a plant with gain G.
     ///
     /// # Errors
-    /// Refuses a cost of moves that rounding swallows.
+    /// Returns an error if `move_cost` is too small for rounding.
     pub(super) fn new(plant: &Realisation, gain: f64, settings: &PredictiveSettings) -> Result<Self, Error> {
         let n = settings.horizon;
         let h = plant.impulse(plant.delay + n);
@@ -43,7 +43,8 @@ impl Horizon {
 
         let steps = DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - f64::from(u8::from(i == j + 1)));
         let curvature = phi.transpose() * &phi + settings.move_cost * steps.transpose() * &steps;
-        let stiff = || Error::parameter("move_cost", settings.move_cost, "leaves the moves undetermined: raise it");
+        let stiff =
+            || Error::parameter("move_cost", settings.move_cost, "is too small for a unique solution: increase it");
         let factor = Cholesky::new(curvature.clone()).ok_or_else(stiff)?;
         let mut rows = DMatrix::zeros(settings.rows(n), n);
         rows.rows_mut(0, n).fill_with_identity();
@@ -63,13 +64,13 @@ impl Horizon {
         })
     }
 
-    /// y over the horizon, less its offset, if z were 0 from now on [output unit].
+    /// y over the horizon, without offset, for z = 0 [output unit].
     pub(super) fn free(&self, s: &[f64], y: &mut [f64]) {
         let n = y.len();
         DVectorViewMut::from_slice(y, n).gemv(1.0, &self.free, &DVectorView::from_slice(s, s.len()), 0.0);
     }
 
-    /// The moves that would be best without limits, for errors of the free response [output unit].
+    /// The optimal moves without limits, for these errors of the free response [output unit].
     pub(super) fn without_limits(&self, errors: &[f64], last: f64, z: &mut [f64]) {
         let n = z.len();
         let mut z = DVectorViewMut::from_slice(z, n);
@@ -77,7 +78,7 @@ impl Horizon {
         z.axpy(last, &self.from_last, 1.0);
     }
 
-    /// y over the horizon, less its offset, of the moves `z` [output unit].
+    /// y over the horizon, without offset, for the moves `z` [output unit].
     pub(super) fn response(&self, s: &[f64], z: &[f64]) -> DVector<f64> {
         let (s, z) = (DVectorView::from_slice(s, s.len()), DVectorView::from_slice(z, z.len()));
         &self.free * s + self.gain * (&self.phi * z)

@@ -1,20 +1,20 @@
-//! The quadratic program of [`Condensed`] by an interior-point method, as the yardstick of its own.
+//! The quadratic program of [`Condensed`] by an interior-point method, as its reference solution.
 //!
 //! ```text
 //! min over x, e of  1/2 x' H x - g' x + 1/2 sigma sum e_i^2     low_i <= a_i' x - e_i <= high_i, e_i = 0 on hard rows
 //! ```
-//! Reference: P. J. Goulart, Y. Chen, arXiv:2405.12762 (2024) (Clarabel). It does not do: warm starts, which interior-point
-//! methods gain nothing from, and fixed buffers.
+//! Reference: P. J. Goulart, Y. Chen, arXiv:2405.12762 (2024) (Clarabel). It does not do: warm starts, which do not
+//! help interior-point methods, and buffers of fixed size.
 
 use super::condensed::Condensed;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-/// The x for `g` and the limits `low` and `high` of the rows; `None` where the solver ends without an optimum.
+/// The x for `g` and the limits `low` and `high` of the rows; `None` if the solver finds no optimum.
 pub(super) fn solve(program: &Condensed, g: &[f64], low: &[f64], high: &[f64]) -> Option<Vec<f64>> {
     let n = g.len();
     let soft: Vec<usize> = (0..program.sigma.len()).filter(|&i| program.sigma[i].is_finite()).collect();
-    // Each finite limit is a row a' x - e + s = limit of the cone s >= 0, those of the low ends with turned signs.
+    // Each finite limit is a row a' x - e + s = limit of the cone s >= 0; rows of lower limits have the opposite sign.
     let ends = [(1.0, high), (-1.0, low)].into_iter();
     let rows: Vec<(usize, f64, f64)> = ends
         .flat_map(|(sign, limit)| limit.iter().enumerate().map(move |(i, limit)| (i, sign, sign * limit)))
@@ -54,7 +54,7 @@ pub(super) fn solve(program: &Condensed, g: &[f64], low: &[f64], high: &[f64]) -
         tol_gap_abs: 1e-12,
         tol_gap_rel: 1e-12,
         tol_feas: 1e-12,
-        ..DefaultSettings::default()
+        ..Default::default()
     };
     let cones = [SupportedConeT::NonnegativeConeT(rows.len())];
     let mut solver = DefaultSolver::new(&curvature, &price, &constraints, &right, &cones, settings).ok()?;

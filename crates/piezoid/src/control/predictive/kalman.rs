@@ -1,30 +1,31 @@
-//! The steady-state Kalman observer, of readings that come d samples late.
+//! The steady-state Kalman observer for measurements with a sensor delay of d samples.
 //!
 //! ```text
 //! s^+ = A s^ + B z + L (y - y^),    y^ = C s^ + D z        L = A P C' / (C P C' + R)
 //! P   = A P A' - L C P A' + Q
-//! late: e = y_t-d - y^_t-d,    s^+ = A s^ + B z + A^d L e,    y^_t-d+j += C A^(j-1) L e    j = 1, ..., d
+//! delay: e = y_t-d - y^_t-d,   s^+ = A s^ + B z + A^d L e,    y^_t-d+j += C A^(j-1) L e    j = 1, ..., d
 //! ```
-//! A late reading corrects the state of its instant, and the model carries the correction on: to s^ by A^d, and to what was
-//! predicted of the readings that have not come yet. This is the observer of the system with d delays of its output. P is found by doubling: each round stands for twice as many steps of the Riccati equation as the one before.
+//! A delayed measurement corrects the state of its instant. The model propagates the correction: to s^ by A^d, and to
+//! the predicted measurements that have not arrived. This is the observer of a system with d delays of its output. P is
+//! computed by doubling: each round covers twice as many steps of the Riccati equation as the one before.
 //!
 //! Reference: E. K.-W. Chu, H.-Y. Fan, W.-W. Lin, C.-S. Wang, Int. J. Control 77, 767 (2004), DOI
-//! 10.1080/00207170410001714988. It does not do: gains that vary in time.
+//! 10.1080/00207170410001714988. It does not do: time-varying gains.
 
 use crate::error::Error;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
-/// What an innovation corrects.
+/// The gains of an innovation.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Observer {
-    /// A^d L, of s.
+    /// A^d L, on s.
     pub(super) state: DVector<f64>,
-    /// C L, ..., C A^(d-1) L, of the readings that have not come yet, the oldest first.
+    /// C L, ..., C A^(d-1) L, on the measurements that have not arrived, the oldest first.
     pub(super) unread: Vec<f64>,
 }
 
 impl Observer {
-    /// Of readings in time by the gain `l`, brought forward by `late` samples.
+    /// From the gain `l` without delay, propagated by `late` samples.
     pub(super) fn new(a: &DMatrix<f64>, c: &RowDVector<f64>, l: DVector<f64>, late: usize) -> Self {
         let mut state = l;
         let carried = |_| {
@@ -37,22 +38,22 @@ impl Observer {
     }
 }
 
-/// Rounds at most: 2^60 samples.
+/// Largest number of rounds: 2^60 samples.
 const ROUNDS: usize = 60;
 
-/// L, for the covariance `q` of what disturbs s in one sample and the variance `r` of a reading.
+/// L, for the process noise covariance `q` per sample and the variance `r` of a measurement.
 ///
 /// # Errors
-/// [`Error::Unidentifiable`] where P does not settle: the readings cannot tell a state that drifts.
+/// [`Error::Unidentifiable`] if P does not converge: a drift of the state is not observable.
 pub(super) fn gain(a: &DMatrix<f64>, c: &RowDVector<f64>, q: &DMatrix<f64>, r: f64) -> Result<DVector<f64>, Error> {
     let n = a.nrows();
-    let untold = || Error::Unidentifiable {
+    let unobservable = || Error::Unidentifiable {
         what: "the state of the model".into(),
-        because: "its readings cannot tell a constant disturbance apart: a gain of 0, or a pole at 1, at 0 Hz".into(),
+        because: "a constant disturbance is not observable: the gain is 0, or there is a pole at z = 1".into(),
     };
     let (mut f, mut g, mut p) = (a.transpose(), c.transpose() * c / r, q.clone());
     for _ in 0..ROUNDS {
-        let inverse = (DMatrix::identity(n, n) + &g * &p).try_inverse().ok_or_else(untold)?;
+        let inverse = (DMatrix::identity(n, n) + &g * &p).try_inverse().ok_or_else(unobservable)?;
         let grown = f.transpose() * &p * &inverse * &f;
         g += &f * &inverse * &g * f.transpose();
         f = &f * inverse * &f;
@@ -66,7 +67,7 @@ pub(super) fn gain(a: &DMatrix<f64>, c: &RowDVector<f64>, q: &DMatrix<f64>, r: f
             return Ok(a * &seen / ((c * &seen)[0] + r));
         }
     }
-    Err(untold())
+    Err(unobservable())
 }
 
 #[cfg(test)]
@@ -76,13 +77,13 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn the_gain_is_where_a_kalman_filter_in_full_comes_to() {
+    fn the_gain_is_the_limit_of_a_full_kalman_filter() {
         let (creep, linear) = blocks(1);
         let model = Realisation::new(&creep, &linear);
         let (n, r) = (model.order(), 0.3);
         let mut q = &model.b * model.b.transpose() * 1e-2;
         q[(n - 1, n - 1)] += 1e-3;
-        // Sample by sample, with a covariance in Joseph's form.
+        // Sample by sample, with the covariance in Joseph's form.
         let mut p = DMatrix::<f64>::identity(n, n);
         let mut k = DVector::<f64>::zeros(n);
         for _ in 0..40_000 {
@@ -97,14 +98,14 @@ mod tests {
     }
 
     #[test]
-    fn late_readings_are_filtered_as_by_the_kalman_gain_of_a_system_with_a_delay_line() {
+    fn a_sensor_delay_gives_the_kalman_gain_of_a_system_with_a_delay_line() {
         let (creep, linear) = blocks(1);
         let model = Realisation::new(&creep, &linear);
         let (n, late, r) = (model.order(), 3, 0.3);
         let mut q = &model.b * model.b.transpose() * 1e-2;
         q[(n - 1, n - 1)] += 1e-3;
         let observer = Observer::new(&model.a, &model.c, gain(&model.a, &model.c, &q, r).unwrap(), late);
-        // Behind s the outputs, the oldest first, which is what is read.
+        // The delayed outputs follow s, the oldest first, which is measured.
         let (mut a, mut noise) = (DMatrix::zeros(n + late, n + late), DMatrix::zeros(n + late, n + late));
         a.view_mut((0, 0), (n, n)).copy_from(&model.a);
         (0..late - 1).for_each(|k| a[(n + k, n + k + 1)] = 1.0);
@@ -129,8 +130,8 @@ mod tests {
     }
 
     #[test]
-    fn a_drift_that_leaves_no_trace_is_refused() {
+    fn a_drift_that_is_not_observable_is_an_error() {
         let (a, c) = (DMatrix::identity(2, 2), RowDVector::from_vec(vec![1.0, 0.0]));
-        assert!(gain(&a, &c, &DMatrix::identity(2, 2), 1.0).unwrap_err().to_string().contains("cannot tell"));
+        assert!(gain(&a, &c, &DMatrix::identity(2, 2), 1.0).unwrap_err().to_string().contains("not observable"));
     }
 }

@@ -1,4 +1,4 @@
-//! What the next sample can reach, and the limits of the program's rows.
+//! The range that the next sample can reach, and the limits of the rows.
 
 use super::state::Parts;
 use super::{Predictive, PredictiveSettings};
@@ -6,16 +6,16 @@ use crate::hammerstein::Model;
 use crate::system::System;
 
 impl Predictive {
-    /// The voltages that limits and slew allow after `u`.
+    /// The voltages allowed after `u`, by limits and slew.
     pub(super) fn ends(&self, u: f64) -> (f64, f64) {
         let (bottom, top) = self.settings.voltage;
-        // What is asked of a driver faster than it can would only run away from it.
+        // A request above the driver's slew rate would only run away from the driver's output.
         let slew = self.settings.slew.and(fastest(&self.model, &self.settings));
         let reach = slew.map_or(f64::INFINITY, |slew| slew * self.model.ts());
         ((u - reach).clamp(bottom, top), (u + reach).clamp(bottom, top))
     }
 
-    /// The limits of the rows.
+    /// Sets the limits of the rows.
     pub(super) fn limit(&self, parts: &mut Parts<'_>, ends: (f64, f64)) {
         let mut reached = |u: f64| {
             parts.trial.copy_from_slice(parts.model);
@@ -24,7 +24,7 @@ impl Predictive {
         let (low, high) = (reached(ends.0), reached(ends.1));
         let high = high.max(low);
         let n = parts.z.len();
-        // Standing still after this sample is always allowed.
+        // Holding z after this sample is always allowed.
         parts.low[..n].fill(self.major.0.min(high));
         parts.high[..n].fill(self.major.1.max(low));
         (parts.low[0], parts.high[0]) = (low, high);
@@ -41,7 +41,7 @@ impl Predictive {
         }
     }
 
-    /// How far z steps down and up in a sample at the fastest, by the slopes of the operator where it stands.
+    /// Largest steps of z per sample, down and up, by the slopes of the operator at its present state.
     fn steps(&self, parts: &mut Parts<'_>) -> (f64, f64) {
         let Some(slew) = fastest(&self.model, &self.settings) else { return (f64::INFINITY, f64::INFINITY) };
         let (operator, u, reach) = (self.model.hysteresis(), parts.last[1], slew * self.model.ts());
@@ -55,7 +55,7 @@ impl Predictive {
     }
 }
 
-/// The fastest change of the voltage that the hysteresis sees [V/s]; `None` where there is no limit.
+/// The largest rate of the voltage at the hysteresis [V/s]; `None` for no limit.
 fn fastest(model: &Model, settings: &PredictiveSettings) -> Option<f64> {
     let driver = model.driver().and_then(|driver| driver.slew);
     [settings.slew, driver].into_iter().flatten().reduce(f64::min)

@@ -1,28 +1,29 @@
-//! Model predictive control: at every sample the z of the whole horizon that brings y nearest to the reference, of which the
-//! first is turned into a voltage through the inverse of the hysteresis.
+//! Model predictive control: in every sample, the z over the horizon that minimises the error of y. The first z is
+//! converted to a voltage by the inverse of the hysteresis.
 //!
 //! ```text
 //! min over z_t, ..., z_{t+N-1} of  sum |r_{t+d+i} - y_{t+d+i}|^2 / G^2 + move_cost sum |z_{t+i} - z_{t+i-1}|^2
 //! y_{t+d+i} = offset + C A^(d+i) s_t + h_d z_{t+i} + ... + h_{d+i} z_t      i = 0, ..., N - 1
-//! z_t within what the operator answers to the voltages that limits and slew leave for the next sample
-//! z_{t+i} within the major loop; its steps within what the slew moves; y within its limits, softly
+//! z_t within the response of the operator to the voltages that limits and slew allow in the next sample
+//! z_{t+i} within the major loop; its steps within the slew limit; y within its limits (soft)
 //! u_t: operator(u_t) = z_t
 //! ```
-//! d is the delay of the linear block, h what creep and linear block answer to an impulse, G their gain. s_t is what an
-//! observer of steady gain makes of the readings, late ones carried on to t, a constant disturbance of z among it: errors that
-//! last leave no offset.
+//! d is the delay of the linear block, h the impulse response of creep and linear block, G their gain. s_t is the
+//! estimate of a steady-state observer, with delayed measurements propagated to t. It includes a constant disturbance
+//! of z, so that constant errors leave no offset.
 //!
-//! Where the program has no answer in time, the z found so far is brought within the limits of the next sample, which always
-//! can be kept. Steps of z after the first are limited by the slopes of the operator where it stands, up and down. Where the
-//! model has a driver, operator means both: a voltage a sample in, a z a sample out.
+//! If the program is not solved in time, the z found so far is clipped to the limits of the next sample, which can
+//! always be met. The steps of z after the first are limited by the slopes of the operator at its present state, up and
+//! down. With a driver in the model, operator means both: one voltage in and one z out per sample.
 //!
 //! Reference: G. Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213; U. Maeder, F.
 //! Borrelli, M. Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023. It does not do: operators
-//! that fall with their input, a horizon of voltages (which would be no quadratic program), dead zones that take longer
-//! to cross than the horizon. It has no law: what tolerances do to it is asked of [`trials`](super::trials).
+//! that fall with their input, a horizon of voltages (not a quadratic program), dead zones that take longer to cross
+//! than the horizon. It has no linear law; its robustness is tested with a [`Tolerance`](super::Tolerance).
 
 mod condensed;
 mod horizon;
+#[cfg(feature = "clarabel")]
 mod interior;
 mod kalman;
 mod limits;
@@ -39,29 +40,31 @@ use crate::error::{Error, finite};
 use crate::hammerstein::Model;
 use crate::linear::Arx;
 use crate::number::short;
+use crate::series::dot;
 use crate::system::System;
-use condensed::{SolveResult, dot};
+use condensed::SolveResult;
 use horizon::Horizon;
 use kalman::Observer;
-use nalgebra::{DVector, DVectorView, DVectorViewMut};
+use nalgebra::{DVectorView, DVectorViewMut};
 use realisation::Realisation;
 use state::{Parts, StateLayout};
 use std::sync::Arc;
 
-/// How near to a limit z counts as there, and what is not worth crossing a dead zone for, over the range of z.
+/// Distance from a limit that counts as reached, and the smallest move for which a dead zone is crossed, relative to
+/// the range of z.
 const CLOSE: f64 = 1e-6;
 
-/// A reading further off what is expected counts as no further than this, over the range of y.
+/// Largest innovation, relative to the range of y; larger ones are clipped.
 const WILD: f64 = 10.0;
 
-/// Samples over which the model carries a reading on with as much error as is allowed for in one that comes in time: of 600
-/// plants of +-20 % about `pl140`, none is unstable by readings up to 20 samples late; with 8, some are by 12 and 13.
+/// Sensor delay at which the assumed noise has grown by a factor of sqrt(2) [samples]. Of 600 plants of +-20 % around
+/// `pl140`, none is unstable with sensor delays up to 20 samples; with 8 instead of 6, some are at 12 and 13.
 const CARRIED: f64 = 6.0;
 
 /// The controller of a model.
 ///
-/// State, in this order: what the observer makes of the model, and of the readings that have not come yet; the last z and u;
-/// the model's; then the buffers of its steps, among them the multipliers that it begins with next time.
+/// State, in this order: the estimated state; the predicted measurements that have not arrived; the last z and u; the
+/// state of the model; buffers, with the multipliers for the next warm start.
 ///
 /// ```
 /// use piezoid::control::{Controller, ControllerInput, predictive::{Predictive, PredictiveSettings}};
@@ -90,18 +93,18 @@ pub struct Predictive {
     major: (f64, f64),
 }
 
-/// What is planned at one sample.
+/// The plan of one sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// z of this sample and the next N - 1 [z's unit].
     pub z: Vec<f64>,
-    /// The displacement they lead to, from the first that they act on [output unit].
+    /// The predicted displacement, from the first sample that they act on [output unit].
     pub y: Vec<f64>,
     /// The voltage of this sample [V].
     pub u: f64,
-    /// Whether all hard limits are kept by the whole plan; those of this sample always are.
+    /// True if the whole plan keeps all hard limits; this sample always does.
     pub solved: bool,
-    /// Limits taken in and let go on the way.
+    /// Number of active-set changes.
     pub changes: usize,
 }
 
@@ -109,15 +112,17 @@ impl Predictive {
     /// The controller of `model`.
     ///
     /// # Errors
-    /// Refuses settings outside their domain; a horizon that cannot run at Ts on the machine described; displacements that no
-    /// voltage leads to; as [`Error::Unsuited`], an operator that falls with its input, by the voltage where it does, or that does
-    /// not move; and, as [`Error::Unidentifiable`], a model whose readings cannot tell a constant disturbance.
+    /// Returns an error for settings outside their range; a horizon that takes too long on the given machine;
+    /// displacements out of reach; [`Error::Unsuited`] for an operator that falls with its input (with the voltage) or
+    /// is constant; [`Error::Unidentifiable`] for a model in which a constant disturbance is not observable.
     pub fn new(model: &Model, settings: PredictiveSettings) -> Result<Self, Error> {
         settings.check()?;
         let (bottom, top) = settings.voltage;
         let unsuited = |because: String| Error::Unsuited { what: "predictive control".into(), because };
         if let Some(u) = model.hysteresis().falling_input(bottom, top) {
-            return Err(unsuited(format!("its operator falls with its input at {u} V: choose an operator that rises")));
+            return Err(unsuited(format!(
+                "its operator is not monotonic (it falls at {u} V): choose another operator"
+            )));
         }
         let major = (model.settled_hidden(bottom), model.settled_hidden(top));
         let range = major.1 - major.0;
@@ -145,44 +150,41 @@ impl Predictive {
         let (low, high) = made.reachable();
         match made.settings.displacement {
             Some((least, most)) if !(least < high && low < most) => {
-                let rule = format!("must overlap with {low} to {high}, which the voltages leave to the model");
+                let rule = format!("must overlap with {low} to {high}, the range within the voltage limits");
                 Err(Error::parameter("displacement", format!("{least} to {most}"), rule))
             }
             _ => Ok(made),
         }
     }
 
-    /// What it was asked for.
+    /// The settings.
     pub fn settings(&self) -> &PredictiveSettings {
         &self.settings
     }
 
-    /// Samples of the reference that a step looks at, the present one among them.
+    /// Number of samples of the reference that a step uses, with the present one.
     pub fn preview(&self) -> usize {
         self.plant.delay + self.settings.horizon
     }
 
-    /// Whether the model can follow `reference` [output unit] at rest, sample by sample; how fast it can is left to the plan.
+    /// Checks that every value of `reference` [output unit] can be held; the plan handles its speed.
     ///
     /// # Errors
-    /// Names the first sample that is not finite, or that lies beyond what voltage and displacement allow.
+    /// Returns an error for the first sample that is not finite or is out of the range within voltage and displacement
+    /// limits.
     pub fn check(&self, reference: &[f64]) -> Result<(), Error> {
         finite("reference", reference)?;
         let (mut low, mut high) = self.reachable();
         if let Some(allowed) = self.settings.displacement {
             (low, high) = (low.max(allowed.0), high.min(allowed.1));
         }
-        match reference.iter().position(|r| !(low..=high).contains(r)) {
-            None => Ok(()),
-            Some(t) => {
-                let rule =
-                    format!("must lie from {low} to {high}, what voltage and displacement limits leave to the model");
-                Err(Error::parameter(format!("reference[{t}]"), reference[t], rule))
-            }
-        }
+        reference.iter().position(|r| !(low..=high).contains(r)).map_or(Ok(()), |t| {
+            let rule = format!("must be from {low} to {high}, the range within voltage and displacement limits");
+            Err(Error::parameter(format!("reference[{t}]"), reference[t], rule))
+        })
     }
 
-    /// The lowest and the highest displacement that voltages which stand lead to [output unit].
+    /// The lowest and the highest static displacement within the voltage limits [output unit].
     fn reachable(&self) -> (f64, f64) {
         let crept = 1.0 + self.model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>();
         let gain = self.model.linear().dc_gain() * crept;
@@ -205,7 +207,8 @@ impl Predictive {
         }
     }
 
-    /// As [`Controller::step`], with the whole plan: `r` is the reference from this sample on, `y` the last reading [output unit].
+    /// The same as [`Controller::step`], with the whole plan. `r` is the reference from this sample on, `y` the last
+    /// measurement [output unit].
     pub fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
         let (u, ended) = self.advance(x, r, y);
         let parts = self.layout().parts(x);
@@ -222,6 +225,7 @@ impl Predictive {
         self.limit(&mut parts, ends);
         let ended = match self.settings.solver {
             Solver::ActiveSet => self.horizon.program.solve(parts.z, parts.low, parts.high, parts.scratch),
+            #[cfg(feature = "clarabel")]
             Solver::InteriorPoint => self.interior(&mut parts),
         };
         let u = self.voltage(&parts, free, ends);
@@ -230,12 +234,12 @@ impl Predictive {
         (u, ended)
     }
 
-    /// The voltage between `ends` for the first z that was found, where without limits it would be `free`.
+    /// The voltage between `ends` for the first z of the plan; `free` is the optimal z without limits.
     fn voltage(&self, parts: &Parts<'_>, free: f64, ends: (f64, f64)) -> f64 {
         let (low, high) = (parts.low[0], parts.high[0]);
         let z = parts.z[0].clamp(low, high);
         let tiny = CLOSE * (self.major.1 - self.major.0);
-        // At its limit z may stand still on the way through a dead zone, which has to be crossed.
+        // In a dead zone z does not change; at its limit the voltage must still cross the zone.
         if z <= low + tiny && free < low - tiny {
             ends.0
         } else if z >= high - tiny && free > high + tiny {
@@ -245,12 +249,12 @@ impl Predictive {
         }
     }
 
-    /// The reading of a sample, less its offset.
+    /// The predicted measurement, without offset.
     fn predicted(&self, s: &[f64], z: f64) -> f64 {
         dot(self.plant.c.as_slice(), s) + self.plant.d * z
     }
 
-    /// s of this sample, from the last one, the z given then, and the reading that came, of that sample or of a late one.
+    /// Estimates s of this sample from the last s, the last z, and the measurement `y`, which may be delayed.
     fn observe(&self, parts: &mut Parts<'_>, y: f64) {
         let z = parts.last[0];
         let mut predicted = self.predicted(parts.s, z);
@@ -270,24 +274,25 @@ impl Predictive {
         parts.s.copy_from_slice(parts.next);
     }
 
-    /// The moves that would be best without limits.
+    /// The optimal moves without limits.
     fn without_limits(&self, parts: &mut Parts<'_>, r: &[f64]) {
         self.horizon.free(parts.s, parts.errors);
-        // What is no number is not known: the value before it stands.
-        let told = |r: &&f64| r.is_finite();
-        let Some(mut wanted) = r.iter().find(told) else { return parts.z.fill(parts.last[0]) };
+        // A value that is not finite counts as unknown: the previous one is used.
+        let known = |r: &&f64| r.is_finite();
+        let Some(mut target) = r.iter().find(known) else { return parts.z.fill(parts.last[0]) };
         let (before, r) = r.split_at(self.plant.delay.min(r.len()));
-        wanted = before.iter().rev().find(told).unwrap_or(wanted);
+        target = before.iter().rev().find(known).unwrap_or(target);
         for (i, error) in parts.errors.iter_mut().enumerate() {
-            wanted = r.get(i).filter(told).unwrap_or(wanted);
-            *error = wanted - self.model.offset() - *error;
+            target = r.get(i).filter(known).unwrap_or(target);
+            *error = target - self.model.offset() - *error;
         }
         self.horizon.without_limits(parts.errors, parts.last[0], parts.z);
     }
 
-    /// The program by the interior-point method.
+    /// Solves the program with the interior-point method.
+    #[cfg(feature = "clarabel")]
     fn interior(&self, parts: &mut Parts<'_>) -> SolveResult {
-        let g = &self.horizon.program.h * DVector::from_column_slice(parts.z);
+        let g = &self.horizon.program.h * nalgebra::DVector::from_column_slice(parts.z);
         let found = interior::solve(&self.horizon.program, g.as_slice(), parts.low, parts.high);
         found.iter().for_each(|z| parts.z.copy_from_slice(z));
         SolveResult { changes: 0, solved: found.is_some() }
@@ -318,9 +323,9 @@ impl Controller for Predictive {
         x
     }
 
-    /// Looks at [`Predictive::preview`] samples of the reference, as far as they are known; after the last its value stands, and
-    /// without any z. A reading that is not finite is left out, and so is such a sample of the reference; one that is wildly off
-    /// counts as ten strokes off. The feed-forward is not asked for.
+    /// Uses up to [`Predictive::preview`] samples of the reference; after the last known one it counts as constant.
+    /// Without any, z stays constant. Values of the reference and measurements that are not finite are ignored;
+    /// innovations are clipped to ten strokes. The feed-forward is ignored.
     fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {
         self.advance(x, input.ahead, input.y).0
     }
@@ -330,26 +335,26 @@ impl Controller for Predictive {
     }
 }
 
-/// Share of the sampling rate up to which a model must be known to be planned on.
+/// Smallest frequency up to which a model must be identified, as a share of the sampling rate.
 const KNOWN: f64 = 0.05;
 
 pub(super) const ROW: ControllerKind = ControllerKind {
     name: "predictive",
-    summary: "plans 20 samples ahead on the whole model, within its limits; needs no feed-forward",
+    summary: "model predictive control with a horizon of 20 samples and limits; needs no feed-forward",
     reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
     uses_feed_forward: false,
     tune: |path, _| {
         if let Some(known) = path.known_hz().filter(|known| *known < KNOWN / path.linear().ts()) {
             let because = format!(
-                "it was identified up to {} Hz and knows nothing of a resonance beyond, which a plan would set off: identify it on a \
-                 PRBS too",
+                "it was identified up to {} Hz only, and predictive control could excite a resonance above that: identify with a PRBS \
+as well",
                 short(known)
             );
             return Err(Error::Unsuited { what: "predictive control".into(), because });
         }
         let slew = Some(path.slew).filter(|slew| slew.is_finite());
         let usual = PredictiveSettings::default();
-        // A late reading is carried on by a model that errs: it counts for less.
+        // A delayed measurement is propagated with model errors, so its noise counts as larger.
         let noise = usual.noise * (path.late as f64 / CARRIED).hypot(1.0);
         let settings = PredictiveSettings { voltage: path.limits, slew, late: path.late, noise, ..usual };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)

@@ -1,13 +1,13 @@
-//! Creep and the linear block as one state-space system, with a disturbance that stays where it is.
+//! Creep and the linear block as one state-space system, with a constant disturbance.
 //!
 //! ```text
 //! s+ = A s + B z + (noise)        s = [linear block, lags of creep, p]
 //! y  = C s + D z + offset         p+ = p, added to z after its creep
 //! ```
-//! The linear block is in observer form, of the least order it can have: s_i+ = s_{i+1} + a_i y + b_i w with
-//! w = z + g_1 x_1 + ... + p. Through p every constant error of model or plant is explained, which is what leaves no
-//! offset: U. Maeder, F. Borrelli, M. Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023; G.
-//! Pannocchia, J. B. Rawlings, AIChE J. 49, 426 (2003), DOI 10.1002/aic.690490213.
+//! The linear block is in observer form of minimal order: s_i+ = s_{i+1} + a_i y + b_i w with w = z + g_1 x_1 + ... +
+//! p. p explains every constant error of model or plant, therefore no offset remains: U. Maeder, F. Borrelli, M.
+//! Morari, Automatica 45, 2214 (2009), DOI 10.1016/j.automatica.2009.05.023; G. Pannocchia, J. B. Rawlings, AIChE J.
+//! 49, 426 (2003), DOI 10.1002/aic.690490213.
 
 use crate::creep::Creep;
 use crate::linear::Arx;
@@ -67,7 +67,7 @@ impl Realisation {
         self.b.len()
     }
 
-    /// h_0, h_1, ...: the answer to z = 1, 0, 0, ...
+    /// h_0, h_1, ...: the impulse response.
     pub(super) fn impulse(&self, length: usize) -> Vec<f64> {
         let mut s = self.b.clone();
         let mut h = vec![self.d];
@@ -78,7 +78,7 @@ impl Realisation {
         h
     }
 
-    /// C A^(delay), C A^(delay + 1), ...: what comes of s alone, from where the next z acts.
+    /// C A^(delay), C A^(delay + 1), ...: the free response of s, from the sample on which the next z acts.
     pub(super) fn free(&self, length: usize) -> DMatrix<f64> {
         let mut rows = DMatrix::zeros(length, self.order());
         let mut row = self.c.clone();
@@ -91,7 +91,7 @@ impl Realisation {
         rows
     }
 
-    /// The state after z has stood for ever, without disturbance.
+    /// The settled state for a constant z, without disturbance.
     pub(super) fn settled(&self, creep: &Creep, linear: &Arx, z: f64) -> Vec<f64> {
         let n = creep.lags().len();
         let m = self.order() - n - 1;
@@ -114,7 +114,7 @@ pub(super) mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    /// A creeping block with a resonance, whose input acts `delay` samples late.
+    /// Creep and a resonance whose input is delayed by `delay` samples.
     pub(in super::super) fn blocks(delay: usize) -> (Creep, Arx) {
         let creep = Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap();
         let b = [vec![0.0; delay], vec![0.1, 0.25, 0.05]].concat();
@@ -122,7 +122,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_realisation_answers_as_the_blocks_do() {
+    fn the_realisation_matches_the_blocks() {
         for delay in 0..3 {
             let (creep, linear) = blocks(delay);
             let r = Realisation::new(&creep, &linear);
@@ -144,7 +144,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn what_has_settled_stays() {
+    fn a_settled_state_stays_settled() {
         let (creep, linear) = blocks(1);
         let r = Realisation::new(&creep, &linear);
         let s = DVector::from_vec(r.settled(&creep, &linear, 3.0));

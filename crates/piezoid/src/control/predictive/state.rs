@@ -1,25 +1,25 @@
-//! What a state holds, and where.
+//! Layout of the state.
 
 /// The parts of a state, in this order.
 pub(super) struct Parts<'x> {
-    /// What the observer makes of creep, linear block and disturbance.
+    /// The estimated state of linear block, creep and disturbance.
     pub(super) s: &'x mut [f64],
-    /// Predicted readings, less the offset, that have not come yet: the oldest first, one a sample that they come late.
+    /// Predicted measurements, without offset, that have not arrived: one per sample of sensor delay, the oldest first.
     pub(super) unread: &'x mut [f64],
     /// The last z and u.
     pub(super) last: &'x mut [f64],
-    /// The model's, of which only hysteresis and driver move, and a copy for trials.
+    /// The state of the model, where only hysteresis and driver change, and a copy for trials.
     pub(super) model: &'x mut [f64],
     pub(super) trial: &'x mut [f64],
     /// s of the next sample.
     pub(super) next: &'x mut [f64],
-    /// Over the horizon: r less the free response, and z.
+    /// Over the horizon: r minus the free response, and z.
     pub(super) errors: &'x mut [f64],
     pub(super) z: &'x mut [f64],
     /// Limits of the rows.
     pub(super) low: &'x mut [f64],
     pub(super) high: &'x mut [f64],
-    /// What the program carries from sample to sample.
+    /// Buffer of the quadratic program, with its warm start.
     pub(super) scratch: &'x mut [f64],
 }
 

@@ -1,4 +1,4 @@
-//! The whole controller on models of its own and on others.
+//! Tests of the whole controller on its own model and on other plants.
 
 use super::super::ClosedLoop;
 use super::super::tune::detuned;
@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 
 const TS: f64 = 5e-4;
 
-/// Plays before a creeping resonance; with twice the gain and other loops where it is `off`.
+/// Plays, creep and a resonance, with `off` times the gain.
 fn model(off: f64) -> Model {
     let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
     let (creep, linear) = blocks(1);
@@ -24,7 +24,7 @@ fn sine(amplitude: f64, n: usize) -> Vec<f64> {
     (0..n).map(|t| amplitude * (t as f64 * 0.06).sin()).collect()
 }
 
-/// The same behind a driver with a lag and this slew limit [V/s].
+/// The same with a driver that has a lag and this slew limit [V/s].
 fn driven(off: f64, slew: f64) -> Model {
     let driver = DriverModel::new(1e-4, Some(slew)).unwrap();
     let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS / DriverModel::SUBSTEPS as f64).unwrap();
@@ -33,15 +33,15 @@ fn driven(off: f64, slew: f64) -> Model {
     driven.with_creep(plain.creep().clone()).unwrap()
 }
 
-/// Proportional to the voltage before this block.
+/// A linear block with a proportional operator.
 fn before(linear: Arx) -> Model {
     Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), linear, 1.5).unwrap()
 }
 
-/// Plans on the way along `r`, with a disturbance of the reading, which comes as late as the controller is told.
+/// Runs the controller along `r`, with a constant error of the measurement and the sensor delay of its settings.
 fn follow(mpc: &Predictive, plant: &Model, r: &[f64], disturbance: f64) -> (Vec<f64>, Vec<Plan>) {
     let (mut x, mut truth) = (mpc.settled(0.0), plant.settled(0.0));
-    // Oldest first: what is read now, and what has not come yet.
+    // The measurements, the oldest first: it is used now.
     let mut y = vec![plant.step(&mut truth.clone(), 0.0); 1 + mpc.settings().late];
     let step = |t: usize| {
         let plan = mpc.plan(&mut x, &r[t..], y[0]);
@@ -57,13 +57,13 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn without_limits_the_moves_are_the_least_squares_of_their_cost() {
+fn without_limits_the_moves_minimise_their_cost() {
     let model = model(1.0);
-    let settings = PredictiveSettings { voltage: (-60.0, 60.0), move_cost: 1e-2, ..PredictiveSettings::default() };
+    let settings = PredictiveSettings { voltage: (-60.0, 60.0), move_cost: 1e-2, ..Default::default() };
     let mpc = Predictive::new(&model, settings).unwrap();
     let r: Vec<f64> = sine(3.0, 21).iter().map(|r| 1.5 + r).collect();
     let plan = mpc.plan(&mut mpc.settled(0.0), &r, model.offset());
-    // One column a move, each the answer of the blocks to it; below, the steps.
+    // One column per move: its response through the blocks, then its steps.
     let n = 20;
     let scale = 1.0 / model.linear().dc_gain();
     let mut columns = DMatrix::zeros(2 * n, n);
@@ -76,27 +76,27 @@ fn without_limits_the_moves_are_the_least_squares_of_their_cost() {
             columns[(n + k + 1, k)] = -0.1;
         }
     }
-    let wanted = DVector::from_fn(2 * n, |t, _| if t < n { (r[t + 1] - 1.5) * scale } else { 0.0 });
-    let known = columns.svd(true, true).solve(&wanted, 1e-14).unwrap();
+    let target = nalgebra::DVector::from_fn(2 * n, |t, _| if t < n { (r[t + 1] - 1.5) * scale } else { 0.0 });
+    let known = columns.svd(true, true).solve(&target, 1e-14).unwrap();
     assert!(plan.solved && plan.changes == 0);
     assert_close(&plan.z, known.as_slice(), 0.0, 1e-9);
     assert_close(&[plan.y[0]], &[1.5 + known[0] * mpc.horizon.phi[(0, 0)] / scale], 1e-9, 0.0);
 }
 
 #[test]
-fn a_model_of_itself_is_followed_and_a_wrong_one_nearer_than_without_readings() {
+fn it_tracks_on_its_own_model_and_feedback_helps_on_another() {
     let r: Vec<f64> = sine(15.0, 800);
     let mpc = Predictive::new(&model(1.0), PredictiveSettings::default()).unwrap();
     let missed = |off: f64| rms(&follow(&mpc, &model(off), &r, 0.0).0[200..], &r[200..]);
     assert!(missed(1.0) < 0.05, "{}", missed(1.0));
-    // Without readings a tenth more gain would miss by a tenth of the rms of r.
+    // Without feedback a gain error of a tenth gives an rms error of a tenth.
     assert!(missed(1.1) < 0.075 * rms(&r[200..], &[0.0; 600]), "{}", missed(1.1));
 }
 
 #[test]
-fn a_disturbance_that_lasts_leaves_no_offset() {
+fn a_constant_disturbance_leaves_no_offset() {
     for late in [0, 3, 20] {
-        let mpc = Predictive::new(&model(1.0), PredictiveSettings { late, ..PredictiveSettings::default() }).unwrap();
+        let mpc = Predictive::new(&model(1.0), PredictiveSettings { late, ..Default::default() }).unwrap();
         for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
             let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
             assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
@@ -105,11 +105,11 @@ fn a_disturbance_that_lasts_leaves_no_offset() {
 }
 
 #[test]
-fn a_model_of_itself_is_followed_by_late_readings_as_by_those_in_time() {
+fn on_its_own_model_a_sensor_delay_does_not_matter() {
     let r = sine(15.0, 800);
     for truth in [model(1.0), driven(1.0, 6e4), before(Arx::gain(TS, 2.0).unwrap())] {
         let followed = |late| {
-            let mpc = Predictive::new(&truth, PredictiveSettings { late, ..PredictiveSettings::default() }).unwrap();
+            let mpc = Predictive::new(&truth, PredictiveSettings { late, ..Default::default() }).unwrap();
             follow(&mpc, &truth, &r, 0.0).0
         };
         for late in [1, 3, 20] {
@@ -119,11 +119,10 @@ fn a_model_of_itself_is_followed_by_late_readings_as_by_those_in_time() {
 }
 
 #[test]
-fn late_readings_that_are_told_help_on_other_plants_too_and_untold_ones_less() {
+fn on_other_plants_a_known_sensor_delay_is_better_than_an_unknown_one() {
     let r = sine(15.0, 800);
     let missed = |plant: &Model, told: usize, late: usize| {
-        let mpc =
-            Predictive::new(&model(1.0), PredictiveSettings { late: told, ..PredictiveSettings::default() }).unwrap();
+        let mpc = Predictive::new(&model(1.0), PredictiveSettings { late: told, ..Default::default() }).unwrap();
         let course = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 800], (-30.0, 30.0)) };
         rms(&course.run(plant, &mpc).unwrap().y[200..], &r[200..])
     };
@@ -139,9 +138,9 @@ fn late_readings_that_are_told_help_on_other_plants_too_and_untold_ones_less() {
 }
 
 #[test]
-fn voltage_slew_and_displacement_are_kept() {
+fn limits_of_voltage_slew_and_displacement_are_kept() {
     let (top, fastest) = (12.0, 1500.0);
-    let limits = PredictiveSettings { voltage: (-top, top), slew: Some(fastest), ..PredictiveSettings::default() };
+    let limits = PredictiveSettings { voltage: (-top, top), slew: Some(fastest), ..Default::default() };
     let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 30.0 } else { -30.0 }).collect();
     let mpc = Predictive::new(&model(1.0), limits).unwrap();
     let (_, plans) = follow(&mpc, &model(1.0), &square, 0.0);
@@ -149,7 +148,7 @@ fn voltage_slew_and_displacement_are_kept() {
     assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= fastest * TS * (1.0 + 1e-9)));
     assert!(plans.iter().any(|p| p.u.abs() == top) && plans.iter().any(|p| p.changes > 5));
 
-    let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..PredictiveSettings::default() };
+    let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..Default::default() };
     let (y, plans) = follow(&Predictive::new(&model(1.0), limits).unwrap(), &model(1.0), &square, 0.0);
     let (low, high) = crate::series::ends(y);
     assert!(
@@ -159,11 +158,11 @@ fn voltage_slew_and_displacement_are_kept() {
 }
 
 #[test]
-fn a_slew_limit_that_is_hardly_met_hardly_matters() {
+fn a_slew_limit_that_is_hardly_active_hardly_matters() {
     let r = sine(15.0, 800);
     for truth in [model(1.0), driven(1.0, 6e4)] {
         let run = |slew| {
-            let mpc = Predictive::new(&truth, PredictiveSettings { slew, ..PredictiveSettings::default() }).unwrap();
+            let mpc = Predictive::new(&truth, PredictiveSettings { slew, ..Default::default() }).unwrap();
             follow(&mpc, &truth, &r, 0.0)
         };
         let (free, plans) = run(None);
@@ -180,7 +179,7 @@ fn the_interior_point_method_gives_the_same_voltages() {
         voltage: (-12.0, 12.0),
         slew: Some(1500.0),
         displacement: Some((-9.0, 9.0)),
-        ..PredictiveSettings::default()
+        ..Default::default()
     };
     let other = PredictiveSettings { solver: Solver::InteriorPoint, ..limits.clone() };
     let square: Vec<f64> = (0..150).map(|t| if t % 60 < 30 { 10.0 } else { -10.0 }).collect();
@@ -195,7 +194,7 @@ fn the_interior_point_method_gives_the_same_voltages() {
 }
 
 #[test]
-fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
+fn lost_measurements_are_bridged_and_runs_are_bit_identical() {
     let mpc = Predictive::new(&model(1.0), PredictiveSettings::default()).unwrap();
     let r = sine(10.0, 300);
     let run = |lost: bool| {
@@ -204,7 +203,7 @@ fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
         let mut ys = Vec::new();
         for t in 0..r.len() {
             let y_read = if lost && t % 7 == 3 { f64::NAN } else { y };
-            let u = mpc.step(&mut x, &ControllerInput { y: y_read, ahead: &r[t..], ..ControllerInput::default() });
+            let u = mpc.step(&mut x, &ControllerInput { y: y_read, ahead: &r[t..], ..Default::default() });
             y = plant.step(&mut truth, u);
             ys.push(y);
         }
@@ -215,35 +214,29 @@ fn readings_that_are_lost_are_bridged_and_runs_repeat_to_the_bit() {
 }
 
 #[test]
-fn what_cannot_be_followed_or_run_is_refused_with_numbers() {
-    let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..PredictiveSettings::default() };
+fn invalid_references_and_settings_are_errors_with_numbers() {
+    let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..Default::default() };
     let mpc = Predictive::new(&model(1.0), limits).unwrap();
     assert!(mpc.check(&[0.0, 5.9]).is_ok());
     assert!(mpc.check(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
-    assert!(mpc.check(&[0.0, 6.5]).unwrap_err().to_string().contains("reference[1] = 6.5: must lie from -5 to 6"));
+    assert!(mpc.check(&[0.0, 6.5]).unwrap_err().to_string().contains("reference[1] = 6.5: must be from -5 to 6"));
     let refused = |settings| Predictive::new(&model(1.0), settings).unwrap_err().to_string();
-    assert!(refused(PredictiveSettings { horizon: 0, ..PredictiveSettings::default() }).contains("from 1 to 200"));
+    assert!(refused(PredictiveSettings { horizon: 0, ..Default::default() }).contains("from 1 to 200"));
     assert!(
-        refused(PredictiveSettings { late: 21, ..PredictiveSettings::default() })
-            .starts_with("late = 21: must be at most 20")
+        refused(PredictiveSettings { late: 21, ..Default::default() }).starts_with("late = 21: must be at most 20")
     );
-    assert!(
-        refused(PredictiveSettings { voltage: (30.0, -30.0), ..PredictiveSettings::default() }).contains("30 to -30")
-    );
-    assert!(
-        refused(PredictiveSettings { move_cost: f64::NAN, ..PredictiveSettings::default() })
-            .starts_with("move_cost = NaN")
-    );
-    let slow = refused(PredictiveSettings { multiplications_per_second: 1e7, ..PredictiveSettings::default() });
+    assert!(refused(PredictiveSettings { voltage: (30.0, -30.0), ..Default::default() }).contains("30 to -30"));
+    assert!(refused(PredictiveSettings { move_cost: f64::NAN, ..Default::default() }).starts_with("move_cost = NaN"));
+    let slow = refused(PredictiveSettings { multiplications_per_second: 1e7, ..Default::default() });
     assert!(slow.contains("horizon = 20") && slow.contains("the longest that does not is "), "{slow}");
     let longest = slow.rsplit(' ').next().unwrap().parse().unwrap();
-    let at = |horizon| PredictiveSettings { horizon, multiplications_per_second: 1e7, ..PredictiveSettings::default() };
+    let at = |horizon| PredictiveSettings { horizon, multiplications_per_second: 1e7, ..Default::default() };
     assert!(Predictive::new(&model(1.0), at(longest)).is_ok());
     assert!(Predictive::new(&model(1.0), at(longest + 1)).is_err());
 }
 
 #[test]
-fn a_model_behind_a_driver_is_followed_as_closely_as_one_without() {
+fn it_tracks_with_a_driver_in_the_model_as_well_as_without() {
     let r = sine(15.0, 800);
     let missed = |model: &Model, truth: &Model| {
         let mpc = Predictive::new(model, PredictiveSettings::default()).unwrap();
@@ -254,21 +247,21 @@ fn a_model_behind_a_driver_is_followed_as_closely_as_one_without() {
     assert!(behind < 1.1 * plain, "{behind} {plain}");
     let (plain, behind) = (missed(&model(1.0), &model(1.1)), missed(&driven(1.0, 6e4), &driven(1.1, 6e4)));
     assert!(behind < 1.1 * plain, "{behind} {plain}");
-    // A driver that the model does not know of leaves more.
+    // A driver that is not in the model increases the error.
     let unknown = missed(&model(1.0), &driven(1.0, 6e4));
     assert!(unknown > 1.5 * missed(&driven(1.0, 6e4), &driven(1.0, 6e4)), "{unknown}");
 }
 
 #[test]
-fn behind_a_driver_limits_are_kept_and_what_it_cannot_do_is_planned_for() {
+fn limits_are_kept_with_a_driver_and_its_slew_limit_is_planned_for() {
     let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 15.0 } else { -15.0 }).collect();
     let run = |slew: Option<f64>, model: &Model| {
-        let settings = PredictiveSettings { voltage: (-14.0, 14.0), slew, ..PredictiveSettings::default() };
+        let settings = PredictiveSettings { voltage: (-14.0, 14.0), slew, ..Default::default() };
         follow(&Predictive::new(model, settings).unwrap(), &driven(1.0, 1500.0), &square, 0.0)
     };
     let (y, plans) = run(None, &driven(1.0, 1500.0));
     assert!(plans.iter().all(|p| p.solved && p.u.abs() <= 14.0));
-    // What is asked of it faster than it can be done does not pile up.
+    // Requests above the driver's slew rate do not accumulate.
     let (asked, plans) = run(Some(1e4), &driven(1.0, 1500.0));
     assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= 1500.0 * TS * (1.0 + 1e-9)));
     let unknown = run(None, &model(1.0)).0;
@@ -277,9 +270,8 @@ fn behind_a_driver_limits_are_kept_and_what_it_cannot_do_is_planned_for() {
 }
 
 #[test]
-fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_same() {
-    let mpc =
-        Predictive::new(&model(1.0), PredictiveSettings { slew: Some(2e4), ..PredictiveSettings::default() }).unwrap();
+fn measurements_and_references_that_are_not_finite_give_valid_voltages() {
+    let mpc = Predictive::new(&model(1.0), PredictiveSettings { slew: Some(2e4), ..Default::default() }).unwrap();
     let plant = model(1.0);
     for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200] {
         for (of_y, of_r) in [(true, false), (false, true), (true, true)] {
@@ -288,21 +280,21 @@ fn readings_and_references_that_are_no_displacements_lead_to_voltages_all_the_sa
                 let now = t < 100 && t % 3 > 0;
                 let r = [if now && of_r { wild } else { 5.0 }; 3];
                 let read = if now && of_y { wild } else { y };
-                let u = mpc.step(&mut x, &ControllerInput { y: read, ahead: &r, ..ControllerInput::default() });
+                let u = mpc.step(&mut x, &ControllerInput { y: read, ahead: &r, ..Default::default() });
                 assert!(u.abs() <= 30.0, "{u} at {t} of {wild}");
                 y = plant.step(&mut truth, u);
             }
             assert_close(&[y], &[5.0], 0.0, 1e-2);
         }
     }
-    // Without any reference z stays.
+    // Without a reference z stays constant.
     let mut x = mpc.settled(3.0);
     let y = plant.step(&mut plant.settled(3.0), 3.0);
-    assert_close(&[mpc.step(&mut x, &ControllerInput { y, ..ControllerInput::default() })], &[3.0], 1e-9, 0.0);
+    assert_close(&[mpc.step(&mut x, &ControllerInput { y, ..Default::default() })], &[3.0], 1e-9, 0.0);
 }
 
 #[test]
-fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed() {
+fn it_tracks_with_gains_delays_integrators_and_negative_signs() {
     let gain = |k: f64| before(Arx::gain(TS, k).unwrap());
     let late = |delay: usize| before(Arx::new(TS, vec![0.9], [vec![0.0; delay], vec![0.05, 0.05]].concat()).unwrap());
     let crept = |m: Model| m.with_creep(blocks(1).0).unwrap();
@@ -310,17 +302,13 @@ fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed()
     models.extend((0..9).map(late));
     models.extend((0..9).map(|delay| crept(late(delay))));
     models.push(crept(before(Arx::new(TS, vec![1.6, -0.8], vec![0.0, -0.25, -0.1, -0.05]).unwrap())));
-    // An integrator: its gain has no end.
+    // An integrator has no finite gain.
     models.push(before(Arx::new(TS, vec![1.0], vec![0.0, 0.02]).unwrap()));
     let r = sine(10.0, 800);
     for model in models {
         for horizon in [1, 20] {
-            let settings = PredictiveSettings {
-                horizon,
-                move_cost: 1e-4,
-                displacement: Some((-9.0, 9.0)),
-                ..PredictiveSettings::default()
-            };
+            let settings =
+                PredictiveSettings { horizon, move_cost: 1e-4, displacement: Some((-9.0, 9.0)), ..Default::default() };
             let mpc = Predictive::new(&model, settings).unwrap();
             let late = model.linear().delay();
             let (y, plans) = follow(&mpc, &model, &r, 0.2);
@@ -338,8 +326,7 @@ fn blocks_without_dynamics_late_ones_and_those_that_turn_the_sign_are_followed()
 #[test]
 fn the_unit_of_y_does_not_matter() {
     let r = sine(15.0, 300);
-    let limits =
-        PredictiveSettings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..PredictiveSettings::default() };
+    let limits = PredictiveSettings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..Default::default() };
     let voltages = |unit: f64| {
         let m = model(1.0);
         let linear = Arx::new(TS, m.linear().a().to_vec(), m.linear().b().iter().map(|b| b * unit).collect()).unwrap();
@@ -356,20 +343,19 @@ fn the_unit_of_y_does_not_matter() {
 }
 
 #[test]
-fn a_dead_zone_is_crossed_however_slow_the_voltage() {
+fn a_dead_zone_is_crossed_at_any_slew_rate() {
     let play = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 1]}"#;
     let play = load(&serde_json::from_str(play).unwrap(), TS).unwrap();
     let model = Model::new(play, Arx::new(TS, vec![0.3], vec![0.0, 0.7]).unwrap(), 0.0).unwrap();
-    // From end to end of it takes 12 samples.
+    // Crossing it takes 12 samples.
     for solver in [Solver::ActiveSet, Solver::InteriorPoint] {
-        let limits =
-            PredictiveSettings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..PredictiveSettings::default() };
+        let limits = PredictiveSettings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..Default::default() };
         let mpc = Predictive::new(&model, limits).unwrap();
         let square: Vec<f64> = (0..1200).map(|t| if t / 400 % 2 == 0 { 4.0 } else { -4.0 }).collect();
         let (y, plans) = follow(&mpc, &model, &square, 0.0);
         for end in [400, 800, 1200] {
             assert_close(&y[end - 50..end - 25], &square[end - 50..end - 25], 0.0, 0.01);
-            // There it rests, until the next edge comes in sight.
+            // It rests there until the next edge is within the horizon.
             let rest: Vec<f64> = plans[end - 50..end - 25].iter().map(|p| p.u).collect();
             assert_close(&rest, &[rest[0]; 25], 0.0, 0.01);
         }
@@ -377,7 +363,7 @@ fn a_dead_zone_is_crossed_however_slow_the_voltage() {
 }
 
 #[test]
-fn what_slow_creep_and_drift_leave_is_told_apart_by_the_readings() {
+fn slow_creep_and_a_disturbance_leave_no_offset() {
     let creep = Creep::logarithmic(TS, 0.02, 0.01, 1000.0).unwrap();
     let model = before(blocks(2).1).with_creep(creep).unwrap();
     let mpc = Predictive::new(&model, PredictiveSettings::default()).unwrap();
@@ -386,16 +372,16 @@ fn what_slow_creep_and_drift_leave_is_told_apart_by_the_readings() {
 }
 
 #[test]
-fn models_and_limits_that_leave_nothing_to_control_are_refused() {
+fn models_and_limits_without_a_solution_are_errors() {
     let refused = |model: &Model, settings| Predictive::new(model, settings).unwrap_err().to_string();
     let falling = Model::new(Arc::new(Proportional::new(TS, -1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
     let told = refused(&falling, PredictiveSettings::default());
-    assert!(told.starts_with("this model gives no predictive control: its operator falls"), "{told}");
+    assert!(told.starts_with("this model gives no predictive control: its operator is not monotonic"), "{told}");
     let still = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 0]}"#;
     let still = load(&serde_json::from_str(still).unwrap(), TS).unwrap();
     let still = Model::new(still, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
     assert!(refused(&still, PredictiveSettings::default()).contains("does not move between -30 and 30 V"));
-    let beyond = PredictiveSettings { displacement: Some((1e6, 2e6)), ..PredictiveSettings::default() };
+    let beyond = PredictiveSettings { displacement: Some((1e6, 2e6)), ..Default::default() };
     let told = refused(&model(1.0), beyond);
     assert!(told.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{told}");
     let washed_out = before(Arx::new(TS, vec![0.5], vec![1.0, -1.0]).unwrap());
@@ -403,15 +389,15 @@ fn models_and_limits_that_leave_nothing_to_control_are_refused() {
 }
 
 #[test]
-fn voltages_that_leave_out_zero_are_reached_from_it_and_kept() {
+fn voltage_limits_that_exclude_zero_are_reached_and_kept() {
     for slew in [None, Some(1e3)] {
-        let limits = PredictiveSettings { voltage: (5.0, 25.0), slew, ..PredictiveSettings::default() };
+        let limits = PredictiveSettings { voltage: (5.0, 25.0), slew, ..Default::default() };
         let mpc = Predictive::new(&model(1.0), limits).unwrap();
         let inside = model(1.0).simulate(&[15.0; 4000])[3999];
         for (r, near) in [(inside, inside), (-1e3, mpc.reachable().0)] {
             let (y, plans) = follow(&mpc, &model(1.0), &[r; 1000], 0.0);
             assert!(plans.iter().all(|p| (5.0..=25.0).contains(&p.u)), "{slew:?} {r}");
-            // The first program, from rest to a reference that jumps, may take too long.
+            // The first program, from rest to a jump of the reference, may take too many changes.
             assert!(plans[1..].iter().all(|p| p.solved), "{slew:?} {r}");
             assert_close(&y[900..], &[near; 100], 0.02, 0.05);
         }

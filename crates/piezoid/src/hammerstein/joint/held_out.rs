@@ -101,6 +101,7 @@ mod tests {
     use super::super::{products::products, runs::of, testing::estimate};
     use super::*;
     use crate::record::Record;
+    use crate::series::dot;
     use crate::system::System;
     use crate::testing::assert_close;
 
@@ -134,7 +135,6 @@ mod tests {
                 (about_mean(&filtered), about_mean(r.y()), run.scale * run.scale)
             })
             .collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let explicit: Vec<f64> = (0..3)
             .map(|k| {
                 let others = || parts.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, part)| part);

@@ -47,7 +47,7 @@ use crate::hysteresis::{BasisDesign, Operator};
 use crate::number::short;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
-use crate::series::{ends, mean, scatter};
+use crate::series::{dot, ends, mean, scatter};
 use crate::system::System;
 use dynamics::{creep_pole, slowest_observable};
 use estimate::{Estimate, Responses};
@@ -247,7 +247,7 @@ fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, uni
     let free = estimate.model(0.0).ok().filter(|_| slow);
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
-        let first = products::dot(Responses::before(estimate, run).current(), &estimate.weights);
+        let first = dot(Responses::before(estimate, run).current(), &estimate.weights);
         let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
         let Some((mean, rms)) = free.as_ref().map(|model| free_run_residual(run, model)) else { return fits };
         if (mean - fits).abs() > rms { mean } else { fits }

@@ -14,6 +14,7 @@ use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
 use super::signals::{AllPole, Ladder, LinearFilter};
 use crate::driver::DriverModel;
+use crate::series::dot;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -209,11 +210,6 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
         (0..u.len()).map(|t| if t == 0 { 0.0 } else { at(t) - first }).collect()
     };
     (0..estimate.basis.shape().len()).map(of).collect()
-}
-
-/// a'b.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -10,7 +10,6 @@ use super::dynamics::{
     Dynamics, SAME_COST, creep_pole, dynamics, slowest_observable, slowest_pole, with_slow_lags_limited,
 };
 use super::estimate::{Estimate, Responses};
-use super::products::dot;
 use super::refine::{Fitted, StepCallback, refine};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
@@ -25,7 +24,7 @@ use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::silent;
 use crate::record::Record;
-use crate::series::scatter;
+use crate::series::{dot, scatter};
 use crate::system::System;
 use crate::waveform::dominant_frequency;
 use std::sync::Arc;

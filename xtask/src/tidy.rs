@@ -1,0 +1,188 @@
+//! The invariants of ARCHITECTURE.md that a program can check: `cargo xtask tidy`, after `cargo doc`.
+
+use crate::root;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The crates without input and output.
+const PURE: [&str; 3] = ["crates/piezoid/src", "crates/piezoid-export/src", "crates/piezoid-report/src"];
+
+/// What reads, writes, waits or starts something.
+const SIDE_EFFECTS: [&str; 9] = [
+    "std::fs",
+    "std::env",
+    "std::time",
+    "std::net",
+    "std::process",
+    "std::thread",
+    "println!",
+    "eprintln!",
+    "std::io::std",
+];
+
+/// What the plant may not use, as it must not be the model.
+const MODEL: [&str; 3] = ["linear", "hysteresis", "spline"];
+
+/// Crates whose types stay inside; `serde_json::Value` is the exception.
+const FOREIGN: [&str; 9] =
+    ["nalgebra", "rustfft", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
+
+/// The most public items of the three crates.
+const ITEMS: usize = 150;
+
+/// The longest line of prose and code.
+const WIDTH: usize = 120;
+
+/// Every invariant that does not hold, one a line.
+pub(crate) fn tidy() -> Result<(), String> {
+    let mut broken = Vec::new();
+    let order = modules_in_order()?;
+    for file in PURE.iter().flat_map(|folder| files(&root().join(folder), "rs")) {
+        let text = read(&file)?;
+        let code = without_tests(&text, &file);
+        let name = shown(&file);
+        broken.extend(SIDE_EFFECTS.iter().filter(|it| code.contains(*it)).map(|it| format!("{name}: uses {it}")));
+        broken.extend(foreign(&code).into_iter().map(|it| format!("{name}: {it} in a public signature")));
+        if let Some(module) = module_of(&file) {
+            broken.extend(upward(&module, &code, &order).into_iter().map(|it| format!("{name}: uses crate::{it}")));
+        }
+    }
+    for file in files(root(), "rs").into_iter().chain(files(root(), "md")) {
+        broken.extend(wide(&file)?);
+    }
+    broken.extend(public_items()?);
+    if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
+}
+
+/// The modules of the core as ARCHITECTURE.md lists them: each may use itself and those before it.
+fn modules_in_order() -> Result<Vec<String>, String> {
+    let text = read(&root().join("ARCHITECTURE.md"))?;
+    let room = text.lines().skip_while(|line| !line.starts_with("crates/piezoid "));
+    let room = room.skip(1).take_while(|line| line.starts_with("  "));
+    let names = room.filter(|line| !line.starts_with("   ")).flat_map(|line| {
+        let names = line.trim_start().split("  ").next().unwrap_or_default();
+        names.split_whitespace().map(|name| name.trim_end_matches('/').to_string())
+    });
+    let names: Vec<String> = names.collect();
+    let lib = read(&root().join("crates/piezoid/src/lib.rs"))?;
+    let declared = lib.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod "));
+    let mut missing = declared.map(|line| line.trim_end_matches(';')).filter(|name| !names.iter().any(|n| n == name));
+    match missing.find(|name| !["testing", "tests"].contains(name)) {
+        Some(name) => Err(format!("tidy: ARCHITECTURE.md does not list the module `{name}` of crates/piezoid")),
+        None => Ok(names),
+    }
+}
+
+/// The module of the core that a file belongs to; none for its tests, for lib.rs and for other crates.
+fn module_of(file: &Path) -> Option<String> {
+    let inside = file.strip_prefix(root().join("crates/piezoid/src")).ok()?;
+    let first = inside.components().next()?.as_os_str().to_string_lossy().into_owned();
+    let module = first.trim_end_matches(".rs").to_string();
+    (!["lib", "testing", "tests"].contains(&module.as_str())).then_some(module)
+}
+
+/// The modules that a module uses and may not.
+fn upward(module: &str, code: &str, order: &[String]) -> Vec<String> {
+    let place = |name: &str| order.iter().position(|known| known == name);
+    let names = code
+        .split("crate::")
+        .skip(1)
+        .map(|rest| rest.split(|c: char| !(c.is_ascii_lowercase() || c == '_')).next().unwrap_or_default().to_string());
+    let mut used: Vec<String> = names.collect();
+    used.sort();
+    used.dedup();
+    let plant = |name: &str| module == "plant" && MODEL.contains(&name);
+    used.retain(|name| place(name) > place(module) && place(name).is_some() || plant(name));
+    used
+}
+
+/// Types of other crates that public signatures name.
+fn foreign(code: &str) -> Vec<String> {
+    let mut types = Vec::new();
+    for line in code.lines().map(str::trim_start).filter(|line| line.starts_with("use ")) {
+        if FOREIGN.iter().any(|name| line.starts_with(&format!("use {name}::"))) {
+            types.extend(words(line).filter(|word| word.starts_with(|c: char| c.is_ascii_uppercase())));
+        }
+    }
+    let mut found: Vec<String> = Vec::new();
+    let mut rest = code;
+    while let Some(at) = rest.find("\n    pub fn ").into_iter().chain(rest.find("\npub fn ")).min() {
+        let signature = &rest[at..];
+        let end = signature.find(" {\n").unwrap_or(signature.len());
+        found.extend(words(&signature[..end]).filter(|word| types.contains(word)).map(String::from));
+        rest = &signature[end..];
+    }
+    found
+}
+
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
+}
+
+/// Lines beyond [`WIDTH`], but for tables, links and texts in quotes, which cannot be broken.
+fn wide(file: &Path) -> Result<Vec<String>, String> {
+    let text = read(file)?;
+    let whole =
+        |line: &str| line.contains("](") || line.starts_with('|') || line.contains("http") || line.contains('"');
+    let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > WIDTH && !whole(line));
+    let long = lines.map(|(k, line)| format!("{}:{}: {} columns", shown(file), k + 1, line.chars().count()));
+    Ok(long.collect())
+}
+
+/// Too many public items, and type names that stand twice, by the lists that `cargo doc` wrote.
+fn public_items() -> Result<Vec<String>, String> {
+    let (mut count, mut types): (usize, BTreeMap<String, Vec<String>>) = (0, BTreeMap::new());
+    for name in ["piezoid", "piezoid_export", "piezoid_report"] {
+        let list = root().join("target/doc").join(name).join("all.html");
+        let html = std::fs::read_to_string(&list).map_err(|_| "tidy: run `cargo doc --workspace --no-deps` first")?;
+        let mut kind = "";
+        for part in html.split("<h3 id=\"").skip(1) {
+            kind = part.split('"').next().unwrap_or(kind);
+            for item in part.split("<li><a href=\"").skip(1) {
+                count += 1;
+                let path = item.split_once('>').and_then(|(_, rest)| rest.split('<').next()).unwrap_or_default();
+                if ["structs", "enums", "traits", "types"].contains(&kind) {
+                    let last = path.rsplit("::").next().unwrap_or_default();
+                    types.entry(last.into()).or_default().push(format!("{name}::{path}"));
+                }
+            }
+        }
+    }
+    let twice =
+        types.into_values().filter(|paths| paths.len() > 1).map(|paths| format!("one name: {}", paths.join(", ")));
+    let many = (count > ITEMS).then(|| format!("{count} public items, {ITEMS} at most"));
+    eprintln!("tidy: {count} public items");
+    Ok(twice.chain(many).collect())
+}
+
+/// The code of a file without its tests, which stand at its foot, and without comments.
+fn without_tests(text: &str, file: &Path) -> String {
+    let is_test = file.file_stem().is_some_and(|stem| stem == "tests" || stem == "testing")
+        || file.components().any(|part| part.as_os_str() == "tests");
+    let code = if is_test { "" } else { text.split("#[cfg(test)]\nmod ").next().unwrap_or_default() };
+    let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    code.collect::<Vec<_>>().join("\n")
+}
+
+/// The files of a folder that end so, in order; not those of builds.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.sort();
+    let skipped = ["target", ".git", "node_modules"];
+    paths.retain(|path| !path.file_name().is_some_and(|name| skipped.iter().any(|s| name == *s)));
+    let inside = |path: PathBuf| match path.is_dir() {
+        true => files(&path, extension),
+        false if path.extension().is_some_and(|e| e == extension) => vec![path],
+        false => Vec::new(),
+    };
+    paths.into_iter().flat_map(inside).collect()
+}
+
+fn read(file: &Path) -> Result<String, String> {
+    std::fs::read_to_string(file).map_err(|e| format!("cannot read {}: {e}", shown(file)))
+}
+
+fn shown(file: &Path) -> String {
+    file.strip_prefix(root()).unwrap_or(file).display().to_string()
+}
