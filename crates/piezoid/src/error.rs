@@ -142,7 +142,7 @@ pub enum Error {
         because: String,
     },
     /// A request that this model does not support.
-    #[error("{what} is not possible with this model: {because}")]
+    #[error("no {what} is possible with this model: {because}")]
     Unsuited {
         /// The request.
         what: String,

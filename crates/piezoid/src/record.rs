@@ -126,8 +126,13 @@ impl Record {
     /// # Errors
     /// As [`Record::span`].
     pub fn part(&self, from: f64, to: f64) -> Result<Self, Error> {
-        let range = Record::span(from, to, self.ts, self.len())?;
-        Ok(Record { u: self.u[range.clone()].to_vec(), y: self.y[range].to_vec(), ..self.clone() })
+        self.slice(Record::span(from, to, self.ts, self.len())?)
+    }
+
+    /// The samples of a range, which must be inside the record and not empty.
+    pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Result<Self, Error> {
+        let part = Record::new(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())?;
+        Ok(Record { units: self.units.clone(), ..part })
     }
 
     /// The same record with its output in another length unit.

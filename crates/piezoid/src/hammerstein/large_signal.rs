@@ -86,13 +86,14 @@ fn of_order(
     }
     if share > CLEARLY_BETTER * residual_of_gain {
         return plain(format!(
-            "the free-run residual of a block of order {n} is {share:.3} of the output's rms, no clear improvement over \
-             {residual_of_gain:.3} with a pure gain"
+            "the free-run residual of a block of order {n} is {share:.3} of the output's rms, no clear improvement \
+             over {residual_of_gain:.3} with a pure gain"
         ));
     }
     let reason = format!(
         "order {n} with a delay of {delay} samples, by least squares on the large-signal records ({} frequencies up to \
-         {highest:.0} Hz): its free-run residual is {share:.3} of the output's rms, that of a gain {residual_of_gain:.3}",
+         {highest:.0} Hz): its free-run residual is {share:.3} of the output's rms, that of a gain \
+         {residual_of_gain:.3}",
         lines.len()
     );
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })

@@ -125,13 +125,14 @@ pub(super) fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
             Split::Direction => "",
         };
         format!(
-            "{which} the separating line does not split the points: the loop crosses itself or is hidden by noise{advice}"
+            "{which} the separating line does not split the points: the loop crosses itself or is hidden by \
+             noise{advice}"
         )
     });
     let inverted = named(loops, |found| found.agreement >= CLEAR && !found.ascending_below).map(|which| {
         format!(
-            "{which} the loop is inverted (ascending branch above descending): the linear block is wrong there, for example \
-             above a resonance that it lacks or that the sampling is too slow for"
+            "{which} the loop is inverted (ascending branch above descending): the linear block is wrong there, for \
+             example above a resonance that it lacks or that the sampling is too slow for"
         )
     });
     unclear.into_iter().chain(inverted).collect()

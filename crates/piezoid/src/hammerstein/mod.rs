@@ -199,8 +199,8 @@ impl Model {
             }
             other => {
                 return Err(Error::Content(format!(
-                    "the model file has schema number {other}, but this version reads {SCHEMA}: read it with the version \
-                     that wrote it"
+                    "the model file has schema number {other}, but this version reads {SCHEMA}: read it with the \
+                     version that wrote it"
                 )));
             }
         }

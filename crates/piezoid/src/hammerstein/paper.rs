@@ -93,8 +93,8 @@ pub(crate) fn identify_paper(
     notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method uses it nevertheless")));
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
-            "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try more \
-             iterations, a lower order, or another estimator",
+            "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try \
+             more iterations, a lower order, or another estimator",
             pole.z
         ));
     }
@@ -179,8 +179,8 @@ impl Arx {
                 let (undetermined, n) = (self.undetermined_samples(), y.len());
                 if undetermined >= n {
                     let because = format!(
-                        "{why}; the inverse of the whole record does not determine the last {undetermined} of its {n} samples: \
-                         record longer, or choose another order"
+                        "{why}; the inverse of the whole record does not determine the last {undetermined} of its {n} \
+                         samples: record longer, or choose another order"
                     );
                     return Err(Error::NoInverse { kind: "usable", because });
                 }

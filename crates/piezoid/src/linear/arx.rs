@@ -60,7 +60,8 @@ impl Arx {
     /// `ts` [s]; `a` = a1, a2, ... and `b` = b0, b1, ... as in equation (1).
     ///
     /// # Errors
-    /// Returns an error unless `ts` is positive, all coefficients are finite, at least one b is not zero, and there are at most 512 of each.
+    /// Returns an error unless `ts` is positive, all coefficients are finite, at least one b is not zero, and there are
+    /// at most 512 of each.
     pub fn new(ts: f64, a: Vec<f64>, b: Vec<f64>) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         finite("a", &a)?;

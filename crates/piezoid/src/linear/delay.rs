@@ -76,10 +76,7 @@ mod tests {
     use crate::linear::modal_error::tests::held;
     use crate::progress::silent;
     use crate::system::System;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 
@@ -88,9 +85,7 @@ mod tests {
         for (seed, delay) in [(1, -TS), (2, 0.0), (3, 1.7e-4), (4, TS), (5, 1.35e-3)] {
             let truth = held(&[(166.3, 0.03, 27.0)], 3.0, delay);
             let u = Prbs::default().samples(TS, 2047).unwrap();
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let noise = Normal::new(0.0, 0.3).unwrap();
-            let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+            let y = truth.simulate(&u).iter().zip(noise(seed, 2047)).map(|(y, e)| y + 0.3 * e).collect();
             let record = [Record::new(TS, u, y).unwrap()];
             let found = Delay::find(&record, 3, &Refinement::default(), &mut silent).unwrap();
             let Uncertain { value, error } = found.seconds;

@@ -101,7 +101,8 @@ pub static ESTIMATORS: &[Estimator] = &[
     Estimator {
         name: "instrumental",
         summary: "refined instrumental variables: no bias by noise in y, robust to poor starting values",
-        reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, doi:10.1007/BFb0009019",
+        reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, \
+                    doi:10.1007/BFb0009019",
         estimate: |given, _, _| {
             let orders = given.regression.orders;
             let found = instrumental::estimate(given.records, orders, &given.start[..orders.na])?;
@@ -211,8 +212,8 @@ impl Fit {
             format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping)
         });
         Some(format!(
-            "; its prediction error is {:.0} % of the records' rms, and order {} predicts {times} times better{resonance}: \
-             order {n} is too low",
+            "; its prediction error is {:.0} % of the records' rms, and order {} predicts {times} times \
+             better{resonance}: order {n} is too low",
             100.0 * share,
             2 * n
         ))

@@ -212,13 +212,9 @@ fn modal_fit(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Err
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::linear::modal_error::tests::held;
-    use crate::plant::Plant;
+    use crate::linear::{modal_error::tests::held, output_error::tests::pl140};
     use crate::system::System;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 
@@ -245,9 +241,7 @@ mod tests {
         let u = Prbs::default().samples(TS, 1500).unwrap();
         let mut outside = [0; 8];
         for seed in 0..40 {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let noise = Normal::new(0.0, 1.0).unwrap();
-            let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+            let y = truth.simulate(&u).iter().zip(noise(seed, 1500)).map(|(y, e)| y + e).collect();
             let record = Record::new(TS, u.clone(), y).unwrap();
             let found = ModalFit::fit(&[record], 2, 1, &Refinement::default(), &mut silent).unwrap();
             let [first, second] = [found.modes[0], found.modes[1]];
@@ -271,11 +265,7 @@ mod tests {
 
     #[test]
     fn the_modes_of_the_pl140_are_found_from_its_noisy_record() {
-        let u = Prbs::default().samples(TS, 3 * 2047).unwrap();
-        let plant = Plant::named("pl140", TS).unwrap().with_seed(1);
-        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
-        let record = [Record::new(TS, u, y).unwrap()];
-        let found = ModalFit::fit(&record, 2, 2, &Refinement::default(), &mut silent).unwrap();
+        let found = ModalFit::fit(&[pl140(1, 3 * 2047)], 2, 2, &Refinement::default(), &mut silent).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value], &[166.3, 0.03], 5e-4, 0.0);
         // Creep increases the gain, the amplifier's lag decreases the first mode: 1 % together.
@@ -291,9 +281,7 @@ mod tests {
         let z = (-TS / 0.02f64).exp();
         let lag = Arx::new(TS, vec![z], vec![0.0, 1.0 - z]).unwrap();
         let u = Prbs::default().samples(TS, 1500).unwrap();
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let noise = Normal::new(0.0, 1e-3).unwrap();
-        let y = lag.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+        let y = lag.simulate(&u).iter().zip(noise(1, 1500)).map(|(y, e)| y + 1e-3 * e).collect();
         let record = [Record::new(TS, u, y).unwrap()];
         let message = |n| ModalFit::fit(&record, n, 1, &Refinement::default(), &mut silent).unwrap_err().to_string();
         assert!(message(1).contains("do not oscillate"), "{}", message(1));

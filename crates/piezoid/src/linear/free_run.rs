@@ -1,7 +1,7 @@
 //! The free run of a block against a record with free initial state and offset, and its exact derivatives.
 //!
 //! ```text
-//! A(q) y^_t = B(q) u_t + c_0 d_t + ... + c_{m-1} d_{t-m+1},   y_t = y^_t + k + e_t,   A = 1 - a1 q^-1 - ..., d an impulse
+//! A(q) y^_t = B(q) u_t + c_0 d_t + ... + c_{m-1} d_{t-m+1},  y_t = y^_t + k + e_t,  A = 1 - a1 q^-1 - ...,  d impulse
 //! dy^/da_i = q^-i v,   dy^/db_j = q^-j w,   v = y^ / A,   w = u / A
 //! ```
 //! All signals are zero before the record; c holds what was not: the responses of an ARX to any past, inputs included,

@@ -43,8 +43,8 @@ impl Arx {
         if !outside.is_empty() {
             let (is, pole) = if outside.len() == 1 { ("is", "a pole") } else { ("are", "poles") };
             let because = format!(
-                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of (8), which then grows without \
-                 bound",
+                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of (8), which then grows \
+                 without bound",
                 join(&zeros),
                 join(&outside)
             );

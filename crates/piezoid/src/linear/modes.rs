@@ -137,8 +137,8 @@ impl ModalForm {
         let (poles, are) = if others.is_empty() { ("pole", "is an image") } else { ("poles", "are images") };
         let listed = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
         Some(format!(
-            "The {poles} at {listed} Hz, near half the sampling rate or above, {are} of delay or of faster modes: there may \
-             be no mode at that frequency."
+            "The {poles} at {listed} Hz, near half the sampling rate or above, {are} of delay or of faster modes: \
+             there may be no mode at that frequency."
         ))
     }
 }

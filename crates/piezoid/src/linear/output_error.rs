@@ -149,7 +149,7 @@ impl StartRecords {
         let share = (ENOUGH as f64 / samples as f64).min(1.0);
         let least = 8 * (orders.history() + orders.parameters());
         let first_part = |r: &Record| match ((share * r.len() as f64).ceil() as usize).max(least) {
-            n if n < r.len() => Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()),
+            n if n < r.len() => r.slice(0..n),
             _ => Ok(r.clone()),
         };
         Ok(StartRecords(records.iter().map(first_part).collect::<Result<_, _>>()?))
@@ -205,7 +205,7 @@ pub(super) fn search(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::plant::Plant;
@@ -221,8 +221,8 @@ mod tests {
     }
 
     /// The twin from rest, with a PRBS that starts with a step.
-    fn pl140(seed: u64) -> Record {
-        let u = Prbs::default().samples(TS, 2 * 2047).unwrap();
+    pub(in crate::linear) fn pl140(seed: u64, n: usize) -> Record {
+        let u = Prbs::default().samples(TS, n).unwrap();
         let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
@@ -230,10 +230,10 @@ mod tests {
 
     #[test]
     fn the_residual_of_a_record_from_rest_with_a_step_is_its_noise() {
-        let fit = found(&[pl140(1)], Orders { delay: 1, ..Orders::of(5) });
+        let fit = found(&[pl140(1, 4094)], Orders { delay: 1, ..Orders::of(5) });
         assert!((0.19..0.21).contains(&fit.rms[0]), "{} um", fit.rms[0]);
         // If it were assumed settled at u[0]:
-        let (record, arx) = (pl140(1), &fit.arx);
+        let (record, arx) = (pl140(1, 4094), &fit.arx);
         let settled = arx.resume(&mut arx.settled(record.u()[0]), record.u());
         let squares = record.y().iter().zip(&settled).map(|(y, s)| (y - s - fit.offsets[0]).powi(2)).sum::<f64>();
         assert!((squares / record.len() as f64).sqrt() > 0.8, "the start should matter");
@@ -243,7 +243,7 @@ mod tests {
     fn the_minimum_does_not_depend_on_the_noise_seed() {
         for (n, most) in [(3, 1.40), (4, 0.225), (5, 0.212), (6, 0.210), (7, 0.210)] {
             for seed in 1..=4 {
-                let fit = found(&[pl140(seed)], Orders { delay: 1, ..Orders::of(n) });
+                let fit = found(&[pl140(seed, 4094)], Orders { delay: 1, ..Orders::of(n) });
                 assert!(fit.rms[0] < most, "order {n}, seed {seed}: {} um", fit.rms[0]);
             }
         }
@@ -271,7 +271,7 @@ mod tests {
 
     #[test]
     fn refining_keeps_the_delay_and_finds_the_same_minimum_from_elsewhere() {
-        let record = [pl140(2)];
+        let record = [pl140(2, 4094)];
         let own = found(&record, Orders { na: 2, nb: 2, delay: 1 });
         let start = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 3.0, 3.0]).unwrap();
         let refined = refine(&record, &start, &Refinement::default(), &mut silent).unwrap();
@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn bad_starts_records_and_weights_are_errors() {
-        let record = pl140(1);
+        let record = pl140(1, 4094);
         let message = |records: &[Record], start: &Arx, settings: &Refinement| {
             refine(records, start, settings, &mut silent).unwrap_err().to_string()
         };

@@ -193,14 +193,9 @@ fn with_idle_pole(fit: &OutputError) -> Vec<f64> {
 
 /// The first part of each record, and the held-out `share` at its end.
 fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Error> {
-    let part = |r: &Record, range: std::ops::Range<usize>| {
-        Ok::<_, Error>(
-            Record::new(r.ts(), r.u()[range.clone()].to_vec(), r.y()[range].to_vec())?.with_units(r.units().clone()),
-        )
-    };
     let parts = records.iter().map(|r| {
         let at = ((1.0 - share) * r.len() as f64).round() as usize;
-        Ok::<_, Error>((part(r, 0..at)?, part(r, at..r.len())?))
+        Ok::<_, Error>((r.slice(0..at)?, r.slice(at..r.len())?))
     });
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
@@ -290,35 +285,22 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::Plant;
+    use crate::linear::output_error::tests::pl140;
     use crate::system::System;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
-
-    /// The PL140 twin under a PRBS of 1 V, in micrometres.
-    fn pl140(seed: u64, n: usize) -> Record {
-        let u = Prbs::default().samples(TS, n).unwrap();
-        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
-        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
-        Record::new(TS, u, y).unwrap()
-    }
-
-    fn choose(seed: u64, n: usize, settings: &OrderSearch) -> OrderSelection {
-        select(&[pl140(seed, n)], settings, &mut silent).unwrap()
-    }
 
     #[test]
     fn the_pl140_has_order_5_or_6_for_any_noise() {
         for seed in 1..=5 {
-            let found = choose(seed, 2 * 2047, &OrderSearch { delay: 2, ..OrderSearch::default() });
+            let settings = OrderSearch { delay: 2, ..OrderSearch::default() };
+            let found = select(&[pl140(seed, 4094)], &settings, &mut silent).unwrap();
             let Orders { na, delay, .. } = found.fit.orders;
             assert!((5..=6).contains(&na) && delay <= 1, "seed {seed}: {}", found.reason);
             assert!((0.19..0.212).contains(&found.fit.rms[0]), "{:?}", found.fit.rms);
             let resonance = found.candidates[found.chosen].resonance.unwrap();
-            crate::testing::assert_close(&[resonance.hz, resonance.damping], &[166.3, 0.03], 2e-3, 3e-4);
+            assert_close(&[resonance.hz, resonance.damping], &[166.3, 0.03], 2e-3, 3e-4);
         }
     }
 
@@ -329,11 +311,8 @@ mod tests {
 
     /// A record of it with white output noise of 2 %.
     fn delayed(seed: u64) -> Record {
-        let truth = delayed_block();
         let u = Prbs::default().samples(TS, 2047).unwrap();
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let noise = Normal::new(0.0, 0.03).unwrap();
-        let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+        let y = delayed_block().simulate(&u).iter().zip(noise(seed, 2047)).map(|(y, e)| y + 0.03 * e).collect();
         Record::new(TS, u, y).unwrap()
     }
 
@@ -364,7 +343,7 @@ mod tests {
         let orders = Orders { na: 2, nb: 3, delay: 1 };
         let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut silent).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
-        crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
+        assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }
 
     #[test]

@@ -266,8 +266,7 @@ impl OutputError {
 mod tests {
     use super::*;
     use crate::linear::{Orders, OutputError};
-    use crate::testing::assert_close;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const ORDERS: Orders = Orders { na: 2, nb: 2, delay: 1 };
 
@@ -277,15 +276,13 @@ mod tests {
 
     /// A record of the true block with noise n_t = `colour` n_{t-1} + w_t in y.
     fn record(seed: u64, colour: f64) -> Record {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let gauss = Normal::new(0.0, 1.0).unwrap();
         let u: Vec<f64> = (0..800).map(|t| f64::from((t * t * t % 997 % 2) as u8) - 0.5).collect();
         let mut n = 0.0;
-        let noisy = |y: f64| {
-            n = colour * n + gauss.sample(&mut random);
+        let noisy = |(y, w): (f64, f64)| {
+            n = colour * n + w;
             y + n
         };
-        let y = truth().simulate(&u).into_iter().map(noisy).collect();
+        let y = truth().simulate(&u).into_iter().zip(noise(seed, 800)).map(noisy).collect();
         Record::new(5e-4, u, y).unwrap()
     }
 

@@ -74,8 +74,7 @@ impl MaskedRecord {
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
-        let (record, end) = (&self.record, self.record.len().min(ENOUGH));
-        let part = Record::new(record.ts(), record.u()[..end].to_vec(), record.y()[..end].to_vec()).ok()?;
+        let part = self.record.slice(0..self.record.len().min(ENOUGH)).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
         let settings = Refinement { search: ROUGH, ..Refinement::default() };
         Some(linear::OutputError::fit(&[part], orders, &settings, &mut silent).ok()?.arx)
@@ -117,17 +116,13 @@ fn line(pairs: &[(f64, f64)], drift: bool) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use crate::testing::{assert_close, noise};
 
     /// A resonance at a high sampling rate, delayed by 7 samples, with noise of 0.3 and a masked spike.
     fn noisy() -> MaskedRecord {
         let u = Prbs { order: 12, offset: 5.0, ..Prbs::default() }.samples(2e-5, 4000).unwrap();
         let block = Arx::new(2e-5, vec![1.95, -0.966], [vec![0.0; 7], vec![0.02, 0.02]].concat()).unwrap();
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-        let noise = (0..4000).map(|_| StandardNormal.sample(&mut random)).map(|e: f64| 0.3 * e);
-        let mut y: Vec<f64> = block.simulate(&u).iter().zip(noise).map(|(y, e)| y + e).collect();
+        let mut y: Vec<f64> = block.simulate(&u).iter().zip(noise(1, 4000)).map(|(y, e)| y + 0.3 * e).collect();
         y[2000] += 100.0;
         let mut usable = vec![true; 4000];
         usable[2000] = false;

@@ -57,8 +57,8 @@ fn range(model: &Model, record: &Record) -> Option<String> {
     let slack = 0.01 * (high - low);
     (lowest < low - slack || highest > high + slack).then(|| {
         format!(
-            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this range it \
-             extrapolates",
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
+             range it extrapolates",
             short(lowest),
             short(highest),
             short(low),
@@ -77,7 +77,8 @@ fn at_frequency(model: &Model, record: &Record) -> Option<String> {
     let hz = dominant_frequency(record.u(), record.ts())?;
     (!((1.0 - BEYOND) * slowest..=(1.0 + BEYOND) * fastest).contains(&hz)).then(|| {
         format!(
-            "the input oscillates at {} Hz, but the model was identified from {} to {} Hz: outside this range it extrapolates",
+            "the input oscillates at {} Hz, but the model was identified from {} to {} Hz: outside this range it \
+             extrapolates",
             short(hz),
             short(slowest),
             short(fastest)
@@ -92,8 +93,8 @@ fn inner_reversals_of(model: &Model, record: &Record) -> Option<String> {
     let reversals = inner_reversals(record.u(), low, high);
     (reversals > 0 && !operator.minor_loops).then(|| {
         format!(
-            "the input has {reversals} reversals inside the identified range, but the {} block has no minor loops: at each of \
-             them it jumps to the other branch of the major loop",
+            "the input has {reversals} reversals inside the identified range, but the {} block has no minor loops: at \
+             each of them it jumps to the other branch of the major loop",
             operator.name
         )
     })
@@ -104,14 +105,15 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, reported: bool) -> Ve
     let unit = &model.units().u;
     let seen = Domain::of_input(record.u(), record.ts());
     let mut beyond = Vec::new();
+    // The frequency resolution of a record is one over its duration.
+    let resolution = 1.0 / record.duration();
     if let Some(([low, high], [slowest, fastest])) = seen.hz.zip(domain.hz)
         && !reported
-        // The frequency resolution of a record is one over its duration.
-        && (high > (1.0 + BESIDE) * fastest + 1.0 / record.duration() || low < (1.0 - BESIDE) * slowest - 1.0 / record.duration())
+        && (high > (1.0 + BESIDE) * fastest + resolution || low < (1.0 - BESIDE) * slowest - resolution)
     {
         beyond.push(format!(
-            "the input has power from {} to {} Hz, but the model was identified from {} to {} Hz: outside this range it \
-             extrapolates",
+            "the input has power from {} to {} Hz, but the model was identified from {} to {} Hz: outside this range \
+             it extrapolates",
             short(low),
             short(high),
             short(slowest),
@@ -120,8 +122,8 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, reported: bool) -> Ve
     }
     if seen.slew > (1.0 + BEYOND) * domain.slew {
         beyond.push(format!(
-            "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: above this rate it \
-             extrapolates",
+            "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: above this rate \
+             it extrapolates",
             short(seen.slew),
             short(domain.slew)
         ));
@@ -133,8 +135,8 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, reported: bool) -> Ve
             (low, high) => format!("from {low} to {high}"),
         };
         beyond.push(format!(
-            "the input has a mean of {} {unit}, but the model was identified at {identified} {unit}: at another bias it \
-             extrapolates",
+            "the input has a mean of {} {unit}, but the model was identified at {identified} {unit}: at another bias \
+             it extrapolates",
             short(seen.mean[0])
         ));
     }

@@ -70,8 +70,7 @@ fn without(x: &[f64], s: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use crate::testing::noise;
 
     /// A low-passed PRBS, and noise.
     fn signals() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
@@ -81,8 +80,7 @@ mod tests {
             Some(*s)
         };
         let s = u.iter().scan(0.0, low_pass).collect();
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        (u, s, (0..4000).map(|_| StandardNormal.sample(&mut random)).collect())
+        (u, s, noise(5, 4000))
     }
 
     #[test]

@@ -85,7 +85,7 @@ impl Linearity {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unidentifiable`] if nothing can be identified from the record ([`inspect`]), or if no linear block fits
+    /// [`Error::Unidentifiable`] if nothing can be identified from the record, or if no linear block fits
     /// and the input is not periodic.
     pub fn of(record: &Record) -> Result<Self, Error> {
         let inspection = inspect(record, &Need::default());
@@ -161,8 +161,8 @@ impl Linearity {
             (None, _) => {
                 let noise = self.noise_percent.map_or_else(String::new, short);
                 return format!(
-                    "cannot tell whether the record is linear: noise is {noise} % of the output's rms and hides distortion up \
-                     to {} %; use a larger amplitude or a longer record",
+                    "cannot tell whether the record is linear: noise is {noise} % of the output's rms and hides \
+                     distortion up to {} %; use a larger amplitude or a longer record",
                     short(hidden)
                 );
             }
@@ -271,10 +271,7 @@ mod tests {
     use crate::linear::Arx;
     use crate::plant::Plant;
     use crate::system::System;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, StandardNormal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 
@@ -338,15 +335,7 @@ mod tests {
     }
 
     fn with_noise(record: &Record, size: f64) -> Record {
-        let mut random = ChaCha8Rng::seed_from_u64(3);
-        let y = record
-            .y()
-            .iter()
-            .map(|y| {
-                let e: f64 = StandardNormal.sample(&mut random);
-                y + size * e
-            })
-            .collect();
+        let y = record.y().iter().zip(noise(3, record.len())).map(|(y, e)| y + size * e).collect();
         Record::new(record.ts(), record.u().to_vec(), y).unwrap()
     }
 

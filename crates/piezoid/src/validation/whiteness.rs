@@ -97,8 +97,8 @@ impl Whiteness {
         match self.is_white() {
             true => format!("residuals are white (Ljung-Box Q {q} over {lags} lags, p {p})"),
             false => format!(
-                "residuals are not white: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} lags, p {p}). They contain \
-                 unmodelled dynamics; tests that assume independent errors are too optimistic",
+                "residuals are not white: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} lags, p {p}). They \
+                 contain unmodelled dynamics; tests that assume independent errors are too optimistic",
                 short(self.autocorrelation[0])
             ),
         }
@@ -111,16 +111,16 @@ impl Whiteness {
         let (c, bound) = (short(c), short(self.cross_correlation_bound));
         match (self.correlates_with_input(), k) {
             (false, _) => format!(
-                "residuals are uncorrelated with the input (at most {c}, bound {bound}): the model covers the linear response \
-                 to the input"
+                "residuals are uncorrelated with the input (at most {c}, bound {bound}): the model covers the linear \
+                 response to the input"
             ),
             (true, 0..) => format!(
-                "residuals correlate with the input {k} samples earlier ({c}, bound {bound}): dynamics, gain or hysteresis are \
-                 missing in the model"
+                "residuals correlate with the input {k} samples earlier ({c}, bound {bound}): dynamics, gain or \
+                 hysteresis are missing in the model"
             ),
             (true, _) => format!(
-                "residuals correlate with the input {} samples later ({c}, bound {bound}): the delay of the model is too long, \
-                 the record was taken in closed loop, or the input is smooth over that many samples",
+                "residuals correlate with the input {} samples later ({c}, bound {bound}): the delay of the model is \
+                 too long, the record was taken in closed loop, or the input is smooth over that many samples",
                 -k
             ),
         }
@@ -150,14 +150,7 @@ fn chi_squared_tail(q: f64, degrees: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
-
-    fn noise(n: usize, seed: u64) -> Vec<f64> {
-        let mut generator = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-        (0..n).map(|_| StandardNormal.sample(&mut generator)).collect()
-    }
+    use crate::testing::{assert_close, noise};
 
     fn prbs(n: usize) -> Vec<f64> {
         Prbs { order: 13, ..Prbs::default() }.samples(5e-4, n).unwrap()
@@ -175,7 +168,7 @@ mod tests {
     #[test]
     fn noise_passes_in_99_of_100_records() {
         let u = prbs(2000);
-        let seen: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(2000, seed)).unwrap()).collect();
+        let seen: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
         let not_white = seen.iter().filter(|w| !w.is_white()).count();
         let correlated = seen.iter().filter(|w| w.correlates_with_input()).count();
         assert!((1..=9).contains(&not_white) && correlated <= 9, "{not_white} {correlated}");
@@ -189,7 +182,7 @@ mod tests {
             state = 0.9 * state + w;
             state
         };
-        let e: Vec<f64> = noise(4000, 3).iter().map(colour).collect();
+        let e: Vec<f64> = noise(3, 4000).iter().map(colour).collect();
         let seen = Whiteness::of(&u, &e).unwrap();
         assert!(!seen.is_white() && !seen.correlates_with_input(), "{seen:?}");
         assert_close(&[seen.autocorrelation[0]], &[0.9], 0.05, 0.0);
@@ -198,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_missing_delayed_term_shows_at_its_lag() {
-        let (u, w) = (prbs(4000), noise(4000, 4));
+        let (u, w) = (prbs(4000), noise(4, 4000));
         let e: Vec<f64> = (0..4000).map(|t| w[t] + if t >= 7 { 0.2 * u[t - 7] } else { 0.0 }).collect();
         let seen = Whiteness::of(&u, &e).unwrap();
         assert!(seen.correlates_with_input() && seen.verdict[1].contains("7 samples earlier"), "{:?}", seen.verdict);
@@ -208,6 +201,6 @@ mod tests {
     #[test]
     fn zero_errors_and_too_few_samples_are_not_tested() {
         assert_eq!(Whiteness::of(&prbs(400), &[1e-3; 400]), None);
-        assert_eq!(Whiteness::of(&prbs(100), &noise(100, 1)), None);
+        assert_eq!(Whiteness::of(&prbs(100), &noise(1, 100)), None);
     }
 }

@@ -33,8 +33,8 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     if held_out.is_nan() || held_out > ALL {
         let each = runs.iter().zip(&shares).map(|(run, share)| format!("{} {} %", run.name, short(*share)));
         let because = format!(
-            "the held-out data are predicted no better than by a constant (residual over rms: {}): check that the output \
-             depends on the input, with the same sign in all records",
+            "the held-out data are predicted no better than by a constant (residual over rms: {}): check that the \
+             output depends on the input, with the same sign in all records",
             each.collect::<Vec<_>>().join(", ")
         );
         return Err(Error::Unidentifiable { what: "a model".into(), because });
@@ -43,8 +43,8 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     for (run, share) in runs.iter().zip(&shares).filter(|(_, share)| **share > 100.0 * MUCH) {
         let (name, share) = (&run.name, short(*share));
         notes.push(format!(
-            "{name}: the residual is {share} % of the output's rms: check for noise, missing rows, and the same sign, column \
-             and actuator as in the other records, or leave the record out"
+            "{name}: the residual is {share} % of the output's rms: check for noise, missing rows, and the same sign, \
+             column and actuator as in the other records, or leave the record out"
         ));
     }
     let estimate = &fitted.estimate;
@@ -52,8 +52,8 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     let samples = large_signal.iter().flat_map(|run| &run.usable).filter(|usable| **usable).count();
     if samples < FEW * parameters {
         notes.push(format!(
-            "{samples} large-signal samples are few for {parameters} hysteresis parameters: record longer, or use fewer \
-             elements"
+            "{samples} large-signal samples are few for {parameters} hysteresis parameters: record longer, or use \
+             fewer elements"
         ));
     }
     // The ends of a record are not reversals.

@@ -173,8 +173,8 @@ pub(crate) fn identify_joint(
     notes.extend(model.creep().lags().iter().filter(|lag| lag.gain > CREEPS).map(|lag| {
         let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));
         format!(
-            "creep of {tau} s adds {percent} %, more than creep of ceramics: it may represent a lag of driver, mechanics or \
-             sensor that is missing in the linear block"
+            "creep of {tau} s adds {percent} %, more than creep of ceramics: it may represent a lag of driver, \
+             mechanics or sensor that is missing in the linear block"
         )
     }));
     notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)));
@@ -258,8 +258,8 @@ fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, uni
     let height = runs.iter().map(|run| run.scale.recip()).fold(0.0, f64::max);
     if high - low > 0.02 * height {
         notes.push(format!(
-            "the offsets of the records differ by up to {} {unit}, {} % of the largest height: the sensor drifts, or the \
-             initial conditions differ; the model uses the median offset",
+            "the offsets of the records differ by up to {} {unit}, {} % of the largest height: the sensor drifts, or \
+             the initial conditions differ; the model uses the median offset",
             short(high - low),
             short(100.0 * (high - low) / height)
         ));

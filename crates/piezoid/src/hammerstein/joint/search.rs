@@ -34,10 +34,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     let each = SAMPLES / large_signal.len().max(1);
     // The ends, where rising amplitudes are largest.
     let from = |run: &TrainingRecord| run.record.len().saturating_sub(each);
-    let end = |run: &&TrainingRecord| {
-        let (record, from) = (run.record, from(run));
-        Record::new(record.ts(), record.u()[from..].to_vec(), record.y()[from..].to_vec())
-    };
+    let end = |run: &&TrainingRecord| run.record.slice(from(run)..run.record.len());
     let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
     let part = |(part, run): (_, &&TrainingRecord)| {
         let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;

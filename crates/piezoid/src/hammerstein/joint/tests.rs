@@ -209,5 +209,5 @@ fn unsuitable_records_are_errors_or_noted() {
 
 /// The first samples of each record.
 fn cut(records: &[Record], n: usize) -> Vec<Record> {
-    records.iter().map(|r| Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()).unwrap()).collect()
+    records.iter().map(|r| r.slice(0..n).unwrap()).collect()
 }

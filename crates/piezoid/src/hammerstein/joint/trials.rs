@@ -58,8 +58,8 @@ pub(super) fn candidates(
         return Ok(all().collect());
     }
     notes.push(
-        "the records have no minor loops, so smaller amplitudes are extrapolated; only operators with the wiping-out property \
-         were tried, as for measured ceramics: add a rising sine"
+        "the records have no minor loops, so smaller amplitudes are extrapolated; only operators with the wiping-out \
+         property were tried, as for measured ceramics: add a rising sine"
             .into(),
     );
     Ok(all().filter(|o| o.minor_loops && o.wipes_out).collect())
@@ -105,7 +105,8 @@ pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
         (false, _) => {
             let (least, best) = (short(best.held_out_percent), best.operator);
             format!(
-                "{name} has a held-out error of {error} %, equal to the {least} % of {best} within uncertainty, and is simpler"
+                "{name} has a held-out error of {error} %, equal to the {least} % of {best} within uncertainty, and is \
+                 simpler"
             )
         }
     };
