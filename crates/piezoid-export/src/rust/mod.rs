@@ -56,7 +56,6 @@ struct Rust<'r> {
 }
 
 impl Rust<'_> {
-    /// The template context.
     fn template_context(&self, request: &ExportRequest) -> Value {
         let (program, entries) = (&self.whole.program, &self.whole.entries);
         let held = self.whole.states();
@@ -149,7 +148,6 @@ impl Rust<'_> {
         zeroed || program.blocks.iter().filter(outer).any(|b| self.zeroed(&b.name))
     }
 
-    /// The constants of a block.
     fn constants(&self, block: &Block) -> Option<String> {
         let line = |c: &Constant| {
             let values: Vec<String> = c.values.iter().map(|v| shortest(*v, self.single)).collect();
@@ -211,7 +209,6 @@ fn type_of(block: &str) -> String {
     printer.split('_').map(titled).chain(["State".into()]).collect()
 }
 
-/// The name of a constant of a block.
 fn constant_of(block: &Block, name: &str) -> String {
     format!("{}_{name}", block.name).to_uppercase()
 }

@@ -76,7 +76,6 @@ pub struct StudyMethod {
     way: MethodModel,
 }
 
-/// The model of a method.
 #[derive(Debug, Clone, Copy)]
 enum MethodModel {
     /// Two branches of the loop at each frequency, from the printed or the estimated linear block.
