@@ -270,9 +270,9 @@ fn table(twins: &[Vec<Outcome>]) -> String {
 
 /// The largest error over the kinds of record against frequency, one panel per twin.
 fn figure(twins: &[Vec<Outcome>]) -> Figure {
-    let caption = "Error of the free run on validation records, the largest of three kinds at each frequency: of the paper's method, \
-of the same with its best settings, and of the joint model without and with the driver given. Each has one model for all \
-frequencies.";
+    let caption = "Error of the free run on validation records, the largest of three kinds at each frequency: of the \
+        paper's method, of the same with its best settings, and of the joint model without and with the driver given. \
+        Each has one model for all frequencies.";
     let panel = |outcomes: &Vec<Outcome>| {
         let axes = Axes::new(Axis::log("f [Hz]").ticks(&VALIDATION), Axis::log("rms error [% of peak-to-peak]"));
         outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {

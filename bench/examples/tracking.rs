@@ -144,8 +144,8 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
         let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
         axes.with(Series::line(&percent, &shares).role(role(&d.name())))
     });
-    let caption = "Tracking error of the twin pl140 with a model identified from its records: by frequency of a triangle of 80 % of the \
-stroke, and over plants whose parameters lie within 20 %.";
+    let caption = "Tracking error of the twin pl140 with a model identified from its records: by frequency of a \
+        triangle of 80 % of the stroke, and over plants whose parameters lie within 20 %.";
     Figure::new("Control side by side", caption).panel(by_frequency).panel(by_share)
 }
 

@@ -274,7 +274,8 @@ fn named(name: &str, reserved: &str) -> Result<(), Error> {
         && !name.contains("__");
     if !fits {
         let rule = format!(
-            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it"
+            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called \
+            after it"
         );
         return Err(Error::parameter("name", format!("`{name}`"), rule));
     }

@@ -44,9 +44,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 const LONGEST: usize = 31 - "_control_reset".len();
 
 /// Reserved names: keywords, and names that would clash with those of the program.
-const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if inline \
-    int long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while \
-    main stdio math";
+const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if \
+    inline int long register restrict return short signed sizeof static struct switch typedef union unsigned void \
+    volatile while main stdio math";
 
 /// The exported program, under a name that is free in C.
 pub(super) fn checked(request: &ExportRequest) -> Result<ExportedProgram, Error> {

@@ -40,8 +40,8 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 
 /// Reserved names: keywords, and crates that are always present.
 const RESERVED: &str = "abstract alloc as async await become box break const continue core crate do dyn else enum \
-    extern false final fn for gen if impl in let loop macro match mod move mut override priv proc_macro pub ref return self \
-    static std struct super test trait true try type typeof union unsafe unsized use virtual where while yield";
+    extern false final fn for gen if impl in let loop macro match mod move mut override priv proc_macro pub ref return \
+    self static std struct super test trait true try type typeof union unsafe unsized use virtual where while yield";
 
 /// Line width of `rustfmt`, and its width of arguments.
 const WIDE: usize = 100;

@@ -39,7 +39,7 @@ fn controller(settings: PredictiveSettings) -> Predictive {
 
 /// `height` for `half` samples and `-height` for as many.
 fn square(height: f64, half: usize, n: usize) -> Vec<f64> {
-    (0..n).map(|t| if t / half % 2 == 0 { height } else { -height }).collect()
+    (0..n).map(|t| if (t / half).is_multiple_of(2) { height } else { -height }).collect()
 }
 
 fn sine(amplitude: f64, n: usize) -> Vec<f64> {
