@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A fleet on Dask: throughput of two workers against one process, and what one of them leaves when it is killed.
+"""A fleet on Dask: throughput of two workers against one process, and the results if one of them is killed.
 
     pip install piezoid[fleet] && python3 bench/fleet.py [ACTUATORS]
 
-1000 actuators, drawn within 20 % of the twin `pl140`. Each is measured where it is identified: 0.8 s of a PRBS of 1 V, and of a
+1000 actuators, drawn within 20 % of the twin `pl140`. Each is measured and identified on a worker: 0.8 s of a PRBS of 1 V, and of a
 sine that rises to 28 V at 5 Hz, both at 2 kHz; a Prandtl-Ishlinskii operator, creep and a linear block of order 2 are fitted.
 Three runs: in this process, on two worker processes of one thread, and on these once more while the system kills one of them
-(SIGKILL) when a third is done. All rows must arrive, and the same to the bit; otherwise the exit status is 1.
+(SIGKILL) when a third is done. All rows must arrive and be bit-identical; otherwise the exit status is 1.
 """
 
 import os
@@ -21,7 +21,7 @@ TS = 5e-4
 
 
 def measured(index):
-    """What an actuator's records are, made on the worker."""
+    """The records of an actuator, simulated on the worker."""
     twin = pz.plants["pl140"].drawn(0.2, seed=1, index=index)
     small = pz.excite.prbs(ts=TS, duration=0.8, amplitude=1)
     rich = pz.excite.rising_sine(ts=TS, duration=0.8, amplitude=28, frequency=5)

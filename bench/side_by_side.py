@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""piezoid beside numpy, scipy, pyswarms and SysIdentPy: error and time of the same work on the same data, in one run.
+"""piezoid beside numpy, scipy, pyswarms and SysIdentPy: error and time for the same task on the same data, in one run.
 
-    python3 bench/side_by_side.py           the whole, some minutes; writes bench/side_by_side.md
-    python3 bench/side_by_side.py --quick   a look whether all runs; writes nothing
-    --here                                  in this Python, with what is installed, not in bench/.venv
+    python3 bench/side_by_side.py           all parts, some minutes; writes bench/side_by_side.md
+    python3 bench/side_by_side.py --quick   a short test; writes nothing
+    --here                                  in this Python, with its packages, instead of bench/.venv
 
-PIEZOID_DATA names the folder that holds the measured stack, `picma-p885`; without it that part is left out.
+PIEZOID_DATA names the folder that holds the measured stack, `picma-p885`; without it that part is skipped.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ PAGE = Path(__file__).resolve().with_suffix(".md")
 TEXT = """\
 # Side by side
 
-`python3 bench/side_by_side.py` measures all of this anew and writes this page.
+`python3 bench/side_by_side.py` repeats all measurements and writes this page.
 
 ## How it was measured
 
 - {machine}. One thread each.
 - {versions}.
-- All in one process, on the same arrays. Calls go in turn; a time is the median of 3 to 21 rounds, each of as many
-  calls as fill 10 ms, and `times as fast` the median of the ratios of the rounds. Run once were the choice of an
-  operator and the search of SysIdentPy's settings, which take long, and each seed of a swarm.
+- All in one process, on the same arrays. Calls alternate; a time is the median of 3 to 21 rounds of 10 ms
+  each, and `times as fast` the median of the ratios of the rounds. The choice of an operator, the search of
+  SysIdentPy's settings and each seed of a swarm take long and were run once.
 - `error / peak` is the largest difference to the exact sums, in the widest floating-point type of numpy, over their
-  peak; below 1e-9 it is rounding, and called the same. `nrmse` is 100 rms error / standard deviation of a free run.
-  Errors within a thousandth of each other are the same, and so are times within a quarter, which is what they change
-  from run to run.
+  peak; below 1e-9 it is rounding, and counts as the same. `nrmse` is 100 rms error / standard deviation of a free run.
+  Errors that differ by less than a thousandth count as the same, and so do times that differ by less than a quarter,
+  which is their variation from run to run.
 
-## What came out
+## Results
 
 {table}
 
 {facts}
 
-## Free runs of records unseen
+## Free runs on validation records
 
 nrmse [%] / rms error in % of peak-to-peak.
 
@@ -57,39 +57,39 @@ Behind in error, or behind or the same in time.
 
 {behind}
 
-## What the others were given
+## Settings of the others
 
 - **Filter.** Both get the same coefficients: stable blocks fitted to the twin by output error. Noise as input.
 - **ARX.** The twin `pl140` at a PRBS of 1 V, 4095 samples. numpy and scipy: the regression is built from slices, with
   a column of ones, as the time of piezoid includes the same. Output error: `least_squares` (Levenberg-Marquardt) on
-  `lfilter`, begun at least squares, with the past and a constant free. SysIdentPy has no output error; its ARX of the
-  same order stands there for what its free run leaves.
-- **Swarm.** 50 particles, {iterations} iterations, the same rows and box. pyswarms knows constant weights only, here
+  `lfilter`, starting at least squares, with free initial conditions and a constant. SysIdentPy has no output error; the
+  free run of its ARX of the same order is compared instead.
+- **Swarm.** 50 particles, {iterations} iterations, the same rows and box. pyswarms has constant weights only, here
   c1 = c2 = {weights[c1]} and w = {weights[w]}, and its velocity is not clamped; those of piezoid change with the iteration,
   equations (5) to (7), and its velocity is at most a fifth of the box. pyswarms draws r1 and r2 for every dimension,
-  piezoid once a particle, as the paper has it. So errors compare two searches, times as many evaluations of the same
-  cost. That cost is written for numpy in three ways: a loop over particles; all particles in one product, in arrays made
-  anew in each iteration; the same in one array that is kept. Only its search is timed, where the time of piezoid includes
+  piezoid once per particle, as in the paper. The errors compare two searches, the times the same number of
+  evaluations of the same cost. That cost is written for numpy in three ways: a loop over particles; all particles in one product, in arrays allocated
+  in each iteration; the same in one array that is kept. Only its search is timed, but the time of piezoid includes
   building the rows. HiGHS gets the linear program with sparse matrices.
-- **Plays** in numpy: all plays of a sample at once; and all samples between two turning points of the input at once,
-  where a play is a maximum, which is the best we know for inputs that turn seldom. Numba and other compilers are not
+- **Plays** in numpy: all plays of a sample together; and all samples between two reversals of the input together,
+  where a play is a maximum. The latter is the fastest known for inputs with few reversals. Numba and other compilers are not
   compared.
-- **Bouc-Wen**: `solve_ivp` with its usual method, steps no longer than a sample, rtol 1e-6; and the exact solution
+- **Bouc-Wen**: `solve_ivp` with its default method, steps no longer than a sample, rtol 1e-6; and the exact solution
   along a path of one direction, as a loop in Python.
 - **SysIdentPy 0.9**: polynomial NARX by FROLS and least squares, inputs u or u, du and sign du, degrees 1 to 3, 2 to
   16 lags, 5 to 33 terms: {settings} settings. The one with the best free run of a record that it was not fitted to,
-  the 5 Hz sine or the last 30 % of the stack's, is then fitted to all records. In units of the range, records end to
-  end. Its free run starts from measured samples. `best in hindsight` is the setting whose worst error on the unseen
-  records is least, which nobody could have chosen.
+  the 5 Hz sine or the last 30 % of the stack's, is then fitted to all records, scaled to their range and joined end to
+  end. Its free run starts from measured samples. `best in hindsight` is the setting with the smallest maximum error on the
+  validation records, which a user could not know.
 - **Bouc-Wen by hand**: free-run least squares (`least_squares`, numeric Jacobian) of Bouc-Wen by Euler's method and a
-  resonance, or a lag where the sampling shows no resonance; each record with a constant of its own, begun at the peak
+  resonance, or a lag where the sampling shows no resonance; each record with its own constant, starting at the peak
   of the response and at two values of beta.
-- **piezoid**: `pz.identify` with nothing but the records and the operator. `chosen` tries all operators.
+- **piezoid**: `pz.identify` with the records and the operator only. `chosen` tries all operators.
 - **Twin**: a PRBS of 1 V, rising sines of 1, 5 and 20 Hz to 28 V and of 80 Hz to 20 V. Sensor noise is 0.01 % of
-  peak-to-peak. All records begin at rest; the multisine is faded in over 50 ms, as a jump would meet the current limit
-  of the driver, which no model here was told. With that jump preisach leaves ten times the error on it.
+  peak-to-peak. All records start at rest; the multisine is faded in over 50 ms, because a jump would reach the current limit
+  of the driver, which is not given to any model here. With that jump the error of preisach is ten times as large.
 - **Stack**: a measured PICMA P-885.91 (github.com/yan9a/DiscreteBacklashOperator), 1 Hz of steady amplitude to
-  identify from, growing amplitude unseen. It drifts, so the mean error is taken off. The first 1.5 s of a record do
+  identify from, growing amplitude for validation. It drifts, so the mean error is removed. The first 1.5 s of a record do
   not count.
 """
 
@@ -132,7 +132,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    # Before numpy is there, which reads the number of threads once.
+    # Before numpy is imported, which reads the number of threads once.
     os.environ.update(own.ONE_THREAD)
     if "--here" not in sys.argv:
         own.inside(NEEDS, checkout=True)

@@ -18,7 +18,7 @@ from .rivals import Array
 
 
 def nrmse(y: Array, run: Array, start: int = 0, free: bool = False) -> tuple[float, float]:
-    """100 rms error / standard deviation, and 100 rms error / peak-to-peak, from `start`; `free`: the mean error off."""
+    """100 rms error / standard deviation, the same / peak-to-peak, from `start`; `free`: without the mean error."""
     with np.errstate(all="ignore"):
         left, y = (run - y)[start:], y[start:]
         rms = float(np.sqrt(np.mean((left - left.mean() * free) ** 2)))
@@ -28,10 +28,10 @@ def nrmse(y: Array, run: Array, start: int = 0, free: bool = False) -> tuple[flo
 
 @dataclass(frozen=True)
 class Setting:
-    """What a user of SysIdentPy chooses."""
+    """Settings of SysIdentPy."""
 
     inputs: int
-    """1: u; 3: also its step, and the sign of that, as is done for hysteresis."""
+    """1: u; 3: also its step and the sign of the step, as usual for hysteresis."""
     degree: int
     lags: int
     terms: int
@@ -49,11 +49,11 @@ SETTINGS = [
     *[Setting(3, 2, lags, terms) for lags in (2, 4, 8) for terms in (8, 16, 30)],
     *[Setting(3, 3, 2, terms) for terms in (8, 16, 30)],
 ]
-"""Those that are tried."""
+"""The settings tried."""
 
 
 class Narx:
-    """A polynomial NARX by forward regression (FROLS), of records put end to end, in units of their own range."""
+    """A polynomial NARX by forward regression (FROLS), of records joined end to end, scaled to their range."""
 
     def __init__(self, records: Sequence[pz.Record], how: Setting) -> None:
         u, y = (np.concatenate([getattr(r, name) for r in records]) for name in ("u", "y"))
@@ -95,13 +95,13 @@ def _scaled(x: Array, by: tuple[float, float]) -> Array:
 def search(
     train: Sequence[pz.Record], held: pz.Record, settings: Sequence[Setting], start: int, free: bool
 ) -> Setting:
-    """The setting whose free run of `held` is best."""
+    """The setting with the best free run on `held`."""
     return min(settings, key=lambda how: nrmse(held.y, Narx(train, how).simulate(held), start, free)[0])
 
 
 @dataclass(frozen=True)
 class BoucWen:
-    """gain (u - d h), h' = u' - beta |u'| h - gamma u' |h|, then a resonance, or a lag where the sampling shows none."""
+    """gain (u - d h), h' = u' - beta |u'| h - gamma u' |h|, then a resonance, or a lag if none is visible."""
 
     ts: float
     half: float
@@ -125,7 +125,7 @@ class BoucWen:
 
 
 def _steps(u: Array, beta: float, gamma: float) -> Array:
-    """The law by Euler's method, a step a sample."""
+    """The law by Euler's method, one step per sample."""
     h, out = 0.0, []
     for du in np.diff(u, prepend=0.0).tolist():
         h += du - beta * abs(du) * h - gamma * du * abs(h)
@@ -134,11 +134,11 @@ def _steps(u: Array, beta: float, gamma: float) -> Array:
 
 
 def bouc_wen(records: Sequence[pz.Record], resonance: float | None, start: int = 0) -> BoucWen:
-    """The least squared error of free runs from `start`, begun at two values of beta; each record has a constant of its own."""
+    """Least squared error of free runs from `start`, with two initial values of beta and one constant per record."""
     half = max(float(np.ptp(r.u)) for r in records) / 2
     mid = float(np.mean([r.u.max() + r.u.min() for r in records])) / 2
     gain = max(float(np.ptp(r.y)) for r in records) / 2
-    # Without a resonance there is a lag of 10 ms to begin with, and no damping.
+    # Without a resonance the search starts with a lag of 10 ms, and there is no damping.
     speed, damping = (np.log(resonance), [0.03]) if resonance else (np.log(100.0), [])
 
     def model(theta: Array, offset: float = 0.0) -> BoucWen:
@@ -158,7 +158,7 @@ def bouc_wen(records: Sequence[pz.Record], resonance: float | None, start: int =
 
 
 def peak(record: pz.Record) -> float:
-    """Where the response of the small-signal record is largest [Hz]."""
+    """Frequency of the largest response in the small-signal record [Hz]."""
     u, y = (np.fft.rfft(x - x.mean()) for x in (record.u, record.y))
     hz = np.fft.rfftfreq(len(record), record.ts)
     return float(hz[1 + np.argmax(np.abs(y[1:]) * (np.abs(u[1:]) > np.abs(u).max() / 10) / np.abs(u[1:]))])

@@ -1,4 +1,4 @@
-"""From records to a model, side by side: on a twin, and on a measured stack where its data are there."""
+"""From records to a model, side by side: on a twin, and on a measured stack if its data are available."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .table import Took, counted, figure, in_turn
 
 @dataclass(frozen=True)
 class Bench:
-    """Records to identify from, the one that settings are chosen on, and those to foretell."""
+    """Records to identify from, the one that settings are selected on, and validation records."""
 
     name: str
     small: list[pz.Record]
@@ -28,15 +28,15 @@ class Bench:
     held: pz.Record
     unseen: dict[str, pz.Record]
     start: int = 0
-    """Samples at the start of a record that do not count."""
+    """Settling samples at the start of a record."""
     free: bool = False
-    """Sensors drift: the mean error does not count."""
+    """True for a drifting sensor: the mean error does not count."""
     whole: list[pz.Record] = field(default_factory=list)
-    """What `train` and `held` are parts of, where they are."""
+    """The record that `train` and `held` are parts of, if any."""
 
     @property
     def all(self) -> list[pz.Record]:
-        """All to identify from but the small ones."""
+        """The large-signal records to identify from."""
         return self.whole or [*self.train, self.held]
 
 
@@ -51,7 +51,7 @@ def twin() -> Bench:
     multisine = pz.excite.multisine(ts=TS, duration=2, amplitude=25, frequency_low=3, frequency_high=40, seed=1)
     drives = {
         "staircase, 10 Hz": pz.excite.staircase(ts=TS, duration=2, amplitude=25, frequency=10),
-        # All begin at rest: a jump at once would be the driver's matter.
+        # All start at rest: a jump would test the driver.
         "multisine, 3 to 40 Hz": multisine * np.minimum(1.0, np.arange(len(multisine)) * TS / 0.05),
         "modulated sine, 30 Hz": modulated(30, 25, 4000),
     }
@@ -61,7 +61,7 @@ def twin() -> Bench:
 
 
 def measured() -> Bench | None:
-    """A PICMA stack at 1 Hz, if PIEZOID_DATA names the folder that has it."""
+    """A PICMA stack at 1 Hz, if PIEZOID_DATA names its folder."""
     folder = Path(os.environ.get("PIEZOID_DATA", "")) / "picma-p885"
     if "PIEZOID_DATA" not in os.environ or not folder.is_dir():
         return None
@@ -71,7 +71,7 @@ def measured() -> Bench | None:
 
 
 def identification(page: Page, bench: Bench) -> None:
-    """Models of the records, and their free runs of records unseen."""
+    """Models of the records, and their free runs on validation records."""
     everything = [*bench.small, *bench.all]
     settings, once = (fits.SETTINGS[:2], 1) if page.quick else (fits.SETTINGS, 3)
 

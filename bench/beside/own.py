@@ -1,4 +1,4 @@
-"""An environment of their own for benchmarks: bench/.venv, one thread."""
+"""The environment of the benchmarks: bench/.venv, one thread."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ONE_THREAD = dict.fromkeys(
 
 
 def processor() -> str:
-    """The name of the processor, or of its kind where that is all there is."""
+    """The name of the processor, or of its architecture if the name is unknown."""
     try:
         told = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -28,7 +28,7 @@ def processor() -> str:
 
 
 def inside(needs: list[str], checkout: bool = False) -> None:
-    """Goes on in bench/.venv, made on the first run with `needs` from the package index.
+    """Continues in bench/.venv, which is created on the first run with `needs` from the package index.
 
     checkout: build piezoid of this checkout into it, anew on every start
     """

@@ -1,4 +1,4 @@
-"""Problems that are solved side by side: filters, fits, the swarm, models run."""
+"""The problems compared: filters, fits, the swarm, simulations."""
 
 from __future__ import annotations
 
@@ -23,34 +23,34 @@ TS = 5e-4
 
 @dataclass
 class Page:
-    """What goes into the page; `quick` is a look whether all runs."""
+    """Contents of the page; `quick` is a short test."""
 
     quick: bool
     rows: list[Row] = field(default_factory=list)
     unseen: list[list[list[str]]] = field(default_factory=list)
-    """Tables of errors on records unseen, their heads first."""
+    """Tables of errors on validation records, their heads first."""
     facts: list[str] = field(default_factory=list)
     """Sentences with figures of this run."""
 
     def add(self, problem: str, other: str, measure: str, errors: tuple[float, float], *took: Took) -> None:
-        """One comparison: errors, and what took which time, of piezoid and of the other."""
+        """Adds one comparison: errors and times of piezoid and of the other."""
         self.rows.append(Row(problem, other, measure, *errors, *took))
 
 
 @cache
 def prbs() -> pz.Record:
-    """The twin's answer to a PRBS of 1 V."""
+    """The twin's response to a PRBS of 1 V."""
     return pz.plants["pl140"].measure(pz.excite.prbs(ts=TS, duration=2.0475, amplitude=1, order=12), TS)
 
 
 def modulated(hz: float, amplitude: float, n: int) -> Array:
-    """A sine whose amplitude comes and goes at a frequency that its own is no multiple of."""
+    """A sine whose amplitude varies with a frequency that is incommensurable with its own."""
     turns = 2 * np.pi * hz * TS * np.arange(n)
     return np.asarray(amplitude * (0.5 + 0.5 * np.sin(turns * 2**0.5 / 9)) * np.sin(turns))
 
 
 def filters(page: Page) -> None:
-    """A difference equation, run."""
+    """Simulation of a difference equation."""
     noise = np.random.default_rng(0).standard_normal(1_000_000)
     for order in (2, 6):
         arx = pz.linear.fit(prbs(), order, estimator="output-error").arx
@@ -69,7 +69,7 @@ def filters(page: Page) -> None:
 
 
 def blocks(page: Page) -> None:
-    """A difference equation, fitted."""
+    """Fit of a difference equation."""
     record, order, repeats = prbs(), 2, 3 if page.quick else 15
     u, y = record.u, record.y
 
@@ -116,7 +116,7 @@ def blocks(page: Page) -> None:
 
 
 def swarms(page: Page) -> None:
-    """The paper's estimator, and the optimum that it looks for."""
+    """The paper's estimator, and the exact optimum."""
     record, iterations, seeds = prbs(), 20 if page.quick else rivals.ITERATIONS, range(1, 3 if page.quick else 22)
     offset = pz.linear.fit(record, 2).offsets[0]
     y, rows = rivals.regression(record.u, record.y - offset, 2)
@@ -153,7 +153,7 @@ def swarms(page: Page) -> None:
 
 
 def model(operator: str, **law: Any) -> pz.Model:
-    """A law before a block of order 2."""
+    """A hysteresis law followed by a block of order 2."""
     arx = pz.linear.fit(prbs(), 2, estimator="output-error").arx
     return pz.Model.from_dict(
         {
@@ -165,12 +165,12 @@ def model(operator: str, **law: Any) -> pz.Model:
 
 
 def beamed(of: pz.Model, z: Array) -> Array:
-    """What the linear block of a model makes of `z`, in the precision of `z`."""
+    """The response of the linear block of a model to `z`, in the precision of `z`."""
     return np.asarray(lfilter(of.b.astype(z.dtype), np.r_[1.0, -of.a].astype(z.dtype), z))
 
 
 def plays(page: Page) -> None:
-    """A sum of plays, run."""
+    """Simulation of a sum of plays."""
     r, w = 0.95 * np.arange(1.0, 31.0), np.r_[1.0, 0.03 + 0.01 * np.cos(np.arange(30))]
     ours = model("prandtl-ishlinskii", thresholds=r.tolist(), weights=w.tolist())
     u = modulated(20, 28, 2000 if page.quick else 20_000)
@@ -187,7 +187,7 @@ def plays(page: Page) -> None:
 
 
 def bouc_wen(page: Page) -> None:
-    """A differential equation of hysteresis, run."""
+    """Simulation of a differential equation of hysteresis."""
     beta, ratio, w = 0.02, 0.25, (1.4, 0.5)
     ours = model("bouc-wen", beta=beta, gamma_over_beta=ratio, weights=w)
     long = modulated(20, 28, 2000 if page.quick else 20_000)
@@ -206,7 +206,7 @@ def bouc_wen(page: Page) -> None:
 
 
 def off(run: Array, exact: Array) -> float:
-    """The largest error, of the peak."""
+    """The largest error, over the peak."""
     return float(np.abs(run - exact).max() / np.abs(exact).max())
 
 

@@ -1,4 +1,4 @@
-"""Filters, fits, swarms and hysteresis as users of numpy, scipy and pyswarms write them, each as good as we could make it."""
+"""Filters, fits, swarms and hysteresis as users of numpy, scipy and pyswarms write them, each as fast as possible."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ from scipy.signal import lfilter, lfiltic
 Array = npt.NDArray[Any]
 
 PARTICLES, ITERATIONS = 50, 500
-"""Of the paper's swarm."""
+"""Settings of the paper's swarm."""
 
 
 def regression(u: Array, y: Array, order: int) -> tuple[Array, Array]:
-    """y[t], and a row each of y[t-1] ... y[t-order], u[t] ... u[t-order], 1."""
+    """y[t], and one row each of y[t-1] ... y[t-order], u[t] ... u[t-order], 1."""
     n = len(y)
     past = [x[order - lag : n - lag] for x, first in ((y, 1), (u, 0)) for lag in range(first, order + 1)]
     return y[order:], np.column_stack([*past, np.ones(n - order)])
 
 
 def looped(y: Array, psi: Array) -> Callable[[Array], Array]:
-    """The sum of absolute errors y - theta psi of each particle, one after the other."""
+    """The sum of absolute errors y - theta psi of each particle, in a loop."""
     return lambda theta: np.array([np.abs(y - x @ psi).sum() for x in theta])
 
 
 def plain(y: Array, psi: Array) -> Callable[[Array], Array]:
-    """The same of all particles in one product, in arrays that are made anew in each iteration."""
+    """The same of all particles in one product, in arrays allocated in each iteration."""
     return lambda theta: np.asarray(np.abs(y - theta @ psi).sum(axis=1))
 
 
 def kept(y: Array, psi: Array) -> Callable[[Array], Array]:
-    """The same in one array that is kept, which spares a fresh process its page faults."""
+    """The same in one array that is kept, which avoids page faults."""
     errors = np.empty((PARTICLES, len(y)))
 
     def fitness(theta: Array) -> Array:
@@ -52,11 +52,11 @@ COSTS = {"a loop over particles": looped, "plain arrays": plain, "arrays that ar
 """Three ways to write the cost of a swarm with numpy."""
 
 WEIGHTS = {"c1": 1.5, "c2": 1.5, "w": 0.65}
-"""What pyswarms is given: its swarm knows constants only."""
+"""Weights of pyswarms, which are constant."""
 
 
 def swarm(y: Array, psi: Array, seed: int, iterations: int = ITERATIONS, cost: str = "arrays that are kept") -> float:
-    """What pyswarms 1.3 ends at: least absolute error of y - theta psi, `psi` of shape (5, n), by one of `COSTS`."""
+    """Result of pyswarms 1.3: smallest absolute error of y - theta psi, `psi` of shape (5, n), by one of `COSTS`."""
     import pyswarms
 
     b_max = np.abs(y).max() / np.abs(psi[2:]).max()
@@ -80,7 +80,7 @@ def least_absolute(y: Array, psi: Array) -> float:
 
 
 def output_error(u: Array, y: Array) -> Array:
-    """a and b of order 2 with the least squared error of the free run; past and constant are free."""
+    """a and b of order 2 with the least squared error of the free run; initial conditions and constant are free."""
     mean = y.mean()
     target, rows = regression(u, y - mean, 2)
     start = np.linalg.lstsq(rows, target, rcond=None)[0][:5]
@@ -95,7 +95,7 @@ def output_error(u: Array, y: Array) -> Array:
 
 
 def plays_by_sample(u: Array, r: Array, w: Array) -> Array:
-    """Prandtl-Ishlinskii from rest: all plays of a sample at once, the samples one by one."""
+    """Prandtl-Ishlinskii from rest: all plays of a sample together, the samples one by one."""
     low, high = u[:, None] - r, u[:, None] + r
     p = np.zeros((len(u) + 1, len(r)), dtype=u.dtype)
     for t in range(len(u)):
@@ -105,7 +105,7 @@ def plays_by_sample(u: Array, r: Array, w: Array) -> Array:
 
 
 def plays_by_stretch(u: Array, r: Array, w: Array) -> Array:
-    """The same: where the input only rises, a play is max(p, u - r), so a stretch between two turning points is one call."""
+    """The same: while the input rises, a play is max(p, u - r), so the samples between two reversals are one call."""
     way = np.sign(np.diff(u, prepend=0.0))
     turns = np.flatnonzero(np.diff(way)) + 1
     p, z = np.zeros(len(r), dtype=u.dtype), np.empty_like(u)
@@ -141,7 +141,7 @@ def bouc_wen(u: Array, beta: float, gamma: float, exp: Callable[[Any], Any] = ma
 
 
 def bouc_wen_ivp(u: Array, ts: float, beta: float, gamma: float) -> Array:
-    """The same by scipy's usual solver, the input a straight line from sample to sample."""
+    """The same by scipy's default solver, with a linearly interpolated input."""
     slopes = np.append(np.diff(u, prepend=0.0) / ts, 0.0).tolist()
 
     def law(t: float, h: Array) -> list[float]:

@@ -1,4 +1,4 @@
-"""Times of calls in turn, and the rows and page that they go into."""
+"""Timing of alternating calls, and the rows and tables of the page."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from dataclasses import dataclass
 from typing import Any
 
 BATCH = 0.01
-"""Quick calls are repeated for as long as this before the clock is read again [s]."""
+"""Short calls are repeated for this time per measurement [s]."""
 
 ROUNDING = 1e-9
-"""Errors below this are rounding, and no merit."""
+"""Errors below this are rounding."""
 
 EQUAL = 1e-3
-"""Errors that differ by less than this share of them are the same."""
+"""Errors that differ by less than this share count as the same."""
 
 EVEN = 1.25
-"""Times that differ by less than this factor are the same: so much they change from run to run."""
+"""Times that differ by less than this factor count as the same, because they vary from run to run."""
 
 
 @dataclass(frozen=True)
 class Took:
-    """What a call gave, and its time in each round [s]."""
+    """The result of a call, and its time in each round [s]."""
 
     result: Any
     times: list[float]
@@ -68,7 +68,7 @@ class Row:
 
     @property
     def error(self) -> str:
-        """What piezoid is in error: ahead, the same, behind."""
+        """Verdict on the error of piezoid: ahead, same, behind."""
         near = abs(self.ours - self.theirs) <= EQUAL * min(self.ours, self.theirs)
         if near or max(self.ours, self.theirs) < ROUNDING:
             return "same"
@@ -76,12 +76,12 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """How many times as fast piezoid is: the median of the rounds, in which both meet the same load."""
+        """How many times as fast piezoid is: the median of the rounds, which have the same load for both."""
         return statistics.median(b / a for a, b in zip(self.mine.times, self.rival.times))
 
     @property
     def time(self) -> str:
-        """What piezoid is in time."""
+        """Verdict on the time of piezoid."""
         if 1 / EVEN <= self.ratio <= EVEN:
             return "same"
         return "ahead" if self.ratio > 1.0 else "behind"
@@ -104,12 +104,12 @@ def markdown(heads: Iterable[str], rows: Iterable[Iterable[str]], words: int) ->
 
 
 def figure(value: float) -> str:
-    """An error in three digits."""
+    """An error with three digits."""
     return f"{value:.3g}" if value < 1e3 else f"{value:.0f}" if value < 1e9 else "diverges"
 
 
 def duration(seconds: float) -> str:
-    """A time in three digits with its unit."""
+    """A time with three digits and its unit."""
     unit, scale = next(((u, s) for u, s in [("s", 1.0), ("ms", 1e3)] if seconds * s >= 1.0), ("us", 1e6))
     return f"{plain(seconds * scale)} {unit}"
 
@@ -125,7 +125,7 @@ def counted(n: int) -> str:
 
 
 def behind(rows: Iterable[Row]) -> str:
-    """Where piezoid is behind in error, or not ahead in time, a line each."""
+    """The rows where piezoid is behind in error or not ahead in time, one line each."""
     lines = []
     for row in rows:
         where = f"- {row.problem}, against {row.other}: "

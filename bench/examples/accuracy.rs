@@ -136,7 +136,6 @@ impl Twin {
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(steady)? }, &options)
     }
 
-    /// A validation record.
     pub(crate) fn validation(&self, kind: &RecordKind, hz: f64) -> Result<Record, Error> {
         let n = (DURATION.max(CYCLES / hz) / TS) as usize;
         self.measure(|amplitude| (kind.drive)(hz, amplitude, n), 1000.0 + hz)
@@ -156,7 +155,6 @@ pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     [sorted[0], 0.5 * (low + high), sorted[sorted.len() - 1]]
 }
 
-/// A method of identification.
 struct IdentificationMethod {
     name: &'static str,
     role: Role,

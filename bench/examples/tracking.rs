@@ -50,8 +50,7 @@ const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
 pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
 const SEED: u64 = 7;
 
-/// A reference.
-pub(crate) fn wanted((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
+pub(crate) fn reference((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
     let n = (f64::max(1.0, 4.0 / hz) / TS) as usize;
     Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
 }

@@ -4,7 +4,6 @@ use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Program, Stateme
 
 /// The syntax of a language. Lines are printed without their indentation.
 pub(super) trait Language {
-    /// Its keywords.
     fn keywords(&self) -> &'static Keywords;
 
     /// True for single precision.

@@ -13,7 +13,7 @@ mod simulink;
 mod st;
 mod template;
 #[cfg(test)]
-#[path = "../../piezoid/src/testing.rs"]
+#[path = "../../piezoid/src/testing/close.rs"]
 mod testing;
 mod vectors;
 mod waveform;
@@ -274,7 +274,8 @@ fn named(name: &str, reserved: &str) -> Result<(), Error> {
         && !name.contains("__");
     if !fits {
         let rule = format!(
-            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called after it"
+            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called \
+            after it"
         );
         return Err(Error::parameter("name", format!("`{name}`"), rule));
     }

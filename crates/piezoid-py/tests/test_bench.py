@@ -29,7 +29,7 @@ def test_every_problem_of_the_comparison_is_solved_by_both_sides_to_the_error_th
     assert run.returncode == 0, run.stderr
     assert "SKIPPED: The measured stack" in run.stderr
 
-    table = run.stdout.split("## What came out")[1].split("##")[0]
+    table = run.stdout.split("## Results")[1].split("##")[0]
     lines = [line for line in table.splitlines() if line.startswith("| ")]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines][2:]
     assert all(len(row) == 10 for row in rows)

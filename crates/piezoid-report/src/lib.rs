@@ -7,5 +7,5 @@ pub mod study;
 
 pub use page::Page;
 #[cfg(test)]
-#[path = "../../piezoid/src/testing.rs"]
+#[path = "../../piezoid/src/testing/close.rs"]
 mod testing;

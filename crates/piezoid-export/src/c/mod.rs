@@ -44,9 +44,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 const LONGEST: usize = 31 - "_control_reset".len();
 
 /// Reserved names: keywords, and names that would clash with those of the program.
-const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if inline \
-    int long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while \
-    main stdio math";
+const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if \
+    inline int long register restrict return short signed sizeof static struct switch typedef union unsigned void \
+    volatile while main stdio math";
 
 /// The exported program, under a name that is free in C.
 pub(super) fn checked(request: &ExportRequest) -> Result<ExportedProgram, Error> {
@@ -80,7 +80,6 @@ impl C<'_> {
         ])
     }
 
-    /// The template context.
     pub(super) fn template_context(&self) -> Value {
         let all = template_context(self.request, self.whole, &|values| self.numbers(values));
         let counts = self.counts.map_or(context!(), Fixed::template_context);
@@ -120,7 +119,6 @@ impl C<'_> {
         Ok(render(template!("c/source.c.j2"), context)?.trim_end().lines().map(broken).collect())
     }
 
-    /// A constant of a block.
     fn constant_of(&self, block: &Block, c: &Constant) -> Value {
         let values = if c.table { self.numbers(&c.values) } else { self.real(c.values[0]) };
         let name = self.own(&format!("{}_{}", block.name, c.name));
@@ -204,7 +202,6 @@ impl C<'_> {
     }
 }
 
-/// A comment.
 fn comment(lines: &[String]) -> String {
     format!("/* {} */\n", lines.join("\n   ").replace("*/", "* /"))
 }

@@ -15,7 +15,6 @@ use super::number::{NARROW, Number, WIDE, WIDEST, aligned, binary, call, counts,
 use piezoid::error::Error;
 use piezoid::program::{Block, Expr, FieldValue, Function, Limit, Op, Place, Program, Statement, ValueType};
 
-/// A condition.
 #[derive(Debug)]
 enum Condition {
     Always,

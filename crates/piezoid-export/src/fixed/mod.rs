@@ -162,7 +162,9 @@ impl Fixed {
 
     /// The template context: the value of a count of each signal, and the errors.
     pub(super) fn template_context(&self) -> Value {
-        let error = |(entry, error): (&Entry, &CountingError)| context! { step => entry.step, rms => error.rms, most => error.most };
+        let error = |(entry, error): (&Entry, &CountingError)| {
+            context! { step => entry.step, rms => error.rms, most => error.most }
+        };
         let port = |(name, bits, worth): (&'static str, i32, String)| {
             context! { name, bits, worth, end => 2f64.powi(31 - bits) }
         };

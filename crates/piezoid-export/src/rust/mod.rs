@@ -40,8 +40,8 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 
 /// Reserved names: keywords, and crates that are always present.
 const RESERVED: &str = "abstract alloc as async await become box break const continue core crate do dyn else enum \
-    extern false final fn for gen if impl in let loop macro match mod move mut override priv proc_macro pub ref return self \
-    static std struct super test trait true try type typeof union unsafe unsized use virtual where while yield";
+    extern false final fn for gen if impl in let loop macro match mod move mut override priv proc_macro pub ref return \
+    self static std struct super test trait true try type typeof union unsafe unsized use virtual where while yield";
 
 /// Line width of `rustfmt`, and its width of arguments.
 const WIDE: usize = 100;
@@ -56,7 +56,6 @@ struct Rust<'r> {
 }
 
 impl Rust<'_> {
-    /// The template context.
     fn template_context(&self, request: &ExportRequest) -> Value {
         let (program, entries) = (&self.whole.program, &self.whole.entries);
         let held = self.whole.states();
@@ -149,7 +148,6 @@ impl Rust<'_> {
         zeroed || program.blocks.iter().filter(outer).any(|b| self.zeroed(&b.name))
     }
 
-    /// The constants of a block.
     fn constants(&self, block: &Block) -> Option<String> {
         let line = |c: &Constant| {
             let values: Vec<String> = c.values.iter().map(|v| shortest(*v, self.single)).collect();
@@ -211,7 +209,6 @@ fn type_of(block: &str) -> String {
     printer.split('_').map(titled).chain(["State".into()]).collect()
 }
 
-/// The name of a constant of a block.
 fn constant_of(block: &Block, name: &str) -> String {
     format!("{}_{name}", block.name).to_uppercase()
 }

@@ -68,7 +68,6 @@ impl<'m> Matlab<'m> {
         Ok(Matlab { program, name: request.name(), single: request.options.float })
     }
 
-    /// The template context.
     pub(super) fn template_context(&self, whole: &ExportedProgram, request: &ExportRequest) -> Value {
         let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constant = |c: &Constant| match c.table {

@@ -99,7 +99,6 @@ impl St<'_> {
         format!("{digits}{point}{}{exponent}", if exponent.is_empty() { "" } else { "E" })
     }
 
-    /// The template context.
     fn template_context(&self, request: &ExportRequest) -> Value {
         let program = &self.whole.program;
         let state = |block: &&Block| {
@@ -246,7 +245,6 @@ fn zeros(name: &str, n: usize, counter: &str) -> Vec<String> {
     vec![format!("FOR {counter} := 0 TO {last} DO"), format!("    {name}[{counter}] := 0.0;"), "END_FOR;".into()]
 }
 
-/// A comment.
 fn comment(lines: &[String]) -> String {
     format!("(* {} *)\n", quiet(&lines.join("\n   ")))
 }

@@ -146,7 +146,8 @@ impl St<'_> {
         match twice {
             None => Ok((names, variables)),
             Some(name) => Err(Error::Content(format!(
-                "program, fn {}: `{name}` has two types, but structured text declares a name once per function: rename one of them",
+                "program, fn {}: `{name}` has two types, but structured text declares a name once per function: rename \
+                one of them",
                 function.name,
             ))),
         }

@@ -89,8 +89,8 @@ fn joins(r: &[f64], unit: &str) -> Result<Vec<String>, Error> {
         return Err(Error::parameter("reference", value, rule));
     }
     let twice = first == last && r[0] != r[1];
-    let note = "the last sample equals the first and therefore occurs twice per period: remove the last one if it belongs to the \
-next period";
+    let note = "the last sample equals the first and therefore occurs twice per period: remove the last one if it \
+        belongs to the next period";
     Ok(twice.then(|| note.into()).into_iter().collect())
 }
 

@@ -32,7 +32,6 @@ pub(super) fn table(u: &[f64], ts: f64, cycle: f64) -> Result<WaveTable, Error> 
     WaveTable::new(TableCapacity { cycle, points: POINTS, cycles: 65535 }, u, ts, (0.0, 1.0), DECIMALS)
 }
 
-/// The commands.
 pub(super) fn commands(table: &WaveTable) -> Result<String, Error> {
     render(template!("waveform/gcs.txt.j2"), table.template_context())
 }

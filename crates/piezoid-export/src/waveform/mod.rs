@@ -73,8 +73,8 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?)),
 None => exported.notes.push(
-"there is no file for the NV200, whose points are in percent of a range: give the voltages of 0 % and 100 %"
-.into(),
+    "there is no file for the NV200, whose points are in percent of a range: give the voltages of 0 % and 100 %"
+    .into(),
 ),
 }
     exported.notes.extend(sentences);

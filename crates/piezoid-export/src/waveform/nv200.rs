@@ -50,7 +50,6 @@ pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<WaveTable, 
     WaveTable::new(ROOM, u, ts, (low, (high - low) / 100.0), DECIMALS)
 }
 
-/// The commands.
 pub(super) fn commands(table: &WaveTable) -> Result<String, Error> {
     render(template!("waveform/nv200.txt.j2"), table.template_context())
 }

@@ -102,7 +102,6 @@ impl WaveTable {
         })
     }
 
-    /// The template context.
     pub(super) fn template_context(&self) -> Value {
         context! { points => self.written.iter().collect::<Value>(), cycles => self.cycles }
     }

@@ -44,7 +44,6 @@ fn text<'m>(made: &'m Exported, path: &str) -> &'m str {
     std::str::from_utf8(&made.files.iter().find(|f| f.name == path).unwrap().bytes).unwrap()
 }
 
-/// The numbers of a CSV column.
 fn column(csv: &str, number: usize) -> Vec<f64> {
     csv.lines().skip(1).map(|line| line.split(',').nth(number).unwrap().parse().unwrap()).collect()
 }

@@ -118,7 +118,6 @@ impl Section {
         self.with(Element::Table(table))
     }
 
-    /// Its title.
     pub(super) fn title(&self) -> &str {
         &self.title
     }

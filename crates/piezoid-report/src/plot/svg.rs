@@ -38,7 +38,6 @@ impl Svg {
         self.put(&["\" viewBox=\"", &x, " ", &y, " ", &w, " ", &h, "\">\n"]);
     }
 
-    /// Closes a window.
     pub(super) fn close_window(&mut self) {
         self.put(&["</svg>\n"]);
     }

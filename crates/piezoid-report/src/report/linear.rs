@@ -56,8 +56,8 @@ fn modes(reading: &ModalForm) -> PageTable {
     let table = PageTable::new("Modes of the linear block").text("").number("f [Hz]").number("damping ratio");
     let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
     let table = reading.rows().into_iter().fold(table, PageTable::row).note(
-"Shares of the static displacement. Mass and damper for a spring of 1 N/mm at the point of measurement: both are proportional \
-to the stiffness.",
+        "Shares of the static displacement. Mass and damper for a spring of 1 N/mm at the point of measurement: both \
+        are proportional to the stiffness.",
     );
     match reading.images() {
         Some(images) => table.note(images),

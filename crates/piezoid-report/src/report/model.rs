@@ -32,8 +32,8 @@ fn known(domain: &Domain, unit: &str) -> String {
     // Means that are zero up to rounding.
     let mean = mean.map(|mean| if mean.abs() < 1e-9 * (u[1] - u[0]) { 0.0 } else { mean });
     format!(
-        "Identified on inputs from {} to {} {unit}, with means from {} to {} {unit}, and rates up to {} {unit}/s{power}. Outside this \
-range it extrapolates.",
+        "Identified on inputs from {} to {} {unit}, with means from {} to {} {unit}, and rates up to {} \
+        {unit}/s{power}. Outside this range it extrapolates.",
         short(u[0]),
         short(u[1]),
         short(mean[0]),

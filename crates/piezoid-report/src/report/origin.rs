@@ -35,7 +35,8 @@ fn trials(tried: &[Value]) -> PageTable {
     let table = PageTable::new("Operators tried").text("operator").number("parameters");
     let table = table.number("held out [%]").text("verdict");
     let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
-"Held-out rms error over peak-to-peak (cross-validation). Among the operators as good as the best, the simplest is selected.",
+        "Held-out rms error over peak-to-peak (cross-validation). Among the operators as good as the best, the \
+        simplest is selected.",
     );
     let refused = tried.iter().filter_map(|trial| Some((word(trial, "operator"), trial["refused"].as_str()?)));
     refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))

@@ -40,7 +40,8 @@ fn time_series(trial: &Compared) -> Figure {
     let worst = errors.enumerate().fold((0, 0.0), |worst, (k, e)| if e > worst.1 { (k, e) } else { worst }).0;
     let at = short((validation.start + worst) as f64 * record.ts());
     let caption = format!(
-        "Measurement, free run and residual over {part}; residual over the whole record: {rms} % of peak-to-peak. The largest error is at {at} s."
+        "Measurement, free run and residual over {part}; residual over the whole record: {rms} % of peak-to-peak. The \
+        largest error is at {at} s."
     );
     let (axis, residual) = (|label: &str| Axis::new(format!("{label} [{}]", units.y)), Role::Residual);
     let top = Axes::new("t [s]", axis("y")).height(0.6);
@@ -57,7 +58,8 @@ fn loops(trial: &Compared) -> Figure {
     let u = &record.u()[range.clone()];
     let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
     let caption = format!(
-        "Output over input in {part}, measured and free run. Over the whole record they differ by {} % of the height (rms).",
+        "Output over input in {part}, measured and free run. Over the whole record they differ by {} % of the height \
+        (rms).",
         short(validation.metrics.rms_pp_percent)
     );
     Figure::new("Loops", caption).panel(
@@ -86,7 +88,7 @@ fn shapes(trial: &Compared) -> PageTable {
         [place.into_iter().chain(shape(&l.measured)), below.into_iter().chain(shape(&l.model))].map(Vec::from_iter)
     });
     rows.fold(table, PageTable::row).note(
-"Width at mid input and closure (difference between end and start of a cycle) over the height of the loop; negative area: \
-the loop runs in the opposite direction; reversals of the output per cycle.",
+        "Width at mid input and closure (difference between end and start of a cycle) over the height of the loop; \
+        negative area: the loop runs in the opposite direction; reversals of the output per cycle.",
     )
 }

@@ -11,8 +11,9 @@ pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
     let unit = &trial.record.units().y;
     let section = match trial.validation.floor {
         Some(f) => section.text(format!(
-"The input repeats every {} samples. Between {} such periods the output scatters by {} {unit} ({} % of peak-to-peak) \
-after removing drift: this is the noise floor. The residual of this model is {} times as large.",
+            "The input repeats every {} samples. Between {} such periods the output scatters by {} {unit} ({} % of \
+            peak-to-peak) after removing drift: this is the noise floor. The residual of this model is {} times as \
+            large.",
             f.period,
             f.periods,
             short(f.rms),
@@ -25,8 +26,8 @@ after removing drift: this is the noise floor. The residual of this model is {} 
     let verdict = whiteness.verdict.iter().map(|text| sentence(text));
     let figures = [autocorrelation(whiteness), cross_correlation(whiteness), over_input(trial)];
     let caption = "For white residuals the autocorrelation, and for residuals uncorrelated with the input the \
-cross-correlation, stays within the shaded bounds at all lags in 99 of 100 records. Plotted over the input, noise is a \
-band of constant height.";
+        cross-correlation, stays within the shaded bounds at all lags in 99 of 100 records. Plotted over the input, \
+        noise is a band of constant height.";
     section.figures(3, "Residuals", caption, figures).list(verdict)
 }
 

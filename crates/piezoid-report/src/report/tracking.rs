@@ -63,8 +63,8 @@ fn errors(compared: &Comparison) -> Section {
     };
     let section = section
         .table(table("Rms error [% of the height]", |a, _| a.tracking.percent_of_stroke).note(
-"Errors of the measurement, with sensor noise. Periodic references count after a quarter of a second. “gain” is the best \
-straight line for each reference: no compensation.",
+            "Errors of the measurement, with sensor noise. Periodic references count after a quarter of a second. \
+            “gain” is the best straight line for each reference: no compensation.",
         ))
         .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
     let section = section.table(table("Effort: rms change of voltage per sample [V]", |a, _| a.tracking.effort));
@@ -173,7 +173,8 @@ fn spread(compared: &Comparison) -> Option<Section> {
     });
     let wanted = &compared.wanted.first()?.name;
     let caption = format!(
-        "Along {wanted}: share of the draws below this error. Every controller is tuned to the model of the nominal plant."
+        "Along {wanted}: share of the draws below this error. Every controller is tuned to the model of the nominal \
+        plant."
     );
     let text = "Random plants with parameters within the tolerance, with the same controllers.";
     let figure = Figure::new("Errors over the tolerance", caption).panel(axes);

@@ -20,7 +20,6 @@ type DriveSignal<'a> = dyn Fn(f64) -> Result<Vec<f64>, Error> + 'a;
 
 /// A plant whose output is measured in millimetres.
 pub(super) struct Bench {
-    /// The plant.
     plant: Plant,
     /// Seed of the study; each measurement has its own noise.
     seed: u64,

@@ -41,10 +41,10 @@ pub(super) fn convergence(study: &Study) -> Figure {
     let printed = &study.convergence_as_printed;
     let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / study.optimum - 1.0).max(1e-12);
     let caption = format!(
-        "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations. The exact minimum of a block of this form \
-is {:.6} mm (linear programming); the swarm ends {:.0e} above it, relative to it. All particles are attracted to the best \
-position found so far, as is customary. With the best of the current positions, as the paper prints equation (4), they end \
-{:.0e} above it.",
+        "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations. The exact minimum of a block \
+        of this form is {:.6} mm (linear programming); the swarm ends {:.0e} above it, relative to it. All particles \
+        are attracted to the best position found so far, as is customary. With the best of the current positions, as \
+        the paper prints equation (4), they end {:.0e} above it.",
         best[0],
         best[best.len() - 1],
         best.len() - 1,
@@ -82,9 +82,9 @@ pub(super) fn courses(study: &Study) -> Figure {
     let away =
         |theta: &Vec<f64>| theta.iter().zip(&end).zip(&limits).any(|((now, end), limit)| (now - end).abs() > *limit);
     let caption = format!(
-        "The coefficients of the best position so far, by iteration. The paper's Fig. 3 shows histories of the search without stating the \
-particle. From iteration {} on the coefficients stay within 1 % of their final values, relative to the largest a and the \
-largest b.",
+        "The coefficients of the best position so far, by iteration. The paper's Fig. 3 shows histories of the search \
+        without stating the particle. From iteration {} on the coefficients stay within 1 % of their final values, \
+        relative to the largest a and the largest b.",
         courses.iter().rposition(away).map_or(0, |last| last + 1)
     );
     Figure::new("Course of the estimated coefficients", caption).panel(a).panel(b).stacked()
@@ -101,8 +101,9 @@ pub(super) fn response(study: &Study) -> Figure {
     let phase = |arx: &Arx| curve(arx, &|r| r.phase.to_degrees());
     let axis = || Axis::log("f [Hz]").ticks(&[2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 900.0]).tight();
     let caption = format!(
-        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, that of the block estimated here {:.0}°. The \
-inverse of a block with more phase lead delays z by the difference, which widens the loop.",
+        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, that of the block \
+        estimated here {:.0}°. The inverse of a block with more phase lead delays z by the difference, which widens \
+        the loop.",
         printed.response(80.0).phase.to_degrees(),
         own.response(80.0).phase.to_degrees()
     );
@@ -133,8 +134,8 @@ pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
     let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
     let [(u0, z0), (u1, z1)] = found.line;
     let caption = format!(
-        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that matches their direction. The \
-loop of the joint model opens by {:.1} %.",
+        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that matches their \
+        direction. The loop of the joint model opens by {:.1} %.",
         100.0 * found.branches.width(),
         100.0 * found.agreement,
         100.0 * f.joint.found.branches.width()
@@ -186,9 +187,9 @@ pub(super) fn width(study: &Study) -> Figure {
     let printed = widths(&|f| f.by_table_2.found.branches.width());
     let joint = widths(&|f| f.joint.found.branches.width());
     let caption = format!(
-        "The same records with two linear blocks. With the estimated one the loop of z is {:.0} % wide at {} Hz and {:.0} % \
-at {} Hz; with that of the paper's Table 2 the width goes from {:.0} % to {:.0} %. A negative width is an inverted loop. The \
-joint model needs no inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
+        "The same records with two linear blocks. With the estimated one the loop of z is {:.0} % wide at {} Hz and \
+        {:.0} % at {} Hz; with that of the paper's Table 2 the width goes from {:.0} % to {:.0} %. A negative width is \
+        an inverted loop. The joint model needs no inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
         own[0],
         hz[0],
         own[own.len() - 1],
@@ -227,7 +228,8 @@ pub(super) fn error(study: &Study) -> Figure {
     let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
     let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
     let caption = format!(
-        "Mean squared error of every method on a stepped sine of {used} steps per period, and the values of the paper's Table 1.{floor}",
+        "Mean squared error of every method on a stepped sine of {used} steps per period, and the values of the \
+        paper's Table 1.{floor}",
         used = Study::STEPS_USED
     );
     Figure::new("Error on the test signal against frequency", caption).panel(axes)
@@ -292,9 +294,10 @@ pub(super) fn deviation(study: &Study) -> Figure {
         found.map_or(String::new(), |s| format!("{} ({:.0} %)", s.words(), 100.0 * s.deviation(method)))
     };
     let caption = format!(
-        "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of equal length, against \
-steps per period; dashed: staircases, against levels. Closest with the rule as printed is a {}; with its upper branch as the one \
-that lies above, a {}; with the linear block of the paper's Table 2, a {}.",
+        "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of \
+        equal length, against steps per period; dashed: staircases, against levels. Closest with the rule as printed \
+        is a {}; with its upper branch as the one that lies above, a {}; with the linear block of the paper's Table 2, \
+        a {}.",
         found("printed-rule"),
         found(TestSignal::UPPER_RULE),
         found("table2-arx")

@@ -76,7 +76,6 @@ pub struct StudyMethod {
     way: MethodModel,
 }
 
-/// The model of a method.
 #[derive(Debug, Clone, Copy)]
 enum MethodModel {
     /// Two branches of the loop at each frequency, from the printed or the estimated linear block.
@@ -114,7 +113,8 @@ pub static METHODS: &[StudyMethod] = &[
     },
     StudyMethod {
         name: "joint",
-        summary: "one model for all frequencies, identified jointly: the known driver, a hysteresis operator with memory, and no inverse",
+        summary: "one model for all frequencies, identified jointly: the known driver, a hysteresis operator with \
+            memory, and no inverse",
         way: MethodModel::Joint,
     },
 ];
@@ -289,14 +289,14 @@ impl Study {
         let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
         if let Err(why) = own.0.inverse() {
             notes.push(format!(
-"The paper's inverse (8) cannot be used: {why}. The loops are computed with the inverse of the whole record instead, forward \
-and backward in time."
+                "The paper's inverse (8) cannot be used: {why}. The loops are computed with the inverse of the whole \
+                record instead, forward and backward in time."
             ));
         }
         if let Some(why) = squares.order_too_low(std::slice::from_ref(&small_signal)) {
             notes.push(format!(
-"Order 2 has one mode only{why}. Modes above half the sampling rate, which every bender has, are aliased below it and \
-distort the estimated block."
+                "Order 2 has one mode only{why}. Modes above half the sampling rate, which every bender has, are \
+                aliased below it and distort the estimated block."
             ));
         }
 

@@ -10,7 +10,10 @@ impl Study {
     /// The report on one or more studies: one file that opens from disk.
     pub fn page(studies: &[Study]) -> Page {
         let page = Page::new("The paper, end to end")
-.subtitle("Hammerstein model of the PL140 bender: two branches per frequency, ARX by particle swarm, on a simulated actuator; and one model for all frequencies")
+            .subtitle(
+                "Hammerstein model of the PL140 bender: two branches per frequency, ARX by particle swarm, on a \
+            simulated actuator; and one model for all frequencies",
+            )
             .section(introduction());
         let page = studies.iter().fold(page, |page, study| {
             let page = page.section(linear_block(study)).section(loops(study)).section(joint(study));
@@ -23,15 +26,20 @@ impl Study {
 fn introduction() -> Section {
     Section::new("Procedure")
         .text(
-"L. Kuklisova Pavelkova (ICINCO 2025) models a piezo bender as a hysteresis block followed by linear dynamics. A \
-small-signal random binary sequence identifies the dynamics; their inverse converts the response to a sine into the hidden \
-variable z; the loop of z over the voltage u, split in two, is the hysteresis block. This page repeats the experiment on \
-simulated actuators that share no code with the models, at the paper's frequencies and at higher ones.",
+            "L. Kuklisova Pavelkova (ICINCO 2025) models a piezo bender as a hysteresis block followed by linear \
+            dynamics. A small-signal random binary sequence identifies the dynamics; their inverse converts the \
+            response to a sine into the hidden variable z; the loop of z over the voltage u, split in two, is the \
+            hysteresis block. This page repeats the experiment on simulated actuators that share no code with the \
+            models, at the paper's frequencies and at higher ones.",
         )
-.text(format!("The test signal of the paper is periodic and step-wise; the paper gives no details. Here it is a sine in {used} steps per \
-period, all of nearly equal length in whole samples, the highest at the amplitude of the sine that the branches come from. On \
-twin “paper” its errors are the closest to the paper's Table 1 of all tested numbers of steps and levels. While a step is \
-held, the rule as printed reads the descending branch; with the direction held, the model stays on its branch.", used = Study::STEPS_USED))
+        .text(format!(
+            "The test signal of the paper is periodic and step-wise; the paper gives no details. Here it is \
+            a sine in {used} steps per period, all of nearly equal length in whole samples, the highest at the \
+            amplitude of the sine that the branches come from. On twin “paper” its errors are the closest to the \
+            paper's Table 1 of all tested numbers of steps and levels. While a step is held, the rule as printed reads \
+            the descending branch; with the direction held, the model stays on its branch.",
+            used = Study::STEPS_USED
+        ))
 }
 
 fn linear_block(study: &Study) -> Section {
@@ -55,7 +63,8 @@ fn linear_block(study: &Study) -> Section {
         let which = if swarm.arx.inverse().is_ok() { "the inverse (8)" } else { "the inverse of the whole record" };
         let rings = swarm.arx.zeros().iter().any(|z| z.re < -0.9 && z.re > -1.0 && z.im == 0.0);
         let ringing = if rings {
-            " The sampling zero near -1 makes it ring at half the sampling rate; averaging over a branch removes the ringing."
+            " The sampling zero near -1 makes it ring at half the sampling rate; averaging over a branch removes the \
+            ringing."
         } else {
             ""
         };
@@ -65,11 +74,12 @@ fn linear_block(study: &Study) -> Section {
         ));
     }
     section = section.text(
-"Equation (1) has no constant, but a sensor has an offset: one per record is estimated by least squares and removed before the \
-swarm starts. The paper does not state the search range of the swarm, the number of particles, their inertia or their largest \
-velocity. Here a1 and a2 are sought within the bounds of a stable block, 2 and 1, and each b within the largest output over the \
-largest input. 50 particles, inertia from 0.9 to 0.4, and a fifth of the range per iteration are customary. The next figure \
-compares the result with the exact minimum.",
+        "Equation (1) has no constant, but a sensor has an offset: one per record is estimated by least squares and \
+        removed before the swarm starts. The paper does not state the search range of the swarm, the number of \
+        particles, their inertia or their largest velocity. Here a1 and a2 are sought within the bounds of a stable \
+        block, 2 and 1, and each b within the largest output over the largest input. 50 particles, inertia from 0.9 to \
+        0.4, and a fifth of the range per iteration are customary. The next figure compares the result with the exact \
+        minimum.",
     );
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
 }
@@ -96,9 +106,9 @@ fn table_2(study: &Study) -> PageTable {
     };
     let table = study.blocks.iter().fold(table, |table, block| table.row(row(block)));
     table.note(
-"printed: the row of 5 Hz of the paper's Table 2, printed-80hz that of 80 Hz. According to the paper the block is identified only \
-once, but its table has one row per frequency, with different b0. With four decimals the static gain is uncertain by a third. \
-Coloured zeros make (8) unstable.",
+        "printed: the row of 5 Hz of the paper's Table 2, printed-80hz that of 80 Hz. According to the paper the block \
+        is identified only once, but its table has one row per frequency, with different b0. With four decimals the \
+        static gain is uncertain by a third. Coloured zeros make (8) unstable.",
     )
     .note(words::units(study))
 }
@@ -106,16 +116,17 @@ Coloured zeros make (8) unstable.",
 fn loops(study: &Study) -> Section {
     let inverted: Vec<String> =
         study.frequencies.iter().filter(|f| !f.own.found.ascending_below).map(|f| f.hz.to_string()).collect();
-    let mut words = "Grey dots are samples of voltage and hidden variable; the curves and the loop of the joint model may cover them. \
-The dashed line through the two reversal points splits the loop; the curves are splines through the averages on each side. The data \
-determine which side is the ascending branch."
-.to_string();
+    let mut words = "Grey dots are samples of voltage and hidden variable; the curves and the loop of the joint model \
+        may cover them. The dashed line through the two reversal points splits the loop; the curves are splines \
+        through the averages on each side. The data determine which side is the ascending branch."
+        .to_string();
     let slowest = &study.frequencies[0];
     let span = |x: &[f64]| ends(x.iter().copied()).1 - ends(x.iter().copied()).0;
     let times = span(&slowest.own.z) / span(&slowest.own.u);
     if !(0.67..1.5).contains(&times) {
         words += &format!(
-            " At {} Hz z spans {times:.1} times the voltage: the static gain of the estimated block is wrong by this factor.",
+            " At {} Hz z spans {times:.1} times the voltage: the static gain of the estimated block is wrong by this \
+            factor.",
             slowest.hz
         );
     }
@@ -123,8 +134,8 @@ determine which side is the ascending branch."
     let falling: Vec<String> = study.frequencies.iter().filter(falling).map(|f| f.hz.to_string()).collect();
     if !falling.is_empty() {
         words += &format!(
-            " At {} Hz the line falls: z lags u by more than a quarter of a period. This is not a property of ceramics: z contains the \
-errors of the linear block and the lag of the driver.",
+            " At {} Hz the line falls: z lags u by more than a quarter of a period. This is not a property of \
+            ceramics: z contains the errors of the linear block and the lag of the driver.",
             falling.join(", ")
         );
     }
@@ -167,9 +178,9 @@ fn joint(study: &Study) -> Section {
         None => "",
     };
     let words = format!(
-        "The same PRBS and rising sines of {} Hz, one second each, identify hysteresis, creep and dynamics together by the error of the \
-free run: an operator with memory of the reversals, followed by the linear block. Nothing is inverted, so the \
-zeros of the block do not matter. One model covers every frequency and amplitude.{driver}",
+        "The same PRBS and rising sines of {} Hz, one second each, identify hysteresis, creep and dynamics together by \
+        the error of the free run: an operator with memory of the reversals, followed by the linear block. Nothing is \
+        inverted, so the zeros of the block do not matter. One model covers every frequency and amplitude.{driver}",
         rising.join(", ")
     );
     let section =
@@ -181,8 +192,8 @@ zeros of the block do not matter. One model covers every frequency and amplitude
 }
 
 fn tests(study: &Study) -> Section {
-    let caption = "Two periods of the test signal in free run, and the error of each method. With the rule as printed every held \
-step falls to the descending branch.";
+    let caption = "Two periods of the test signal in free run, and the error of each method. With the rule as printed \
+        every held step falls to the descending branch.";
     let section = Section::new(format!("Twin “{}”: the tests", study.plant.name));
     let section = words::paragraphs(study).into_iter().fold(section, Section::text);
     section
@@ -214,14 +225,16 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, text: impl Fn(&Study
     };
     let table = study.frequencies.iter().fold(table, |table, f| table.row(row(f)));
     table.note(format!(
-        "u: amplitude of sine and test signal; lowered so that the tip stays within {:.0} % of the range of a sensor that has one.",
+        "u: amplitude of sine and test signal; lowered so that the tip stays within {:.0} % of the range of a sensor \
+        that has one.",
         100.0 * RANGE_USED
     ))
 }
 
 /// Table 1 over the unknown properties of the test signal.
 fn test_signal(study: &Study) -> Section {
-    let title = "The closest test signals: mean squared error with the rule as printed [mm²], and the largest deviation from the paper's Table 1";
+    let title = "The closest test signals: mean squared error with the rule as printed [mm²], and the largest \
+        deviation from the paper's Table 1";
     let table = Study::PRINTED_MSE
         .iter()
         .fold(PageTable::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
@@ -252,10 +265,10 @@ fn methods() -> Section {
     Section::new("How to read and reproduce it")
         .table(table)
         .text(
-"Every error is that of a free run from rest, compared after the first 0.5 s. Branches are identified on a sine and tested \
-on the stepped sine of the same frequency and amplitude. This is the paper's test. It does not cover other amplitudes, \
-minor loops or mixed frequencies, which two branches cannot follow. The joint model is identified on other records than \
-these, at four of the eight frequencies.",
+            "Every error is that of a free run from rest, compared after the first 0.5 s. Branches are identified on a \
+            sine and tested on the stepped sine of the same frequency and amplitude. This is the paper's test. It does \
+            not cover other amplitudes, minor loops or mixed frequencies, which two branches cannot follow. The joint \
+            model is identified on other records than these, at four of the eight frequencies.",
         )
         .listing("piezoid study\npiezoid study --plant pl140 --seed 1 --json study.json")
 }

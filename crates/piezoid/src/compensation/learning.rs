@@ -78,11 +78,13 @@ impl Learning {
     /// use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
     /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
     /// use std::sync::Arc;
-    /// let with_gain = |k: f64| Model::new((Operator::find("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
+    /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(1e-3)?;
+    /// let with_gain = |k: f64| Model::new(plays.clone(), Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
     /// let (model, actuator) = (with_gain(10.0)?, with_gain(13.0)?);
     /// let r: Vec<f64> = (0..50).map(|t| 300.0 * (std::f64::consts::TAU * 0.02 * f64::from(t)).sin()).collect();
     /// let mut plant = |u: &[f64]| actuator.simulate(&[u, u, u].concat())[100..].to_vec();
-    /// let learned = Learning::default().run(&mut plant, &FeedForward::new(&model, FeedForwardSettings::default())?, &r)?;
+    /// let inverse = FeedForward::new(&model, FeedForwardSettings::default())?;
+    /// let learned = Learning::default().run(&mut plant, &inverse, &r)?;
     /// assert!(learned.rms[0] > 50.0 && learned.rms[10] < 0.01);
     /// # Ok::<(), piezoid::Error>(())
     /// ```

@@ -323,8 +323,8 @@ impl FeedForward {
         };
         let input = &self.model.units().u;
         Error::Unreachable(format!(
-            "{value} {unit} at sample {sample} ({at} s) cannot be reached with inputs from {low} to {high} {input} (static range \
-{bottom} to {top} {unit}); {instead}, or clip"
+            "{value} {unit} at sample {sample} ({at} s) cannot be reached with inputs from {low} to {high} {input} \
+            (static range {bottom} to {top} {unit}); {instead}, or clip"
         ))
     }
 
@@ -338,8 +338,9 @@ impl FeedForward {
         if run.jumped > 0 {
             let jumped = run.jumped;
             notes.push(format!(
-"at {jumped} of {n} samples the hysteresis block jumps over the requested value; the nearest value is used"
-));
+                "at {jumped} of {n} samples the hysteresis block jumps over the requested value; the nearest value is \
+                used"
+            ));
         }
         notes.extend(self.beyond(&run.u));
         notes
@@ -354,7 +355,8 @@ impl FeedForward {
             let [low, high, known_low, known_high] = [used.u[0], used.u[1], known.u[0], known.u[1]].map(round);
             if used.u[0] < known.u[0] || used.u[1] > known.u[1] {
                 notes.push(format!(
-                    "inputs from {low} to {high} {input} are used, but the model was identified from {known_low} to {known_high}"
+                    "inputs from {low} to {high} {input} are used, but the model was identified from {known_low} to \
+                    {known_high}"
                 ));
             }
             if used.slew > known.slew {

@@ -98,7 +98,8 @@ impl ClosedLoop<'_> {
     /// use piezoid::{Model, hysteresis::Proportional, linear::Arx};
     /// let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1])?;
     /// let model = Model::new(std::sync::Arc::new(Proportional::new(1e-3, 1.0)?), plant.clone(), 0.0)?;
-    /// let pi = (ControllerKind::find("pi")?.tune)(&ControlLoop::of(&model, (-30.0, 30.0))?, &MarginTarget::default())?;
+    /// let control_loop = ControlLoop::of(&model, (-30.0, 30.0))?;
+    /// let pi = (ControllerKind::find("pi")?.tune)(&control_loop, &MarginTarget::default())?;
     /// let done = ClosedLoop::new(&[1.0; 2000], &[0.0; 2000], (-30.0, 30.0)).run(&plant, &*pi)?;
     /// assert!((done.y[1999] - 1.0).abs() < 1e-6);
     /// assert!(done.tracking(1000, 2.0).percent_of_stroke < 0.1);

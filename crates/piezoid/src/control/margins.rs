@@ -91,8 +91,8 @@ impl ControlLoop {
         }
         let (low, high) = self.limits;
         let because = format!(
-            "slope {slope} of the hysteresis times gain {gain} of the linear block must be positive: change the sign of y, or \
-identify the model on records that cover {low} to {high} V"
+            "slope {slope} of the hysteresis times gain {gain} of the linear block must be positive: change the sign \
+            of y, or identify the model on records that cover {low} to {high} V"
         );
         Err(Error::Unsuited { what: "controller".into(), because })
     }

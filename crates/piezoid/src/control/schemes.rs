@@ -102,11 +102,13 @@ impl Controller for Open {
 /// ```
 /// use piezoid::control::{TunedScheme, Scheme, MarginTarget};
 /// use piezoid::{Model, System, compensation::FeedForwardSettings, hysteresis::Operator, linear::Arx};
-/// let with_gain = |k: f64| Model::new((Operator::find("prandtl-ishlinskii")?.example)(1e-3)?, Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
+/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(1e-3)?;
+/// let with_gain = |k: f64| Model::new(plays.clone(), Arx::new(1e-3, vec![0.5], vec![k])?, 0.0);
 /// let (model, actuator) = (with_gain(10.0)?, with_gain(11.0)?);
 /// let r: Vec<f64> = (0..1500).map(|t| 300.0 * (std::f64::consts::TAU * f64::from(t) / 500.0).sin()).collect();
 /// let error = |name: &str| {
-///     let drive = TunedScheme::new(Scheme::named(name)?, &model, FeedForwardSettings::default(), 0, &MarginTarget::default())?;
+///     let (settings, target) = (FeedForwardSettings::default(), MarginTarget::default());
+///     let drive = TunedScheme::new(Scheme::named(name)?, &model, settings, 0, &target)?;
 ///     let feed_forward = drive.feed(&actuator, &r)?;
 ///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &feed_forward)?.tracking(500, 600.0).percent_of_stroke)
 /// };

@@ -346,8 +346,8 @@ pub(super) const ROW: ControllerKind = ControllerKind {
     tune: |path, _| {
         if let Some(known) = path.known_hz().filter(|known| *known < KNOWN / path.linear().ts()) {
             let because = format!(
-                "it was identified up to {} Hz only, and predictive control could excite a resonance above that: identify with a PRBS \
-as well",
+                "it was identified up to {} Hz only, and predictive control could excite a resonance above that: \
+                identify with a PRBS as well",
                 short(known)
             );
             return Err(Error::Unsuited { what: "predictive control".into(), because });

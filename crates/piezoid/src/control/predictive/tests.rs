@@ -6,18 +6,40 @@ use super::realisation::tests::blocks;
 use super::*;
 use crate::creep::Creep;
 use crate::driver::DriverModel;
-use crate::hysteresis::{Operator, Proportional, load};
+use crate::hysteresis::{Hysteresis, Operator, Proportional, load};
 use crate::testing::assert_close;
 use nalgebra::DMatrix;
+use serde_json::json;
 
 const TS: f64 = 5e-4;
 
-/// Plays, creep and a resonance, with `off` times the gain.
-fn model(off: f64) -> Model {
-    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
-    let (creep, linear) = blocks(1);
-    let linear = Arx::new(TS, linear.a().to_vec(), linear.b().iter().map(|b| b * off).collect());
-    Model::new(plays, linear.unwrap(), 1.5).unwrap().with_creep(creep).unwrap()
+fn plays(ts: f64) -> Arc<dyn Hysteresis> {
+    (Operator::find("prandtl-ishlinskii").unwrap().example)(ts).unwrap()
+}
+
+/// Plays, creep and this linear block.
+fn model_of(linear: Arx, offset: f64) -> Model {
+    Model::new(plays(TS), linear, offset).unwrap().with_creep(blocks(1).0).unwrap()
+}
+
+/// Plays, creep and a resonance, with `gain` times the nominal gain and offset.
+fn scaled(gain: f64, offset: f64) -> Model {
+    let (_, linear) = blocks(1);
+    model_of(Arx::new(TS, linear.a().to_vec(), linear.b().iter().map(|b| b * gain).collect()).unwrap(), offset)
+}
+
+fn model(gain: f64) -> Model {
+    scaled(gain, 1.5)
+}
+
+/// The controller for the nominal model.
+fn controller(settings: PredictiveSettings) -> Predictive {
+    Predictive::new(&model(1.0), settings).unwrap()
+}
+
+/// `height` for `half` samples and `-height` for as many.
+fn square(height: f64, half: usize, n: usize) -> Vec<f64> {
+    (0..n).map(|t| if (t / half).is_multiple_of(2) { height } else { -height }).collect()
 }
 
 fn sine(amplitude: f64, n: usize) -> Vec<f64> {
@@ -27,9 +49,9 @@ fn sine(amplitude: f64, n: usize) -> Vec<f64> {
 /// The same with a driver that has a lag and this slew limit [V/s].
 fn driven(off: f64, slew: f64) -> Model {
     let driver = DriverModel::new(1e-4, Some(slew)).unwrap();
-    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS / DriverModel::SUBSTEPS as f64).unwrap();
     let plain = model(off);
-    let driven = Model::driven(Some(driver), plays, plain.linear().clone(), plain.offset()).unwrap();
+    let faster = plays(TS / DriverModel::SUBSTEPS as f64);
+    let driven = Model::driven(Some(driver), faster, plain.linear().clone(), plain.offset()).unwrap();
     driven.with_creep(plain.creep().clone()).unwrap()
 }
 
@@ -86,17 +108,17 @@ fn without_limits_the_moves_minimise_their_cost() {
 #[test]
 fn it_tracks_on_its_own_model_and_feedback_helps_on_another() {
     let r: Vec<f64> = sine(15.0, 800);
-    let mpc = Predictive::new(&model(1.0), PredictiveSettings::default()).unwrap();
-    let missed = |off: f64| rms(&follow(&mpc, &model(off), &r, 0.0).0[200..], &r[200..]);
-    assert!(missed(1.0) < 0.05, "{}", missed(1.0));
+    let mpc = controller(PredictiveSettings::default());
+    let error = |off: f64| rms(&follow(&mpc, &model(off), &r, 0.0).0[200..], &r[200..]);
+    assert!(error(1.0) < 0.05, "{}", error(1.0));
     // Without feedback a gain error of a tenth gives an rms error of a tenth.
-    assert!(missed(1.1) < 0.075 * rms(&r[200..], &[0.0; 600]), "{}", missed(1.1));
+    assert!(error(1.1) < 0.075 * rms(&r[200..], &[0.0; 600]), "{}", error(1.1));
 }
 
 #[test]
 fn a_constant_disturbance_leaves_no_offset() {
     for late in [0, 3, 20] {
-        let mpc = Predictive::new(&model(1.0), PredictiveSettings { late, ..Default::default() }).unwrap();
+        let mpc = controller(PredictiveSettings { late, ..Default::default() });
         for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
             let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
             assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
@@ -121,19 +143,15 @@ fn on_its_own_model_a_sensor_delay_does_not_matter() {
 #[test]
 fn on_other_plants_a_known_sensor_delay_is_better_than_an_unknown_one() {
     let r = sine(15.0, 800);
-    let missed = |plant: &Model, told: usize, late: usize| {
-        let mpc = Predictive::new(&model(1.0), PredictiveSettings { late: told, ..Default::default() }).unwrap();
-        let course = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 800], (-30.0, 30.0)) };
-        rms(&course.run(plant, &mpc).unwrap().y[200..], &r[200..])
+    let error = |plant: &Model, known: usize, late: usize| {
+        let mpc = controller(PredictiveSettings { late: known, ..Default::default() });
+        let closed_loop = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 800], (-30.0, 30.0)) };
+        rms(&closed_loop.run(plant, &mpc).unwrap().y[200..], &r[200..])
     };
-    let moved = |share: f64| {
-        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
-        let linear = detuned(model(1.0).linear(), share).unwrap();
-        Model::new(plays, linear, 1.5).unwrap().with_creep(blocks(1).0).unwrap()
-    };
-    for plant in [model(1.1), moved(0.8), moved(1.2)] {
-        let (in_time, told, untold) = (missed(&plant, 0, 0), missed(&plant, 3, 3), missed(&plant, 0, 3));
-        assert!(in_time < told && told < 1.5 * in_time && untold > 1.5 * told, "{in_time} {told} {untold}");
+    let shifted = |share: f64| model_of(detuned(model(1.0).linear(), share).unwrap(), 1.5);
+    for plant in [model(1.1), shifted(0.8), shifted(1.2)] {
+        let (none, known, unknown) = (error(&plant, 0, 0), error(&plant, 3, 3), error(&plant, 0, 3));
+        assert!(none < known && known < 1.5 * none && unknown > 1.5 * known, "{none} {known} {unknown}");
     }
 }
 
@@ -141,20 +159,18 @@ fn on_other_plants_a_known_sensor_delay_is_better_than_an_unknown_one() {
 fn limits_of_voltage_slew_and_displacement_are_kept() {
     let (top, fastest) = (12.0, 1500.0);
     let limits = PredictiveSettings { voltage: (-top, top), slew: Some(fastest), ..Default::default() };
-    let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 30.0 } else { -30.0 }).collect();
-    let mpc = Predictive::new(&model(1.0), limits).unwrap();
+    let square = square(30.0, 100, 600);
+    let mpc = controller(limits);
     let (_, plans) = follow(&mpc, &model(1.0), &square, 0.0);
     assert!(plans.iter().all(|p| p.solved && p.u.abs() <= top));
     assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= fastest * TS * (1.0 + 1e-9)));
     assert!(plans.iter().any(|p| p.u.abs() == top) && plans.iter().any(|p| p.changes > 5));
 
     let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..Default::default() };
-    let (y, plans) = follow(&Predictive::new(&model(1.0), limits).unwrap(), &model(1.0), &square, 0.0);
+    let (y, plans) = follow(&controller(limits), &model(1.0), &square, 0.0);
     let (low, high) = crate::series::ends(y);
-    assert!(
-        plans.iter().all(|p| p.solved) && (-5.1..-4.5).contains(&low) && (5.5..6.1).contains(&high),
-        "{low} {high}"
-    );
+    let kept = (-5.1..-4.5).contains(&low) && (5.5..6.1).contains(&high);
+    assert!(plans.iter().all(|p| p.solved) && kept, "{low} {high}");
 }
 
 #[test]
@@ -175,16 +191,12 @@ fn a_slew_limit_that_is_hardly_active_hardly_matters() {
 
 #[test]
 fn the_interior_point_method_gives_the_same_voltages() {
-    let limits = PredictiveSettings {
-        voltage: (-12.0, 12.0),
-        slew: Some(1500.0),
-        displacement: Some((-9.0, 9.0)),
-        ..Default::default()
-    };
+    let (voltage, slew, displacement) = ((-12.0, 12.0), Some(1500.0), Some((-9.0, 9.0)));
+    let limits = PredictiveSettings { voltage, slew, displacement, ..Default::default() };
     let other = PredictiveSettings { solver: Solver::InteriorPoint, ..limits.clone() };
-    let square: Vec<f64> = (0..150).map(|t| if t % 60 < 30 { 10.0 } else { -10.0 }).collect();
+    let square = square(10.0, 30, 150);
     let voltages = |settings| {
-        let mpc = Predictive::new(&model(1.0), settings).unwrap();
+        let mpc = controller(settings);
         let (y, plans) = follow(&mpc, &model(0.9), &square, 0.0);
         (y, plans.iter().map(|p| p.u).collect::<Vec<f64>>(), plans)
     };
@@ -195,7 +207,7 @@ fn the_interior_point_method_gives_the_same_voltages() {
 
 #[test]
 fn lost_measurements_are_bridged_and_runs_are_bit_identical() {
-    let mpc = Predictive::new(&model(1.0), PredictiveSettings::default()).unwrap();
+    let mpc = controller(PredictiveSettings::default());
     let r = sine(10.0, 300);
     let run = |lost: bool| {
         let (mut x, plant) = (mpc.settled(0.0), model(1.0));
@@ -216,7 +228,7 @@ fn lost_measurements_are_bridged_and_runs_are_bit_identical() {
 #[test]
 fn invalid_references_and_settings_are_errors_with_numbers() {
     let limits = PredictiveSettings { displacement: Some((-5.0, 6.0)), ..Default::default() };
-    let mpc = Predictive::new(&model(1.0), limits).unwrap();
+    let mpc = controller(limits);
     assert!(mpc.check(&[0.0, 5.9]).is_ok());
     assert!(mpc.check(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
     assert!(mpc.check(&[0.0, 6.5]).unwrap_err().to_string().contains("reference[1] = 6.5: must be from -5 to 6"));
@@ -238,23 +250,23 @@ fn invalid_references_and_settings_are_errors_with_numbers() {
 #[test]
 fn it_tracks_with_a_driver_in_the_model_as_well_as_without() {
     let r = sine(15.0, 800);
-    let missed = |model: &Model, truth: &Model| {
+    let error = |model: &Model, truth: &Model| {
         let mpc = Predictive::new(model, PredictiveSettings::default()).unwrap();
         rms(&follow(&mpc, truth, &r, 0.0).0[200..], &r[200..])
     };
-    let plain = missed(&model(1.0), &model(1.0));
-    let behind = missed(&driven(1.0, 6e4), &driven(1.0, 6e4));
+    let plain = error(&model(1.0), &model(1.0));
+    let behind = error(&driven(1.0, 6e4), &driven(1.0, 6e4));
     assert!(behind < 1.1 * plain, "{behind} {plain}");
-    let (plain, behind) = (missed(&model(1.0), &model(1.1)), missed(&driven(1.0, 6e4), &driven(1.1, 6e4)));
+    let (plain, behind) = (error(&model(1.0), &model(1.1)), error(&driven(1.0, 6e4), &driven(1.1, 6e4)));
     assert!(behind < 1.1 * plain, "{behind} {plain}");
     // A driver that is not in the model increases the error.
-    let unknown = missed(&model(1.0), &driven(1.0, 6e4));
-    assert!(unknown > 1.5 * missed(&driven(1.0, 6e4), &driven(1.0, 6e4)), "{unknown}");
+    let unknown = error(&model(1.0), &driven(1.0, 6e4));
+    assert!(unknown > 1.5 * error(&driven(1.0, 6e4), &driven(1.0, 6e4)), "{unknown}");
 }
 
 #[test]
 fn limits_are_kept_with_a_driver_and_its_slew_limit_is_planned_for() {
-    let square: Vec<f64> = (0..600).map(|t| if t % 200 < 100 { 15.0 } else { -15.0 }).collect();
+    let square = square(15.0, 100, 600);
     let run = |slew: Option<f64>, model: &Model| {
         let settings = PredictiveSettings { voltage: (-14.0, 14.0), slew, ..Default::default() };
         follow(&Predictive::new(model, settings).unwrap(), &driven(1.0, 1500.0), &square, 0.0)
@@ -262,26 +274,26 @@ fn limits_are_kept_with_a_driver_and_its_slew_limit_is_planned_for() {
     let (y, plans) = run(None, &driven(1.0, 1500.0));
     assert!(plans.iter().all(|p| p.solved && p.u.abs() <= 14.0));
     // Requests above the driver's slew rate do not accumulate.
-    let (asked, plans) = run(Some(1e4), &driven(1.0, 1500.0));
+    let (requested, plans) = run(Some(1e4), &driven(1.0, 1500.0));
     assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= 1500.0 * TS * (1.0 + 1e-9)));
     let unknown = run(None, &model(1.0)).0;
-    let [known, asked, unknown] = [&y, &asked, &unknown].map(|y| rms(&y[200..], &square[200..]));
-    assert!(known < 0.98 * unknown && asked < 1.1 * known, "{known} {asked} {unknown}");
+    let [known, requested, unknown] = [&y, &requested, &unknown].map(|y| rms(&y[200..], &square[200..]));
+    assert!(known < 0.98 * unknown && requested < 1.1 * known, "{known} {requested} {unknown}");
 }
 
 #[test]
 fn measurements_and_references_that_are_not_finite_give_valid_voltages() {
-    let mpc = Predictive::new(&model(1.0), PredictiveSettings { slew: Some(2e4), ..Default::default() }).unwrap();
+    let mpc = controller(PredictiveSettings { slew: Some(2e4), ..Default::default() });
     let plant = model(1.0);
-    for wild in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200] {
+    for invalid in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -f64::MAX, 1e200] {
         for (of_y, of_r) in [(true, false), (false, true), (true, true)] {
             let (mut x, mut truth, mut y) = (mpc.settled(0.0), plant.settled(0.0), 1.5);
             for t in 0..600 {
                 let now = t < 100 && t % 3 > 0;
-                let r = [if now && of_r { wild } else { 5.0 }; 3];
-                let read = if now && of_y { wild } else { y };
+                let r = [if now && of_r { invalid } else { 5.0 }; 3];
+                let read = if now && of_y { invalid } else { y };
                 let u = mpc.step(&mut x, &ControllerInput { y: read, ahead: &r, ..Default::default() });
-                assert!(u.abs() <= 30.0, "{u} at {t} of {wild}");
+                assert!(u.abs() <= 30.0, "{u} at {t} of {invalid}");
                 y = plant.step(&mut truth, u);
             }
             assert_close(&[y], &[5.0], 0.0, 1e-2);
@@ -313,12 +325,9 @@ fn it_tracks_with_gains_delays_integrators_and_negative_signs() {
             let late = model.linear().delay();
             let (y, plans) = follow(&mpc, &model, &r, 0.2);
             let kept: Vec<f64> = r.iter().map(|r| r.clamp(-9.0, 9.0)).collect();
-            let missed = rms(&y[300..], &kept[300..]);
-            assert!(
-                missed < 0.5 && plans.iter().all(|p| p.solved),
-                "{missed} after {late}, {horizon}: {:?}",
-                model.linear()
-            );
+            let error = rms(&y[300..], &kept[300..]);
+            let solved = plans.iter().all(|p| p.solved);
+            assert!(error < 0.5 && solved, "{error} after {late}, {horizon}: {:?}", model.linear());
         }
     }
 }
@@ -328,10 +337,7 @@ fn the_unit_of_y_does_not_matter() {
     let r = sine(15.0, 300);
     let limits = PredictiveSettings { displacement: Some((-12.0, 13.0)), slew: Some(3e3), ..Default::default() };
     let voltages = |unit: f64| {
-        let m = model(1.0);
-        let linear = Arx::new(TS, m.linear().a().to_vec(), m.linear().b().iter().map(|b| b * unit).collect()).unwrap();
-        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
-        let m = Model::new(plays, linear, 1.5 * unit).unwrap().with_creep(m.creep().clone()).unwrap();
+        let m = scaled(unit, 1.5 * unit);
         let displacement = limits.displacement.map(|(low, high)| (low * unit, high * unit));
         let mpc = Predictive::new(&m, PredictiveSettings { displacement, ..limits.clone() }).unwrap();
         let r: Vec<f64> = r.iter().map(|r| r * unit).collect();
@@ -342,16 +348,21 @@ fn the_unit_of_y_does_not_matter() {
     }
 }
 
+/// A play of this weight alone.
+fn dead_zone(weight: i32) -> Arc<dyn Hysteresis> {
+    let (name, weights) = ("prandtl-ishlinskii", [0, weight]);
+    let file = json!({"operator": name, "range": [-20, 20], "thresholds": [3], "weights": weights});
+    load(&file, TS).unwrap()
+}
+
 #[test]
 fn a_dead_zone_is_crossed_at_any_slew_rate() {
-    let play = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 1]}"#;
-    let play = load(&serde_json::from_str(play).unwrap(), TS).unwrap();
-    let model = Model::new(play, Arx::new(TS, vec![0.3], vec![0.0, 0.7]).unwrap(), 0.0).unwrap();
+    let model = Model::new(dead_zone(1), Arx::new(TS, vec![0.3], vec![0.0, 0.7]).unwrap(), 0.0).unwrap();
     // Crossing it takes 12 samples.
     for solver in [Solver::ActiveSet, Solver::InteriorPoint] {
         let limits = PredictiveSettings { voltage: (-20.0, 20.0), slew: Some(1000.0), solver, ..Default::default() };
         let mpc = Predictive::new(&model, limits).unwrap();
-        let square: Vec<f64> = (0..1200).map(|t| if t / 400 % 2 == 0 { 4.0 } else { -4.0 }).collect();
+        let square = square(4.0, 400, 1200);
         let (y, plans) = follow(&mpc, &model, &square, 0.0);
         for end in [400, 800, 1200] {
             assert_close(&y[end - 50..end - 25], &square[end - 50..end - 25], 0.0, 0.01);
@@ -375,15 +386,13 @@ fn slow_creep_and_a_disturbance_leave_no_offset() {
 fn models_and_limits_without_a_solution_are_errors() {
     let refused = |model: &Model, settings| Predictive::new(model, settings).unwrap_err().to_string();
     let falling = Model::new(Arc::new(Proportional::new(TS, -1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    let told = refused(&falling, PredictiveSettings::default());
-    assert!(told.starts_with("this model gives no predictive control: its operator is not monotonic"), "{told}");
-    let still = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 0]}"#;
-    let still = load(&serde_json::from_str(still).unwrap(), TS).unwrap();
-    let still = Model::new(still, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    let message = refused(&falling, PredictiveSettings::default());
+    assert!(message.starts_with("this model gives no predictive control: its operator is not monotonic"), "{message}");
+    let still = Model::new(dead_zone(0), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
     assert!(refused(&still, PredictiveSettings::default()).contains("does not move between -30 and 30 V"));
     let beyond = PredictiveSettings { displacement: Some((1e6, 2e6)), ..Default::default() };
-    let told = refused(&model(1.0), beyond);
-    assert!(told.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{told}");
+    let message = refused(&model(1.0), beyond);
+    assert!(message.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{message}");
     let washed_out = before(Arx::new(TS, vec![0.5], vec![1.0, -1.0]).unwrap());
     assert!(refused(&washed_out, PredictiveSettings::default()).contains("cannot be identified"));
 }
@@ -392,7 +401,7 @@ fn models_and_limits_without_a_solution_are_errors() {
 fn voltage_limits_that_exclude_zero_are_reached_and_kept() {
     for slew in [None, Some(1e3)] {
         let limits = PredictiveSettings { voltage: (5.0, 25.0), slew, ..Default::default() };
-        let mpc = Predictive::new(&model(1.0), limits).unwrap();
+        let mpc = controller(limits);
         let inside = model(1.0).simulate(&[15.0; 4000])[3999];
         for (r, near) in [(inside, inside), (-1e3, mpc.reachable().0)] {
             let (y, plans) = follow(&mpc, &model(1.0), &[r; 1000], 0.0);
