@@ -6,9 +6,8 @@
 //! d_j(u) = max(u - d_j, 0) for d_j > 0, min(u - d_j, 0) for d_j < 0
 //! z = w_0 u + sum_k w_k p_k + sum_j v_j d_j(u)                     w_k >= 0
 //! ```
-//! `middle` and `half` describe the input range; g_0 is such that g(0) = 0. Outside the range the slope of an envelope
-//! is
-//! 1. A positive `cubic` saturates, a `quadratic` bends to one side. Where the envelopes cross by more than the
+//! `middle` and `half` describe the input range; g_0 is such that g(0) = 0. Outside the range an envelope has the
+//! slope 1. A positive `cubic` saturates, a `quadratic` bends to one side. Where the envelopes cross by more than the
 //! thresholds, the ascending one applies. Without bends and dead zones the operator is `prandtl-ishlinskii`.
 //!
 //! References: M. Al Janaideh, S. Rakheja & C.-Y. Su, IEEE/ASME Trans. Mechatronics 16 (2011), DOI
