@@ -204,7 +204,7 @@ impl Error {
     /// The same about the file of this name, unless it is about an option or another file.
     pub fn about(self, name: &str) -> Self {
         match self {
-            Error::Parameter { .. } | Error::Unknown { .. } | Error::File { .. } => self,
+            Error::Parameter { .. } | Error::Unknown { .. } | Error::Advised { .. } | Error::File { .. } => self,
             other => other.of(name),
         }
     }
