@@ -116,7 +116,7 @@ pub enum Error {
         right_ts: f64,
     },
     /// Units that cannot be converted into each other.
-    #[error("{what} is in {found} but {wanted} is needed and the conversion is unknown: convert it first")]
+    #[error("{what} is in {found}, but {wanted} is needed and the conversion is unknown: convert it first")]
     Units {
         /// What carries the unit.
         what: String,

@@ -81,7 +81,7 @@ fn step(s: state, u) {{
             (false, false) => format!("hysteresis({u})"),
             (true, false) => format!("hysteresis({x}.hysteresis, {u})"),
             (false, true) => format!("hidden({x}.driver, {u})"),
-            (true, true) => format!("{x}.hysteresis.hidden({x}.driver, {u})"),
+            (true, true) => format!("hidden({x}.hysteresis, {x}.driver, {u})"),
         }
     }
 
