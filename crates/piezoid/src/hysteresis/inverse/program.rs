@@ -27,7 +27,7 @@ pub(crate) fn inverse(program: &mut Program) -> Result<(), Error> {
 pub(crate) fn inverse_behind_a_driver(program: &mut Program, remembers: bool) -> Result<(), Error> {
     let text = BY_TRIALS.replace("TRIALS", &TRIALS.to_string());
     let text = text.replace("hysteresis_by_trials(x: hysteresis,", "hidden_inverse(x: hysteresis, d: driver,");
-    let text = text.replace("hysteresis(tried, u)", "tried.hidden(behind, u)");
+    let text = text.replace("hysteresis(tried, u)", "hidden(tried, behind, u)");
     let text = text.replace("let tried = copy(x);", "let tried = copy(x);\n        let behind = copy(d);");
     let text = text.replace(
         "// The same by trials between the ends:",
