@@ -30,18 +30,18 @@ const SEEN: [(f64, f64); 6] = [(1.0, 8.0), (5.0, 4.0), (20.0, 3.0), (40.0, 3.0),
 /// Periods of the PRBS, of 2047 samples each.
 const PERIODS: usize = 3;
 
-/// Frequencies of the validation records [Hz].
+/// Frequencies of the validation data [Hz].
 const VALIDATION: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
 
-/// Their smallest length [s], and their smallest number of periods.
+/// Least duration of a validation record [s], and its least number of periods.
 const DURATION: f64 = 2.0;
 const CYCLES: f64 = 6.0;
 
-/// The largest amplitude [V], reduced if the tip would exceed this distance to either side [um].
+/// The largest amplitude [V]; it is reduced where the displacement would exceed this limit [um].
 const AMPLITUDE: f64 = 28.0;
 const REACH: f64 = 1200.0;
 
-/// The drive of a validation record, by frequency [Hz], amplitude [V] and number of samples.
+/// The input of a validation record, from frequency [Hz], amplitude [V] and number of samples.
 type DriveSignal = fn(f64, f64, usize) -> Result<Vec<f64>, Error>;
 
 /// A kind of validation record.
@@ -50,11 +50,11 @@ pub(crate) struct RecordKind {
     drive: DriveSignal,
 }
 
-/// The kinds of validation records; none is used for identification.
+/// All kinds; the training data hold none of them.
 pub(crate) static KINDS: [RecordKind; 3] = [
     RecordKind {
         name: "staircase",
-        drive: |frequency, amplitude, n| Staircase { amplitude, frequency, ..Default::default() }.samples(TS, n),
+        drive: |frequency, amplitude, n| Staircase { amplitude, frequency, ..Staircase::default() }.samples(TS, n),
     },
     RecordKind {
         name: "modulated sine",
@@ -63,19 +63,19 @@ pub(crate) static KINDS: [RecordKind; 3] = [
     RecordKind {
         name: "multisine",
         drive: |hz, amplitude, n| {
-            let random = Multisine { seed: 1, ..Default::default() };
+            let random = Multisine { seed: 1, ..Multisine::default() };
             Multisine { amplitude, frequency_low: hz / 12.0, frequency_high: hz, ..random }.samples(TS, n)
         },
     },
 ];
 
-/// A sine whose amplitude varies with a frequency that is incommensurable with its own.
+/// A sine whose amplitude is modulated at an incommensurate frequency.
 fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
-    let phase = TAU * hz * TS * t as f64;
-    amplitude * (0.5 + 0.5 * (phase * SQRT_2 / 9.0).sin()) * phase.sin()
+    let turns = TAU * hz * TS * t as f64;
+    amplitude * (0.5 + 0.5 * (turns * SQRT_2 / 9.0).sin()) * turns.sin()
 }
 
-/// A twin on which records are measured.
+/// A twin on a bench.
 pub(crate) struct Twin {
     plant: Plant,
     spec: Spec,
@@ -92,8 +92,8 @@ impl Twin {
         Ok(Twin { plant: Plant::new(spec, TS)?, spec: spec.clone() })
     }
 
-    /// The response to a drive from rest [um], at the largest amplitude that keeps the tip within reach. `seed` is that
-    /// of the noise.
+    /// Measures the response to a drive from rest [um], at the largest amplitude within the limit. The seed sets the
+    /// noise.
     fn measure(&self, drive: impl Fn(f64) -> Result<Vec<f64>, Error>, seed: f64) -> Result<Record, Error> {
         let plant = self.plant.clone().with_seed(seed as u64);
         let mut amplitude = AMPLITUDE;
@@ -114,7 +114,7 @@ impl Twin {
         self.measure(|_| prbs.samples(TS, PERIODS * prbs.period() as usize), 0.0)
     }
 
-    /// One record per frequency to identify from.
+    /// A training record for each frequency.
     fn sines(&self, drive: DriveSignal) -> Result<Vec<Record>, Error> {
         let record = |(hz, s)| self.measure(|amplitude| drive(hz, amplitude, (s / TS) as usize), hz);
         SEEN.into_iter().map(record).collect()
@@ -122,15 +122,16 @@ impl Twin {
 
     /// One joint model for all frequencies, from the PRBS and rising sines.
     pub(crate) fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
-        let rising = |frequency, amplitude, n| RisingSine { amplitude, frequency, ..Default::default() }.samples(TS, n);
-        let options = IdentifyOptions { operator: operator.into(), seed: 0, ..Default::default() };
+        let rising =
+            |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
+        let options = IdentifyOptions { operator: operator.into(), seed: 0, ..IdentifyOptions::default() };
         let options = if driver { options.with_driver_of(&self.spec) } else { options };
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, &options)
     }
 
     /// The paper's model, whose loops need steady sines.
     fn paper(&self, options: IdentifyOptions) -> Result<Identified, Error> {
-        let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Default::default() }.samples(TS, n);
+        let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
         let options = IdentifyOptions { method: Method::Paper, ..options };
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(steady)? }, &options)
     }
@@ -141,12 +142,12 @@ impl Twin {
     }
 }
 
-/// The error of a free run of `model` from rest [% rms of peak-to-peak].
+/// The rms error of a free run of `model` from rest [% of peak-to-peak].
 pub(crate) fn error(model: &Model, record: &Record) -> f64 {
     Metrics::of(record.y(), &model.simulate(record.u())).rms_pp_percent
 }
 
-/// Minimum, median and maximum of some errors.
+/// The smallest error, the median and the largest.
 pub(crate) fn range(errors: &[f64]) -> [f64; 3] {
     let mut sorted = errors.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -160,19 +161,19 @@ struct IdentificationMethod {
     identify: fn(&Twin) -> Result<Identified, Error>,
 }
 
-/// The paper's methods, then the joint ones.
-static METHODS: [IdentificationMethod; 4] = [
+/// The paper's method, then the joint one.
+static WAYS: [IdentificationMethod; 4] = [
     IdentificationMethod {
         name: "paper",
         role: Role::Descending,
         identify: |twin| twin.paper(IdentifyOptions::default()),
     },
     IdentificationMethod {
-        name: "paper, helped",
+        name: "paper, best settings",
         role: Role::Muted,
         identify: |twin| {
             let (order, estimator, split) = (Some(4), Some("output-error".into()), Some(Split::Direction));
-            twin.paper(IdentifyOptions { order, estimator, split, ..Default::default() })
+            twin.paper(IdentifyOptions { order, estimator, split, ..IdentifyOptions::default() })
         },
     },
     IdentificationMethod {
@@ -184,37 +185,37 @@ static METHODS: [IdentificationMethod; 4] = [
 ];
 const PAPER: std::ops::Range<usize> = 0..2;
 
-/// Result of one method on one twin.
+/// The errors of one method on one twin.
 struct Outcome {
     twin: &'static str,
-    method: &'static IdentificationMethod,
+    way: &'static IdentificationMethod,
     operator: &'static str,
-    /// By kind, then by frequency [% rms of peak-to-peak]; infinite if the run diverged.
+    /// By kind, then by frequency [% rms of peak-to-peak]; infinite where the run diverged.
     errors: Vec<Vec<f64>>,
 }
 
-/// An error from which the run counts as diverged [% of peak-to-peak].
+/// An error above this means only that the run diverged [% of peak-to-peak].
 const DIVERGED: f64 = 1000.0;
 
-/// Intended ratio of the paper's errors to the joint ones.
+/// How many times smaller than the paper's the joint errors are meant to be.
 const TIMES: f64 = 10.0;
 
-/// The results of every method on a twin.
+/// The errors of every method on a twin.
 fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     let twin = Twin::new(name)?;
     let of_kind = |kind| VALIDATION.into_iter().map(|hz| twin.validation(kind, hz)).collect::<Result<Vec<_>, _>>();
-    let validation = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
-    let outcome = |method: &'static IdentificationMethod| {
-        let model = (method.identify)(&twin)?.model;
-        let percent = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
-        let errors: Vec<Vec<f64>> = validation.iter().map(|records| records.iter().map(percent).collect()).collect();
-        eprintln!("{name}, {}: {errors:.3?}", method.name);
-        Ok(Outcome { twin: name, method, operator: model.hysteresis().operator().name, errors })
+    let records = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
+    let outcome = |way: &'static IdentificationMethod| {
+        let model = (way.identify)(&twin)?.model;
+        let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
+        let errors: Vec<Vec<f64>> = records.iter().map(|of_kind| of_kind.iter().map(left).collect()).collect();
+        eprintln!("{name}, {}: {errors:.3?}", way.name);
+        Ok(Outcome { twin: name, way, operator: model.hysteresis().operator().name, errors })
     };
-    METHODS.iter().map(outcome).collect()
+    WAYS.iter().map(outcome).collect()
 }
 
-/// Ratios of the errors of one outcome to those of another, by kind and frequency.
+/// How many times smaller the joint errors are than the paper's, by kind and frequency.
 fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'static str, f64, f64)> + 'a {
     let of_kind = |((kind, p), j): ((&'static RecordKind, &'a Vec<f64>), &'a Vec<f64>)| {
         VALIDATION.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
@@ -222,45 +223,57 @@ fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'
     KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)
 }
 
-/// Minimum, median and maximum by method, and the ratios of the paper's errors to the joint ones; then the records with
-/// small ratios.
+/// Errors by method and their ratios to the paper's; then the records on which the ratio is small.
 fn summary(twins: &[Vec<Outcome>]) -> String {
-    let titles =
-        ["twin", "identified", "operator", "least", "median", "worst", "below `paper`", "below `paper, helped`"];
+    let titles = [
+        "twin",
+        "method",
+        "operator",
+        "least",
+        "median",
+        "worst",
+        "least ratio to `paper`",
+        "least ratio to `paper, best settings`",
+    ];
     let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
     for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
     {
         let [lowest, median, worst] = range(&o.errors.concat());
         let least = |paper| times(paper, o).map(|(.., times)| times).fold(f64::INFINITY, f64::min);
         let below = |paper| {
-            if PAPER.contains(&(k % METHODS.len())) { String::new() } else { format!("{:.1} times", least(paper)) }
+            if PAPER.contains(&(k % WAYS.len())) { String::new() } else { format!("{:.1}", least(paper)) }
         };
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
-        let [paper, helped] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
+        let [paper, tuned] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
-        text += &row(&[name, o.method.name.into(), operator, lowest, median, worst, paper, helped]);
+        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
     }
-    text + &twins.iter().map(|outcomes| near(outcomes)).collect::<String>()
+    text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
 
-/// The records of a twin on which the best joint model is not far better than the best of the paper's.
+/// The records of a twin on which the best joint model is less than [`TIMES`] times better than the best of the
+/// paper's.
 fn near(outcomes: &[Outcome]) -> String {
-    let [_, helped, .., given] = outcomes else { return String::new() };
-    let near = times(helped, given).filter(|(.., times)| *times < TIMES);
+    let [_, tuned, .., given] = outcomes else { return String::new() };
+    let near = times(tuned, given).filter(|(.., times)| *times < TIMES);
     let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
-    let (method, than) = (given.method.name, helped.method.name);
-    format!("\n`{}`, {method}: less than {TIMES} times below `{than}` are {}.\n", given.twin, near.join(", "))
+    let (joint, paper, twin) = (given.way.name, tuned.way.name, given.twin);
+    format!(
+        "\nOn `{twin}` the error of `{joint}` is less than {TIMES} times smaller than that of `{paper}` on \
+         these records: {}.\n",
+        near.join(", ")
+    )
 }
 
 /// Every error.
 fn table(twins: &[Vec<Outcome>]) -> String {
-    let titles = ["twin", "record", "identified"].map(String::from).into_iter();
+    let titles = ["twin", "record", "method"].map(String::from).into_iter();
     let titles: Vec<String> = titles.chain(VALIDATION.map(|hz| hz.to_string())).collect();
     let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(VALIDATION.len()) + "\n";
     for outcomes in twins {
         for (k, kind) in KINDS.iter().enumerate() {
             for o in outcomes {
-                let names = [format!("`{}`", o.twin), kind.name.into(), o.method.name.into()].into_iter();
+                let names = [format!("`{}`", o.twin), kind.name.into(), o.way.name.into()].into_iter();
                 text += &row(&names.chain(o.errors[k].iter().map(|e| cell(*e))).collect::<Vec<_>>());
             }
         }
@@ -270,15 +283,15 @@ fn table(twins: &[Vec<Outcome>]) -> String {
 
 /// The largest error over the kinds of record against frequency, one panel per twin.
 fn figure(twins: &[Vec<Outcome>]) -> Figure {
-    let caption = "Error of the free run on validation records, the largest of three kinds at each frequency: of the \
-        paper's method, of the same with its best settings, and of the joint model without and with the driver given. \
-        Each has one model for all frequencies.";
+    let caption = "Error of the free run on validation data, the largest of three kinds of record at each frequency: \
+        the paper's method, the same with its best settings, and the joint model without and with the driver given. \
+        Each method has one model for all frequencies.";
     let panel = |outcomes: &Vec<Outcome>| {
         let axes = Axes::new(Axis::log("f [Hz]").ticks(&VALIDATION), Axis::log("rms error [% of peak-to-peak]"));
         outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {
             let largest = |k: usize| o.errors.iter().map(|of_kind| of_kind[k]).fold(0.0, f64::max);
             let errors: Vec<f64> = (0..VALIDATION.len()).map(largest).collect();
-            axes.with(Series::marked(&VALIDATION, &errors).role(o.method.role).named(o.method.name))
+            axes.with(Series::marked(&VALIDATION, &errors).role(o.way.role).named(o.way.name))
         })
     };
     twins.iter().map(panel).fold(Figure::new("Accuracy on validation data", caption), Figure::panel)

@@ -1,4 +1,4 @@
-//! The paper's experiment: its Table 1 and the errors of the study, also over the possible test signals.
+//! The paper reproduced: its Table 1 beside the errors of the study, and over the test signals that it may have used.
 //!
 //! `cargo run --release -p piezoid-bench --example paper -- docs` writes the tables of docs/paper.md and its figures.
 
@@ -10,7 +10,7 @@ use piezoid::plant::Preset;
 use piezoid::progress::silent;
 use piezoid_report::study::{METHODS, Study, TestSignal};
 
-/// Figures of the study in docs/: their names in the study, and in docs/.
+/// Figures of the study that docs/ keep: their names there, and here.
 const KEPT: [(&str, &str); 3] =
     [("paper-error", "error"), ("paper-test-signal", "test_signal"), ("paper-deviation", "deviation")];
 
@@ -27,7 +27,7 @@ fn table_1(study: &Study) -> String {
     text
 }
 
-/// The closest test signals of each form, for both readings of the rule and for the block of Table 2.
+/// For both readings of the rule and for the block of Table 2, the nearest test signals of each form.
 fn signals(study: &Study) -> String {
     let heads = ["method", "test signal"].map(String::from).into_iter();
     let heads = heads.chain(Study::PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: paper FOLDER")?);
     let study = Study::run(Preset::find("paper")?, 1, &mut silent)?;
     let page = folder.join("paper.md");
-    page::write(&page, "verdict", &format!("{}\n", study.verdict()))?;
+    page::write(&page, "verdict", &page::wrapped(&study.verdict()))?;
     page::write(&page, "table 1", &table_1(&study))?;
     page::write(&page, "test signals", &signals(&study))?;
     for (name, figure) in study.figures() {

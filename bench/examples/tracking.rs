@@ -1,12 +1,12 @@
-//! Tracking errors of the control schemes on two twins of a bender, with models identified from their records alone,
-//! and their spread over a tolerance.
+//! Tracking errors of two twins of a bender under each control scheme, with models identified from records alone, and
+//! over plants with tolerances.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example tracking -- docs
 //! ```
 //! writes the errors into docs/control.md, between comments, and draws docs/control.svg.
 
-#[allow(dead_code)] // only the twins are used
+#[allow(dead_code)] // all but the twins on their bench
 #[path = "accuracy.rs"]
 pub(crate) mod accuracy;
 
@@ -22,7 +22,7 @@ use piezoid::progress::silent;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
 
-/// The schemes in the comparison.
+/// The schemes side by side.
 pub(crate) const SCHEMES: [&str; 6] =
     ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
 
@@ -43,10 +43,10 @@ pub(crate) const PATHS: [(&str, f64); 10] = [
 /// Their peak, 80 % of the catalogue's displacement [um].
 const PEAK: f64 = 800.0;
 
-/// Preview for the schemes that run sample by sample [samples].
+/// Samples of the reference that are known ahead, where not all are.
 const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
 
-/// The reference for the tolerance, and the seed of the draws.
+/// The reference for plants with tolerances, and their seed.
 pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
 const SEED: u64 = 7;
 
@@ -55,16 +55,21 @@ pub(crate) fn reference((kind, hz): (&str, f64)) -> Result<NamedReference, Error
     Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
 }
 
-/// A scheme tuned to a model, with a preview of `ahead` samples.
+/// A scheme for a model, with this many samples of its reference known ahead.
 pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<TunedScheme, Error> {
-    let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
-    let settings = FeedForwardSettings { limits, ..Default::default() };
-    let mut drive = TunedScheme::new(Scheme::named(name)?, model, settings, 0, &MarginTarget::default())?;
+    let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+    let mut drive = TunedScheme::new(
+        Scheme::named(name)?,
+        model,
+        FeedForwardSettings { limits, ..FeedForwardSettings::default() },
+        0,
+        &MarginTarget::default(),
+    )?;
     drive.ahead = ahead;
     Ok(drive)
 }
 
-/// Runs the schemes on a twin along these references.
+/// Drives on a twin along these references.
 pub(crate) fn compared(
     twin: &'static str,
     drives: Vec<TunedScheme>,
@@ -72,11 +77,11 @@ pub(crate) fn compared(
     tolerance: Option<&Tolerance>,
 ) -> Result<Comparison, Error> {
     let plant = Preset::find(twin)?;
-    let paths = paths.iter().copied().map(reference).collect::<Result<Vec<_>, _>>()?;
+    let paths = paths.iter().copied().map(wanted).collect::<Result<Vec<_>, _>>()?;
     Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut silent)
 }
 
-/// The rms error along each reference [% of its height]; infinite for an error.
+/// The rms error along each reference [% of its height]; infinite where the reference was refused.
 pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     let percent = |a: &Result<piezoid::control::ReferenceResult, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
@@ -84,7 +89,7 @@ pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     driven.attempts.iter().map(percent).collect()
 }
 
-/// A table of errors by reference; each row begins with these names.
+/// A table of errors by reference; each row begins with its names.
 fn table<'a>(titles: &[&str], rows: impl Iterator<Item = (Vec<String>, &'a SchemeResult)>) -> String {
     let head = titles.iter().map(|t| t.to_string()).chain(PATHS.map(|(kind, hz)| format!("{kind} {hz}")));
     let rule = "|".to_string() + &"---|".repeat(titles.len()) + &"--:|".repeat(PATHS.len()) + "\n";
@@ -97,10 +102,10 @@ fn code(name: impl std::fmt::Display) -> String {
     format!("`{name}`")
 }
 
-/// The margins of every controller with a linear law.
+/// The margins of every feedback loop with a law.
 fn margins(drives: &[TunedScheme]) -> String {
     let titles =
-        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "where flattest [Hz]"];
+        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "least bandwidth [Hz]"];
     let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));
     let body = figures.map(|(name, m, least)| {
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
@@ -109,9 +114,9 @@ fn margins(drives: &[TunedScheme]) -> String {
     row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
 }
 
-/// The spread of the errors of each scheme over the tolerance.
+/// The errors of each scheme over plants with tolerances.
 fn spreads(drawn: &Comparison) -> String {
-    let titles = ["controller", "this plant", "median", "9 of 10", "worst", "unstable"];
+    let titles = ["controller", "nominal plant", "median", "90th percentile", "worst", "unstable"];
     let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| cell(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
@@ -122,7 +127,7 @@ fn spreads(drawn: &Comparison) -> String {
     row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
 }
 
-/// Errors by frequency along triangles on the first twin, and over the tolerance.
+/// Errors along triangles of the first twin by frequency, and over tolerances.
 fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
     let role = |name: &str| match SCHEMES.iter().position(|s| *s == name) {
         Some(0) | None => Role::Muted,
@@ -145,8 +150,8 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
         axes.with(Series::line(&percent, &shares).role(role(&d.name())))
     });
     let caption = "Tracking error of the twin pl140 with a model identified from its records: by frequency of a \
-        triangle of 80 % of the stroke, and over plants whose parameters lie within 20 %.";
-    Figure::new("Control side by side", caption).panel(by_frequency).panel(by_share)
+        triangle of 80 % of the stroke, and over 200 plants whose parameters lie within 20 %.";
+    Figure::new("Tracking error by controller", caption).panel(by_frequency).panel(by_share)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -168,7 +173,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let known = |ahead: usize| Ok((ahead, compared(TWINS[0], all(&models[0], &causal, ahead)?, &PATHS, None)?));
     let known = AHEAD.into_iter().map(known).collect::<Result<Vec<_>, Error>>()?;
     let rows = known.iter().flat_map(|(n, c)| c.driven.iter().map(move |d| (vec![n.to_string(), code(d.name())], d)));
-    page::write(&page, "ahead", &table(&["known ahead", "controller"], rows))?;
+    page::write(&page, "ahead", &table(&["samples ahead", "controller"], rows))?;
 
     let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();
     page::write(&page, "margins", &margins(&all(&models[0], &feedbacks, usize::MAX)?))?;
@@ -177,7 +182,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tried: Vec<&str> =
         ["gain", "feed-forward"].into_iter().chain(feedbacks.iter().copied()).chain(with).chain(["learning"]).collect();
     let drives = all(&models[0], &tried, usize::MAX)?;
-    let drawn = compared(TWINS[0], drives, &[TRIED], Some(&Tolerance { seed: SEED, ..Default::default() }))?;
+    let drawn = compared(TWINS[0], drives, &[TRIED], Some(&Tolerance { seed: SEED, ..Tolerance::default() }))?;
     page::write(&page, "tolerance", &spreads(&drawn))?;
     Ok(std::fs::write(folder.join("control.svg"), figure(&tracked[0], &drawn).svg())?)
 }

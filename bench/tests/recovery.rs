@@ -16,7 +16,8 @@ const PAGE: &str = include_str!("../../docs/operators.md");
 
 /// The table of docs/operators.md: errors by truth and model.
 fn kept() -> Vec<(String, Vec<String>)> {
-    let rows = PAGE.lines().skip_while(|line| !line.starts_with("| truth")).skip(2).take_while(|l| l.starts_with('|'));
+    let rows =
+        PAGE.lines().skip_while(|line| !line.starts_with("| true operator")).skip(2).take_while(|l| l.starts_with('|'));
     rows.map(|line| {
         let mut cells = line.trim_matches('|').split('|').map(|cell| cell.trim().to_string());
         let name = cells.next().and_then(|name| Some(name.split_once(' ')?.1.trim_matches('`').to_string()));

@@ -15,7 +15,11 @@ type Work = fn() -> Result<(), String>;
 
 /// What can be done, each with what it is for.
 const VERBS: [(&str, &str, Work); 6] = [
-    ("test", "format, clippy with warnings denied, all tests, documentation, then `python`", test),
+    (
+        "test",
+        "format, clippy with warnings denied, the core for the web, all tests, documentation, `tidy`, then `python`",
+        test,
+    ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
@@ -43,6 +47,9 @@ fn main() -> ExitCode {
     }
 }
 
+/// Where the web page runs the core.
+const WEB: &str = "wasm32-unknown-unknown";
+
 fn test() -> Result<(), String> {
     for (component, arguments) in [("rustfmt", ["fmt", "--version"]), ("clippy", ["clippy", "--version"])] {
         let there = cargo(&arguments).output().is_ok_and(|o| o.status.success());
@@ -56,11 +63,28 @@ fn test() -> Result<(), String> {
     let mut skipped = Skipped::default();
     step(&mut cargo(&["fmt", "--all", "--check"]))?;
     step(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    core_alone(&mut skipped)?;
     skipped.step(&mut cargo(&["test", "--workspace"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
     tidy::tidy()?;
     python_tests(&mut skipped)?;
     eprint!("{skipped}");
+    Ok(())
+}
+
+/// The core compiles without its feature, and for the web; in CI a missing target fails.
+fn core_alone(skipped: &mut Skipped) -> Result<(), String> {
+    let bare = ["check", "--package", "piezoid", "--no-default-features"];
+    step(&mut cargo(&bare))?;
+    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output().map(|o| o.stdout).unwrap_or_default();
+    let installed = Path::new(String::from_utf8_lossy(&sysroot).trim()).join("lib/rustlib").join(WEB).is_dir();
+    if !installed && std::env::var_os("CI").is_none() {
+        skipped.add("the core for the web", &format!("no target {WEB}: rustup target add {WEB}"));
+        return Ok(());
+    }
+    for package in [&bare[..3], &bare] {
+        step(cargo(package).args(["--target", WEB]))?;
+    }
     Ok(())
 }
 

@@ -1,11 +1,11 @@
-//! Shared by examples that write a table into a page of docs/.
+//! Shared by the examples that write tables into pages of docs/.
 
-#![allow(dead_code)] // no example uses all of it
+#![allow(dead_code)] // no example needs all of it
 
 use std::error::Error;
 use std::path::Path;
 
-/// Two digits; 0 below a millionth of peak-to-peak, `-` for a missing result.
+/// Two digits; 0 below a millionth of peak-to-peak, `-` where there is no figure.
 pub(crate) fn cell(percent: f64) -> String {
     match percent {
         p if !p.is_finite() => "-".into(),
@@ -19,7 +19,30 @@ pub(crate) fn row(cells: &[String]) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// Replaces the text of `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
+/// The paragraphs of `text`, in lines of 120 characters at most.
+pub(crate) fn wrapped(text: &str) -> String {
+    let mut lines = String::new();
+    for paragraph in text.lines() {
+        let mut width = 0;
+        for word in paragraph.split_whitespace() {
+            let n = word.chars().count();
+            let gap = if width == 0 {
+                ""
+            } else if width + 1 + n > 120 {
+                "\n"
+            } else {
+                " "
+            };
+            width = if gap == " " { width + 1 + n } else { n };
+            lines += gap;
+            lines += word;
+        }
+        lines += "\n";
+    }
+    lines
+}
+
+/// Replaces the text in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
 pub(crate) fn write(page: &Path, name: &str, table: &str) -> Result<(), Box<dyn Error>> {
     let (from, to) = (format!("<!-- {name}: written by `cargo xtask docs` -->"), format!("<!-- end of {name} -->"));
     let absent = |line: &str| format!("{} has no line {line}", page.display());

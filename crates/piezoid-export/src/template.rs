@@ -15,6 +15,8 @@ use piezoid::error::Error;
 use piezoid::number::{round, short};
 use piezoid::program::{Block, Function, Program};
 use piezoid::system::System;
+use std::fmt::Display;
+use std::sync::LazyLock;
 
 /// A template: its path and its text. If the path ends in `.xml.j2` or `.html.j2`, all values are escaped.
 pub(super) type Template = (&'static str, &'static str);
@@ -41,10 +43,16 @@ const INCLUDED: [Template; 5] = [
 /// # Errors
 /// Returns an error for a wrong template, for any input.
 pub(super) fn render((path, text): Template, context: Value) -> Result<String, Error> {
-    let wrong = |error| Error::Content(format!("template {path}: {error:#}"));
+    let wrong = |error: &dyn Display| Error::Content(format!("template {path}: {error:#}"));
+    let environment = ENVIRONMENT.as_ref().map_err(|error| wrong(error))?;
+    environment.render_named_str(path, text, context).map_err(|error| wrong(&error))
+}
+
+/// Syntax, filters and what templates include.
+static ENVIRONMENT: LazyLock<Result<Environment<'static>, minijinja::Error>> = LazyLock::new(|| {
     let mut templates = Environment::new();
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
-    templates.set_syntax(syntax.map_err(wrong)?);
+    templates.set_syntax(syntax?);
     templates.set_undefined_behavior(UndefinedBehavior::Strict);
     templates.set_auto_escape_callback(|path| match path.ends_with(".xml.j2") || path.ends_with(".html.j2") {
         true => AutoEscape::Custom("markup".into()),
@@ -64,10 +72,10 @@ pub(super) fn render((path, text): Template, context: Value) -> Result<String, E
     templates.add_filter("c", |text: &str| text.replace("*/", "* /"));
     templates.add_filter("plain", |text: &str| text.replace(['%', '\\', '"', '?'], ""));
     for (path, text) in INCLUDED {
-        templates.add_template(path, text).map_err(wrong)?;
+        templates.add_template(path, text)?;
     }
-    templates.render_named_str(path, text, context).map_err(wrong)
-}
+    Ok(templates)
+});
 
 /// The common template context: the model, and the interface with its vectors as `table` prints numbers.
 pub(super) fn template_context(

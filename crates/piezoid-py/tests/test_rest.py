@@ -133,5 +133,5 @@ def test_blocks_are_fitted_in_one_unit(small: pz.Record) -> None:
     alone = pz.linear.fit(small).arx
     both = pz.linear.fit([small, small.output_in("nm")]).arx
     assert np.allclose(both.a, alone.a) and np.allclose(both.b, alone.b)
-    with pytest.raises(pz.PiezoidError, match="no factor between them"):
+    with pytest.raises(pz.PiezoidError, match="the conversion is unknown"):
         pz.linear.fit([small, pz.Record(small.u, small.y, small.ts, units=("V", "furlong"))])

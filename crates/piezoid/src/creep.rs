@@ -1,27 +1,27 @@
-//! Creep: displacement that follows slowly, as a ladder of first-order lags beside the direct path.
+//! Creep: slow displacement, as a ladder of first-order lags in parallel with the direct path.
 //!
 //! ```text
 //! y_t = z_t + g_1 x_1 + ... + g_n x_n,    x_k <- x_k + (1 - exp(-Ts / tau_k)) (z_t - x_k)
 //! ```
-//! Equal gains at time constants a decade apart are creep that grows with the logarithm of time, by g for each decade of
-//! tau they span; unequal ones are a ladder of their own.
+//! Equal gains g at time constants one decade apart give logarithmic creep: it grows by g per decade of time. Unequal
+//! gains give a general ladder.
 //!
-//! Reference: H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71, 1896 (2000), DOI 10.1063/1.1150559 (logarithmic law); K. Kuhnen
-//! & P. Krejci, IEEE Trans. Autom. Control 54 (2009), DOI 10.1109/TAC.2009.2012984 (ladder). It does not do: creep that depends on
-//! amplitude or direction.
+//! Reference: H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71, 1896 (2000), DOI 10.1063/1.1150559 (logarithmic law); K.
+//! Kuhnen & P. Krejci, IEEE Trans. Autom. Control 54 (2009), DOI 10.1109/TAC.2009.2012984 (ladder). It does not do:
+//! creep that depends on amplitude or direction.
 
 use crate::error::{Error, positive};
 use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 
-/// The ladder.
+/// The ladder of lags.
 ///
-/// State: the lags x_k, in the unit of z.
+/// State: the lags x_k [unit of z].
 ///
 /// ```
 /// use piezoid::{System, creep::Creep};
-/// let creep = Creep::logarithmic(1e-3, 0.015, 0.01, 10.0)?; // 1.5 % a decade from 10 ms to 10 s
+/// let creep = Creep::logarithmic(1e-3, 0.015, 0.01, 10.0)?; // 1.5 % per decade from 10 ms to 10 s
 /// let y = creep.simulate(&[1.0; 2000]);
 /// assert!((y[999] - y[99] - 0.015).abs() < 0.003);
 /// # Ok::<(), piezoid::Error>(())
@@ -34,21 +34,22 @@ pub struct Creep {
     rates: Vec<f64>,
 }
 
-/// One rung.
+/// A first-order lag.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lag {
     /// Time constant [s].
     pub tau_s: f64,
-    /// What it adds in the end, as a share of z [-].
+    /// Final contribution, relative to z [-].
     pub gain: f64,
 }
 
 impl Creep {
-    /// The ladder of these lags, sampled every `ts` [s].
+    /// The ladder of these lags, with sampling period `ts` [s].
     ///
     /// # Errors
-    /// Refuses a `ts` or time constant that is not positive, a gain that is not finite, and more than 64 lags.
+    /// Returns an error if `ts` or a time constant is not positive, if a gain is not finite, or if there are more than
+    /// 64 lags.
     pub fn new(ts: f64, lags: Vec<Lag>) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         if lags.len() > 64 {
@@ -62,10 +63,10 @@ impl Creep {
         Ok(Creep { ts, lags, rates })
     }
 
-    /// Logarithmic creep of `per_decade` [-], by lags a decade apart from `from` to `to` [s].
+    /// Logarithmic creep of `per_decade` [-], by lags one decade apart from `from` to `to` [s].
     ///
     /// # Errors
-    /// As [`Creep::new`], and where `from` is not before `to`.
+    /// The errors of [`Creep::new`], and an error if `from` is after `to`.
     pub fn logarithmic(ts: f64, per_decade: f64, from: f64, to: f64) -> Result<Self, Error> {
         positive("from", from, "seconds")?;
         positive("to", to, "seconds")?;
@@ -81,13 +82,12 @@ impl Creep {
         &self.lags
     }
 
-    /// What has crept `t` [s] after a step of z, as a share of it [-].
+    /// Creep at time `t` [s] after a step of z, relative to the step [-].
     pub fn after(&self, t: f64) -> f64 {
         self.lags.iter().map(|lag| -lag.gain * (-t / lag.tau_s).exp_m1()).sum()
     }
 
-    /// The z that the next step, from the state `x`, answers with `y`: creep adds to each sample what its lags hold and a
-    /// share of z itself.
+    /// The z for which the next step from the state `x` gives `y`. The step is linear in z, so this is exact.
     ///
     /// ```
     /// use piezoid::{System, creep::Creep};
@@ -105,10 +105,8 @@ impl Creep {
         }
         (y - held) / share
     }
-}
 
-impl Creep {
-    /// The same for programs: a block `creep`, with functions for the step and back.
+    /// The program of the creep: a block `creep` with functions for the step and its inverse.
     pub(crate) fn block(&self) -> Block {
         let gains: Vec<f64> = self.lags.iter().map(|lag| lag.gain).collect();
         let held: Vec<f64> = gains.iter().zip(&self.rates).map(|(gain, rate)| gain * (1.0 - rate)).collect();
@@ -175,7 +173,7 @@ impl System for Creep {
 }
 
 impl Creep {
-    /// [`System::respond`] of `N` lags, kept in registers.
+    /// [`System::respond`] for `N` lags, which fit into registers.
     fn few<const N: usize>(&self, x: &mut [f64], signal: &mut [f64]) {
         let (Ok(past), Ok(rates)) = (<&mut [f64; N]>::try_from(x), <&[f64; N]>::try_from(&self.rates[..])) else {
             return;
@@ -204,7 +202,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn a_lag_is_the_exponential_it_says() {
+    fn the_step_response_of_a_lag_is_exponential() {
         let creep = Creep::new(0.01, vec![Lag { tau_s: 0.5, gain: 0.2 }]).unwrap();
         let y = creep.simulate(&[3.0; 300]);
         let known: Vec<f64> = (1..=300).map(|t| 3.0 + 0.6 * (1.0 - (-f64::from(t) * 0.02).exp())).collect();
@@ -214,14 +212,14 @@ mod tests {
     }
 
     #[test]
-    fn what_has_settled_stays() {
+    fn a_settled_ladder_has_a_constant_output() {
         let creep = Creep::logarithmic(1e-3, 0.02, 0.1, 100.0).unwrap();
         assert_eq!(creep.lags().len(), 4);
         assert_close(&creep.resume(&mut creep.settled(5.0), &[5.0; 100]), &[5.4; 100], 1e-12, 0.0);
     }
 
     #[test]
-    fn a_run_is_its_steps_to_the_bit_however_many_lags_there_are() {
+    fn a_run_is_bit_identical_to_its_steps_for_any_number_of_lags() {
         let z: Vec<f64> = (0..300).map(|t| (0.1 * f64::from(t)).sin()).collect();
         for n in 0..9 {
             let lags = (0..n).map(|k| Lag { tau_s: 0.003 * 1.7f64.powi(k), gain: 0.1 + 0.02 * f64::from(k) });
@@ -233,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_ladder_is_refused() {
+    fn invalid_lags_are_errors() {
         let message = |tau_s, gain| Creep::new(1e-3, vec![Lag { tau_s, gain }]).unwrap_err().to_string();
         assert!(message(0.0, 0.1).starts_with("creep[0].tau_s = 0"));
         assert!(message(1.0, f64::NAN).contains("creep gain[0] is NaN"));

@@ -1,20 +1,22 @@
-//! The driver as a known block: an amplifier with a lag and a slew limit between the wanted voltage and the actuator.
+//! The driver as a known block: an amplifier with a lag and a slew limit between the requested voltage and the
+//! actuator.
 //!
 //! ```text
 //! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period
 //! ```
-//! solved exactly. Hysteresis sees v at [`DriverModel::SUBSTEPS`] instants a sample, and what it makes of them enters the linear block
-//! as their mean: beyond a quarter of the sampling rate a slewing voltage acts visibly later than one that jumps, and
-//! nothing behind the hysteresis could make up for it. A current limit I into a capacitance C is a slew of I / C.
+//! solved exactly. The hysteresis block gets v at [`DriverModel::SUBSTEPS`] instants per sample; the linear block gets
+//! the mean of the resulting z. The reason: a slewing voltage acts later than a voltage step, visibly so above a
+//! quarter of the sampling rate, and no block after the hysteresis could correct this. A current limit I into a
+//! capacitance C is a slew limit of I / C.
 //!
-//! It does not do: overshoot, and limits of energy or power.
+//! It does not do: overshoot, limits of energy or power.
 
 use crate::elementary::exp;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 
-/// Lag and slew limit of the amplifier.
+/// Lag and slew limit of an amplifier.
 ///
 /// ```
 /// let driver = piezoid::driver::DriverModel::new(1e-4, Some(0.5 / 8.2e-6))?; // 0.5 A into 8.2 uF
@@ -24,35 +26,35 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriverModel {
-    /// Time constant; 0 is none [s].
+    /// Time constant; 0 for no lag [s].
     pub lag_s: f64,
-    /// Largest |v'|; none is unlimited [input unit / s].
+    /// Largest |v'|; `None` for no limit [input unit / s].
     #[serde(default)]
     pub slew: Option<f64>,
 }
 
 impl DriverModel {
-    /// Instants a sample at which the hysteresis block sees the voltage.
+    /// Number of voltages per sample for the hysteresis block.
     pub const SUBSTEPS: usize = 4;
 
-    /// A driver of this lag [s] and slew limit [input unit / s].
+    /// A driver with this lag [s] and slew limit [input unit / s].
     ///
     /// # Errors
-    /// Refuses a negative lag and a slew limit that is not positive.
+    /// Returns an error if the lag is negative or the slew limit is not positive.
     pub fn new(lag_s: f64, slew: Option<f64>) -> Result<Self, Error> {
         if !(lag_s >= 0.0 && lag_s.is_finite()) {
             return Err(Error::parameter("driver.lag_s", lag_s, "must be 0 or a positive number of seconds"));
         }
         if let Some(slew) = slew {
-            positive("driver.slew", slew, "input units a second")?;
+            positive("driver.slew", slew, "input units per second")?;
         }
         Ok(DriverModel { lag_s, slew })
     }
 
-    /// The voltage after `h` [s] of `u`, from `v`.
+    /// The voltage after the time `h` [s] at input `u`, starting from `v`.
     pub(crate) fn advance(&self, v: f64, u: f64, h: f64) -> f64 {
         let away = u - v;
-        // Within this of u the lag asks for less than the limit.
+        // Closer to u than this, the lag is slower than the slew limit.
         let near = self.slew.map_or(f64::INFINITY, |slew| slew * self.lag_s);
         let Some(slew) = self.slew.filter(|_| away.abs() > near) else { return self.approach(v, u, h) };
         let limited = (away.abs() - near) / slew;
@@ -62,27 +64,22 @@ impl DriverModel {
         self.approach(u - away.signum() * near, u, h - limited)
     }
 
-    /// The same for programs: a block `driver`, with a function `hidden` that takes the hysteresis block, which remembers something or not,
-    /// through a sample of `ts` [s].
+    /// The program of the driver: a block `driver` with a function `hidden` that steps the hysteresis block through a
+    /// sample of `ts` [s]. `remembers` is false if the hysteresis block has no state.
     pub(crate) fn block(&self, ts: f64, remembers: bool) -> Block {
         let h = ts / DriverModel::SUBSTEPS as f64;
-        let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit")
-            .number("v", 0.0)
-            .number("z", 0.0);
-        let block = block
-            .constant("h", h)
-            .constant("lag", self.lag_s)
-            .constant("twice_substeps", (2 * DriverModel::SUBSTEPS) as f64);
+        let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit");
+        let block = block.number("v", 0.0).number("z", 0.0).constant("h", h).constant("lag", self.lag_s);
+        let block = block.constant("twice_substeps", (2 * DriverModel::SUBSTEPS) as f64);
         let lags = self.lag_s > 0.0;
         let block = if lags { block.text(LAGGING) } else { block };
-        // Without a lag u is there at once, and nothing is said of how it got there.
+        // Without a lag the voltage is u immediately.
         let after = |from: &str, s: &str| if lags { format!("lagging({from}, u, {s})") } else { "u".into() };
         let (block, driven) = match self.slew {
             None => (block, after("d.v", "h")),
             Some(slew) => {
-                let text = SLEWING
-                    .replace("NEAR", &after("u - points * near", "h - limited"))
-                    .replace("AFTER", &after("v", "h"));
+                let text = SLEWING.replace("NEAR", &after("u - points * near", "h - limited"));
+                let text = text.replace("AFTER", &after("v", "h"));
                 (block.constant("slew", slew).constant("near", slew * self.lag_s).text(&text), "driven(d.v, u)".into())
             }
         };
@@ -103,7 +100,7 @@ fn lagging(v, u, s) {
 }
 ";
 
-/// [`DriverModel::advance`], where the slew is limited.
+/// [`DriverModel::advance`] with a slew limit.
 const SLEWING: &str = "
 // The voltage after a substep of u, from v.
 fn driven(v, u) {
@@ -145,7 +142,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn how_a_path_is_divided_does_not_matter_and_it_solves_its_equation() {
+    fn the_division_of_a_path_has_no_effect_and_the_equation_is_solved() {
         let driver = DriverModel::new(1e-4, Some(6e4)).unwrap();
         let run = |n: usize| {
             let h = 5e-4 / n as f64;
@@ -157,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_lag_or_a_limit_the_voltage_is_there_at_once() {
+    fn without_a_lag_and_a_limit_the_voltage_is_reached_immediately() {
         assert_eq!(DriverModel::new(0.0, None).unwrap().advance(1.0, 5.0, 1e-9), 5.0);
         assert_eq!(DriverModel::new(0.0, Some(1e3)).unwrap().advance(1.0, 5.0, 1e-3), 2.0);
         assert!(DriverModel::new(-1.0, None).is_err() && DriverModel::new(0.0, Some(0.0)).is_err());

@@ -1,20 +1,20 @@
-//! Exponential and logarithm out of sums, products and quotients alone: the same bits on every machine and in every language.
+//! Exponential and logarithm from sums, products and quotients: bit-identical on every machine and in every language.
 //!
 //! ```text
 //! e^x = 2^n e^r,    r = x - n ln 2 in -ln 2 / 2 .. ln 2 / 2        e^r - 1 by its series, to r^13
 //! ln x = k ln 2 + ln m,    m in 1 / sqrt 2 .. sqrt 2               ln m = 2 artanh((m - 1) / (m + 1)) by its series
 //! ```
-//! Libraries of C differ in the last digits of both, and small machines have none. What a model computes in every step it computes with
-//! these, and [`block`] is the same for programs. ln 2 is split so that n times its larger part is exact (W. J. Cody & W. Waite,
-//! "Software Manual for the Elementary Functions", Prentice-Hall 1980). Errors are of one or two units in the last place. From 709.5
-//! on e^x is infinite, a little before it has to be.
+//! C libraries differ in the last digits of both, and small processors have no such library. Models use these functions
+//! in every step; [`Block::elementary`] has them for programs. ln 2 is split so that n times its larger part is exact
+//! (W. J. Cody & W. Waite, "Software Manual for the Elementary Functions", Prentice-Hall 1980). Errors are one or two
+//! units in the last place. e^x is infinite from x = 709.5, slightly earlier than necessary.
 
 use crate::program::Block;
 
 /// ln 2 in two parts, the first of nine bits.
 const LN_2: (f64, f64) = (0.693359375, -2.1219444005469058e-4);
 
-/// What to reduce an argument by, is known up to here.
+/// Arguments are clamped to this absolute value.
 const FAR: f64 = 800.0;
 
 /// e^r - 1 and 2^n of e^x = 2^n e^r.
@@ -22,7 +22,7 @@ fn parts(x: f64) -> (f64, f64) {
     let x = if x > FAR { FAR } else { x };
     let x = if x < -FAR { -FAR } else { x };
     let size = if x < 0.0 { -x } else { x };
-    // Not so where x is no number.
+    // False for NaN.
     let n = if size > 0.34657359027997264 { (size * std::f64::consts::LOG2_E + 0.5) as usize } else { 0 };
     let whole = if x < 0.0 { -(n as f64) } else { n as f64 };
     let r = (x - whole * LN_2.0) - whole * LN_2.1;
@@ -58,10 +58,10 @@ pub(crate) fn exp(x: f64) -> f64 {
     scale * (1.0 + more)
 }
 
-/// e^x - 1, exact for small x too.
+/// e^x - 1, also accurate for small x.
 pub(crate) fn exp_m1(x: f64) -> f64 {
     let (more, scale) = parts(x);
-    // Where the 1 no longer counts, and infinity is not to be taken from itself.
+    // For a large scale the 1 is negligible, and infinity minus infinity is avoided.
     if scale > 1e18 { scale * (1.0 + more) } else { scale * more + (scale - 1.0) }
 }
 
@@ -87,14 +87,14 @@ pub(crate) fn ln(x: f64) -> f64 {
     k * LN_2.0 + (k * LN_2.1 + (twice + twice * bend))
 }
 
-/// ln(1 + x), for x > -1, exact for small x too.
+/// ln(1 + x), for x > -1, also accurate for small x.
 pub(crate) fn ln_1p(x: f64) -> f64 {
     let y = 1.0 + x;
-    // What y lost of x by rounding is made up for.
+    // The factor corrects the rounding error of y.
     if y == 1.0 { x } else { ln(y) * (x / (y - 1.0)) }
 }
 
-/// (e^x - 1) / x, and 1 at 0: what an exponential has grown, over how far.
+/// (e^x - 1) / x, and 1 at 0.
 pub(crate) fn growth(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { exp_m1(x) / x }
 }
@@ -105,7 +105,7 @@ pub(crate) fn growth_slope(x: f64) -> f64 {
     if x.abs() < SMALL { near } else { (exp(x) - growth(x)) / x }
 }
 
-/// ln(1 + x) / x, and 1 at 0: how far, for what has grown.
+/// ln(1 + x) / x, and 1 at 0.
 pub(crate) fn log_growth(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { ln_1p(x) / x }
 }
@@ -116,11 +116,12 @@ pub(crate) fn log_growth_slope(x: f64) -> f64 {
     if x.abs() < SMALL { near } else { (1.0 / (1.0 + x) - log_growth(x)) / x }
 }
 
-/// Below it the slopes of the growths would cancel, and the first terms of their series are exact to 1e-9.
+/// For smaller arguments the slopes would suffer from cancellation; the first terms of their series are accurate to
+/// 1e-9.
 const SMALL: f64 = 0.01;
 
 impl Block {
-    /// Exponential, logarithm and the like, the same in every language.
+    /// Exponential, logarithm and related functions, bit-identical in every language.
     pub fn elementary() -> Self {
         Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
     }
@@ -272,14 +273,14 @@ mod tests {
     use crate::program::{Machine, Program};
     use proptest::prelude::*;
 
-    /// How many units in the last place `found` is off.
+    /// Error of `found` in units in the last place.
     fn ulps(found: f64, known: f64) -> f64 {
         (found - known).abs() / (f64::EPSILON * known.abs()).max(f64::MIN_POSITIVE)
     }
 
     proptest! {
         #[test]
-        fn they_are_those_of_the_c_library_to_some_units_in_the_last_place(x in -700.0..700.0f64, small in -1.0..1.0f64, e in -300.0..300.0f64) {
+        fn they_agree_with_the_c_library_to_some_units_in_the_last_place(x in -700.0..700.0f64, small in -1.0..1.0f64, e in -300.0..300.0f64) {
             for x in [x, 0.01 * x, small, 1e-6 * small] {
                 prop_assert!(ulps(exp(x), x.exp()) < 3.0, "exp {x}");
                 prop_assert!(ulps(exp_m1(x), x.exp_m1()) < 4.0, "exp_m1 {x}");
@@ -294,7 +295,7 @@ mod tests {
         }
 
         #[test]
-        fn programs_have_the_same_to_the_bit(x in -750.0..750.0f64, small in -0.9..0.9f64) {
+        fn programs_are_bit_identical(x in -750.0..750.0f64, small in -0.9..0.9f64) {
             let program = Program::new(vec![Block::elementary()]).unwrap();
             let mut machine = Machine::new(&program, "", false);
             let mut of = |name: &str, numbers: &[f64]| machine.call(name, numbers).unwrap()[0];
@@ -310,11 +311,9 @@ mod tests {
     }
 
     #[test]
-    fn ends_are_what_they_are_elsewhere() {
-        assert_eq!(
-            [exp(f64::INFINITY), exp(-800.0), exp_m1(-800.0), exp_m1(1e9)],
-            [f64::INFINITY, 0.0, -1.0, f64::INFINITY]
-        );
+    fn limits_are_those_of_the_c_library() {
+        let limits = [exp(f64::INFINITY), exp(-800.0), exp_m1(-800.0), exp_m1(1e9)];
+        assert_eq!(limits, [f64::INFINITY, 0.0, -1.0, f64::INFINITY]);
         assert!(exp(f64::NAN).is_nan() && ln(f64::NAN).is_nan() && exp_m1(f64::NAN).is_nan());
         assert_eq!([exp(0.0), exp_m1(0.0), ln(1.0), ln_1p(0.0)], [1.0, 0.0, 0.0, 0.0]);
         assert!(ulps(ln(5e-324), 5e-324f64.ln()) < 2.0);

@@ -1,23 +1,23 @@
-//! What can be wrong with what the library is given.
+//! Errors for bad input.
 //!
-//! Every message says what is wrong, the value, where it stands, and what to do. How a search ended is not an error
-//! but data (see [`crate::optimize`]).
+//! Every message says what is wrong, the value, where, and what to do. How a search ended is data, not an error (see
+//! [`crate::optimize`]).
 
 use serde_json::Value;
 use thiserror::Error;
 
-/// Bad input, named with its numbers.
+/// Bad input, with its numbers.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A setting outside its domain.
     #[error("{name} = {value}: {rule}")]
     Parameter {
-        /// The setting, as its user writes it.
+        /// The setting, as the user writes it.
         name: String,
-        /// What it was set to.
+        /// Its value.
         value: String,
-        /// What it must be.
+        /// The rule it breaks.
         rule: String,
     },
     /// A sample that is NaN or infinite.
@@ -30,7 +30,7 @@ pub enum Error {
         /// The sample.
         value: f64,
     },
-    /// Two series that must be equally long and are not.
+    /// Two series of different lengths that must be equally long.
     #[error("{left} has {left_len} samples but {right} has {right_len}: they must be equally long")]
     Lengths {
         /// First series.
@@ -42,19 +42,19 @@ pub enum Error {
         /// Its length.
         right_len: usize,
     },
-    /// Too few samples for what is asked.
+    /// Too few samples.
     #[error("{what} has {have} samples, but at least {need} are needed: {remedy}")]
     TooShort {
         /// The series.
         what: String,
-        /// Samples at hand.
+        /// Samples given.
         have: usize,
         /// Samples needed.
         need: usize,
         /// What to do.
         remedy: String,
     },
-    /// A file that cannot be read as what it should be. Lines count from 1.
+    /// A line of a file that cannot be read. Lines count from 1.
     #[error("line {line}{}: {problem}", column.as_ref().map(|c| format!(", column {c}")).unwrap_or_default())]
     Line {
         /// Line of the file, the header being line 1.
@@ -64,25 +64,25 @@ pub enum Error {
         /// What is wrong, the value and what to do.
         problem: String,
     },
-    /// Samples that do not fit where there are no lines. Rows count from 0.
+    /// A sample that cannot be read, in a format without lines. Rows count from 0.
     #[error("{}{problem}", place(*row, column.as_deref()))]
     Row {
-        /// The sample, if it is one.
+        /// Number of the sample, if the error is about one sample.
         row: Option<u64>,
         /// Name of the column.
         column: Option<String>,
         /// What is wrong, the value and what to do.
         problem: String,
     },
-    /// A file or document whose content as a whole does not fit.
+    /// A file or document that cannot be read as a whole.
     #[error("{0}")]
     Content(String),
-    /// What options would settle.
+    /// An error that options can resolve.
     #[error("{error}give {}", plain(options))]
     Advised {
-        /// What is wrong, ending so that the options can follow.
+        /// What is wrong; its message ends so that the options can follow.
         error: Box<Error>,
-        /// Any of these helps: an option by its name, with its value; null where the user knows it.
+        /// Any of these helps: the name of an option and its value (null if only the user knows it).
         options: Vec<(&'static str, Value)>,
     },
     /// What is wrong with a file.
@@ -96,14 +96,14 @@ pub enum Error {
     /// A name that is not in a list.
     #[error("there is no {kind} called `{name}`: known are {}{}", known.join(", "), nearest(name, known))]
     Unknown {
-        /// What was looked for: operator, plant, excitation...
+        /// The kind: operator, plant, excitation...
         kind: &'static str,
         /// The name given.
         name: String,
         /// The names there are.
         known: Vec<String>,
     },
-    /// Sampling periods that must agree and do not.
+    /// Two different sampling periods that must agree.
     #[error("{left} is sampled every {left_ts} s but {right} every {right_ts} s: resample one of them")]
     Sampling {
         /// First object.
@@ -116,16 +116,16 @@ pub enum Error {
         right_ts: f64,
     },
     /// Units that cannot be converted into each other.
-    #[error("{what} is in {found} but {wanted} is wanted, and no factor between them is known: convert it beforehand")]
+    #[error("{what} is in {found} but {wanted} is needed and the conversion is unknown: convert it first")]
     Units {
         /// What carries the unit.
         what: String,
         /// Its unit.
         found: String,
-        /// The unit wanted.
+        /// The unit needed.
         wanted: String,
     },
-    /// The data cannot tell what is asked of them.
+    /// A part of the model that the data do not determine.
     #[error("{what} cannot be identified: {because}")]
     Unidentifiable {
         /// Which part of the model.
@@ -133,26 +133,26 @@ pub enum Error {
         /// Why, with the numbers, and what would help.
         because: String,
     },
-    /// A linear block without the inverse that was asked for.
+    /// A linear block that does not have the requested inverse.
     #[error("the linear block has no {kind} inverse: {because}")]
     NoInverse {
         /// Causal, or stable.
         kind: &'static str,
-        /// The zeros that forbid it, and what to use instead.
+        /// The zeros that prevent it, and what to use instead.
         because: String,
     },
-    /// A model that what was asked for cannot be made from.
-    #[error("this model gives no {what}: {because}")]
+    /// A request that this model does not support.
+    #[error("no {what} is possible with this model: {because}")]
     Unsuited {
-        /// What was asked for.
+        /// The request.
         what: String,
         /// Why, with the numbers, and what would help.
         because: String,
     },
-    /// A wanted displacement that no allowed input gives.
+    /// A requested displacement that no allowed input gives.
     #[error("the reference cannot be reached: {0}")]
     Unreachable(String),
-    /// A drive that the driver cannot deliver.
+    /// A drive that exceeds the driver's limits.
     #[error("the drive exceeds its limits: {0}")]
     Limits(String),
     /// The caller asked to stop.
@@ -162,7 +162,7 @@ pub enum Error {
         what: String,
         /// Steps done.
         done: usize,
-        /// Steps there were to do.
+        /// Steps in total.
         total: usize,
     },
 }
@@ -173,12 +173,12 @@ impl Error {
         Error::Parameter { name: name.into(), value: value.to_string(), rule: rule.into() }
     }
 
-    /// An unknown name, with the names there are.
+    /// An unknown name, with all known names.
     pub fn unknown<'a>(kind: &'static str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         Error::Unknown { kind, name: name.into(), known: known.into_iter().map(String::from).collect() }
     }
 
-    /// The message, its options written as `show` writes a name and a value.
+    /// The message, with each option written by `show` from its name and value.
     pub fn told(&self, show: &dyn Fn(&str, &Value) -> String) -> String {
         match self {
             Error::Advised { error, options } => {
@@ -196,7 +196,7 @@ impl Error {
         Error::Advised { error: Box::new(self), options }
     }
 
-    /// The same about the file of this name.
+    /// The same error, about the file of this name.
     pub fn of(self, name: &str) -> Self {
         Error::File { name: name.into(), error: Box::new(self) }
     }
@@ -204,7 +204,7 @@ impl Error {
     /// The same about the file of this name, unless it is about an option or another file.
     pub fn about(self, name: &str) -> Self {
         match self {
-            Error::Parameter { .. } | Error::Unknown { .. } | Error::File { .. } => self,
+            Error::Parameter { .. } | Error::Unknown { .. } | Error::Advised { .. } | Error::File { .. } => self,
             other => other.of(name),
         }
     }
@@ -219,10 +219,10 @@ fn plain(options: &[(&'static str, Value)]) -> String {
     options.iter().map(one).collect::<Vec<_>>().join(" or ")
 }
 
-/// The row called `name` of a list of a `kind`.
+/// The row called `name` of a list of rows of this `kind`.
 ///
 /// # Errors
-/// [`Error::Unknown`] with the names there are.
+/// [`Error::Unknown`] with all names.
 pub(crate) fn row<T>(
     kind: &'static str,
     mut rows: impl Iterator<Item = &'static T> + Clone,
@@ -233,7 +233,7 @@ pub(crate) fn row<T>(
     rows.find(|row| name_of(row) == name).ok_or_else(|| Error::unknown(kind, name, known))
 }
 
-/// Refuses a setting that is not a positive finite number.
+/// Returns an error if a setting is not a positive finite number.
 #[doc(hidden)]
 pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     if value > 0.0 && value.is_finite() {
@@ -243,7 +243,7 @@ pub fn positive(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     }
 }
 
-/// Refuses a series with a sample that is not finite.
+/// Returns an error if a sample is not finite.
 #[doc(hidden)]
 pub fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
     match samples.iter().position(|v| !v.is_finite()) {
@@ -293,7 +293,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_unknown_name_is_answered_with_the_nearest_one() {
+    fn the_error_about_an_unknown_name_suggests_the_nearest_one() {
         let error = Error::unknown("plant", "pl14O", ["paper", "pl140"]);
         assert_eq!(
             error.to_string(),
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sample_that_is_not_finite_is_named_with_its_place() {
+    fn the_error_about_a_sample_that_is_not_finite_has_its_index() {
         let error = finite("y", &[1.0, f64::NAN]).unwrap_err();
         assert!(error.to_string().starts_with("y[1] is NaN"), "{error}");
     }

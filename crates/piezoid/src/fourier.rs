@@ -1,5 +1,4 @@
-//! The discrete Fourier transform, X_k = sum over t of x_t exp(-2 pi i k t / n), rounded the same whatever vector unit
-//! the machine has.
+//! The discrete Fourier transform, X_k = sum over t of x_t exp(-2 pi i k t / n), bit-identical on every processor.
 
 use nalgebra::Complex;
 use rustfft::{Fft, FftPlannerScalar};
@@ -10,11 +9,11 @@ pub(crate) fn forward(n: usize) -> Arc<dyn Fft<f64>> {
     FftPlannerScalar::new().plan_fft_forward(n)
 }
 
-/// Bins that a line is wide in [`power`].
+/// Width of a line in [`power`] [bins].
 pub(crate) const LINE: usize = 8;
 
-/// The power of `x` in each bin from 0 to n / 2, of what the mean leaves. The window (Harris 1978, four terms,
-/// doi:10.1109/PROC.1978.10837) makes a line eight bins wide with nothing beside it, and sees the middle of `x` best.
+/// The power of `x` without its mean in each bin from 0 to n / 2. The window (Harris 1978, four terms,
+/// doi:10.1109/PROC.1978.10837) makes a line eight bins wide without leakage, and weights the middle of `x` most.
 pub(crate) fn power(x: &[f64]) -> Vec<f64> {
     let angle = |t: usize| std::f64::consts::TAU * (t as f64 + 0.5) / x.len() as f64;
     weighted(x, |t| {
@@ -22,20 +21,21 @@ pub(crate) fn power(x: &[f64]) -> Vec<f64> {
     })
 }
 
-/// The same without a window: every part of `x` counts alike, and a line may leak a hundredth of its power ten bins away.
+/// The same without a window: all samples have equal weight; at a distance of ten bins, a line may leak 1 % of its
+/// power.
 pub(crate) fn plain_power(x: &[f64]) -> Vec<f64> {
     weighted(x, |_| 1.0)
 }
 
-/// The power under a window, scaled so that all of it is the mean square.
+/// The power with a window, scaled so that the sum is the mean square.
 fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
     let n = x.len();
     let weights: Vec<f64> = (0..n).map(window).collect();
-    // The mean under the window: any other leaves a line at 0 Hz.
+    // The windowed mean: any other would give a line at 0 Hz.
     let mean = x.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() / weights.iter().sum::<f64>();
     let mut spectrum: Vec<Complex<f64>> = x.iter().zip(&weights).map(|(x, w)| Complex::from((x - mean) * w)).collect();
     forward(n).process(&mut spectrum);
-    // Each bin but the first and, of an even number, the last stands for its mirror image too.
+    // Each bin also counts for its mirror image, except the first and, if n is even, the last.
     let scale = 1.0 / (n as f64 * weights.iter().map(|w| w * w).sum::<f64>());
     let sides = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
     spectrum[..=n / 2].iter().enumerate().map(|(k, c)| sides(k) * scale * c.norm_sqr()).collect()
@@ -59,7 +59,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn all_power_is_the_mean_square_and_a_line_stays_within_its_width() {
+    fn the_total_power_is_the_mean_square_and_a_line_has_its_width() {
         let x: Vec<f64> = (0..1000).map(|t| 7.0 + 3.0 * (TAU * 0.1234 * f64::from(t)).sin()).collect();
         let power = power(&x);
         assert_close(&[power.iter().sum()], &[4.5], 1e-3, 0.0);
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sum_of_cosines_is_the_sum_that_it_replaces() {
+    fn the_fast_sum_of_cosines_equals_the_direct_sum() {
         for n in [2, 7, 64, 500] {
             let lines: Vec<usize> = (1..n).step_by(3).collect();
             let phases: Vec<f64> = lines.iter().map(|k| (k * k % 7) as f64).collect();

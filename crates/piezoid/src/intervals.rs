@@ -1,12 +1,12 @@
-//! Which of many intervals holds a number, in a time that hardly grows with how many there are.
+//! Finds the interval that contains a number, in a time almost independent of the number of intervals.
 //!
-//! Even cells lie over all edges, and of each cell it is known how many edges lie below it. What is left to compare are the
-//! edges within one cell: one or none where edges are nearly even, and elsewhere they are searched by halving.
+//! Equal cells cover the range of the edges; each cell stores the number of edges below it. Only the edges within one
+//! cell need a comparison: none or one if the edges are nearly equidistant; otherwise they are searched by bisection.
 
-/// Cells to an interval.
+/// Cells per interval.
 const FINENESS: usize = 2;
 
-/// Intervals between rising edges.
+/// Intervals between ascending edges.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Intervals {
     edges: Vec<f64>,
@@ -14,19 +14,19 @@ pub(crate) struct Intervals {
     cells: Vec<Bucket>,
 }
 
-/// Some of the edges between the first and the last.
+/// The inner edges in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Bucket {
-    /// How many lie in the cells before this one.
+    /// Number of edges in the cells before this one.
     before: usize,
-    /// How many lie in this one.
+    /// Number of edges in this cell.
     within: usize,
-    /// The first of them; no number where there is none.
+    /// The first of them; NaN if there is none.
     first: f64,
 }
 
 impl Intervals {
-    /// `edges` rise, and there is one at least; a single one counts as an interval.
+    /// `edges` are ascending, at least one; a single one counts as an interval.
     pub(crate) fn new(edges: Vec<f64>) -> Self {
         let (n, low, high) = (FINENESS * edges.len(), edges[0], edges[edges.len() - 1]);
         let cells_per_unit = n as f64 / (high - low);
@@ -45,7 +45,7 @@ impl Intervals {
         intervals
     }
 
-    /// The number of the interval that holds `u`, its lower edge included; the first or the last for what lies beyond.
+    /// The number of the interval that contains `u`, lower edge included; the first or the last one for u outside.
     #[inline]
     pub(crate) fn of(&self, u: f64) -> usize {
         let Bucket { before, within, first } = self.cells[self.cell(u)];
@@ -55,7 +55,8 @@ impl Intervals {
         before + self.inner()[before..before + within].partition_point(|edge| *edge <= u)
     }
 
-    /// The same for programs: a function that finds among the edges from `first` to `last` of `table` the interval that holds u.
+    /// Text of a program function (first, last, u) that finds the interval of u between the edges `first` to `last` of
+    /// `table`.
     pub(crate) fn text(function: &str, table: &str) -> String {
         TEXT.replace("FUNCTION", function).replace("TABLE", table)
     }
@@ -70,7 +71,7 @@ impl Intervals {
         &self.edges[last.min(1)..last]
     }
 
-    /// The cell of `u`. Rounding may put it into a neighbour of its own, but never a larger u below a smaller one.
+    /// The cell of `u`. Rounding may give a neighbouring cell, but the order of two u is always kept.
     fn cell(&self, u: f64) -> usize {
         (((u - self.edges[0]) * self.cells_per_unit) as usize).min(self.cells.len() - 1)
     }
@@ -95,7 +96,7 @@ mod tests {
     use crate::program::{Block, Machine, Program};
 
     #[test]
-    fn every_number_is_found_where_a_search_finds_it() {
+    fn every_interval_equals_that_of_a_bisection() {
         let even: Vec<f64> = (0..=30).map(|k| -0.3 + 0.1 * f64::from(k)).collect();
         let crowded: Vec<f64> = (0..60).map(|k| 1.7f64.powi(k)).collect();
         for edges in [even, crowded, vec![-1.0, 2.0], vec![3.0], vec![0.0, 5e-324, 1e-323], vec![-1e308, 0.0, 1e308]] {

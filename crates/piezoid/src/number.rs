@@ -1,7 +1,6 @@
-//! Numbers as people write them.
+//! Numbers as text.
 
-/// `x` with four significant digits, plain where that is short and with a power of ten otherwise; `-` for what is no
-/// finite number.
+/// `x` with four significant digits, with a power of ten if it is very small or large; `-` if it is not finite.
 ///
 /// ```
 /// use piezoid::number::short;
@@ -19,7 +18,7 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// As [`short`], without zeros at the end: for numbers that were set, or are known to be round.
+/// Like [`short`], but without zeros at the end: for settings and other round numbers.
 ///
 /// ```
 /// use piezoid::number::round;

@@ -1,22 +1,22 @@
-//! How long work tells where it stands, and how it is told to stop.
+//! Progress of long tasks, and their cancellation.
 
 use std::ops::ControlFlow;
 
-/// Where a piece of work stands.
+/// The present progress of a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stage<'a> {
-    /// What is being done, as a noun phrase: "linear block by swarm".
+    /// Name of the task as a noun phrase: "linear block by swarm".
     pub what: &'a str,
-    /// Steps done.
+    /// Number of steps done.
     pub done: usize,
-    /// Steps in all.
+    /// Number of all steps.
     pub total: usize,
 }
 
-/// Called as work advances; [`ControlFlow::Break`] cancels it.
+/// A callback for progress; [`ControlFlow::Break`] cancels the task.
 pub type Progress<'a> = dyn FnMut(Stage) -> ControlFlow<()> + 'a;
 
-/// For work nobody watches.
+/// A callback that reports nothing.
 ///
 /// ```
 /// # use piezoid::progress::{Stage, silent};

@@ -1,9 +1,9 @@
-//! A measured (or simulated) voltage/displacement record: what every identification starts from.
+//! A measured (or simulated) voltage/displacement record, the input of every identification.
 
 use crate::error::{Error, finite, positive};
 use serde::{Deserialize, Serialize};
 
-/// The units a record's numbers are in. A record keeps the units of its file; models inherit them.
+/// The units of a record. A record keeps the units of its file; models inherit them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Units {
@@ -20,15 +20,14 @@ impl Default for Units {
 }
 
 impl Units {
-    /// The factor that turns numbers in length unit `from` into numbers in `to`; 1 between equal names, `None` where no
-    /// factor is known.
+    /// The factor that converts from one length unit to another: 1 between equal names, `None` if unknown.
     ///
     /// ```
     /// assert_eq!(piezoid::Units::factor("mm", "um"), Some(1e3));
     /// assert_eq!(piezoid::Units::factor("counts", "um"), None);
     /// ```
     pub fn factor(from: &str, to: &str) -> Option<f64> {
-        // Powers of ten below the metre, so that the factor is one correctly rounded number.
+        // Powers of ten below the metre: the factor is then correctly rounded.
         let below = |unit: &str| match unit {
             "m" => Some(0),
             "mm" => Some(3),
@@ -44,10 +43,10 @@ impl Units {
     }
 }
 
-/// Input and output sampled together, evenly: `u[t]` and `y[t]` stand in one row.
+/// Input and output, sampled together at a constant rate: `u[t]` and `y[t]` belong to the same row.
 ///
-/// Whether `y[t]` was logged before or after `u[t]` acted is a property of the instrument, which the identified linear
-/// block absorbs in its first coefficient.
+/// An instrument logs `y[t]` either before or after `u[t]` acts. The first coefficient of the identified linear block
+/// absorbs the difference.
 ///
 /// ```
 /// let record = piezoid::Record::new(5e-4, vec![0.0, 1.0, 1.0], vec![0.0, 20.0, 33.0])?;
@@ -71,26 +70,22 @@ impl Record {
     /// A record in volts and micrometres.
     ///
     /// # Errors
-    /// `ts` [s] must be positive, `u` and `y` equally long, not empty and finite throughout.
+    /// Returns an error unless `ts` [s] is positive, and `u` and `y` are equally long, not empty and finite.
     pub fn new(ts: f64, u: Vec<f64>, y: Vec<f64>) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         if u.len() != y.len() {
             return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
         }
         if u.is_empty() {
-            return Err(Error::TooShort {
-                what: "the record".into(),
-                have: 0,
-                need: 1,
-                remedy: "give it samples".into(),
-            });
+            let (what, remedy) = ("the record".into(), "give it samples".into());
+            return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         }
         finite("u", &u)?;
         finite("y", &y)?;
         Ok(Record { ts, u, y, units: Units::default() })
     }
 
-    /// The same numbers, said to be in other units. The Greek letter of micro is written as `u`.
+    /// The same numbers with other units. The Greek letter of micro is written as `u`.
     pub fn with_units(self, units: Units) -> Self {
         Record { units: Units { u: plain(&units.u), y: plain(&units.y) }, ..self }
     }
@@ -126,19 +121,24 @@ impl Record {
         self.len() as f64 * self.ts
     }
 
-    /// The part from `from` up to, not including, `to` [s], counted from the first sample.
+    /// The part from `from` up to, but not including, `to` [s], counted from the first sample.
     ///
     /// # Errors
-    /// Refused when no sample lies between them.
+    /// As [`Record::span`].
     pub fn part(&self, from: f64, to: f64) -> Result<Self, Error> {
-        let range = Record::span(from, to, self.ts, self.len())?;
-        Ok(Record { u: self.u[range.clone()].to_vec(), y: self.y[range].to_vec(), ..self.clone() })
+        self.slice(Record::span(from, to, self.ts, self.len())?)
+    }
+
+    /// The samples of a range, which must be inside the record and not empty.
+    pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Result<Self, Error> {
+        let part = Record::new(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())?;
+        Ok(Record { units: self.units.clone(), ..part })
     }
 
     /// The same record with its output in another length unit.
     ///
     /// # Errors
-    /// Refused when no factor between the units is known (see [`factor`]).
+    /// Returns an error if the conversion is unknown (see [`Units::factor`]).
     pub fn output_in(&self, unit: &str) -> Result<Self, Error> {
         let unit = &*plain(unit);
         let k = Units::factor(&self.units.y, unit).ok_or_else(|| Error::Units {
@@ -149,37 +149,30 @@ impl Record {
         let units = Units { y: unit.into(), ..self.units.clone() };
         Ok(Record { y: self.y.iter().map(|v| v * k).collect(), units, ..self.clone() })
     }
-}
 
-impl Record {
-    /// The samples from `from` up to, not including, `to` [s], of `n` samples that start at 0 s.
+    /// The samples from `from` up to, but not including, `to` [s], of `n` samples that start at 0 s.
     ///
-    /// A time within a millionth of a sampling period of a sample is that sample: 300 x 0.005 s is sample 300 however the
-    /// product rounds.
+    /// A time within a millionth of a sampling period of a sample is that sample: 300 x 0.005 s is sample 300, whatever
+    /// the rounding.
     ///
     /// # Errors
-    /// Refused when no sample lies between them, or `from` is negative.
+    /// Returns an error if no sample lies between them, or `from` is negative.
     pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usize>, Error> {
         if from.is_nan() || from < 0.0 {
-            return Err(Error::parameter(
-                "from",
-                format!("{from} s"),
-                "must not lie before the first sample, which is at 0 s",
-            ));
+            let rule = "must not lie before the first sample, which is at 0 s";
+            return Err(Error::parameter("from", format!("{from} s"), rule));
         }
         let index = |t: f64| (t / ts - 1e-6).ceil().clamp(0.0, n as f64) as usize;
         let (start, end) = (index(from), index(to));
         if start < end {
             return Ok(start..end);
         }
-        let asked = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
+        let interval = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
         let last = crate::number::round((n.max(1) - 1) as f64 * ts);
-        Err(Error::Content(format!("no sample lies {asked}: the data span 0 s to {last} s")))
+        Err(Error::Content(format!("no sample lies {interval}: the data span 0 s to {last} s")))
     }
-}
 
-impl Record {
-    /// Refuses sampling periods that differ by more than a millionth, naming what has them.
+    /// Checks that two sampling periods agree within a millionth.
     ///
     /// # Errors
     /// [`Error::Sampling`].
@@ -196,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_not_a_record_is_refused_with_its_numbers() {
+    fn the_errors_about_bad_records_have_their_numbers() {
         let message = |ts, u: &[f64], y: &[f64]| Record::new(ts, u.to_vec(), y.to_vec()).unwrap_err().to_string();
         assert!(message(0.0, &[1.0], &[1.0]).contains("ts = 0"));
         assert!(message(1.0, &[1.0], &[1.0, 2.0]).contains("u has 1 samples but y has 2"));
@@ -205,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_takes_its_start_and_leaves_its_end() {
+    fn a_part_includes_its_start_and_excludes_its_end() {
         let ramp: Vec<f64> = (0..100).map(f64::from).collect();
         let record = Record::new(0.005, ramp.clone(), ramp).unwrap();
         let part = record.part(0.05, 0.1).unwrap();
@@ -216,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_of_unit_keeps_the_length() {
+    fn the_output_unit_can_be_changed_where_the_factor_is_known() {
         let record = Record::new(1.0, vec![0.0], vec![1.5]).unwrap();
         let mm = record.output_in("mm").unwrap();
         assert_eq!((mm.y()[0], mm.units().y.as_str()), (1.5e-3, "mm"));

@@ -2,10 +2,10 @@
 
 use std::fmt::Debug;
 
-/// A discrete-time system `y = step(x, u)`: immutable data, with the state kept by the caller.
+/// A discrete-time system `y = step(x, u)`: immutable data; the caller owns the state.
 ///
-/// States are ordinary vectors: cloning one gives a trial step, a numeric inverse, a prediction. A run that is split
-/// and carries its state equals the whole run, to the bit.
+/// States are plain vectors: a clone allows a trial step, a numeric inverse, or a prediction. A run in parts that
+/// carries its state is bit-identical to the whole run.
 ///
 /// ```
 /// use piezoid::System;
@@ -26,29 +26,29 @@ pub trait System: Debug + Send + Sync {
     /// Length of the state.
     fn order(&self) -> usize;
 
-    /// The state at rest: nothing has ever happened.
+    /// The state at rest.
     fn initial(&self) -> Vec<f64> {
         vec![0.0; self.order()]
     }
 
-    /// The state after `u` has stood for a long time. Unless overridden, the state after one step from rest, which is
-    /// exact for what has no dynamics of its own.
+    /// The state after a long time at the constant input `u`. The default is the state after one step from rest, which
+    /// is exact for systems without dynamics.
     fn settled(&self, u: f64) -> Vec<f64> {
         let mut x = self.initial();
         self.step(&mut x, u);
         x
     }
 
-    /// One sample: takes input `u`, advances the state `x` (of length [`order`](System::order)), returns the output.
+    /// One sample: advances the state `x` (of length [`order`](System::order)) by the input `u` and returns the output.
     fn step(&self, x: &mut [f64], u: f64) -> f64;
 
-    /// Replaces the inputs in `signal` by the outputs, from the state `x`, which is left where the run ends. Overridden
-    /// where that is measurably faster than repeated steps, with the same bits.
+    /// Replaces the inputs in `signal` by the outputs and advances the state `x`. Overridden where that is measurably
+    /// faster; the result must be bit-identical to repeated steps.
     fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
         signal.iter_mut().for_each(|v| *v = self.step(x, *v));
     }
 
-    /// Continues from the state `x`, which is left where the run ends.
+    /// The response from the state `x`, which is advanced to the end of the run.
     fn resume(&self, x: &mut [f64], u: &[f64]) -> Vec<f64> {
         let mut y = u.to_vec();
         self.respond(x, &mut y);

@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use crate::files;
-use crate::flags::Flags;
+use crate::flags::{Flags, failed};
 use crate::layout::table;
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -36,6 +36,7 @@ impl Study {
         if self.out.exists() && !self.out.is_dir() {
             bail!("{}: this is a file, not a folder: name a folder with --out", self.out.display());
         }
+        self.options.0.plants().map_err(failed)?;
         std::fs::create_dir_all(&self.out)
             .with_context(|| format!("cannot make the folder {}: name another with --out", self.out.display()))?;
         files::ready(&[Some(&self.out.join("report.html")), self.json.as_deref()])?;

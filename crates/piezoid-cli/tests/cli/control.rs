@@ -111,7 +111,7 @@ fn what_makes_no_sense_is_named() {
     bench.run(&format!("{RUN} --tolerance 100")).exits(2).says(&["100", "below 100"]);
     bench
         .refused(&format!("{RUN} --controller pi --phase-margin 200"))
-        .says(&["gives no controller", "no gain meets the margins"]);
+        .says(&["no controller is possible", "no gain meets the margins"]);
     bench.refused(&format!("{RUN} --reference sine:5 --amplitude 5000")).says(&["cannot be reached", "um", "--clip"]);
     bench.run(&format!("{RUN} --reference sine:5 --amplitude 5000 --clip --controller pi")).ok().says(&["at a limit"]);
     bench.write("r.csv", "t_s,r_um\n0,1\n0.0005,nan\n");
@@ -125,11 +125,7 @@ fn a_scheme_that_a_model_does_not_give_is_left_out_of_the_usual_ones_and_refused
     let bench = Bench::stocked(); // of the paper's method: its branches fall in places
     let line = "control --plant paper --model model.json --driver pl140 --reference sine:5 --amplitude 200";
     bench.run(line).ok().says(&["predictive is left out", "is not monotonic"]);
-    bench.refused(&format!("{line} --controller predictive")).says(&[
-        "model.json",
-        "predictive",
-        "is not monotonic",
-    ]);
+    bench.refused(&format!("{line} --controller predictive")).says(&["model.json", "predictive", "is not monotonic"]);
 }
 
 #[test]

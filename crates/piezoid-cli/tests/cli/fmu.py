@@ -1,6 +1,6 @@
-"""Imports an FMU with FMPy or libcosim: `fmu.py CHECK FMU [RUN.csv]`, where the run is what piezoid simulates.
+"""Imports FMUs with FMPy or libcosim: `fmu.py CHECK FMU,RUN.csv ...`, where the run is what piezoid simulates.
 
-Ends with status 0 where all is well.
+Says the name of each, and ends with status 0 where all is well.
 """
 
 import shutil
@@ -106,7 +106,7 @@ def series(path):
     return rows[:, 1], rows[:, 2]
 
 
-def validates(path):
+def validates(path, run=None):
     problems = validate_fmu(path)
     assert not problems, problems
 
@@ -274,6 +274,8 @@ def cosimulates(path, run):
 
 
 if __name__ == "__main__":
-    check, *arguments = sys.argv[1:]
+    check, *fmus = sys.argv[1:]
     checks = [validates, simulates, steps, states, refusals, cosimulates]
-    next(c for c in checks if c.__name__ == check)(*arguments)
+    for fmu in fmus:
+        print(fmu, flush=True)
+        next(c for c in checks if c.__name__ == check)(*fmu.split(","))

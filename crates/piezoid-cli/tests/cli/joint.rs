@@ -31,7 +31,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     };
     assert!((parameter("mode 1 frequency [Hz]") / 146.7 - 1.0).abs() < 1e-3);
     assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
-    let run = run.prints(&["mode 1 ", "share %", "at once", "ms beyond the hold"]);
+    let run = run.prints(&["mode 1 ", "share %", "feed-through", "ms beyond the hold"]);
     assert!(run.out.lines().all(|line| line.chars().count() <= 80), "{}", run.out);
     let reading = &found["linear"]["reading"];
     let mode = &reading["poles"][0];
@@ -63,7 +63,7 @@ fn auto_takes_the_law_the_actuator_has() {
 fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
     let bench = stocked();
     let line = "identify --data sine5.csv sine20.csv --elements 6 -o m.json --json f.json";
-    bench.run(line).ok().says(&["hold no minor loops", "amplitude rises"]);
+    bench.run(line).ok().says(&["have no minor loops", "add a rising sine"]);
     let found = bench.json("f.json");
     let tried: Vec<&str> = found["trials"].as_array().unwrap().iter().filter_map(|t| t["operator"].as_str()).collect();
     assert!(tried.contains(&"preisach") && !tried.contains(&"bouc-wen"), "{tried:?}");

@@ -100,7 +100,7 @@ fn data_that_cannot_tell_the_linear_block_are_refused_in_words() {
     bench.refused("identify --small-signal sine5.csv -o new.json").says(&["cannot be identified", "PRBS"]);
     bench.write("flat.csv", "t_s,u_V,y_um\n0,1,2\n5e-4,1,2\n1e-3,1,2\n");
     bench.refused("identify --data flat.csv -o new.json").says(&["cannot be identified"]);
-    bench.run("validate --model model.json --data flat.csv").ok().says(&["note:", "flat.csv", "does not change"]);
+    bench.run("validate --model model.json --data flat.csv").ok().says(&["note:", "flat.csv", "is constant"]);
 }
 
 /// Six coefficients in 50 iterations end with poles outside the unit circle: found by trying.

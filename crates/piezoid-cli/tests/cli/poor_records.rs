@@ -65,7 +65,7 @@ const R: &[&str] = &["r5", "r17", "r40"];
 #[test]
 fn what_is_spoilt_is_named_and_the_model_is_about_as_good() {
     let cases: &[(&str, &[&str], Change, &[&str])] = &[
-        ("drift", R, |t, u, y| Some((u, y + 0.06 * t as f64)), &["rich record 3: the output drifts"]),
+        ("drift", R, |t, u, y| Some((u, y + 0.06 * t as f64)), &["large-signal record 3: the output drifts"]),
         ("spikes", R, |t, u, y| Some((u, if t % 80 == 43 { y + 300.0 } else { y })), &["outliers"]),
         ("error codes", R, |t, u, y| Some((u, if t % 301 == 7 { -32768.0 } else { y })), &["outliers", "-32768"]),
         ("overflow", &["r5", "small"], |t, u, y| Some((u, if t == 500 { 1e9 } else { y })), &["outliers", "1.000e9"]),
@@ -99,12 +99,12 @@ fn without_a_small_signal_record_neither_spikes_nor_drift_hide_the_dynamics() {
 fn what_says_nothing_is_refused_by_the_record_that_does() {
     let noise: Change = |t, u, _| Some((u, ((t * t) as f64 * 0.618_034).fract()));
     let cases: &[(&str, &[&str], Change, &[&str])] = &[
-        (ALL, &["r17"], |_, _, y| Some((3.0, y)), &["rich record 2: the input is constant at 3 V", "drive"]),
-        (ALL, &["r40"], |_, u, _| Some((u, 7.0)), &["rich record 3: the output is constant at 7 um", "sensor"]),
+        (ALL, &["r17"], |_, _, y| Some((3.0, y)), &["large-signal record 2: the input is constant at 3 V", "drive"]),
+        (ALL, &["r40"], |_, u, _| Some((u, 7.0)), &["large-signal record 3: the output is constant at 7 um", "sensor"]),
         (ALL, &["small"], |_, u, _| Some((u, 7.0)), &["small-signal record: the output is constant at 7 um"]),
-        (ALL, R, noise, &["no better than by a constant", "rich record 1", "%", "follow the input"]),
+        (ALL, R, noise, &["no better than by a constant", "large-signal record 1", "%", "depends on the input"]),
         (RICH, R, noise, &["no better than by a constant"]),
-        (ALL, &["r5"], |t, u, y| (t < 3).then_some((u, y)), &["rich record 1: the record has 3 samples", "16"]),
+        (ALL, &["r5"], |t, u, y| (t < 3).then_some((u, y)), &["large-signal record 1: the record has 3 samples", "16"]),
         (RICH, &["r5"], |t, u, y| (t < 10).then_some((u, y)), &["10 samples", "at least 16", "record longer"]),
         (ALL, &["small"], |t, u, y| (t < 50).then_some((u, y)), &["record 1 that is held out", "record longer"]),
         (ALL, &["small"], |t, u, y| (t < 1).then_some((u, y)), &["1 sample", "16"]),
@@ -126,14 +126,14 @@ fn what_says_nothing_is_refused_by_the_record_that_does() {
 fn a_model_that_cannot_be_trusted_is_told_as_such() {
     let noise: Change = |t, u, y| Some((u, 1e-3 * y + ((t * t) as f64 * 0.618_034).fract()));
     let cases: &[(&str, &[&str], Change, &[&str])] = &[
-        (ALL, &["small"], noise, &["small-signal record: the model leaves", "noise"]),
-        (ALL, &["small"], |_, u, y| Some((u, -y)), &["small-signal record: the model leaves", "sign"]),
-        ("--data r5.csv", &["r5"], |t, u, y| (t < 40).then_some((u, y)), &["few for", "turns back"]),
+        (ALL, &["small"], noise, &["small-signal record: the residual is", "noise"]),
+        (ALL, &["small"], |_, u, y| Some((u, -y)), &["small-signal record: the residual is", "sign"]),
+        ("--data r5.csv", &["r5"], |t, u, y| (t < 40).then_some((u, y)), &["few for", "has a reversal"]),
         (
             "--data r5.csv r5.csv r17.csv",
             &[],
             |_, u, y| Some((u, y)),
-            &["rich record 1 and rich record 2 are the same"],
+            &["large-signal record 1 and large-signal record 2 are the same"],
         ),
         ("--data small.csv", &[], |_, u, y| Some((u, y)), &[]),
     ];

@@ -52,7 +52,7 @@ fn each_defect_is_named_with_its_place_by_identify_validate_and_the_report() {
         bench
             .run(&format!("identify --data {file} --operator prandtl-ishlinskii --ts 5e-4 -o new.json"))
             .ok()
-            .says(&[&["note: rich record: "], says].concat());
+            .says(&[&["note: large-signal record: "], says].concat());
         bench.run(&format!("report --model model.json --data {file} --ts 5e-4 -o page.html")).ok();
         // Sentences there begin with a capital.
         assert!(bench.text("page.html").contains(&says[0][1..]), "{name}");

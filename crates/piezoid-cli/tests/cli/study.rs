@@ -1,17 +1,29 @@
 //! The paper's experiment from end to end.
 
-use crate::bench::{Bench, number};
+use crate::bench::{Bench, Run, number};
 use crate::workflow::assert_self_contained;
 use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
+/// A study of the paper's plant, what it said, and where.
+fn of_the_papers_plant() -> (Bench, Run) {
+    let bench = Bench::new();
+    let run = bench.run("study --plant paper --out a/b --json study.json").ok();
+    (bench, run)
+}
+
+/// One for all tests.
+static PAPER: LazyLock<(Bench, Run)> = LazyLock::new(of_the_papers_plant);
 
 #[test]
 fn the_study_of_the_papers_plant_shows_what_the_paper_shows() {
-    let bench = Bench::new();
-    let run = bench.run("study --plant paper --out out --json study.json").ok();
-    assert_eq!(run.err, "");
-    let run = run.prints(&["PLANT paper", "Table 1", "on the stepped sine", "Table 2", "Report: "]);
-    assert!(run.out.contains("\n5     ") && run.out.contains("of 7 steps"), "{}", run.out);
-    assert!(run.out.lines().all(|line| line.chars().count() <= 80), "{}", run.out);
+    let (bench, Run { out, err, .. }) = &*PAPER;
+    assert_eq!(err, "");
+    for part in ["PLANT paper", "Table 1", "on the stepped sine", "Table 2", "Report: "] {
+        assert!(out.contains(part), "`{part}` is missing: {out}");
+    }
+    assert!(out.contains("\n5     ") && out.contains("of 7 steps"), "{out}");
+    assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
 
     let json = bench.json("study.json");
     let of = |hz: f64, method: &str| {
@@ -75,22 +87,16 @@ fn the_pages_and_figures_are_whole_for_both_plants() {
 
 #[test]
 fn two_studies_give_the_same_bytes() {
-    let [once, again] = [(); 2].map(|()| {
-        let bench = Bench::new();
-        let run = bench.run("study --plant pl140 --out a/b --json tables.json --quiet").ok();
-        (run.out, run.err, bench.files())
-    });
+    let [once, again] = [&*PAPER, &of_the_papers_plant()].map(|(bench, run)| (run.out.clone(), bench.files()));
     assert!(once == again);
-    let other = Bench::new();
-    other.run("study --plant pl140 --out a/b --json tables.json --seed 2").ok();
-    assert_ne!(once.2["tables.json"], other.bytes("tables.json"));
 }
 
 #[test]
-fn json_on_stdout_stands_there_alone() {
-    let bench = Bench::new();
-    let json = bench.run("study --plant paper --json -").ok().out_json();
+fn json_on_stdout_stands_there_alone_and_another_seed_gives_another_study() {
+    let other = Bench::new();
+    let json = other.run("study --plant paper --seed 2 --json -").ok().out_json();
     assert!(json["table1"].is_array() && json["table2"].is_array());
+    assert_ne!(json, PAPER.0.json("study.json"));
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn a_model_is_identified_and_predicts_its_own_data() {
         "one frequency (5",
         "PRBS",
     ]);
-    bench.run("identify --method paper --small-signal prbs.csv -o floor.json").ok().says(&["no rich record"]);
+    bench.run("identify --method paper --small-signal prbs.csv -o floor.json").ok().says(&["no large-signal record"]);
     bench
         .run(
             "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --order 3 --estimator least-squares -o m3.json",

@@ -1,11 +1,13 @@
 //! C on an emulated Cortex-M4F: the same bits as here, and how many instructions a step takes.
 
-use crate::{TS, exported, models, run, there};
+use crate::{TS, exported, models, run, there, together};
 use piezoid::Model;
 use piezoid::hysteresis::{BasisDesign, Operator};
 use piezoid::linear::Arx;
 use piezoid_export::{ExportRequest, ExportedProgram};
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::LazyLock;
 
 const BUILD: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -ffp-contract=off -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \
                      -mfpu=fpv4-sp-d16 -nostartfiles --specs=rdimon.specs";
@@ -17,6 +19,7 @@ const BOARD: &str = "qemu-system-arm -M mps2-an386 -nographic -monitor none -ser
 /// What a step of each entry takes [instructions].
 #[derive(Debug)]
 struct Taken {
+    model: String,
     step: String,
     mean: f64,
     most: f64,
@@ -24,29 +27,40 @@ struct Taken {
     flash: usize,
 }
 
-/// Builds, runs the self-test on the board, and counts.
-fn on_the_board(wanted: &ExportRequest) -> Vec<Taken> {
-    let (name, folder) = (wanted.options.name, tempfile::tempdir().unwrap());
-    exported("c", wanted, folder.path());
+/// One firmware of all models: the self-tests on the board, and what each step takes.
+static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().unwrap();
+    let mut models: BTreeMap<String, Model> = models().into_iter().collect();
+    models.insert("papers".into(), papers_model());
+    models.insert("fifteen".into(), fifteen_plays());
+    let names: Vec<String> = models.keys().cloned().collect();
+    let files = together(folder.path(), &names, |name| {
+        let wanted = ExportRequest::new(&models[name], name).single(true);
+        exported("c", &wanted, folder.path());
+        counting(name, &ExportedProgram::new(&wanted).unwrap())
+    });
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/cortex");
-    std::fs::write(folder.path().join("count.c"), counting(name, &ExportedProgram::new(wanted).unwrap())).unwrap();
     let [start, board] = ["start.c", "board.ld"].map(|file| here.join(file).display().to_string());
-    run(folder.path(), &format!("{BUILD} -T {board} {name}.c count.c {start} -o firmware.elf"));
-    run(folder.path(), &format!("{BUILD} -c {name}.c -o alone.o"));
-    let sizes = run(folder.path(), "arm-none-eabi-size alone.o");
-    let flash = sizes.lines().nth(1).and_then(|line| line.split_whitespace().next()).unwrap().parse().unwrap();
+    run(folder.path(), &format!("{BUILD} -c {files} {start}"));
+    run(folder.path(), &format!("{BUILD} -T {board} {} start.o -o firmware.elf", files.replace(".c", ".o")));
     let said = run(folder.path(), BOARD);
-    assert!(!said.contains("0 of 0") && said.contains(": 0 of 400 differ"), "{said}");
+    let flash = |name: &str| {
+        assert!(said.contains(&format!("\n{name}_step: 0 of 400 differ")), "{name}\n{said}");
+        let sizes = run(folder.path(), &format!("arm-none-eabi-size {name}.o"));
+        sizes.lines().nth(1).and_then(|line| line.split_whitespace().next()).unwrap().parse().unwrap()
+    };
+    let flash: BTreeMap<&str, usize> = names.iter().map(|name| (name.as_str(), flash(name))).collect();
     let rows = said.lines().filter_map(|line| line.strip_prefix("took "));
     rows.map(|row| {
         let words: Vec<&str> = row.split(' ').collect();
         let instructions = |word: &str| word.parse::<f64>().unwrap() * 40.0 / 64.0;
-        Taken { step: words[0].into(), mean: instructions(words[1]) / 400.0, most: instructions(words[2]), flash }
+        let (mean, most) = (instructions(words[2]) / 400.0, instructions(words[3]));
+        Taken { model: words[0].into(), step: words[1].into(), mean, most, flash: flash[words[0]] }
     })
     .collect()
-}
+});
 
-/// A main that runs the self-test, and each entry once more under the clock.
+/// What runs the self-test, and each entry once more under the clock.
 fn counting(name: &str, whole: &ExportedProgram) -> String {
     let mut body = String::new();
     for entry in &whole.entries {
@@ -56,14 +70,14 @@ fn counting(name: &str, whole: &ExportedProgram) -> String {
         body += &format!(
             "    {{ {name}_{state} s; unsigned all = 0, most = 0; {name}_{}(&s);\n    for (int k = 0; k < 400; k++) {{ const unsigned from = ticks(); \
              kept = {name}_{}(&s{inputs}); const unsigned took = (ticks() - from - idle) & 0xFFFFFF; all += took; if (took > most) {{ most = took; }} }}\n    \
-             printf(\"took {} %u %u\\n\", all, most); }}\n",
+             printf(\"took {name} {} %u %u\\n\", all, most); }}\n",
             entry.reset, entry.step, entry.step,
         );
     }
     format!(
-        "#define main self_test\n#include \"{name}_test.c\"\n#undef main\nextern unsigned ticks(void);\nint main(void)\n{{\n    volatile float kept = 0.0f;\n    \
-         const unsigned before = ticks();\n    const unsigned idle = ticks() - before;\n    const int differs = self_test();\n{body}    (void)kept;\n    \
-         return differs;\n}}\n"
+        "#define main {name}_self_test\n#include \"{name}_test.c\"\nextern unsigned ticks(void);\nint {name}_part(void)\n{{\n    \
+         volatile float kept = 0.0f;\n    const unsigned before = ticks();\n    const unsigned idle = ticks() - before;\n    \
+         const int differs = {name}_self_test();\n{body}    (void)kept;\n    return differs;\n}}\n"
     )
 }
 
@@ -73,10 +87,8 @@ fn every_operator_gives_the_bits_of_this_machine_and_what_a_step_takes_is_told()
         return;
     }
     println!("| model | step | flash [bytes] | instructions, mean | most |\n|---|---|--:|--:|--:|");
-    for (name, model) in models() {
-        for taken in on_the_board(&ExportRequest::new(&model, &name).single(true)) {
-            println!("| {name} | `{}` | {} | {:.0} | {:.0} |", taken.step, taken.flash, taken.mean, taken.most);
-        }
+    for Taken { model, step, mean, most, flash } in ON_THE_BOARD.iter() {
+        println!("| {model} | `{step}` | {flash} | {mean:.0} | {most:.0} |");
     }
 }
 
@@ -85,12 +97,8 @@ fn the_papers_model_takes_600_instructions_at_most_and_a_feed_forward_of_15_play
     if !(there("arm-none-eabi-gcc") && there("qemu-system-arm")) {
         return;
     }
-    let [papers, plays] = [papers_model(), fifteen_plays()];
-    let step = |model: &Model, name: &str| {
-        let taken = on_the_board(&ExportRequest::new(model, "m").single(true));
-        taken.into_iter().find(|t| t.step == name).unwrap()
-    };
-    let (model, feed_forward) = (step(&papers, "step"), step(&plays, "ff_step"));
+    let step = |model: &str, step: &str| ON_THE_BOARD.iter().find(|t| t.model == model && t.step == step).unwrap();
+    let (model, feed_forward) = (step("papers", "step"), step("fifteen", "ff_step"));
     println!("{model:?}\n{feed_forward:?}");
     assert!(model.most <= 600.0 && feed_forward.most <= 1500.0, "{model:?}, {feed_forward:?}");
 }

@@ -19,7 +19,7 @@ use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
-use piezoid_export::{ExportRequest, Exported, target};
+use piezoid_export::{ExportRequest, ExportTarget, Exported};
 use skipped::skipped;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -37,6 +37,12 @@ fn models() -> Vec<(String, Model)> {
     models
 }
 
+/// Each in double and in single precision, under names of their own.
+fn in_both_precisions(models: impl IntoIterator<Item = (String, Model)>) -> Vec<(String, Model, bool)> {
+    let both = |(name, model): (String, Model)| [(name.clone(), model.clone(), false), (name + "_single", model, true)];
+    models.into_iter().flat_map(both).collect()
+}
+
 fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
     let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
@@ -46,9 +52,9 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
 
 /// What `target` makes of a model, written into a folder.
 fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exported {
-    let made = (target(target_name).unwrap().make)(wanted).unwrap();
-    for File { path, bytes } in &made.files {
-        let path = folder.join(path);
+    let made = (ExportTarget::find(target_name).unwrap().make)(wanted).unwrap();
+    for File { name, bytes } in &made.files {
+        let path = folder.join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, bytes).unwrap();
     }
@@ -67,14 +73,32 @@ fn there(tool: &str) -> bool {
 
 const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
 
-/// Builds the self-test in a folder with the compilers there are, so strictly, unoptimised and optimised, watched and not: it finds no
-/// difference.
-fn self_tested(folder: &Path, name: &str, strict: &str) {
+/// Writes one program of all models in a folder, which says the name of each, then calls its `int NAME_part(void)` from the text that
+/// `part` gives; its files.
+fn together(folder: &Path, names: &[String], part: impl Fn(&str) -> String) -> String {
+    let (mut declared, mut called, mut files) = (String::new(), String::new(), String::from("all.c"));
+    for name in names {
+        std::fs::write(folder.join(format!("{name}_part.c")), part(name)).unwrap();
+        declared += &format!("int {name}_part(void);\n");
+        called += &format!("    puts(\"{name}:\");\n    fflush(stdout);\n    failed += {name}_part();\n");
+        files += &format!(" {name}.c {name}_part.c");
+    }
+    let main = format!("int main(void)\n{{\n    int failed = 0;\n{called}    return failed == 0 ? 0 : 1;\n}}\n");
+    std::fs::write(folder.join("all.c"), format!("#include <stdio.h>\n{declared}{main}")).unwrap();
+    files
+}
+
+/// Builds one program of all self-tests in a folder with the compilers there are, so strictly, unoptimised and optimised, watched and
+/// not: it finds no difference.
+fn self_tested(folder: &Path, names: &[String], strict: &str) {
+    let files = together(folder, names, |name| format!("#define main {name}_part\n#include \"{name}_test.c\"\n"));
     let builds = [("gcc", "-O0", WATCHED), ("gcc", "-O3", ""), ("clang", "-O0", ""), ("clang", "-O3", WATCHED)];
     for (compiler, level, watched) in builds.into_iter().filter(|(compiler, ..)| there(compiler)) {
-        run(folder, &format!("{compiler} {strict} {level} {watched} {name}.c {name}_test.c -o self_test"));
+        run(folder, &format!("{compiler} {strict} {level} {watched} {files} -o self_test"));
         let said = run(folder, "./self_test");
-        assert!(said.contains(": 0 of 400 differ"), "{said}");
+        for name in names {
+            assert!(said.contains(&format!("\n{name}_step: 0 of 400 differ")), "{name}\n{said}");
+        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! The class in GNU Octave, and the S-functions behind a stand-in for Simulink.
 
-use crate::{TS, exported, model, models, run, there};
+use crate::{TS, exported, in_both_precisions, model, models, run, there};
 use piezoid::Model;
 use piezoid::control::Pi;
+use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
 use piezoid::record::Units;
-use piezoid_export::{ExportRequest, ExportedProgram, target};
+use piezoid_export::{ExportRequest, ExportTarget, ExportedProgram};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,14 +16,18 @@ fn controller() -> Pi {
     Pi::new(TS, 0.05, 20.0, (-30.0, 30.0)).unwrap()
 }
 
-/// A model with a resonance and creep, one of them behind a driver, and one that answers in the same sample.
-fn kinds() -> Vec<(String, Model)> {
-    let mut kinds = models();
-    kinds.retain(|(name, _)| ["bouc_wen", "driven_plays"].contains(&name.as_str()));
-    let plays = (piezoid::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
-    let direct = Model::new(plays, Arx::new(TS, vec![0.6], vec![0.3, 0.2]).unwrap(), 2.0).unwrap();
-    kinds.push(("direct".into(), direct));
-    kinds
+/// One that answers in the same sample.
+fn direct() -> (String, Model) {
+    let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+    let block = Arx::new(TS, vec![0.6], vec![0.3, 0.2]).unwrap();
+    ("direct".into(), Model::new(plays, block, 2.0).unwrap())
+}
+
+/// A model with a resonance and creep, one of them behind a driver, and one that answers in the same sample, in both precisions.
+fn kinds() -> Vec<(String, Model, bool)> {
+    let kinds = ["bouc_wen", "driven_plays", "direct"];
+    let models = models().into_iter().chain([direct()]).filter(|(name, _)| kinds.contains(&name.as_str()));
+    in_both_precisions(models)
 }
 
 /// Runs a script; what it prints and whether it ends well. What Octave 7 says of itself when it ends is left out.
@@ -40,24 +45,22 @@ fn in_octave_the_class_gives_the_same_bits_for_every_operator_and_in_either_prec
     if !there("octave-cli") {
         return;
     }
-    let controller = controller();
-    for (models, single) in [(models(), false), (kinds(), false), (kinds(), true)] {
-        let folder = tempfile::tempdir().unwrap();
-        let (mut script, mut expected) = (String::new(), String::new());
-        for (name, model) in &models {
-            let wanted =
-                ExportRequest { controller: Some(&controller), ..ExportRequest::new(model, name).single(single) };
-            exported("simulink", &wanted, folder.path());
-            script += &format!("{name}_test();\n");
-            for entry in ExportedProgram::new(&wanted).unwrap().entries {
-                let (prefix, unit) = (entry.step.trim_end_matches("step"), &entry.output.unit);
-                for (what, n) in [("simulate", 400), ("simulate of a row", 9), ("step", 40)] {
-                    expected += &format!("{name}, {prefix}{what}: 0 of {n} differ, by 0 {unit} at most\n");
-                }
+    let (controller, folder) = (controller(), tempfile::tempdir().unwrap());
+    let (mut script, mut expected) = (String::new(), String::new());
+    let every = models().into_iter().chain([direct()]).map(|(name, model)| (name, model, false));
+    for (name, model, single) in every.chain(kinds().into_iter().filter(|(.., single)| *single)) {
+        let wanted =
+            ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, &name).single(single) };
+        exported("simulink", &wanted, folder.path());
+        script += &format!("{name}_test();\n");
+        for entry in ExportedProgram::new(&wanted).unwrap().entries {
+            let (prefix, unit) = (entry.step.trim_end_matches("step"), &entry.output.unit);
+            for (what, n) in [("simulate", 400), ("simulate of a row", 9), ("step", 40)] {
+                expected += &format!("{name}, {prefix}{what}: 0 of {n} differ, by 0 {unit} at most\n");
             }
         }
-        assert_eq!(octave(folder.path(), &script), (expected, true), "single {single}");
     }
+    assert_eq!(octave(folder.path(), &script), (expected, true));
 }
 
 #[test]
@@ -145,15 +148,11 @@ fn the_s_functions_are_handed_to_mex_one_by_one_and_put_into_a_model_if_asked() 
     }
 }
 
-/// Compiles an S-function behind the stand-in and runs it on `inputs`: the outputs, and what it says of itself.
-fn simulated(folder: &Path, name: &str, sfun: &str, inputs: &[Vec<f64>]) -> (Vec<f64>, String) {
-    let stand_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/simulink");
-    let stand_in = stand_in.to_str().unwrap();
-    let gcc = "gcc -std=c99 -pedantic -Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off -fsanitize=address,undefined";
-    run(folder, &format!("{gcc} -I {stand_in} -c {sfun}.c -o as_for_simulink_coder.o"));
-    run(folder, &format!("{gcc} -I {stand_in} -DMATLAB_MEX_FILE {sfun}.c {name}.c {stand_in}/engine.c -o {sfun}"));
-    let mut engine = Command::new(folder.join(sfun));
-    let mut child = engine.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+/// Runs an S-function behind the stand-in on `inputs`: the outputs, and what it says of itself.
+fn simulated(engine: &Path, sfun: &str, inputs: &[Vec<f64>]) -> (Vec<f64>, String) {
+    let mut engine = Command::new(engine);
+    let mut child =
+        engine.arg(sfun).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let bytes: Vec<u8> = inputs.iter().flatten().flat_map(|v| v.to_ne_bytes()).collect();
     child.stdin.take().unwrap().write_all(&bytes).unwrap();
     let output = child.wait_with_output().unwrap();
@@ -167,24 +166,39 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
     if !there("gcc") {
         return;
     }
-    let controller = controller();
-    for (name, model) in kinds() {
-        for single in [false, true] {
-            let folder = tempfile::tempdir().unwrap();
-            let wanted =
-                ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, &name).single(single) };
-            exported("simulink", &wanted, folder.path());
-            let whole = ExportedProgram::new(&wanted).unwrap();
-            for entry in &whole.entries {
-                let vectors = &entry.vectors;
-                let sfun = format!("{name}_{}sfun", entry.step.trim_end_matches("step"));
-                let (given, said) = simulated(folder.path(), &name, &sfun, &vectors.inputs);
-                assert!(given == vectors.outputs, "{sfun}, single {single}");
-                let direct = entry.step != "step" || name == "direct";
-                let expected = format!("Ts 0.00050000000000000001, feedthrough {}\n", i32::from(direct));
-                assert_eq!(said, expected, "{sfun}");
-            }
+    let (controller, folder) = (controller(), tempfile::tempdir().unwrap());
+    let (mut files, mut bare, mut listed, mut expected) = (String::new(), String::new(), String::new(), Vec::new());
+    for (name, model, single) in kinds() {
+        let wanted =
+            ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, &name).single(single) };
+        exported("simulink", &wanted, folder.path());
+        files += &format!(" {name}.c");
+        for entry in ExportedProgram::new(&wanted).unwrap().entries {
+            let sfun = format!("{name}_{}sfun", entry.step.trim_end_matches("step"));
+            let part = format!("#define s_function {sfun}_methods\n#include \"{sfun}.c\"\n");
+            std::fs::write(folder.path().join(format!("{sfun}_part.c")), part).unwrap();
+            files += &format!(" {sfun}_part.c");
+            bare += &format!(" {sfun}.c");
+            listed += &format!("S_FUNCTION({sfun})\n");
+            let direct = entry.step != "step" || name.starts_with("direct");
+            let says = format!("Ts 0.00050000000000000001, feedthrough {}\n", i32::from(direct));
+            expected.push((sfun, entry.vectors, says));
         }
+    }
+    std::fs::write(folder.path().join("all.h"), listed).unwrap();
+    let stand_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/simulink");
+    let stand_in = stand_in.to_str().unwrap();
+    let gcc = format!(
+        "gcc -std=c99 -pedantic -Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off -fsanitize=address,undefined \
+         -I . -I {stand_in}"
+    );
+    // As Simulink Coder does.
+    run(folder.path(), &format!("{gcc} -c{bare}"));
+    run(folder.path(), &format!("{gcc} -DMATLAB_MEX_FILE{files} {stand_in}/engine.c -o engine"));
+    for (sfun, vectors, says) in expected {
+        let (given, said) = simulated(&folder.path().join("engine"), &sfun, &vectors.inputs);
+        assert!(given == vectors.outputs, "{sfun}");
+        assert_eq!(said, says, "{sfun}");
     }
 }
 
@@ -198,7 +212,8 @@ fn names_that_matlab_or_octave_has_taken_are_refused() {
         ("2fast", "must be a letter"),
         ("an_actuator_of_forty_one_characters_a_name", "must be a letter"),
     ] {
-        let error = (target("simulink").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
+        let error =
+            (ExportTarget::find("simulink").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
         assert!(error.contains(name) && error.contains(says), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::structured_text::{Library, Value};
 use crate::{exported, models, there};
-use piezoid_export::{ExportRequest, target};
+use piezoid_export::{ExportRequest, ExportTarget};
 use std::process::Command;
 
 #[test]
@@ -10,7 +10,8 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
     let mut tried = 0;
     for (name, model) in models() {
         for single in [false, true] {
-            let made = (target("st").unwrap().make)(&ExportRequest::new(&model, &name).single(single)).unwrap();
+            let made =
+                (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name).single(single)).unwrap();
             let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
             let library = Library::read(&texts.collect::<String>(), single);
             let mut program = library.instance(&format!("{name}_test"));
@@ -18,7 +19,7 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
             let Value::Struct(_, room) = program else { panic!("{name}") };
             assert_eq!(
                 [&room["differs"], &room["sample"]],
-                [&Value::Whole(0), &Value::Whole(400)],
+                [&Value::ExportedProgram(0), &Value::ExportedProgram(400)],
                 "{name}, single {single}"
             );
             tried += 1;
@@ -30,14 +31,14 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
 #[test]
 fn a_sample_that_differs_is_found() {
     let (name, model) = models().swap_remove(0);
-    let made = (target("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
+    let made = (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
     let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
     let text = texts.collect::<String>().replace("offset : LREAL := 2.0", "offset : LREAL := 2.0000001");
     let library = Library::read(&text, false);
     let mut program = library.instance(&format!("{name}_test"));
     (0..10).for_each(|_| library.cycle(&mut program));
     let Value::Struct(_, room) = program else { panic!("{name}") };
-    assert_eq!(room["differs"], Value::Whole(10));
+    assert_eq!(room["differs"], Value::ExportedProgram(10));
 }
 
 #[test]

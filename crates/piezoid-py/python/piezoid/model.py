@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _files, _html, _piezoid
-from ._checks import number, whole
+from ._checks import whole
 from ._checks import limits as checked
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units

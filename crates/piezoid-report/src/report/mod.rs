@@ -138,7 +138,8 @@ mod tests {
         let made = json!({
             "command": "piezoid identify <here>",
             "trials": [
-                {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no & why"},
+                {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no \
+                    & why"},
                 {"operator": "duhem", "parameters": 9, "held_out_percent": 0.5, "verdict": "as good", "refused": null},
                 {"operator": "dahl", "parameters": 2, "held_out_percent": 0.25, "verdict": "taken", "refused": null},
             ],
@@ -170,9 +171,13 @@ mod tests {
         let creep = piezoid::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
         let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();
         let full = report(&full, &NONE).html();
-        for said in
-            ["4.500 % together", "Creep after a step", "at most 6", "of delay or of faster modes", "too fast to see"]
-        {
+        for said in [
+            "4.500 % together",
+            "Creep after a step",
+            "at most 6",
+            "of delay or of faster modes",
+            "above the observable range",
+        ] {
             assert!(full.contains(said), "{said}");
         }
     }

@@ -228,14 +228,21 @@ options! {
 }
 
 impl StudyOptions {
+    /// The plants to study.
+    ///
+    /// # Errors
+    /// No such plant.
+    pub fn plants(&self) -> Result<Vec<&'static Preset>, Error> {
+        let plants = self.plant.as_deref().map_or(vec!["paper", "pl140"], |name| vec![name]);
+        plants.into_iter().map(Preset::find).collect()
+    }
+
     /// The study of each plant.
     ///
     /// # Errors
     /// Returns an error for an unknown plant, and the errors of [`Study::run`].
     pub fn run(&self, progress: &mut Progress) -> Result<Vec<Study>, Error> {
-        let plants = self.plant.as_deref().map_or(vec!["paper", "pl140"], |name| vec![name]);
-        let plants = plants.into_iter().map(Preset::find).collect::<Result<Vec<_>, _>>()?;
-        plants.into_iter().map(|plant| Study::run(plant, self.seed, progress)).collect()
+        self.plants()?.into_iter().map(|plant| Study::run(plant, self.seed, progress)).collect()
     }
 }
 

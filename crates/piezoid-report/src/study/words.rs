@@ -1,4 +1,4 @@
-//! The results of the study in text.
+//! What the study found, in words.
 
 use super::figures::FLOOR;
 use super::{AMPLITUDE, Frequency, METHODS, RISING, Study, TS, TestSignal};
@@ -17,13 +17,13 @@ pub(super) fn percent(x: f64) -> String {
 }
 
 impl Study {
-    /// The conclusions of a study, in paragraphs separated by empty lines.
+    /// What the errors of a study say, in paragraphs that an empty line parts.
     pub fn verdict(&self) -> String {
         paragraphs(self).join("\n\n")
     }
 }
 
-/// Compared with the paper's Table 1; with the other reading of the rule; over all frequencies; of the joint model.
+/// Beside the paper's Table 1; by another reading; over all frequencies; of the joint model.
 pub(super) fn paragraphs(study: &Study) -> [String; 4] {
     [against_table_1(study), by_upper_rule(study), over_frequencies(study), joint(study)]
 }
@@ -32,13 +32,13 @@ fn error(f: &Frequency, method: &str) -> f64 {
     f.row(method).map_or(f64::NAN, |r| r.metrics.mse)
 }
 
-/// The frequencies with a property: "5, 20 and 40".
+/// The frequencies of which this is so: "5, 20 and 40".
 fn at_hz(study: &Study, is: impl Fn(&Frequency) -> bool) -> Option<String> {
     let some: Vec<f64> = study.frequencies.iter().filter(|f| is(f)).map(|f| f.hz).collect();
     (!some.is_empty()).then(|| join(&some))
 }
 
-/// The errors of the methods at all frequencies, and the paper's statements beyond its Table 1.
+/// What the methods leave at all frequencies, and what the paper reports beyond its Table 1.
 fn over_frequencies(study: &Study) -> String {
     let rms = |method: &str| {
         let of = |f: &Frequency| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
@@ -47,45 +47,44 @@ fn over_frequencies(study: &Study) -> String {
     };
     let [(worst, worst_hz), (linear, _)] = ["held-direction", "linear"].map(rms);
     let needless = at_hz(study, |f| error(f, "linear") < error(f, "printed-rule"))
-        .map_or(String::new(), |hz| format!(" At {hz} Hz such a model has a smaller error than the rule as printed."));
+        .map_or(String::new(), |hz| format!(" At {hz} Hz its error is smaller than that of the rule as printed."));
     let other = |f: &Frequency, method: &str| 1.01 * error(f, method) < error(f, "held-direction");
     let beaten = METHODS.iter().filter(|method| method.name != "joint").filter_map(|method| {
         let hz = at_hz(study, |f| other(f, method.name))?;
-        Some(format!(" At {hz} Hz `{}` has a smaller error than the direction held.", method.name))
+        Some(format!(" At {hz} Hz the error of `{}` is smaller than with the direction held.", method.name))
     });
     let beaten: String = beaten.collect();
     let width = |f: &Frequency| 100.0 * f.own.found.branches.width().abs();
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
     let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
         format!(
-            " With the estimated block the loop of z grows to {:.0} % of its height at {} Hz, compared with {:.0} % at \
-            {} Hz: the branches of that frequency contain the error of the block, and would be wrong for another \
-            signal.",
+            " With the estimated block the loop of z is {:.0} % of its height wide at {} Hz, and {3:.0} % at {2} Hz: \
+            the branches of the first frequency absorb the error of the block, and would be wrong for another signal.",
             width(f),
             f.hz,
-            width(&study.frequencies[0]),
             study.frequencies[0].hz,
+            width(&study.frequencies[0])
         )
     });
     let beyond: Vec<&Frequency> = study.frequencies.iter().filter(|f| f.hz > 80.0).collect();
     let listed = |words: &dyn Fn(&Frequency) -> String| join(&beyond.iter().map(|f| words(f)).collect::<Vec<_>>());
-    let inverted = |found: &dyn Fn(&Frequency) -> f64| {
+    let turned = |found: &dyn Fn(&Frequency) -> f64| {
         at_hz(study, |f| found(f) < 0.0).map_or("no frequency".into(), |hz| format!("{hz} Hz"))
     };
     format!(
-        "With the direction held the worst frequency is {worst_hz} Hz, with {worst:.2} % rms of peak-to-peak; the \
-        error of a model without hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} Above 80 Hz the paper \
-        reports an error that grows rapidly, and above the resonance an inverted loop. Here the error of the rule as \
-        printed is {} mm² at {} Hz; the loop is inverted at {} with the estimated block, and at {} with that of the \
-        paper's Table 2.",
+        "With the direction held the error is largest at {worst_hz} Hz: {worst:.2} % rms of peak-to-peak. The error of \
+        a model without hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} The paper reports an error that \
+        grows rapidly beyond 80 Hz, and an inverted loop above the resonance. Here the error of the rule as printed is \
+        {} mm² at {} Hz. The loop is inverted at {} with the estimated block, and at {} with that of the paper's Table \
+        2.",
         listed(&|f| mse(error(f, "printed-rule"))),
         listed(&|f| f.hz.to_string()),
-        inverted(&|f| f.own.found.branches.width()),
-        inverted(&|f| f.by_table_2.found.branches.width()),
+        turned(&|f| f.own.found.branches.width()),
+        turned(&|f| f.by_table_2.found.branches.width()),
     )
 }
 
-/// The paper's Table 1, compared with the errors for the test signal of the study.
+/// The paper's Table 1 beside what is left with the test signal of the study.
 fn against_table_1(study: &Study) -> String {
     let at =
         |method: &str, hz: f64| study.frequencies.iter().find(|f| f.hz == hz).map_or(f64::NAN, |f| error(f, method));
@@ -96,14 +95,14 @@ fn against_table_1(study: &Study) -> String {
     let (least, most) = ends(over("table2-arx"));
     let by_its_own = TestSignal::nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
         let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
-        format!("; for the test signal closest with that block, a {signal}, the deviation is up to {off:.0} %")
+        format!("; with the test signal that suits that block best, a {signal}, it deviates by up to {off:.0} %")
     });
     format!(
         "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of \
         {used} steps, and a linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; \
         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. With the \
-        direction held it is at most {} mm² at these four. With the linear block of the paper's Table 2 the error of \
-        the rule as printed is {least:.0} to {most:.0} times the paper's value{by_its_own}.",
+        direction held it is at most {} mm² at these four frequencies. With the linear block of the paper's Table 2 \
+        the error of the rule as printed is {least:.0} to {most:.0} times the paper's{by_its_own}.",
         chosen(study),
         join(&of("printed-rule").map(mse)),
         join(&hz),
@@ -115,7 +114,7 @@ fn against_table_1(study: &Study) -> String {
     )
 }
 
-/// The test signal of the study, and the one closest to the paper's Table 1.
+/// Which test signal is used, and which comes nearest to the paper's Table 1.
 fn chosen(study: &Study) -> String {
     let percent = |signal: &TestSignal| format!("{:.0} %", 100.0 * signal.deviation("printed-rule"));
     let used = study.test_signals.iter().find(|s| s.form == "stepped-sine" && s.steps == Study::STEPS_USED);
@@ -126,14 +125,14 @@ fn chosen(study: &Study) -> String {
     let tried = format!("stepped sines of {low} to {high} steps per period and staircases of as many levels");
     if nearest == used {
         format!(
-            "Of {tried}, a {} is the closest to its Table 1, within {}, and is used here.",
+            "Of {tried}, a {} comes nearest to its Table 1, within {}, and is used here.",
             used.words(),
             percent(used)
         )
     } else {
         format!(
-            "A {} is used here, the closest to its Table 1 on twin `paper`. On this twin it deviates by up to {}; of \
-            {tried}, a {} is the closest, and deviates by up to {}.",
+            "A {} is used here, because it comes nearest to Table 1 on the twin `paper`. On this twin it deviates by \
+            up to {}; of {tried}, a {} comes nearest, and deviates by up to {}.",
             used.words(),
             percent(used),
             nearest.words(),
@@ -142,15 +141,15 @@ fn chosen(study: &Study) -> String {
     }
 }
 
-/// The errors for the other reading of the rule: its "upper" branch is the one that lies above.
+/// What the other reading of the rule's words leaves: its "upper" branch as the one that lies above.
 fn by_upper_rule(study: &Study) -> String {
     let Some(signal) = TestSignal::nearest(&study.test_signals, TestSignal::UPPER_RULE) else { return String::new() };
     let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
     format!(
         "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which \
-        lies below in a piezo loop. If it is the branch that lies above, a {} is the closest to the paper's Table 1, \
-        with an error of {} mm² and a deviation of up to {:.0} %. Of {} test signals, {} deviate by at most {:.0} % \
-        with that reading, {} with the one used here.",
+        on a piezo loop lies below. If the branch that lies above is read instead, a {} comes nearest to the paper's \
+        Table 1: its errors are {} mm² and deviate by up to {:.0} %. Of {} test signals {} come within {:.0} % with \
+        that reading, {} with the one used here.",
         signal.words(),
         join(&signal.of(TestSignal::UPPER_RULE).map(mse)),
         100.0 * signal.deviation(TestSignal::UPPER_RULE),
@@ -161,10 +160,10 @@ fn by_upper_rule(study: &Study) -> String {
     )
 }
 
-/// A deviation from Table 1 that counts as small, as a share.
+/// A deviation from Table 1 that counts as near, as a share.
 const NEAR: f64 = 0.3;
 
-/// The caption of Table 1 over the test signal, with the effect of the steps at the highest frequency.
+/// What the figure of Table 1 over the test signal shows, and how much the steps matter at the highest frequency.
 pub(super) fn over_test_signals(study: &Study) -> String {
     let stepped = study.test_signals.iter().filter(|s| s.form == "stepped-sine");
     let last = Study::PRINTED_MSE.len() - 1;
@@ -176,9 +175,9 @@ pub(super) fn over_test_signals(study: &Study) -> String {
     format!(
         "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per \
         period; dashed: staircases, steps of equal height, against levels; the horizontal line is the paper's value. \
-        Errors below {FLOOR:e} mm² are drawn there. With the rule as printed, the error at {} Hz goes from {} mm² with \
-        {} steps to {} with {}; a period there has {:.0} samples, so that with more steps nothing is held. The rest of \
-        the study uses {used} steps.",
+        Errors below {FLOOR:e} mm² are drawn there. With the rule as printed, the error at {} Hz falls from {} mm² \
+        with {} steps to {} with {}; a period there has {:.0} samples, so that with as many steps or more no sample is \
+        held. The rest of the study uses {used} steps.",
         Study::PRINTED_MSE[last].0,
         mse(most.0),
         most.1,
@@ -189,22 +188,22 @@ pub(super) fn over_test_signals(study: &Study) -> String {
     )
 }
 
-/// The unknown units of Tables 1 and 2.
+/// What Tables 1 and 2 leave open of their units.
 pub(super) fn units(study: &Study) -> String {
     let moved = study.blocks[0].arx.dc_gain() * AMPLITUDE;
     format!(
-        "The paper does not state the units of its tables. Its Table 1 is assumed in mm², its Table 2 in mm/V. With \
-        the static gain of Table 2 {AMPLITUDE} V move the tip by {moved:.3} mm, where the catalogue has 1 mm. A sine \
-        of that height has a mean square of {:.4} mm², less than every value of Table 1: with {AMPLITUDE} V, the two \
+        "The paper states the unit of neither of its tables. Its Table 1 is taken in mm², its Table 2 in mm/V. By the \
+        static gain of Table 2 {AMPLITUDE} V move the tip by {moved:.3} mm, where the catalogue has 1 mm. A sine of \
+        that height has a mean square of {:.4} mm², less than every value of Table 1: with {AMPLITUDE} V, the two \
         tables can hardly both be in mm.",
         0.5 * moved * moved
     )
 }
 
-/// An error [% of peak-to-peak] that is impossible for a record with noise.
+/// An error [% of peak-to-peak] that no record with noise would leave.
 const EXACT: f64 = 1e-4;
 
-/// Advantages and disadvantages of the joint model.
+/// What the joint model gains, and where it does not.
 fn joint(study: &Study) -> String {
     let rms = |f: &Frequency, method: &str| f.row(method).map_or(f64::NAN, |r| r.metrics.rms_pp_percent);
     let (better, worse): (Vec<&Frequency>, Vec<&Frequency>) =
@@ -218,7 +217,7 @@ fn joint(study: &Study) -> String {
     };
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
     let mut words = format!(
-        "The joint model, {} identified once on rising sines of {} Hz, covers all frequencies.",
+        "The joint model, {} identified once on rising sines of {} Hz, is used at all frequencies.",
         study.joint.model.hysteresis().operator().name,
         rising.join(", ")
     );
@@ -226,26 +225,27 @@ fn joint(study: &Study) -> String {
         let (hz, range) = listed(&better);
         let place = if worse.is_empty() { "At every frequency".into() } else { format!("At {hz} Hz") };
         words += &format!(
-            " {place} its error is smaller than that of the branches made for this frequency alone, {range}. It \
-            inverts nothing, so its linear block may have as many modes as the records show. It also has a memory of \
-            reversals, but this test has reversals at the ends only."
+            " {place} its error is smaller than that of the branches made for that frequency alone: {range}. It \
+            inverts nothing, so its linear block may have as many modes as the records show. It also has minor loops, \
+            which this test does not exercise."
         );
     }
     if better.iter().any(|f| rms(f, "joint") < EXACT) {
-        words +=
-            " The error is this small because this twin follows the same law without noise; measured actuators do not.";
+        words += " The error is this small because this twin obeys that operator and has no noise; no measured \
+            actuator does.";
     }
     if !worse.is_empty() {
         let (hz, range) = listed(&worse);
-        words += &format!(" At {hz} Hz its error is {range}, larger than with the branches made for that frequency.");
+        words +=
+            &format!(" At {hz} Hz its error is larger than that of the branches made for that frequency: {range}.");
     }
     if study.joint.model.driver().is_some() {
-        words += " The lag and current limit of the driver are given to it, and to no other method.";
+        words += " It knows lag and current limit of the driver; the other methods do not.";
     }
     words
 }
 
-/// The records in which a limit of the plant was reached, one sentence per limit.
+/// The records in which a limit of the plant was reached, one sentence a limit.
 pub(super) fn limits_in_words(limits: &[(String, Saturation)]) -> Vec<String> {
     type Count = fn(&Saturation) -> usize;
     let kinds: [(&str, Count); 3] = [
@@ -261,7 +261,7 @@ pub(super) fn limits_in_words(limits: &[(String, Saturation)]) -> Vec<String> {
     kinds.iter().filter_map(sentence).collect()
 }
 
-/// Four decimals as in the paper's Table 2, without a sign on zero.
+/// Four decimals as in the paper's Table 2, without a sign on what rounds to zero.
 pub(super) fn four_decimals(x: f64) -> String {
     let text = format!("{x:.4}");
     if text == "-0.0000" { "0.0000".into() } else { text }

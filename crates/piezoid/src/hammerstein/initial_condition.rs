@@ -1,24 +1,24 @@
-//! What the actuator did before a record began.
+//! The initial condition of a record.
 
 use super::Model;
 use crate::series::mean;
 use crate::system::System;
 use crate::waveform::{in_motion, inputs_before};
 
-/// What the actuator did before a record.
+/// The state of the actuator before a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InitialCondition {
-    /// It was at rest, and jumped to the first input.
+    /// At rest; it jumps to the first input.
     Rest,
-    /// It went to the first input and settled there.
+    /// Settled at the first input.
     Settled,
-    /// The same as in the record: it was in motion.
+    /// In motion, as in the record.
     Motion,
 }
 
 impl InitialCondition {
-    /// All, those first that the inputs `u` of a record make likely.
+    /// All, in order of likelihood for the inputs `u` of a record.
     pub fn of(u: &[f64]) -> [Self; 3] {
         use InitialCondition::{Motion, Rest, Settled};
         if in_motion(u) { [Motion, Settled, Rest] } else { [Settled, Rest, Motion] }
@@ -26,8 +26,8 @@ impl InitialCondition {
 }
 
 impl Model {
-    /// The state before the first of the inputs `u`, if the record began like this. Of a record that began in motion it is
-    /// the state behind the inputs that may have come before, moved over by what the first input differs from them.
+    /// The state before the first of the inputs `u` for this initial condition. In motion it is the state after the
+    /// inputs that probably came before, shifted by the difference of the first input from them.
     pub fn before(&self, u: &[f64], initial_condition: InitialCondition) -> Vec<f64> {
         let Some(&first) = u.first() else { return self.initial() };
         match initial_condition {
@@ -69,11 +69,11 @@ mod tests {
     }
 
     #[test]
-    fn creep_of_what_is_in_motion_stands_at_the_mean_of_its_inputs() {
+    fn creep_of_an_actuator_in_motion_is_at_the_mean_of_its_inputs() {
         let arx = Arx::gain(1e-3, 2.0).unwrap();
         let creep = Creep::logarithmic(1e-3, 0.05, 1.0, 100.0).unwrap();
         let model = Model::new((OPERATORS[0].example)(1e-3).unwrap(), arx, 0.0).unwrap().with_creep(creep).unwrap();
-        // At its top when it begins; creep has long settled at the middle, 50.
+        // It starts at its maximum; creep is settled at the mean, 50.
         let u = sine(50.0, TAU / 4.0);
         let first = |initial_condition| mean(&model.resume(&mut model.before(&u, initial_condition), &u)[..200]);
         let [motion, settled, rest] = InitialCondition::of(&u).map(first);

@@ -1,11 +1,11 @@
-//! Back through what the model does before its linear block: driver, hysteresis and creep, one sample at a time.
+//! Inversion of the blocks before the linear block (driver, hysteresis and creep), one sample at a time.
 
 use super::Model;
 use crate::hysteresis::{Inverted, between, with_scratch};
 use crate::system::System;
 
 impl Model {
-    /// z in the sample of `u`, from the state `x`, of which hysteresis and driver move on.
+    /// z for the input `u`. In the state `x` hysteresis and driver are updated.
     pub(crate) fn step_hidden(&self, x: &mut [f64], u: f64) -> f64 {
         let [hysteresis, _, _, driver] = self.parts(x);
         let mut z = [u];
@@ -13,7 +13,7 @@ impl Model {
         z[0]
     }
 
-    /// The input between `ends` that the next sample answers with `z`, or the nearest to it. The state `x` stays.
+    /// The input between `ends` whose next sample has this `z`, or the nearest to it. The state `x` does not change.
     pub(crate) fn invert_hidden(&self, x: &[f64], z: f64, ends: (f64, f64)) -> f64 {
         if self.driver.is_none() {
             return self.hysteresis.invert(&x[..self.hysteresis.order()], z, ends).u;
@@ -27,38 +27,38 @@ impl Model {
         found.u
     }
 
-    /// z where `u` has stood for long.
+    /// z settled at `u`.
     pub(crate) fn settled_hidden(&self, u: f64) -> f64 {
         self.step_hidden(&mut self.settled(u), u)
     }
 
-    /// What creep puts out in the sample of `u`, from the state `x`, of which all but the linear block moves on.
+    /// The output of creep for the input `u`. The state `x` is updated except for the linear block.
     pub(crate) fn step_before_linear(&self, x: &mut [f64], u: f64) -> f64 {
         let z = self.step_hidden(x, u);
         let [_, creep, ..] = self.parts(x);
         self.creep.step(creep, z)
     }
 
-    /// The input between `ends` for which creep puts out `wanted` in the next sample, and what it does put out. The state
-    /// `x` moves on by this input, all but the linear block.
-    pub(crate) fn invert_before_linear(&self, x: &mut [f64], wanted: f64, ends: (f64, f64)) -> Inverted {
+    /// The input between `ends` for which the next output of creep is `requested`, and the actual output. The state `x`
+    /// is updated by this input, except for the linear block.
+    pub(crate) fn invert_before_linear(&self, x: &mut [f64], requested: f64, ends: (f64, f64)) -> Inverted {
         let [_, creep, ..] = self.parts(x);
-        let z = self.creep.invert(creep, wanted);
+        let z = self.creep.invert(creep, requested);
         let u = self.invert_hidden(x, z, ends);
         Inverted { u, z: self.step_before_linear(x, u) }
     }
 
-    /// The input between `ends` that holds the output `y` for long, or the nearest to it.
+    /// The input between `ends` whose settled output is `y`, or the nearest to it.
     pub(crate) fn static_input(&self, y: f64, ends: (f64, f64)) -> f64 {
         self.static_input_before_linear((y - self.offset) / self.linear.dc_gain(), ends).u
     }
 
-    /// The input between `ends` for which creep puts out `wanted` where it has stood for long, and what it does put out.
-    pub(crate) fn static_input_before_linear(&self, wanted: f64, ends: (f64, f64)) -> Inverted {
-        between(ends, wanted, |u| self.settled_before_linear(u))
+    /// The input between `ends` for which the settled output of creep is `requested`, and the actual output.
+    pub(crate) fn static_input_before_linear(&self, requested: f64, ends: (f64, f64)) -> Inverted {
+        between(ends, requested, |u| self.settled_before_linear(u))
     }
 
-    /// What creep puts out where `u` has stood for long.
+    /// The output of creep settled at `u`.
     pub(crate) fn settled_before_linear(&self, u: f64) -> f64 {
         self.step_before_linear(&mut self.settled(u), u)
     }
@@ -74,7 +74,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn what_creep_put_out_leads_back_to_the_input_behind_a_driver_and_without() {
+    fn the_input_is_found_from_the_output_of_creep_with_and_without_a_driver() {
         let wander = |t: i32| 18.0 * (f64::from(t) * 0.05).sin() + 9.0 * (f64::from(t) * 0.173).sin();
         for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
             for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {

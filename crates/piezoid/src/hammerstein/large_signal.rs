@@ -1,7 +1,7 @@
-//! What rich records say about the linear block when there is no small-signal record beside them.
+//! The linear block from large-signal records, if there is no small-signal record.
 //!
-//! A block of p parameters needs at least p / 2 frequencies in its input, and one of them near each pole; with less,
-//! any fit is a guess that repairs the hysteresis block instead. Then a gain is left, and the reason is told.
+//! A block of p parameters needs at least p / 2 frequencies in its input, one of them near each pole. With fewer, a fit
+//! compensates errors of the hysteresis block. Then only a gain is used, and the reason is reported.
 
 use crate::error::Error;
 use crate::fourier::{LINE, power};
@@ -13,48 +13,48 @@ use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::system::System;
 
-/// Power of a spectral line, against the strongest, from which it counts as excited.
+/// Power of a spectral line over the strongest, from which it counts as excited.
 const EXCITED: f64 = 1e-4;
 
 /// The longest delay tried [samples].
 const DELAY_MAX: usize = 3;
 
-/// The error of a block with dynamics, over that of a gain, below which the dynamics are believed.
+/// The error of a block with dynamics over that of a gain, below which the dynamics are accepted.
 const CLEARLY_BETTER: f64 = 0.8;
 
-/// The linear block with the offset it was found with, and how it was found.
+/// The linear block with its offset and its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearPart {
     /// The block.
     pub arx: Arx,
-    /// Constant in the output [output unit].
+    /// Offset of the output [output unit].
     pub offset: f64,
-    /// The fit to small-signal or rich records; none where only a gain was found.
+    /// The fit to small-signal or large-signal records; `None` if only a gain was found.
     pub fit: Option<Fit>,
-    /// How it was found and why so, in words.
+    /// How it was found, and why.
     pub reason: String,
 }
 
-/// The linear block from rich records alone: as much of a block of order `n` as they can tell, with its delay. Where
-/// they do not tell a block of that order, lower ones are tried.
+/// The linear block from large-signal records alone: a block of order `n` with its delay, or the highest lower order
+/// that the records determine, or a gain.
 pub(super) fn linear_from_large_signal(records: &[Record], n: usize) -> Result<LinearPart, Error> {
     let (gain, lines) = (affine(records)?, lines(records));
-    let asked = of_order(records, n, gain, &lines)?;
-    for lower in (1..n).rev().take_while(|_| asked.fit.is_none()) {
+    let requested = of_order(records, n, gain, &lines)?;
+    for lower in (1..n).rev().take_while(|_| requested.fit.is_none()) {
         let part = of_order(records, lower, gain, &lines)?;
         if part.fit.is_some() {
-            let reason = format!("{}; of order {n} there would be left {}", part.reason, asked.reason);
+            let reason = format!("{}; for order {n} the result is {}", part.reason, requested.reason);
             return Ok(LinearPart { reason, ..part });
         }
     }
-    Ok(asked)
+    Ok(requested)
 }
 
-/// A block of order `n` for inputs that hold these frequencies [Hz], or else the gain that [`affine`] found and why.
+/// A block of order `n` for inputs with these frequencies [Hz], or the gain that [`affine`] found, with the reason.
 fn of_order(
     records: &[Record],
     n: usize,
-    (gain, offset, left_by_gain): (f64, f64, f64),
+    (gain, offset, residual_of_gain): (f64, f64, f64),
     lines: &[f64],
 ) -> Result<LinearPart, Error> {
     let plain = |reason: String| {
@@ -62,7 +62,7 @@ fn of_order(
         Ok(LinearPart { arx, offset, fit: None, reason })
     };
     if let Some(why) = missing_excitation(lines, n) {
-        return plain(format!("{why}; add a small-signal PRBS record to learn the dynamics"));
+        return plain(format!("{why}; add a small-signal PRBS record to identify the dynamics"));
     }
     let highest = lines.iter().fold(0.0f64, |h, &l| h.max(l));
     let least_squares = linear::Estimator::find("least-squares")?;
@@ -70,35 +70,37 @@ fn of_order(
         .filter_map(|delay| {
             let orders = Orders { delay, ..Orders::of(n) };
             let fit = least_squares.fit(records, orders, &swarm::SwarmSettings::default(), &mut silent).ok()?;
-            Some((left_by(&fit, records)?, delay, fit))
+            Some((residual(&fit, records)?, delay, fit))
         })
         .collect();
-    // A block that waits is the simpler one: the longest delay that costs nothing.
+    // The longest delay without a larger residual is the simplest block.
     let best = candidates.iter().map(|c| c.0).fold(f64::INFINITY, f64::min);
-    let Some((left, delay, fit)) = candidates.into_iter().rfind(|c| c.0 <= 1.01 * best + 1e-9) else {
+    let Some((share, delay, fit)) = candidates.into_iter().rfind(|c| c.0 <= 1.01 * best + 1e-9) else {
         return plain(format!("no stable block of order {n} fits the data"));
     };
     let fastest = fit.arx.poles().iter().map(|p| p.hz).fold(0.0, f64::max);
     if fastest > 1.5 * highest {
         return plain(format!(
-            "the fit puts a pole at {fastest:.1} Hz but the input ends at {highest:.1} Hz, so nothing in the data shows it"
+            "the fit has a pole at {fastest:.1} Hz but the input ends at {highest:.1} Hz, so the data do not support it"
         ));
     }
-    if left > CLEARLY_BETTER * left_by_gain {
+    if share > CLEARLY_BETTER * residual_of_gain {
         return plain(format!(
-            "a block of order {n} leaves {left:.3} of the output's rms in free run, no clear gain over the {left_by_gain:.3} that a gain leaves"
+            "the free-run residual of a block of order {n} is {share:.3} of the output's rms, no clear improvement \
+             over {residual_of_gain:.3} with a pure gain"
         ));
     }
     let reason = format!(
-        "order {n} with a delay of {delay} samples, by least squares on the rich records ({} frequencies up to {highest:.0} Hz): \
-         it leaves {left:.3} of the output's rms in free run, a gain {left_by_gain:.3}",
+        "order {n} with a delay of {delay} samples, by least squares on the large-signal records ({} frequencies up to \
+         {highest:.0} Hz): its free-run residual is {share:.3} of the output's rms, that of a gain \
+         {residual_of_gain:.3}",
         lines.len()
     );
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
-/// The gain that brings the inputs closest to the outputs, each record with an offset of its own; the offset of the
-/// first; and the share of the outputs' rms that is left.
+/// The gain of the best fit with one offset per record; the offset of the first record; and the residual over the
+/// outputs' rms.
 pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
     let means = |r: &Record| (mean(r.u()), mean(r.y()));
     let (mut uu, mut uy, mut yy) = (0.0, 0.0, 0.0);
@@ -114,7 +116,7 @@ pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
     if gain == 0.0 || !gain.is_finite() {
         let because = match uu {
             0.0 => "the input of every record is constant: drive the actuator with a sine or a PRBS".into(),
-            _ => format!("the output does not follow the input (covariance {uy}): are the columns the right ones?"),
+            _ => format!("the output does not depend on the input (covariance {uy}): check the columns"),
         };
         return Err(Error::Unidentifiable { what: "the gain".into(), because });
     }
@@ -122,8 +124,8 @@ pub(super) fn affine(records: &[Record]) -> Result<(f64, f64, f64), Error> {
     Ok((gain, my - gain * mu, ((yy - gain * uy).max(0.0) / yy).sqrt()))
 }
 
-/// The share of the output's rms that a stable fit leaves in free run.
-fn left_by(fit: &Fit, records: &[Record]) -> Option<f64> {
+/// The free-run residual of a stable fit over the output's rms.
+fn residual(fit: &Fit, records: &[Record]) -> Option<f64> {
     if !fit.arx.is_stable() {
         return None;
     }
@@ -135,29 +137,29 @@ fn left_by(fit: &Fit, records: &[Record]) -> Option<f64> {
     Some((error.sum::<f64>() / power.sum::<f64>()).sqrt())
 }
 
-/// Refuses records whose inputs hold too few frequencies for a block of order `n`.
+/// Returns an error if the inputs have too few frequencies for a block of order `n`.
 pub(super) fn require_excitation(records: &[Record], n: usize) -> Result<(), Error> {
     match missing_excitation(&lines(records), n) {
         None => Ok(()),
         Some(why) => Err(Error::Unidentifiable {
             what: "the linear block".into(),
-            because: format!("{why}; give a PRBS as the small-signal record, or this one as a rich record"),
+            because: format!("{why}; give a PRBS as the small-signal record, or this one as a large-signal record"),
         }),
     }
 }
 
-/// Why these frequencies do not suffice for a block of order `n`, if so.
+/// The reason why these frequencies are too few for a block of order `n`.
 fn missing_excitation(lines: &[f64], n: usize) -> Option<String> {
     let needed = Orders::of(n).parameters().div_ceil(2);
-    let held = match lines {
+    let frequencies = match lines {
         [] => "no frequency at all".into(),
         [one] => format!("one frequency ({} Hz)", round(*one)),
         many => format!("{} frequencies", many.len()),
     };
-    (lines.len() < needed).then(|| format!("the input holds {held}, and a block of order {n} needs {needed}"))
+    (lines.len() < needed).then(|| format!("the input has {frequencies}, but a block of order {n} needs {needed}"))
 }
 
-/// The frequencies [Hz] that the inputs of all records hold, those within a tenth of each other once.
+/// The frequencies [Hz] of the inputs of all records. Those within a tenth of each other count once.
 pub(super) fn lines(records: &[Record]) -> Vec<f64> {
     records.iter().flat_map(excited).fold(Vec::new(), |mut lines: Vec<f64>, hz| {
         if !lines.iter().any(|l| (l / hz - 1.0).abs() < 0.1) {
@@ -167,8 +169,8 @@ pub(super) fn lines(records: &[Record]) -> Vec<f64> {
     })
 }
 
-/// The frequencies [Hz] at which the input has power worth the name. A line is [`LINE`] bins wide, so bins in a row count
-/// as a line each that many.
+/// The frequencies [Hz] at which the input has significant power. A line is [`LINE`] bins wide; consecutive bins count
+/// as one line per that many.
 fn excited(record: &Record) -> Vec<f64> {
     let n = record.len();
     let power = power(record.u());
@@ -176,7 +178,7 @@ fn excited(record: &Record) -> Vec<f64> {
     let hz = |bin: f64| bin / (n as f64 * record.ts());
     let strong: Vec<usize> = (1..power.len()).filter(|&k| power[k] > EXCITED * strongest).collect();
     let runs = strong.chunk_by(|p, q| q - p == 1);
-    // Where the power of some bins lies, on average.
+    // The mean frequency of the power in some bins.
     let centre = |bins: &[usize]| {
         let (moment, sum) = bins.iter().fold((0.0, 0.0), |(m, s), &k| (m + k as f64 * power[k], s + power[k]));
         moment / sum
@@ -203,21 +205,21 @@ mod tests {
     }
 
     #[test]
-    fn one_frequency_leaves_a_gain_and_says_so() {
+    fn one_frequency_gives_a_gain_and_the_reason() {
         let part = linear_from_large_signal(&[record(&[5.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty());
         assert!(part.reason.contains("one frequency (5 Hz)"), "{}", part.reason);
     }
 
     #[test]
-    fn frequencies_through_the_resonance_give_the_block_with_its_delay_and_offset() {
+    fn frequencies_around_the_resonance_give_the_block_with_delay_and_offset() {
         let part = linear_from_large_signal(&[record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam())], 2).unwrap();
         assert!(part.reason.contains("delay of 2 samples"), "{}", part.reason);
         crate::testing::assert_close(&[part.arx.poles()[0].hz, part.offset], &[146.73, -40.0], 1e-3, 0.0);
     }
 
     #[test]
-    fn frequencies_far_below_the_resonance_do_not_show_it() {
+    fn frequencies_far_below_the_resonance_give_a_gain() {
         let part = linear_from_large_signal(&[record(&[1.0, 2.5, 4.0, 6.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty(), "{}", part.reason);
     }

@@ -1,4 +1,4 @@
-//! The loops of the hidden variable: the points of (u, z) of each frequency, gathered from the records and split.
+//! The loops of the hidden variable: the points (u, z) of the records, grouped by frequency and split into branches.
 
 use crate::error::Error;
 use crate::hysteresis::{Branches, MeasuredLoop, Split};
@@ -7,22 +7,22 @@ use crate::record::Record;
 use crate::series::{ends, mean};
 use crate::waveform::dominant_frequency;
 
-/// Frequencies that differ by less than this are one.
+/// Relative difference below which two frequencies are equal.
 const SAME_FREQUENCY: f64 = 0.02;
 
-/// The fewest samples a loop is made of.
+/// Minimum number of samples of a loop.
 const SHORTEST: usize = 16;
 
-/// Shift between records, over the peak-to-peak of z, from which it is worth a note.
+/// Shift between records, over the peak-to-peak of z, from which a note is written.
 const SHIFTED: f64 = 0.02;
 
-/// Share of points on the side their direction says, from which a loop is taken to be open.
+/// Share of points on the side of their direction, from which the loop counts as open.
 pub(super) const CLEAR: f64 = 0.6;
 
 /// A loop of the hidden variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HiddenLoop {
-    /// Its frequency [Hz], where the input has one.
+    /// Its frequency [Hz]; `None` if the input has no single one.
     pub frequency_hz: Option<f64>,
     /// Input [input unit].
     pub u: Vec<f64>,
@@ -32,11 +32,11 @@ pub struct HiddenLoop {
     pub found: MeasuredLoop,
 }
 
-/// The points of the records, by frequency, before they are split.
+/// The points of the records by frequency, not yet split.
 #[derive(Debug, Default)]
 pub(super) struct LoopPoints {
     points: Vec<Points>,
-    /// Of the first record, the ends of u and the mean of z.
+    /// Ends of u and mean of z of the first record.
     first: Option<((f64, f64), f64)>,
 }
 
@@ -48,17 +48,17 @@ struct Points {
 }
 
 impl LoopPoints {
-    /// Adds the points of a record, whose hidden variable is `z`, to those of the same frequency. Of three periods or
-    /// more the first is left out: a loop is closed only after the first turn. Sensors drift between records, so the z
-    /// of a record that runs between the same inputs as the first is shifted to the mean of the first; the note says so
-    /// where that is visible. Between other inputs the mean may differ by hysteresis, and is left.
+    /// Adds the points of a record with hidden variable `z` to those of the same frequency. If it has three periods or
+    /// more, the first is left out: loops close only after the first reversal. Because sensors drift, the z of a record
+    /// with the same input range as the first is shifted to the mean of the first; a large shift gives a note. With
+    /// another input range the mean may differ by hysteresis, and is kept.
     ///
     /// # Errors
-    /// [`Error::TooShort`] for less than a loop.
+    /// [`Error::TooShort`] if there is no complete loop.
     pub(super) fn add(&mut self, record: &Record, mut z: Vec<f64>) -> Result<Option<String>, Error> {
         if z.len() < SHORTEST {
-            let remedy = "record at least a period, better three".into();
-            let what = "the hidden variable of a rich record".into();
+            let remedy = "record at least one period, better three".into();
+            let what = "the hidden variable of a large-signal record".into();
             return Err(Error::TooShort { what, have: z.len(), need: SHORTEST, remedy });
         }
         let frequency_hz = dominant_frequency(record.u(), record.ts());
@@ -84,11 +84,13 @@ impl LoopPoints {
         let share = shift.abs() / (high - low);
         Ok((share > SHIFTED).then(|| {
             let share = round(100.0 * share);
-            format!("a rich record stands off the first by {share} % of its own height; the constant was taken off")
+            format!(
+                "the offset of a large-signal record differs from the first by {share} % of its height; it was removed"
+            )
         }))
     }
 
-    /// Makes one loop of all.
+    /// Merges all into one loop.
     pub(super) fn pool(&mut self) {
         if self.points.len() > 1 {
             let concat = |part: fn(&Points) -> &Vec<f64>| self.points.iter().flat_map(part).copied().collect();
@@ -99,7 +101,7 @@ impl LoopPoints {
     /// The loops, by rising frequency.
     ///
     /// # Errors
-    /// As [`Branches::of_loop`].
+    /// The errors of [`Branches::of_loop`].
     pub(super) fn split(mut self, bins: usize, split: Split) -> Result<Vec<HiddenLoop>, Error> {
         self.points.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
         let one = |Points { frequency_hz, u, z }| {
@@ -110,32 +112,33 @@ impl LoopPoints {
     }
 }
 
-/// Whether two inputs run between the same ends, to a twentieth of their range.
+/// True if two inputs have the same range, to a twentieth.
 fn alike((low, high): (f64, f64), (other_low, other_high): (f64, f64)) -> bool {
     (low - other_low).abs().max((high - other_high).abs()) <= 0.05 * (high - low)
 }
 
-/// What is odd about the loops, which were told apart by `split`.
+/// Remarks on the loops, which were split by `split`.
 pub(super) fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
     let unclear = named(loops, |found| found.agreement < CLEAR).map(|which| {
         let advice = match split {
-            Split::Line => ", and a split by direction may do better",
+            Split::Line => ", and a split by direction may be better",
             Split::Direction => "",
         };
         format!(
-            "{which} the points do not keep to the sides of the separating line: the loop crosses itself or drowns in noise{advice}"
+            "{which} the separating line does not split the points: the loop crosses itself or is hidden by \
+             noise{advice}"
         )
     });
-    let turned = named(loops, |found| found.agreement >= CLEAR && !found.ascending_below).map(|which| {
+    let inverted = named(loops, |found| found.agreement >= CLEAR && !found.ascending_below).map(|which| {
         format!(
-            "{which} the loop has turned round, rising input above falling: the linear block does not hold there, as above a \
-             resonance that it misses or that the sampling is too slow for"
+            "{which} the loop is inverted (ascending branch above descending): the linear block is wrong there, for \
+             example above a resonance that it lacks or that the sampling is too slow for"
         )
     });
-    unclear.into_iter().chain(turned).collect()
+    unclear.into_iter().chain(inverted).collect()
 }
 
-/// "At 5, 20 Hz", of the loops that `are` so, if any.
+/// "at 5, 20 Hz": the frequencies of the loops that `are` so, if any.
 pub(super) fn named(loops: &[HiddenLoop], are: impl Fn(&MeasuredLoop) -> bool) -> Option<String> {
     let some: Vec<Option<f64>> = loops.iter().filter(|l| are(&l.found)).map(|l| l.frequency_hz).collect();
     let hz: Vec<String> = some.iter().flatten().map(|hz| round(*hz)).collect();
@@ -162,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_that_drifted_is_brought_back_to_the_first_and_the_note_says_so() {
+    fn a_record_that_drifted_is_shifted_to_the_first_and_noted() {
         let mut gathered = LoopPoints::default();
         let (one, biased) = (record(20.0, 0.0), record(20.0, 5.0));
         assert_eq!(gathered.add(&one, lagging(&one, 0.0)).unwrap(), None);
@@ -174,8 +177,8 @@ mod tests {
     }
 
     #[test]
-    fn less_than_a_loop_is_refused() {
+    fn less_than_one_loop_is_an_error() {
         let error = LoopPoints::default().add(&record(20.0, 0.0), vec![0.0; 9]).unwrap_err().to_string();
-        assert!(error.contains("has 9 samples") && error.contains("at least a period"), "{error}");
+        assert!(error.contains("has 9 samples") && error.contains("at least one period"), "{error}");
     }
 }

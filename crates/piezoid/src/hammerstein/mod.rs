@@ -3,7 +3,7 @@
 //! ```text
 //! u -> (driver) -> hysteresis -> z -> creep -> linear -> + offset -> y
 //! ```
-//! The driver stands there where it is known; where it is not, the linear block holds what it does to small steps.
+//! The driver is a separate block if it is known; otherwise the linear block includes its effect on small steps.
 
 mod domain;
 mod initial_condition;
@@ -34,19 +34,19 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::sync::Arc;
 
-/// Samples that one block runs through before the next does: few enough to stay in the nearest cache.
+/// Samples that each block processes before the next one: few enough for the nearest cache.
 const STRETCH: usize = 512;
 
-/// Samples of which the voltages behind a driver are kept at a time.
+/// Samples whose voltages behind a driver are kept at a time.
 const SEEN: usize = 64;
 
 /// The schema number of model files.
 const SCHEMA: u64 = 1;
 
-/// u -> hysteresis -> creep -> linear -> y, with the units of the records it was identified on.
+/// u -> hysteresis -> creep -> linear -> y, with the units of the records that it was identified from.
 ///
-/// State: that of the hysteresis block, then of creep, then of the linear block; last, where there is a driver, its voltage
-/// and z at that instant.
+/// State: that of the hysteresis block, then of creep, then of the linear block; with a driver also its voltage and the
+/// z at that instant.
 ///
 /// ```
 /// use piezoid::{System, hammerstein::Model, hysteresis::Proportional, linear::Arx};
@@ -74,16 +74,16 @@ impl Model {
     /// The blocks in series; `offset` [output unit] is added to the output.
     ///
     /// # Errors
-    /// Refuses blocks of different sampling periods and an offset that is not finite.
+    /// Returns an error if the blocks have different sampling periods or the offset is not finite.
     pub fn new(hysteresis: Arc<dyn Hysteresis>, linear: Arx, offset: f64) -> Result<Self, Error> {
         Model::driven(None, hysteresis, linear, offset)
     }
 
-    /// The same behind a driver, of which the hysteresis block sees [`DriverModel::SUBSTEPS`] voltages a sample and must be sampled
-    /// as much faster.
+    /// The same behind a driver. The hysteresis block is sampled [`DriverModel::SUBSTEPS`] times faster than the linear
+    /// block.
     ///
     /// # Errors
-    /// As [`Model::new`].
+    /// The errors of [`Model::new`].
     pub fn driven(
         driver: Option<DriverModel>,
         hysteresis: Arc<dyn Hysteresis>,
@@ -100,48 +100,48 @@ impl Model {
     /// The same model with creep between the hysteresis and the linear block.
     ///
     /// # Errors
-    /// Refuses another sampling period.
+    /// Returns an error if the sampling periods differ.
     pub fn with_creep(self, creep: Creep) -> Result<Self, Error> {
         Record::same_sampling("creep", creep.ts(), "the linear block", self.linear.ts())?;
         Ok(Model { creep, ..self })
     }
 
-    /// The same model, said to be in other units.
+    /// The same model with other units.
     pub fn with_units(self, units: Units) -> Self {
         Model { units, ..self }
     }
 
-    /// The same model with a note on how it was made, kept as `fit` in its file.
+    /// The same model with its provenance, stored as `fit` in its file.
     pub fn with_provenance(self, made: Value) -> Self {
         Model { made, ..self }
     }
 
-    /// The same model with the data it was identified on, kept as `identified` in its file.
+    /// The same model with the range of the data it was identified from, stored as `identified` in its file.
     pub fn with_identified(self, domain: Domain) -> Self {
         Model { identified: Some(domain), ..self }
     }
 
-    /// The driver, where it is known.
+    /// The driver; `None` if it is unknown.
     pub fn driver(&self) -> Option<&DriverModel> {
         self.driver.as_ref()
     }
 
-    /// u to z.
+    /// The block from u to z.
     pub fn hysteresis(&self) -> &dyn Hysteresis {
         &*self.hysteresis
     }
 
-    /// What follows z slowly; without lags where there is none.
+    /// The creep block; it has no lags if there is no creep.
     pub fn creep(&self) -> &Creep {
         &self.creep
     }
 
-    /// z, with its creep, to y.
+    /// The block from z with creep to y.
     pub fn linear(&self) -> &Arx {
         &self.linear
     }
 
-    /// Constant in the output [output unit].
+    /// Offset of the output [output unit].
     pub fn offset(&self) -> f64 {
         self.offset
     }
@@ -151,22 +151,22 @@ impl Model {
         &self.units
     }
 
-    /// The data it was identified on; `None` if it does not say.
+    /// The range of the data it was identified from; `None` if unknown.
     pub fn identified(&self) -> Option<&Domain> {
         self.identified.as_ref()
     }
 
-    /// The lowest and the highest input it knows: those it was identified on, else those its hysteresis has.
+    /// The range of inputs it was identified from, otherwise the range of its hysteresis.
     pub fn known_inputs(&self) -> Option<(f64, f64)> {
         self.identified().map(|domain| (domain.u[0], domain.u[1])).or(self.hysteresis().range())
     }
 
-    /// How the model was made; null if it does not say.
+    /// The provenance of the model; null if unknown.
     pub fn provenance(&self) -> &Value {
         &self.made
     }
 
-    /// The model as a JSON document: the same model gives the same bytes.
+    /// The model as a JSON document; the same model gives the same bytes.
     pub fn to_json(&self) -> String {
         let document = Document {
             piezoid: SCHEMA,
@@ -184,23 +184,23 @@ impl Model {
         serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
     }
 
-    /// Reads what [`Model::to_json`] wrote.
+    /// Reads a document written by [`Model::to_json`].
     ///
     /// # Errors
-    /// What is not JSON, not a model, or of another schema number is refused with the place and what to do.
+    /// Returns an error, with the place and what to do, if the text is not JSON, not a model, or has another schema
+    /// number.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         let value: Value =
             serde_json::from_str(text).map_err(|e| Error::Content(format!("not a JSON document: {e}")))?;
         match &value["piezoid"] {
             Value::Number(n) if n.as_u64() == Some(SCHEMA) => {}
             Value::Null => {
-                let hint = "not a model file: it has no \"piezoid\" schema number";
-                return Err(Error::Content(hint.into()));
+                return Err(Error::Content("not a model file: it has no \"piezoid\" schema number".into()));
             }
             other => {
                 return Err(Error::Content(format!(
-                    "the model file has schema number {other}, but this version reads {SCHEMA}: read it with the version \
-                     that wrote it"
+                    "the model file has schema number {other}, but this version reads {SCHEMA}: read it with the \
+                     version that wrote it"
                 )));
             }
         }
@@ -245,7 +245,7 @@ struct LinearDocument {
 }
 
 impl Model {
-    /// What hysteresis and creep make of the input, from rest: what enters the linear block.
+    /// The response of hysteresis and creep to the input, from rest: the input of the linear block.
     pub fn crept(&self, u: &[f64]) -> Vec<f64> {
         let (mut x, mut z) = (self.initial(), u.to_vec());
         let [hysteresis, creep, _, driver] = self.parts(&mut x);
@@ -254,11 +254,11 @@ impl Model {
         z
     }
 
-    /// One step ahead from measured outputs: what the linear block foretells of `y[t]` from `u` up to t and `y` up to t-1. Before the
-    /// first sample the actuator rested.
+    /// One-step prediction: `y[t]` from `u` up to t and measured `y` up to t-1. The actuator is at rest before the
+    /// first sample.
     ///
     /// # Errors
-    /// Refuses series of unequal length.
+    /// Returns an error if the series have different lengths.
     pub fn predict(&self, u: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
         if u.len() != y.len() {
             return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
@@ -275,7 +275,7 @@ impl Model {
         [hysteresis, creep, linear, driver]
     }
 
-    /// Replaces the inputs in `signal` by z, from the states of the hysteresis block and the driver.
+    /// Replaces the inputs in `signal` by z, and updates the states of hysteresis block and driver.
     fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], signal: &mut [f64]) {
         let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
         let h = self.ts() / DriverModel::SUBSTEPS as f64;
@@ -351,7 +351,7 @@ mod tests {
     use crate::hysteresis::OPERATORS;
 
     #[test]
-    fn a_model_of_every_operator_survives_its_file_to_the_bit() {
+    fn a_model_of_every_operator_is_bit_identical_after_its_file() {
         for o in OPERATORS {
             let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
             let model = Model::new((o.example)(5e-4).unwrap(), linear, -0.1).unwrap();
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_is_its_steps_to_the_bit_whatever_the_model_holds() {
+    fn a_run_of_any_model_is_bit_identical_to_its_steps() {
         let u: Vec<f64> = (0..2 * STRETCH).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
         for o in OPERATORS {
             for driver in [None, Some(DriverModel::new(1e-4, Some(2e4)).unwrap())] {
@@ -383,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn documents_that_are_no_models_say_why() {
+    fn the_errors_about_bad_documents_say_why() {
         let message = |text: &str| Model::from_json(text).unwrap_err().to_string();
         assert!(message("{").contains("not a JSON document"));
         assert!(message("{}").contains("no \"piezoid\" schema number"));
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn predicting_its_own_simulation_changes_nothing_and_errors_do_not_add_up() {
+    fn predicting_its_own_simulation_changes_nothing_and_errors_do_not_accumulate() {
         let plays = (hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
         let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
         let model = Model::new(plays, block, 2.0).unwrap();

@@ -1,10 +1,10 @@
 //! Identification by the paper's six steps (section 2.3): a small-signal record gives the linear block, its inverse (8)
-//! turns rich records into the hidden variable z, and the loops of (u, z) give the hysteresis block.
+//! converts large-signal records into the hidden variable z, and the loops of (u, z) give the hysteresis block.
 //!
-//! Where (8) is unstable the whole-record inverse takes its place; where there is no small-signal record the rich ones
-//! give as much of the linear block as they can. Either is told in the notes.
+//! If (8) is unstable, the whole-record inverse is used. Without small-signal record, the large-signal records give as
+//! much of the linear block as they determine. The notes report both.
 
-use super::large_signal::{LinearPart, linear_from_large_signal, require_excitation};
+use super::large_signal::{LinearPart, affine, linear_from_large_signal, require_excitation};
 use super::loops::{CLEAR, HiddenLoop, LoopPoints, named, remarks};
 use super::{Domain, FittedParameter, Model, OperatorTrial};
 use crate::error::Error;
@@ -18,7 +18,7 @@ use crate::record::{Record, Units};
 use crate::system::System;
 use std::sync::Arc;
 
-/// How to identify the paper's way. The defaults are the paper's, but for the reading of held inputs.
+/// Options of the paper's method. The defaults are the paper's, except the reading of held inputs.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PaperOptions {
     /// Order of the linear block.
@@ -29,11 +29,11 @@ pub(crate) struct PaperOptions {
     pub swarm: swarm::SwarmSettings,
     /// Name of the hysteresis operator, or `auto`: `two-branch` for one frequency, `rate-scheduled` for several.
     pub operator: String,
-    /// How the points of a loop are told apart.
+    /// How the points of a loop are split into branches.
     pub split: Split,
-    /// Averages a branch, between the turning points.
+    /// Averages per branch, between the reversal points.
     pub bins: usize,
-    /// Which branch is read while the input is held.
+    /// The branch while the input is held.
     pub reading: HeldInput,
 }
 
@@ -51,29 +51,29 @@ impl Default for PaperOptions {
     }
 }
 
-/// A model and what was found on the way to it.
+/// A model and the results of its identification.
 #[derive(Debug, Clone)]
 pub struct Identified {
     /// The model.
     pub model: Model,
     /// The linear block with its fit.
     pub linear: LinearPart,
-    /// The loops the hysteresis block was made of, by rising frequency.
+    /// The loops of the hysteresis block, by rising frequency.
     pub loops: Vec<HiddenLoop>,
-    /// The operators that were tried; only the joint way tries several.
+    /// The operators tried; only the joint method tries several.
     pub trials: Vec<OperatorTrial>,
-    /// What an engineer asks for, with its standard error; only the joint way knows it.
+    /// Physical parameters with standard errors; only the joint method has them.
     pub parameters: Vec<FittedParameter>,
-    /// What its user should know.
+    /// Remarks for the user.
     pub notes: Vec<String>,
 }
 
-/// The paper's steps 2, 4 and 5 (1, 3 and 6 are measurements): `linear` are small-signal records (a PRBS), `large_signal` those
-/// that exercise the hysteresis, normally one sine a frequency. Either list may be empty.
+/// The paper's steps 2, 4 and 5 (1, 3 and 6 are measurements). `linear` are small-signal records (a PRBS),
+/// `large_signal` those that exercise the hysteresis, normally one sine per frequency. Either list may be empty.
 ///
 /// # Errors
-/// Records of different sampling periods, or of units that cannot be converted; what [`linear::fit`] refuses; loops that
-/// are none.
+/// Returns an error if sampling periods differ, units cannot be converted, the linear block cannot be fitted
+/// ([`linear::Estimator::fit`]), or points form no loop.
 pub(crate) fn identify_paper(
     linear: &[Record],
     large_signal: &[Record],
@@ -89,12 +89,12 @@ pub(crate) fn identify_paper(
     if !linear.is_empty() {
         notes.extend(unexcited_resonance(&part.arx, linear.iter()));
     }
-    let defects = [defects("small-signal record", &linear), defects("rich record", &large_signal)].concat();
-    notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method fits it all the same")));
+    let defects = [defects("small-signal record", &linear), defects("large-signal record", &large_signal)].concat();
+    notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method uses it nevertheless")));
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
-            "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try more iterations, a \
-             lower order, or another estimator",
+            "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try \
+             more iterations, a lower order, or another estimator",
             pole.z
         ));
     }
@@ -115,8 +115,8 @@ pub(crate) fn identify_paper(
         && let Some(which) = named(&loops, |found| found.agreement < CLEAR)
     {
         loops.retain(|l| l.found.agreement >= CLEAR);
-        let left = if loops.is_empty() { ", which leaves a model without hysteresis" } else { "" };
-        notes.push(format!("hysteresis block: what was found {which} is no loop and was left out{left}"));
+        let without = if loops.is_empty() { ": the model has no hysteresis" } else { "" };
+        notes.push(format!("hysteresis block: the points found {which} form no loop and are left out{without}"));
     }
     let operator = match settings.operator.as_str() {
         "auto" if loops.is_empty() => "proportional",
@@ -126,7 +126,7 @@ pub(crate) fn identify_paper(
     };
     let (hysteresis, offset) = block(operator, &loops, &part, &large_signal, settings.reading)?;
     if large_signal.is_empty() {
-        notes.push("hysteresis block: none, as there is no rich record to find it from".into());
+        notes.push("hysteresis block: none, because there is no large-signal record".into());
     }
     let model = Model::new(hysteresis, part.arx.clone(), offset)?.with_units(units);
     let model = match Domain::of(linear.iter().chain(&large_signal)) {
@@ -136,7 +136,7 @@ pub(crate) fn identify_paper(
     Ok(Identified { model, linear: part, loops, trials: Vec::new(), parameters: Vec::new(), notes })
 }
 
-/// Step 5: the hysteresis block of the loops, and the offset that goes with it [output unit].
+/// Step 5: the hysteresis block of the loops, and its offset [output unit].
 fn block(
     operator: &str,
     loops: &[HiddenLoop],
@@ -154,22 +154,22 @@ fn block(
         }
         ("two-branch" | "rate-scheduled", []) => {
             let remedy = "the hysteresis block needs at least one record that exercises the hysteresis".into();
-            return Err(Error::TooShort { what: "the list of rich records".into(), have: 0, need: 1, remedy });
+            return Err(Error::TooShort { what: "the list of large-signal records".into(), have: 0, need: 1, remedy });
         }
         (other, _) => {
             crate::hysteresis::Operator::find(other)?;
-            let rule = "the paper's method knows proportional, two-branch, rate-scheduled and auto";
+            let rule = "the paper's method has proportional, two-branch, rate-scheduled and auto";
             return Err(Error::parameter("operator", other, rule));
         }
     })
 }
 
 impl Arx {
-    /// Step 4 of the paper: z by the inverse of this linear block, causal where that is stable; the note says when it is not. Then z is
-    /// shorter than y, by the samples at the end that cannot be told.
+    /// Step 4 of the paper: z by the causal inverse of this linear block. If that is unstable, the whole record is
+    /// inverted, with a note; then z is shorter than y by the undetermined samples at the end.
     ///
     /// # Errors
-    /// [`Error::NoInverse`] when the block has no stable inverse of either kind, or `y` is too short for it.
+    /// [`Error::NoInverse`] if the block has no stable inverse of either kind, or `y` is too short for it.
     pub fn hidden(&self, offset: f64, y: &[f64]) -> Result<(Vec<f64>, Option<String>), Error> {
         let centred: Vec<f64> = y.iter().map(|y| y - offset).collect();
         let first = centred.first().copied().unwrap_or(0.0);
@@ -179,20 +179,20 @@ impl Arx {
                 let (undetermined, n) = (self.undetermined_samples(), y.len());
                 if undetermined >= n {
                     let because = format!(
-                        "{why}; and from the whole record it cannot tell the last {undetermined} samples, of {n} there are: record longer, or \
-                         choose another order"
+                        "{why}; the inverse of the whole record does not determine the last {undetermined} of its {n} \
+                         samples: record longer, or choose another order"
                     );
                     return Err(Error::NoInverse { kind: "usable", because });
                 }
                 let mut z = self.invert_whole(&centred)?;
                 z.truncate(n - undetermined);
-                Ok((z, Some(format!("{why}; z comes from the whole record, forward and backward in time"))))
+                Ok((z, Some(format!("{why}; z is computed non-causally from the whole record"))))
             }
         }
     }
 }
 
-/// Step 2, or what the rich records give in its place.
+/// Step 2, or its replacement from large-signal records.
 fn linear_part(
     linear: &[Record],
     large_signal: &[Record],
@@ -201,23 +201,19 @@ fn linear_part(
 ) -> Result<LinearPart, Error> {
     if linear.is_empty() {
         if large_signal.is_empty() {
-            let remedy = "give a small-signal record, a rich one, or both".into();
+            let remedy = "give small-signal records, large-signal records, or both".into();
             return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
         }
         return linear_from_large_signal(large_signal, settings.order);
     }
     require_excitation(linear, settings.order)?;
-    let fit = linear::Estimator::find(&settings.estimator)?.fit(
-        linear,
-        Orders::of(settings.order),
-        &settings.swarm,
-        progress,
-    )?;
-    let (left, best) = (fit.residuals.sum_abs, fit.least_squares_sum_abs);
-    let failed = if fit.estimator == "swarm" && left > 1.001 * best {
-        let (left, best) = (short(left), short(best));
+    let estimator = linear::Estimator::find(&settings.estimator)?;
+    let fit = estimator.fit(linear, Orders::of(settings.order), &settings.swarm, progress)?;
+    let (sum, best) = (fit.residuals.sum_abs, fit.least_squares_sum_abs);
+    let failed = if fit.estimator == "swarm" && sum > 1.001 * best {
+        let (sum, best) = (short(sum), short(best));
         format!(
-            "; it leaves {left} where least squares leaves {best}, so the search failed: try the estimator least-absolute"
+            "; its cost is {sum}, that of least squares {best}: the search failed, try the estimator least-absolute"
         )
     } else {
         String::new()
@@ -228,7 +224,7 @@ fn linear_part(
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }
 
-/// What is wrong with the records, each named by what it is and its number.
+/// The defects of the records, each with the name and number of its record.
 fn defects(which: &str, records: &[Record]) -> Vec<String> {
     let each = records.iter().enumerate().flat_map(|(k, record)| {
         let name = called(which, k, records.len());
@@ -238,18 +234,18 @@ fn defects(which: &str, records: &[Record]) -> Vec<String> {
     each.collect()
 }
 
-/// What users call record `k` of so many of a kind.
+/// The name of record `k` of `of` records of a kind.
 pub(super) fn called(which: &str, k: usize, of: usize) -> String {
     if of > 1 { format!("{which} {}", k + 1) } else { which.to_string() }
 }
 
-/// A resonance of the linear block that none of the records it was found from excites.
+/// A note if no record excites the resonance of the linear block.
 pub(super) fn unexcited_resonance<'a>(arx: &Arx, mut records: impl Iterator<Item = &'a Record>) -> Option<String> {
     let resonance = arx.resonance()?;
-    let lit = |record: &Record| excites(record.u(), record.ts(), around(resonance.hz));
-    (!records.any(lit)).then(|| {
+    let excited = |record: &Record| excites(record.u(), record.ts(), around(resonance.hz));
+    (!records.any(excited)).then(|| {
         format!(
-            "linear block: no record it was found from has power near its resonance at {} Hz, so that is a guess: excite it with a PRBS",
+            "linear block: no record has power near its resonance at {} Hz, so it is uncertain: add a PRBS",
             short(resonance.hz)
         )
     })
@@ -259,8 +255,8 @@ pub(super) fn unexcited_resonance<'a>(arx: &Arx, mut records: impl Iterator<Item
 fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
     let pair = |l: &HiddenLoop| {
         let frequency_hz = l.frequency_hz.ok_or_else(|| Error::Unidentifiable {
-            what: "the frequency of a rich record".into(),
-            because: "its input holds no whole period; record longer, or take the operator two-branch".into(),
+            what: "the frequency of a large-signal record".into(),
+            because: "its input has no complete period: record longer, or use the operator two-branch".into(),
         })?;
         Ok(Pair { frequency_hz, branches: l.found.branches.clone() })
     };
@@ -268,17 +264,15 @@ fn pairs(loops: &[HiddenLoop]) -> Result<Vec<Pair>, Error> {
 }
 
 impl Arx {
-    /// The gain k and offset c that bring k G u + c closest to the outputs of `records`; 1 and `offset` without any, or when
-    /// G is unstable.
+    /// The gain k and offset c for which k G u + c fits the outputs of `records` best. Without records, or if G is
+    /// unstable: 1 and `offset`.
     pub fn proportional(&self, offset: f64, records: &[Record]) -> Result<(f64, f64), Error> {
         if records.is_empty() || !self.is_stable() {
             return Ok((1.0, offset));
         }
-        let filtered: Vec<Record> = records
-            .iter()
-            .map(|r| Record::new(r.ts(), self.resume(&mut self.settled(r.u()[0]), r.u()), r.y().to_vec()))
-            .collect::<Result<_, _>>()?;
-        let (gain, offset, _) = super::large_signal::affine(&filtered)?;
+        let filtered =
+            |r: &Record| Record::new(r.ts(), self.resume(&mut self.settled(r.u()[0]), r.u()), r.y().to_vec());
+        let (gain, offset, _) = affine(&records.iter().map(filtered).collect::<Result<Vec<_>, _>>()?)?;
         Ok((gain, offset))
     }
 }
@@ -289,11 +283,8 @@ pub(super) fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) ->
     for record in records {
         Record::same_sampling("the first record", first.ts(), "another record", record.ts())?;
         if record.units().u != first.units().u {
-            return Err(Error::Units {
-                what: "the input of a record".into(),
-                found: record.units().u.clone(),
-                wanted: first.units().u.clone(),
-            });
+            let (found, wanted) = (record.units().u.clone(), first.units().u.clone());
+            return Err(Error::Units { what: "the input of a record".into(), found, wanted });
         }
     }
     Ok(first.units().clone())
@@ -327,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_is_found_again_from_its_own_records() {
+    fn every_operator_is_identified_from_its_own_records() {
         for o in &OPERATORS[..3] {
             let truth = Model::new((o.example)(TS).unwrap(), beam(), 12.0).unwrap();
             let large_signal = [5.0, 80.0].map(|hz| record(&truth, sine(hz)));
@@ -337,17 +328,15 @@ mod tests {
             let offset_record = prbs().y().iter().map(|y| y + 12.0).collect();
             let linear = [Record::new(TS, prbs().u().to_vec(), offset_record).unwrap()];
             let found = identify_paper(&linear, large_signal, &settings, &mut silent).unwrap();
-            let fresh = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
-            let left = found
-                .model
-                .validate_with(&fresh, &ValidateOptions { skip: 0.5, ..ValidateOptions::default() })
-                .unwrap();
-            assert!(left.metrics.rms_pp_percent < 0.6, "{}: {} %", o.name, left.metrics.rms_pp_percent);
+            let validation = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
+            let options = ValidateOptions { skip: 0.5, ..ValidateOptions::default() };
+            let percent = found.model.validate_with(&validation, &options).unwrap().metrics.rms_pp_percent;
+            assert!(percent < 0.6, "{}: {percent} %", o.name);
         }
     }
 
     #[test]
-    fn auto_takes_one_pair_for_one_frequency_and_schedules_several() {
+    fn auto_is_two_branch_for_one_frequency_and_rate_scheduled_for_several() {
         let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
         let name = |large_signal: &[Record]| {
             let found = identify_paper(&[prbs()], large_signal, &PaperOptions::default(), &mut silent).unwrap();
@@ -360,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn records_in_other_units_of_length_are_converted_and_others_refused() {
+    fn records_in_other_length_units_are_converted_and_other_units_are_an_error() {
         let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
         let large_signal = record(&truth, sine(5.0));
         let found =
@@ -371,21 +360,21 @@ mod tests {
         let width = |i: &Identified| i.loops[0].found.branches.width();
         crate::testing::assert_close(&[width(&in_mm)], &[width(&plain)], 1e-9, 0.0);
         let counts = large_signal.with_units(Units { u: "V".into(), y: "counts".into() });
-        assert!(found(counts).unwrap_err().to_string().contains("in counts but um is wanted"));
+        assert!(found(counts).unwrap_err().to_string().contains("in counts, but um is needed"));
     }
 
     #[test]
-    fn a_block_that_8_cannot_invert_is_inverted_whole_and_the_note_says_so() {
+    fn a_block_without_causal_inverse_is_inverted_over_the_whole_record_with_a_note() {
         let late = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.4, 3.3]).unwrap();
         let u = sine(5.0);
         let (z, note) = late.hidden(0.0, &late.simulate(&u)).unwrap();
         crate::testing::assert_close(&z, &u[..z.len()], 0.0, 1e-6);
         assert!(z.len() > 3990);
-        assert!(note.unwrap().contains("forward and backward"));
+        assert!(note.unwrap().contains("non-causally"));
     }
 
     #[test]
-    fn a_sine_is_no_small_signal_record() {
+    fn a_sine_is_not_a_small_signal_record() {
         let error =
             identify_paper(&[record(&beam(), sine(5.0))], &[], &PaperOptions::default(), &mut silent).unwrap_err();
         assert!(error.to_string().contains("one frequency (5 Hz)"), "{error}");

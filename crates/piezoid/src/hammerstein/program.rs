@@ -7,7 +7,8 @@ use crate::program::{Block, Program};
 use crate::system::System;
 
 impl Model {
-    /// The model as a program: a block `state` of all its parts, in the order of its state here, and a function `step(s: state, u)`.
+    /// The model as a program: a block `state` with all its parts, in the order of its state here, and a function
+    /// `step(s: state, u)`.
     ///
     /// ```
     /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx, program::Machine};
@@ -20,7 +21,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unsuited`] of an operator that has no program.
+    /// [`Error::Unsuited`] if the operator has no program.
     pub fn program(&self) -> Result<Program, Error> {
         let mut program = self.before_the_linear_block()?;
         program.add(self.linear().block("linear", "the linear block: a difference equation"))?;
@@ -49,7 +50,7 @@ fn step(s: state, u) {{
         Ok(program)
     }
 
-    /// The blocks before the linear one, and back through them.
+    /// The blocks before the linear one, and their inverses.
     pub(crate) fn before_the_linear_block(&self) -> Result<Program, Error> {
         let unsuited = || {
             let because = format!("its operator, `{}`, has none", self.hysteresis().operator().name);
@@ -68,13 +69,13 @@ fn step(s: state, u) {{
         Ok(program)
     }
 
-    /// `block` with the states of hysteresis and creep, as far as they have any.
+    /// `block` with the states of hysteresis and creep, if they have any.
     pub(crate) fn hidden_parts(&self, block: Block) -> Block {
         let block = if self.hysteresis().order() > 0 { block.part("hysteresis", "hysteresis") } else { block };
         if self.creep().order() > 0 { block.part("creep", "creep") } else { block }
     }
 
-    /// What gives z in the sample of `u`, in the state called `x`.
+    /// The call that gives z for the input `u`, with the state called `x`.
     pub(crate) fn hidden_call(&self, x: &str, u: &str) -> String {
         match (self.hysteresis().order() > 0, self.driver().is_some()) {
             (false, false) => format!("hysteresis({u})"),
@@ -84,17 +85,17 @@ fn step(s: state, u) {{
         }
     }
 
-    /// What gives the input for a z between two ends, in the state called `x`.
-    pub(crate) fn hidden_inverse_call(&self, x: &str, wanted: &str) -> String {
+    /// The call that gives the input for a z between two ends, with the state called `x`.
+    pub(crate) fn hidden_inverse_call(&self, x: &str, requested: &str) -> String {
         match (self.hysteresis().order() > 0, self.driver().is_some()) {
-            (false, false) => format!("hysteresis_inverse({wanted})"),
-            (true, false) => format!("hysteresis_inverse({x}.hysteresis, {wanted})"),
-            (false, true) => format!("hidden_inverse({x}.driver, {wanted})"),
-            (true, true) => format!("hidden_inverse({x}.hysteresis, {x}.driver, {wanted})"),
+            (false, false) => format!("hysteresis_inverse({requested})"),
+            (true, false) => format!("hysteresis_inverse({x}.hysteresis, {requested})"),
+            (false, true) => format!("hidden_inverse({x}.driver, {requested})"),
+            (true, true) => format!("hidden_inverse({x}.hysteresis, {x}.driver, {requested})"),
         }
     }
 
-    /// What `function` of the creep block makes of `z`, in the state called `x`; without creep, `z`.
+    /// The call of `function` of the creep block for `z`, with the state called `x`; without creep, `z`.
     pub(crate) fn creep_call(&self, x: &str, function: &str, z: &str) -> String {
         if self.creep().order() > 0 { format!("{function}({x}.creep, {z})") } else { z.into() }
     }
@@ -109,7 +110,7 @@ mod tests {
     use crate::linear::Arx;
     use crate::program::Machine;
 
-    /// A model of an operator behind each kind of driver, or none, with blocks of these many coefficients.
+    /// A model of an operator, with or without driver, with these numbers of coefficients.
     fn model(operator: usize, driver: Option<DriverModel>, (na, nb): (usize, usize)) -> Model {
         let ts = if driver.is_some() { 5e-4 / DriverModel::SUBSTEPS as f64 } else { 5e-4 };
         let coefficient = |k: usize| 0.5 * (-0.5f64).powi(k as i32);
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_is_the_model_to_the_bit_whatever_it_is_made_of() {
+    fn the_program_of_any_model_is_bit_identical_to_the_model() {
         let drivers = [(1e-4, Some(2e4)), (0.0, Some(2e4)), (1e-4, None), (0.0, None)];
         let drivers = drivers.map(|(lag, slew)| Some(DriverModel::new(lag, slew).unwrap()));
         for operator in 0..OPERATORS.len() {

@@ -1,19 +1,19 @@
-//! Bouc-Wen with its own rates for rising and for falling input.
+//! Bouc-Wen with different rates for rising and for falling input.
 //!
 //! ```text
 //! h' = u' - |u'| h (a if u' h > 0, b if u' h < 0)
 //! a = (beta + gamma) (1 +- loading_skew),   b = (beta - gamma) (1 +- unloading_skew)     + rising, - falling
 //! z = w_0 u - w_1 h                                                                      w_k >= 0
 //! ```
-//! The four rates of the four combinations of the signs of u' and h are free, in the form of two means and two skews;
-//! with skews of 0 it is `bouc-wen`. As there, samples are integrated exactly. Wang & Wen's term delta (sign u' + sign h)
-//! is a loading_skew of 2 delta / (beta + gamma).
+//! The four sign combinations of u' and h have independent rates, given as two means and two skews. With skews of 0 the
+//! operator is `bouc-wen`. Samples are integrated exactly as there. Wang & Wen's term delta (sign u' + sign h) is a
+//! loading_skew of 2 delta / (beta + gamma).
 //!
-//! Reference: J. Song & A. Der Kiureghian, J. Eng. Mech. 132 (2006), DOI 10.1061/(ASCE)0733-9399(2006)132:6(610), which
-//! has Wang & Wen's as a case; the exponent n is 1 and what depends on the sign of the input itself is left out. It does
+//! Reference: J. Song & A. Der Kiureghian, J. Eng. Mech. 132 (2006), DOI 10.1061/(ASCE)0733-9399(2006)132:6(610), with
+//! Wang & Wen's model as a special case. The exponent n is 1; terms that depend on the sign of u are omitted. It does
 //! not do: rate, wiping out; minor loops start without a jump but do not close.
 //!
-//! Inverse and what lies beyond the range as of `bouc-wen`.
+//! Inverse and behaviour outside the range: like `bouc-wen`.
 
 use super::Operator;
 use super::basis::ShapeParameter;
@@ -23,9 +23,8 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// The weights are w_0 of the input and w_1 of -h.
+/// Weights: w_0 of the input, w_1 of -h.
 ///
 /// State: h [input unit].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,7 +38,7 @@ pub(super) struct AsymmetricBoucWen {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "asymmetric-bouc-wen",
-    summary: "Bouc-Wen whose rising and falling branches bend differently",
+    summary: "Bouc-Wen with different ascending and descending branches",
     reference: "Song & Der Kiureghian 2006, doi:10.1061/(ASCE)0733-9399(2006)132:6(610)",
     minor_loops: true,
     rate_independent: true,
@@ -51,22 +50,23 @@ pub(super) static OPERATOR: Operator = Operator {
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let law = AsymmetricBoucWen { beta: 0.03, gamma_over_beta: 0.25, loading_skew: 0.3, unloading_skew: -0.2 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
+        Weighted::example(
+            ts,
+            AsymmetricBoucWen { beta: 0.03, gamma_over_beta: 0.25, loading_skew: 0.3, unloading_skew: -0.2 },
+            vec![1.4, 0.5],
+        )
     },
 };
 
 impl Law for AsymmetricBoucWen {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
         let (ratio, loading, unloading) = (self.gamma_over_beta, self.loading_skew, self.unloading_skew);
-        let rule = "must lie above -1 and at most at 1, or the hysteresis may grow without end";
+        let rule = "must be above -1 and at most 1, otherwise the hysteresis may be unbounded";
         require(ratio > -1.0 && ratio <= 1.0, "gamma_over_beta", ratio, rule)?;
-        let rule = "must lie between -1 and 1, where a rate would be 0";
+        let rule = "must be between -1 and 1: at the limits a rate would be 0";
         require(loading.abs() < 1.0, "loading_skew", loading, rule)?;
         require(unloading.abs() < 1.0, "unloading_skew", unloading, rule)
     }

@@ -1,21 +1,21 @@
-//! Bouc-Wen-Baber-Noori: Bouc-Wen that wears with the energy it has taken and is pinched in its middle.
+//! Bouc-Wen-Baber-Noori: Bouc-Wen with degradation by dissipated energy and with pinching.
 //!
 //! ```text
 //! h' = P(h) (u' - nu (beta |u'| h + gamma u' |h|)) / eta
 //! nu = 1 + strength_loss e,   eta = 1 + stiffness_loss e,   e' = h u'               hysteretic energy
-//! P(h) = 1 - pinch exp(-(h / (pinch_width h_u))^2),   h_u = 1 / (nu (beta + gamma)) the most h can be
+//! P(h) = 1 - pinch exp(-(h / (pinch_width h_u))^2),   h_u = 1 / (nu (beta + gamma)), the bound of h
 //! z = w_0 u - w_1 h                                                                 w_k >= 0
 //! ```
-//! The rule of integration is part of the definition: a path is divided into equal steps of at most a 64th of the range
-//! (at most a thousand steps a sample); within a step P, nu and eta are those of its middle, foretold by a half step,
-//! and h moves by the exact exponentials of `bouc-wen`, which it is when nothing wears and nothing is pinched.
+//! The integration rule is part of the definition. A path is divided into equal steps of at most 1/64 of the range, at
+//! most a thousand steps per sample. Within a step P, nu and eta are those at its midpoint, predicted by a half step,
+//! and h follows the exact exponentials of `bouc-wen`. Without degradation and pinching the operator is `bouc-wen`.
 //!
 //! Reference: T. T. Baber & M. N. Noori, J. Eng. Mech. 111 (1985), DOI 10.1061/(ASCE)0733-9399(1985)111:8(1010), with
-//! pinching in the closed form of later authors; the exponent n is 1, pinching does not grow. Energy counts while it is
-//! positive. It does not do: asymmetric loops, rate, healing: a loop that wears never repeats, nothing is wiped out.
+//! pinching in the closed form of later authors. The exponent n is 1; pinching does not increase; negative energy
+//! counts as 0. It does not do: asymmetric loops, rate, recovery. A degrading loop never repeats; nothing is wiped out.
 //!
-//! Inverse: Newton's method through all steps of a path, at a few times the cost of one step. Beyond the range as
-//! `bouc-wen`, but for what wears.
+//! Inverse: Newton's method through all steps of a path, at a few times the cost of one step. Outside the range like
+//! `bouc-wen`, except for the degradation.
 
 use super::Operator;
 use super::basis::ShapeParameter;
@@ -25,9 +25,8 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// The weights are w_0 of the input and w_1 of -h.
+/// Weights: w_0 of the input, w_1 of -h.
 ///
 /// State: h [input unit]; the energy e [input unit squared].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,13 +42,13 @@ pub(super) struct BaberNoori {
     pinch_width: f64,
 }
 
-/// Steps to the range, and the most a sample may take.
+/// Steps per range, and maximum steps per sample.
 const STEPS: f64 = 64.0;
 const MOST: f64 = 1000.0;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "bouc-wen-baber-noori",
-    summary: "Bouc-Wen with wear and pinching",
+    summary: "Bouc-Wen with degradation and pinching",
     reference: "Baber & Noori 1985, doi:10.1061/(ASCE)0733-9399(1985)111:8(1010)",
     minor_loops: true,
     rate_independent: true,
@@ -60,10 +59,7 @@ pub(super) static OPERATOR: Operator = Operator {
         let wear = 1e-4 / (half * half);
         Weighted::basis(design.ts, design.range, BaberNoori::of(&[1.0 / half, 0.0, wear, wear, 0.1, 0.3]))
     },
-    example: |ts| {
-        let law = BaberNoori::of(&[0.05, 0.25, 1e-6, 1e-6, 0.3, 0.4]);
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
-    },
+    example: |ts| Weighted::example(ts, BaberNoori::of(&[0.05, 0.25, 1e-6, 1e-6, 0.3, 0.4]), vec![1.4, 0.5]),
 };
 
 impl BaberNoori {
@@ -79,7 +75,7 @@ impl BaberNoori {
     }
 }
 
-/// H after a short path of `s`, with P, nu and eta as they are at `middle` with energy `e`.
+/// H after a short path of length `s`, with P, nu and eta for h = `middle` and the energy `e`.
 fn advance<R: Real>(shape: &[R], h: R, (middle, e): (R, R), s: R) -> R {
     let [beta, ratio, strength_loss, stiffness_loss, pinch, width] =
         [shape[0], shape[1], shape[2], shape[3], shape[4], shape[5]];
@@ -87,7 +83,7 @@ fn advance<R: Real>(shape: &[R], h: R, (middle, e): (R, R), s: R) -> R {
     let e = if e.value() > 0.0 { e } else { 0.0.into() };
     let (nu, eta) = (one + strength_loss * e, one + stiffness_loss * e);
     let (grow, relax) = (nu * beta * (one + ratio), nu * beta * (one - ratio));
-    // Divided first, where nothing waits for it.
+    // The divisions come first, so that they run in parallel with the rest.
     let (v, path) = (middle * (grow / width), s / eta);
     climb(h, path * (one - pinch * (-v * v).exp()), grow, relax)
 }
@@ -138,18 +134,16 @@ fn hysteresis(x: hysteresis, u) {
 ";
 
 impl Law for BaberNoori {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
-        positive("pinch_width", self.pinch_width, "shares of the largest h")?;
+        positive("pinch_width", self.pinch_width, "fractions of the largest h")?;
         let (ratio, strength, stiffness) = (self.gamma_over_beta, self.strength_loss, self.stiffness_loss);
         let wear = |loss: f64| loss >= 0.0 && loss.is_finite();
-        require(ratio > -1.0 && ratio <= 1.0, "gamma_over_beta", ratio, "must lie above -1 and at most at 1")?;
-        require(wear(strength), "strength_loss", strength, "must be a number that is not negative")?;
-        require(wear(stiffness), "stiffness_loss", stiffness, "must be a number that is not negative")?;
+        require(ratio > -1.0 && ratio <= 1.0, "gamma_over_beta", ratio, "must be above -1 and at most 1")?;
+        require(wear(strength), "strength_loss", strength, "must be finite and not negative")?;
+        require(wear(stiffness), "stiffness_loss", stiffness, "must be finite and not negative")?;
         require((0.0..1.0).contains(&self.pinch), "pinch", self.pinch, "must be at least 0 and below 1")
     }
 
@@ -221,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn unworn_and_not_pinched_it_is_bouc_wen() {
+    fn without_degradation_and_pinching_it_is_bouc_wen() {
         let document = r#"{"operator": "bouc-wen", "range": [-30, 30], "beta": 0.1, "gamma_over_beta": 0.4, "weights": [1.4, 0.5]}"#;
         let plain = super::super::load(&serde_json::from_str(document).unwrap(), 1.0).unwrap();
         let u = sine(3);
@@ -233,7 +227,7 @@ mod tests {
         let u = sine(20);
         for (strength, stiffness) in [(1e-4, 0.0), (0.0, 1e-4)] {
             let z = run([0.1, 0.0, strength, stiffness, 0.0, 0.3], &u);
-            // What is held back at the top: of the first cycle and the last.
+            // w_1 h at the maximum of a cycle.
             let held = |cycle: usize| 1.4 * 25.0 - z[200 * cycle + 50];
             assert!(held(19) < 0.95 * held(1), "{} {}", held(1), held(19));
         }

@@ -1,27 +1,27 @@
-//! How an operator is fitted without inverting anything: z as a weighted sum of known responses.
+//! Operators as weighted sums of known responses, so that the weights can be fitted without an inverse.
 //!
 //! ```text
 //! z = sum_k w_k phi_k[u; p]
 //! ```
-//! Every operator here is linear in weights w (Tellinen's in one) once a few shape parameters p stand, and an LTI block G
-//! keeps that: G z = sum_k w_k (G phi_k). So the weights come from a convex least squares on filtered responses, and
-//! only p, where there is any, needs a search (Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201).
+//! For fixed shape parameters p every operator is linear in its weights w (Tellinen's has one weight). An LTI block G
+//! keeps this property: G z = sum_k w_k (G phi_k). Therefore the weights follow from a convex least-squares problem on
+//! filtered responses. Only p needs a search (Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201).
 
 use super::Hysteresis;
 use crate::error::Error;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// What is known before an operator is fitted.
+/// Data from which the basis of an operator is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasisDesign {
     /// Sampling period [s].
     pub ts: f64,
     /// The lowest and the highest input [input unit].
     pub range: (f64, f64),
-    /// Thresholds, levels or knots; none takes the operator's own number.
+    /// Number of thresholds, levels or knots; `None` takes the operator's default.
     pub elements: Option<usize>,
-    /// Frequencies of the records [Hz], rising; empty where they have none.
+    /// Frequencies of the records [Hz], ascending; empty if they have none.
     pub frequencies: Vec<f64>,
 }
 
@@ -32,7 +32,7 @@ impl BasisDesign {
     }
 }
 
-/// The responses phi_k of an operator, and the way back from weights to the operator.
+/// The responses phi_k of an operator, and the operator for given weights.
 ///
 /// ```
 /// use piezoid::hysteresis::{BasisDesign, Operator};
@@ -52,31 +52,33 @@ pub trait Basis: Debug + Send + Sync {
     /// Length of the state.
     fn order(&self) -> usize;
 
-    /// The state at rest: every phi is 0 there.
+    /// The state at rest, where every phi is 0.
     fn initial(&self) -> Vec<f64>;
 
-    /// One sample: takes `u`, advances the state `x`, writes the responses to `phi`.
+    /// One sample: advances the state `x` by the input `u` and writes the responses to `phi`.
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]);
 
-    /// Which weights physics forbids to be negative.
+    /// For each weight, true if it must not be negative for physical reasons.
     fn non_negative(&self) -> Vec<bool>;
 
-    /// Combinations of weights, as (weight, factor) each, that are small when the operator is smooth.
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>>;
+    /// Linear combinations of weights, as (weight, factor), that are small if the operator is smooth.
+    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
+        Vec::new()
+    }
 
-    /// The shape parameters p: name, value, and the lowest and highest that make sense. Searched by ratio where the
-    /// lowest is positive.
+    /// The shape parameters p. Those with a positive lower bound are searched on a logarithmic scale.
     fn shape(&self) -> Vec<ShapeParameter> {
         Vec::new()
     }
 
-    /// The same basis with other shape parameters, as many as [`shape`](Basis::shape) has.
+    /// The same basis with other shape parameters.
     ///
     /// # Errors
-    /// Another number of them, and what the operator refuses.
+    /// Returns an error if the number of parameters differs from [`shape`](Basis::shape), or if the operator does not
+    /// allow them.
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error>;
 
-    /// How z would change with shape parameter `j`, sample by sample: dz/dp_j along `u` from rest.
+    /// The sensitivity dz/dp_j to shape parameter `j`, for each sample of `u`, from rest.
     fn slope(&self, _j: usize, _weights: &[f64], u: &[f64]) -> Vec<f64> {
         vec![0.0; u.len()]
     }
@@ -84,24 +86,25 @@ pub trait Basis: Debug + Send + Sync {
     /// The operator with these weights.
     ///
     /// # Errors
-    /// Another number of them than [`len`](Basis::len), and what the operator refuses.
+    /// Returns an error if the number of weights differs from [`len`](Basis::len), or if the operator does not allow
+    /// them.
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error>;
 }
 
 /// A shape parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShapeParameter {
-    /// As files write it, where they hold it.
+    /// Name, as in model files.
     pub name: &'static str,
-    /// Where it stands.
+    /// Value.
     pub value: f64,
-    /// The lowest that makes sense.
+    /// Lower bound of the search.
     pub low: f64,
-    /// The highest.
+    /// Upper bound of the search.
     pub high: f64,
 }
 
-/// Refuses `what` unless it is `need` numbers.
+/// Returns an error unless `what` has `need` numbers.
 pub(super) fn counted(operator: &str, what: &str, have: usize, need: usize) -> Result<(), Error> {
     if have == need {
         return Ok(());
@@ -109,14 +112,14 @@ pub(super) fn counted(operator: &str, what: &str, have: usize, need: usize) -> R
     Err(Error::parameter(what, format!("{have} numbers"), format!("must be {need} numbers for this {operator}")))
 }
 
-/// Second differences of neighbours, `from` up to `to`: what a smooth row of weights makes small.
+/// Second differences of the weights `from` up to `to`.
 pub(super) fn curvature(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     (from + 1..to.saturating_sub(1)).map(|k| vec![(k - 1, 1.0), (k, -2.0), (k + 1, 1.0)]).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    //! The contract every basis keeps, on ranges about zero, from zero, above zero, and tiny.
+    //! Contract tests of all bases, on ranges about zero, from zero, above zero, and tiny.
     use super::*;
     use crate::hysteresis::OPERATORS;
     use crate::testing::assert_close;
@@ -136,18 +139,18 @@ mod tests {
             .flat_map(move |o| ranges.map(|range| (o.name, (o.basis)(&design(range)).unwrap(), drive(range))))
     }
 
-    /// Loops in loops that fill the range.
+    /// Nested loops that fill the range.
     fn drive((low, high): (f64, f64)) -> Vec<f64> {
         let at = |t: f64| 0.6 * (0.05 * t).sin() + 0.4 * (0.173 * t).sin();
         (0..1200).map(|t| 0.5 * (low + high) + 0.5 * (high - low) * at(f64::from(t))).collect()
     }
 
-    /// Weights of different sizes, as they might be.
+    /// Weights of different sizes.
     fn weights(basis: &dyn Basis) -> Vec<f64> {
         (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect()
     }
 
-    /// phi along `u`, a column each.
+    /// phi along `u`, one column per response.
     fn responses(basis: &dyn Basis, u: &[f64]) -> DMatrix<f64> {
         let (mut x, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
         let rows = u.iter().flat_map(|&u| {
@@ -185,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_physics_forbids_and_roughness_speak_of_weights_there_are() {
+    fn non_negative_and_roughness_refer_to_existing_weights() {
         for (name, basis, _) in bases() {
             assert_eq!(basis.non_negative().len(), basis.len(), "{name}");
             assert!(basis.roughness().iter().flatten().all(|(k, c)| *k < basis.len() && *c != 0.0), "{name}");
@@ -193,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn shape_parameters_stand_within_their_bounds_and_the_bounds_are_allowed() {
+    fn shape_parameters_are_within_their_bounds_and_the_bounds_are_allowed() {
         for (name, basis, u) in bases() {
             let shape = basis.shape();
             for bound in [|s: &ShapeParameter| s.low, |s: &ShapeParameter| s.high] {
@@ -210,8 +213,8 @@ mod tests {
     }
 
     #[test]
-    fn a_shape_far_off_is_refused_by_its_name() {
-        // But for Tellinen's, whose branches may be any: where they cross the loop is closed.
+    fn errors_about_shape_parameters_name_them() {
+        // Tellinen's branches may have any value: where they cross, the loop is closed.
         for (name, basis, _) in bases().filter(|(name, ..)| *name != "tellinen") {
             let shape = basis.shape();
             for (j, s) in shape.iter().enumerate() {
@@ -226,9 +229,9 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_is_that_of_reshaped_operators() {
+    fn the_slope_equals_the_difference_of_reshaped_operators() {
         for (name, basis, u) in bases() {
-            // Off the values it starts with: some stand on a kink.
+            // Away from the initial values, some of which are at a kink.
             let off = |s: &ShapeParameter| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
             let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
             let (w, shape) = (weights(&*basis), basis.shape());
@@ -242,21 +245,21 @@ mod tests {
                 let difference: Vec<f64> = moved(h).iter().zip(moved(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
                 let slope = basis.slope(j, &w, &u);
                 println!("{name}: {}", s.name);
-                assert!(peak(&slope) > 0.0, "{name}: {} does nothing", s.name);
+                assert!(peak(&slope) > 0.0, "{name}: {} has no effect", s.name);
                 assert_close(&slope, &difference, 1e-5, 1e-5 * peak(&difference));
             }
         }
     }
 
     #[test]
-    fn plain_least_squares_recovers_the_behaviour_from_its_own_data() {
+    fn least_squares_recovers_an_operator_from_its_own_output() {
         for (name, basis, u) in bases() {
             let operator = basis.operator(&weights(&*basis)).unwrap();
             let z = DVector::from(operator.simulate(&u));
             let phi = responses(&*basis, &u);
             let svd = phi.clone().svd(true, true);
             let mut fit = DVector::zeros(basis.len());
-            // What the decomposition itself has lost comes back by fitting what is left.
+            // Iterative refinement: the residual is fitted again.
             (0..3).for_each(|_| fit += svd.solve(&(&z - &phi * &fit), 1e-13 * svd.singular_values[0]).unwrap());
             let found = basis.operator(fit.as_slice()).unwrap();
             println!("{name}");
@@ -265,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_and_shapes_of_another_number_are_refused() {
+    fn a_wrong_number_of_weights_or_shape_parameters_is_an_error() {
         for (name, basis, _) in bases() {
             for wrong in [0, basis.len() + 1] {
                 let message = basis.operator(&vec![1.0; wrong]).unwrap_err().to_string();
@@ -277,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_that_are_no_numbers_do_not_panic() {
+    fn inputs_that_are_not_finite_do_not_panic() {
         for (_, basis, u) in bases() {
             let odd = [f64::NAN, u[3], f64::INFINITY, u[4], 1e300, -1e300, f64::NEG_INFINITY, u[5]];
             basis.operator(&weights(&*basis)).unwrap().simulate(&odd);

@@ -1,23 +1,23 @@
-//! Bouc-Wen in the form of Low & Guo: the input, less a hysteretic variable.
+//! Bouc-Wen in the form of Low & Guo: the input minus a hysteretic variable.
 //!
 //! ```text
 //! h' = u' - beta |u'| h - gamma u' |h|          gamma = beta gamma_over_beta
 //! z = w_0 u - w_1 h                             w_k >= 0
 //! ```
-//! Only what can be identified is a parameter: the A of the literature is in w_1. Time drops out, and along a path of
-//! one direction, with H = h sign(u') and the length s of the path,
+//! Only identifiable values are parameters: the A of the literature is part of w_1. The equation does not depend on
+//! time. Along a path of one direction, with H = h sign(u') and the path length s, it is
 //! ```text
 //! dH/ds = 1 - (beta + gamma) H  for H > 0,      dH/ds = 1 - (beta - gamma) H  for H < 0
 //! ```
-//! two exponentials, so samples are integrated exactly and how a path is divided does not matter. |h| stays below
-//! 1 / (beta + gamma).
+//! The solutions are exponentials: samples are integrated exactly, and the division of a path into samples has no
+//! effect. |h| stays below 1 / (beta + gamma).
 //!
-//! Reference: T. S. Low & W. Guo, J. MEMS 4 (1995), DOI 10.1109/84.475550; survey: M. Ismail, F. Ikhouane & J. Rodellar,
-//! Arch. Comput. Methods Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8. The exponent n is 1. It does not do: asymmetric
-//! loops, rate, wiping out; minor loops start without a jump but do not close.
+//! Reference: T. S. Low & W. Guo, J. MEMS 4 (1995), DOI 10.1109/84.475550; survey: M. Ismail, F. Ikhouane & J.
+//! Rodellar, Arch. Comput. Methods Eng. 16 (2009), DOI 10.1007/s11831-009-9031-8. The exponent n is 1. It does not do:
+//! asymmetric loops, rate, wiping out; minor loops start without a jump but do not close.
 //!
-//! Inverse: Newton's method on the exponentials. h ends at its bound, so z goes on with slope w_0; where w_0 < w_1 it falls
-//! after a reversal.
+//! Inverse: Newton's method on the exponentials. When h is at its bound, the slope of z is w_0; if w_0 < w_1, z
+//! decreases after a reversal.
 
 use super::Operator;
 use super::basis::ShapeParameter;
@@ -26,9 +26,8 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// The weights are w_0 of the input and w_1 of -h.
+/// Weights: w_0 of the input, w_1 of -h.
 ///
 /// State: h [input unit].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -50,19 +49,16 @@ pub(super) static OPERATOR: Operator = Operator {
         let law = BoucWen { beta: 1.0 / design.half(), gamma_over_beta: 0.0 };
         Weighted::basis(design.ts, design.range, law)
     },
-    example: |ts| {
-        let law = BoucWen { beta: 0.02, gamma_over_beta: 0.25 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
-    },
+    example: |ts| Weighted::example(ts, BoucWen { beta: 0.02, gamma_over_beta: 0.25 }, vec![1.4, 0.5]),
 };
 
-/// The values of beta that make sense: from almost no bend of h over the range to one within a sixtieth of it.
+/// Bounds of beta: from almost no bend of h over the range to a bend within a sixtieth of it.
 pub(super) fn bends(half: f64) -> (f64, f64) {
     (0.01 / half, 30.0 / half)
 }
 
-/// H after a path of `s`: dH/ds = 1 - `grow` H where it is positive, 1 - `relax` H where it is negative. `grow` is
-/// positive; H must not lie below 1 / `relax` if that is negative, where it would be driven off.
+/// H after a path of length `s`: dH/ds = 1 - `grow` H where H is positive, 1 - `relax` H where it is negative. `grow`
+/// is positive. If `relax` is negative, H must not be below 1 / `relax`, where it would diverge.
 pub(super) fn climb<R: Real>(h: R, s: R, grow: R, relax: R) -> R {
     let one = R::from(1.0);
     let piece = |h: R, s: R, rate: R| h + (one - rate * h) * s * (-rate * s).growth();
@@ -103,14 +99,12 @@ fn climb(h, s, grow, relax) {
 ";
 
 impl Law for BoucWen {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
         let ratio = self.gamma_over_beta;
-        let rule = "must be a number above -1, or the hysteresis grows without end";
+        let rule = "must be finite and above -1, otherwise the hysteresis is unbounded";
         require(ratio > -1.0 && ratio.is_finite(), "gamma_over_beta", ratio, rule)
     }
 
@@ -167,6 +161,7 @@ fn hysteresis(x: hysteresis, u) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::path;
     use super::*;
     use crate::plant::spec::{DriverSpec, SensorSpec};
     use crate::plant::{BeamSpec, Logged, Plant, Preset, Spec};
@@ -174,32 +169,27 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn how_a_path_is_divided_does_not_matter() {
+    fn the_division_of_a_path_into_samples_has_no_effect() {
         let run = |pieces: u32| {
-            let turns = [0.0, 30.0, -20.0, 5.0, -30.0, 12.0];
-            let law = |ratio| BoucWen { beta: 0.05, gamma_over_beta: ratio };
-            let all = turns
-                .windows(2)
-                .flat_map(|w| (1..=pieces).map(move |i| w[0] + (w[1] - w[0]) * f64::from(i) / f64::from(pieces)));
-            let u: Vec<f64> = all.collect();
+            let u = path(&[0.0, 30.0, -20.0, 5.0, -30.0, 12.0], pieces);
             [-0.5, 0.25, 2.0].map(|ratio| {
-                let operator = Weighted::new(1.0, (-30.0, 30.0), law(ratio), vec![0.0, 1.0]).unwrap();
-                *operator.simulate(&u).last().unwrap()
+                let law = BoucWen { beta: 0.05, gamma_over_beta: ratio };
+                *Weighted::new(1.0, (-30.0, 30.0), law, vec![0.0, 1.0]).unwrap().simulate(&u).last().unwrap()
             })
         };
         assert_close(&run(1000), &run(1), 1e-11, 0.0);
     }
 
     #[test]
-    fn an_unbounded_law_is_refused() {
+    fn an_unbounded_law_is_an_error() {
         let law = BoucWen { beta: 0.02, gamma_over_beta: -1.0 };
         let message = Weighted::new(1.0, (-1.0, 1.0), law, vec![1.0, 1.0]).unwrap_err().to_string();
         assert!(message.starts_with("gamma_over_beta = -1: must be"), "{message}");
     }
 
     #[test]
-    fn it_is_the_hysteresis_of_the_twin() {
-        // Of the twin's stages only its ceramic: driver, beam and sensor are ideal, and nothing creeps.
+    fn it_equals_the_hysteresis_of_the_twin() {
+        // Only the ceramic of the twin: driver, beam and sensor are ideal, and there is no creep.
         let twin = (Preset::find("pl140-bouc-wen").unwrap().spec)();
         let ceramic =
             Spec { driver: DriverSpec::default(), creep_per_decade: 0.0, beam: BeamSpec::Modes(vec![]), ..twin };

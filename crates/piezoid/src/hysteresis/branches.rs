@@ -1,10 +1,11 @@
-//! Two branches out of a measured loop: the paper's section 2.2.
+//! Two branches from a measured loop: section 2.2 of the paper.
 //!
-//! The points [u, z] of a loop are split in two by a line through its two turning points, each set is averaged, and
-//! splines go through the averages. Which set is the ascending one the data decide: on a piezo loop rising u lies on
-//! the lower side, but above the resonance, or after a wrong linear block, loops turn round.
+//! A line through the two reversals of a loop splits its points [u, z] into two sets. Each set is averaged in bins, and
+//! a spline interpolates the averages. The data decide which set is the ascending one: in a piezo loop rising u is
+//! below the line, but above the resonance, or after a wrong linear block, loops are inverted.
 //!
-//! Both branches end in the two turning points, so the loop closes. Beyond them a branch goes on along the line.
+//! Both branches end at the two reversals, so the loop is closed. Outside them each branch continues as a straight
+//! line.
 
 use super::real::Dual;
 use crate::error::Error;
@@ -14,20 +15,20 @@ use crate::series::ends;
 use crate::spline::Spline;
 use serde::{Deserialize, Serialize};
 
-/// Share of the input range that counts as being at a turning point.
+/// Points within this share of the input range belong to a reversal.
 const TIP: f64 = 0.005;
 
-/// The most averages a branch may be asked for.
+/// Maximum number of averages per branch.
 const BINS_MAX: usize = 1000;
 
-/// How the points of a loop are told apart.
+/// Rule that splits the points of a loop into two branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Split {
-    /// By the side of the separating line, as in the paper.
+    /// The side of the separating line, as in the paper.
     #[default]
     Line,
-    /// By the direction in which u last moved: also right for a loop that crosses itself.
+    /// The direction in which u last moved. Also correct for a loop that crosses itself.
     Direction,
 }
 
@@ -36,7 +37,7 @@ pub enum Split {
 pub(super) struct Branch {
     knots: Knots,
     spline: Spline,
-    /// Slope beyond the knots: that of the line from the first to the last.
+    /// Slope outside the knots: that of the line from the first to the last knot.
     beyond: f64,
 }
 
@@ -53,7 +54,7 @@ impl TryFrom<Knots> for Branch {
         let spline = Spline::new(&knots.u, &knots.z)?;
         let n = knots.u.len();
         if n < 2 {
-            let remedy = "a branch needs both turning points".into();
+            let remedy = "a branch needs both reversals".into();
             return Err(Error::TooShort { what: "a branch".into(), have: n, need: 2, remedy });
         }
         let beyond = (knots.z[n - 1] - knots.z[0]) / (knots.u[n - 1] - knots.u[0]);
@@ -62,7 +63,7 @@ impl TryFrom<Knots> for Branch {
 }
 
 impl Branch {
-    /// Through the values `z` at the knots `u`.
+    /// The branch through the values `z` at the knots `u`.
     pub(super) fn new(u: Vec<f64>, z: Vec<f64>) -> Result<Self, Error> {
         Branch::try_from(Knots { u, z })
     }
@@ -72,7 +73,7 @@ impl Branch {
         self.on(self.place(u))
     }
 
-    /// z at `u`, and the slope there.
+    /// z and its slope at `u`.
     #[inline]
     fn rising(&self, u: f64) -> Dual {
         let place = self.place(u);
@@ -80,7 +81,7 @@ impl Branch {
         Dual { value: self.on(place), slope }
     }
 
-    /// Where `u` lies on the spline, and how far beyond its ends.
+    /// Position of `u` on the spline, and its distance outside the ends.
     #[inline]
     pub(super) fn place(&self, u: f64) -> ((usize, f64), f64) {
         let (first, last) = (self.knots.u[0], self.knots.u[self.knots.u.len() - 1]);
@@ -88,14 +89,14 @@ impl Branch {
         (self.spline.place(inside), u - inside)
     }
 
-    /// The curve at a place of this branch, or of another through the same knots.
+    /// z at a position from this branch or from another one with the same knots.
     #[inline]
     pub(super) fn on(&self, (inside, beyond): ((usize, f64), f64)) -> f64 {
         self.spline.on(inside) + self.beyond * beyond
     }
 }
 
-/// The ascending and the descending branch of one loop: two functions of u.
+/// The ascending and the descending branch of a loop: two functions of u.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Sides", into = "Sides")]
 pub struct Branches {
@@ -103,7 +104,7 @@ pub struct Branches {
     descending: Branch,
 }
 
-/// How [`Branches`] are written.
+/// File format of [`Branches`].
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Sides {
@@ -141,37 +142,38 @@ impl From<Branches> for Sides {
     }
 }
 
-/// What was found on the way to the branches.
+/// The branches of a measured loop and how they were found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredLoop {
     /// The branches.
     pub branches: Branches,
-    /// The separating line, from the lower to the upper turning point: [(u, z); 2].
+    /// The separating line, from the lower to the upper reversal: [(u, z); 2].
     pub line: [(f64, f64); 2],
-    /// Share of the points whose side of the line is that of their direction, 0.5 to 1.
+    /// Share of the points for which the split by line and the split by direction agree, 0.5 to 1.
     pub agreement: f64,
-    /// Whether ascending points lie below the line, as they do on a piezo loop.
+    /// True if ascending points are below the line, as in a piezo loop.
     pub ascending_below: bool,
 }
 
 impl Branches {
-    /// Branches through given knots (u rising) of the ascending and the descending side.
+    /// Branches through the given knots (u ascending, z).
     ///
     /// # Errors
-    /// As [`Spline::new`]; each side needs at least two knots, and both the same first and last u.
+    /// Returns an error if a branch has fewer than two knots or knots that are not ascending, or if the first or last u
+    /// of the branches differ.
     pub fn new(ascending: (Vec<f64>, Vec<f64>), descending: (Vec<f64>, Vec<f64>)) -> Result<Self, Error> {
         let branch = |(u, z)| Branch::new(u, z);
         let (ascending, descending) = (branch(ascending)?, branch(descending)?);
         let ends = |b: &Branch| (b.knots.u[0], b.knots.u[b.knots.u.len() - 1]);
         if ends(&ascending) != ends(&descending) {
             let value = format!("{:?} and {:?}", ends(&ascending), ends(&descending));
-            let rule = "the ascending and the descending one must run between the same two turning points";
+            let rule = "the ascending and the descending branch must have the same first and last u";
             return Err(Error::parameter("ends of the branches", value, rule));
         }
         Ok(Branches { ascending, descending })
     }
 
-    /// The same with the ascending and the descending branch exchanged.
+    /// The branches with ascending and descending exchanged.
     pub fn exchanged(&self) -> Self {
         Branches { ascending: self.descending.clone(), descending: self.ascending.clone() }
     }
@@ -186,14 +188,14 @@ impl Branches {
         self.descending.at(u)
     }
 
-    /// z at `u` on the ascending and on the descending branch, and the slopes there.
+    /// z and its slope at `u`, on the ascending and on the descending branch.
     #[inline]
     pub(super) fn slopes(&self, u: f64) -> (Dual, Dual) {
         (self.ascending.rising(u), self.descending.rising(u))
     }
 
-    /// For programs: `block` with the branches of `pairs`, the ascending one of pair k as number 2 k and the descending one as
-    /// 2 k + 1, and a function `branch(b: whole, u)` for z and its slope.
+    /// Adds the branches of `pairs` to a program `block`: the ascending branch of pair k has number 2 k, the descending
+    /// one 2 k + 1. The function `branch(b: whole, u)` returns z and its slope.
     pub(super) fn block<'b>(block: Block, pairs: impl Iterator<Item = &'b Branches>) -> Block {
         let (mut starts, mut knots, mut cubics, mut beyond) = (vec![0.0], Vec::new(), Vec::new(), Vec::new());
         for branch in pairs.flat_map(|pair| [&pair.ascending, &pair.descending]) {
@@ -206,14 +208,14 @@ impl Branches {
         block.table("beyond", &beyond).text(&Intervals::text("knot_before", "knots")).text(BRANCH)
     }
 
-    /// The inputs between the turning points.
+    /// The lowest and the highest u.
     pub fn range(&self) -> (f64, f64) {
         let u = &self.ascending.knots.u;
         (u[0], u[u.len() - 1])
     }
 
-    /// Largest distance between the branches, over the peak-to-peak of z. Negative where the loop has turned round,
-    /// so that the ascending branch lies above.
+    /// Largest distance between the branches, relative to the peak-to-peak of z. Negative if the loop is inverted: the
+    /// ascending branch lies above.
     pub fn width(&self) -> f64 {
         let (low, high) = self.range();
         let at = |k: usize| low + (high - low) * k as f64 / 200.0;
@@ -224,11 +226,12 @@ impl Branches {
         if highest > lowest { widest / (highest - lowest) } else { 0.0 }
     }
 
-    /// Splits the loop of the points (`u`, `z`), taken in the order of time, into branches of at most `bins` averages
-    /// between the turning points.
+    /// Splits the loop (`u`, `z`), in the order of time, into branches of at most `bins` averages between the
+    /// reversals.
     ///
     /// # Errors
-    /// [`Error::Unidentifiable`] when u does not move, or only one way; refuses no bins and more than a thousand.
+    /// [`Error::Unidentifiable`] if u does not move, or moves in one direction only; an error if `bins` is not 1 to
+    /// 1000.
     pub fn of_loop(u: &[f64], z: &[f64], bins: usize, split: Split) -> Result<MeasuredLoop, Error> {
         if !(1..=BINS_MAX).contains(&bins) {
             return Err(Error::parameter("bins", bins, format!("must be from 1 to {BINS_MAX}")));
@@ -252,7 +255,7 @@ impl Branches {
         let top = (high, mean_where(&|u| u >= high - TIP * range));
         let line = |u: f64| bottom.1 + (top.1 - bottom.1) * (u - low) / range;
 
-        // Direction of each point, held while u stands; 0 until it first moves.
+        // Direction of each point: the last one while u is held, 0 until it first moves.
         let directions = u.iter().scan((u[0], 0.0), |(before, direction), &u| {
             if u != *before {
                 *direction = (u - *before).signum();
@@ -262,7 +265,7 @@ impl Branches {
         });
         let points: Vec<(f64, f64, f64)> = u.iter().zip(z).zip(directions).map(|((u, z), d)| (*u, *z, d)).collect();
 
-        // Ascending points below the line count one way, above it the other.
+        // Ascending points below the line and descending points above it count +1, the others -1.
         let below = |u: f64, z: f64| f64::from(i8::from(z < line(u)) - i8::from(z > line(u)));
         let vote: f64 = points.iter().map(|(u, z, d)| d * below(*u, *z)).sum();
         let side = if vote >= 0.0 { 1.0 } else { -1.0 };
@@ -300,28 +303,28 @@ mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    /// An ellipse-like loop: z lags u, so rising u lies below.
+    /// An elliptic loop: z lags u, so the ascending branch lies below.
     fn cycle(lag: f64) -> (Vec<f64>, Vec<f64>) {
         let phase = |t: u32| f64::from(t) * std::f64::consts::TAU / 500.0;
         (0..1500).map(|t| (30.0 * phase(t).sin(), 10.0 * (phase(t) - lag).sin())).unzip()
     }
 
     #[test]
-    fn the_side_of_the_ascending_branch_comes_from_the_data() {
+    fn the_data_decide_on_which_side_the_ascending_branch_lies() {
         for split in [Split::Line, Split::Direction] {
             let (u, z) = cycle(0.1);
             let normal = Branches::of_loop(&u, &z, 12, split).unwrap();
             assert!(normal.ascending_below && normal.agreement > 0.95);
             assert_close(&[normal.branches.width()], &[0.1], 0.03, 0.0);
             let (u, z) = cycle(-0.1);
-            let turned = Branches::of_loop(&u, &z, 12, split).unwrap();
-            assert!(!turned.ascending_below);
-            assert_close(&[turned.branches.width()], &[-0.1], 0.03, 0.0);
+            let inverted = Branches::of_loop(&u, &z, 12, split).unwrap();
+            assert!(!inverted.ascending_below);
+            assert_close(&[inverted.branches.width()], &[-0.1], 0.03, 0.0);
         }
     }
 
     #[test]
-    fn the_branches_meet_at_the_turning_points_and_go_on_straight_beyond_them() {
+    fn the_branches_meet_at_the_reversals_and_are_straight_outside_them() {
         let (u, z) = cycle(0.1);
         let branches = Branches::of_loop(&u, &z, 12, Split::Line).unwrap().branches;
         let (low, high) = branches.range();
@@ -332,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn an_input_that_stands_still_has_no_loop() {
+    fn a_constant_or_monotonic_input_has_no_loop() {
         let error = Branches::of_loop(&[2.0; 9], &[1.0; 9], 5, Split::Line).unwrap_err().to_string();
         assert!(error.contains("the input stays at 2"), "{error}");
         let error = Branches::of_loop(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], 5, Split::Line).unwrap_err().to_string();

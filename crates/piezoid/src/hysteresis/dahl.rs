@@ -1,20 +1,21 @@
-//! Dahl's friction: the input, less a force that nears its limit the slower the closer it is.
+//! Dahl's friction: the input minus a friction force that approaches its limit smoothly.
 //!
 //! ```text
 //! h' = u' |1 - h sign(u') / breakaway|^exponent          |h| <= breakaway
 //! z = w_0 u - w_1 h                                      w_k >= 0
 //! ```
-//! With y = 1 - h sign(u') / breakaway and the length s of the path, dy/ds = -y^exponent / breakaway, whose solution
+//! With y = 1 - h sign(u') / breakaway and the path length s, dy/ds = -y^exponent / breakaway. The solution integrates
+//! samples exactly:
 //! ```text
 //! y^q = y_0^q - q s / breakaway,    q = 1 - exponent
 //! ```
-//! (an exponential for q = 0, and 0 from where the right side ends for q > 0) integrates samples exactly. An exponent of
-//! 1 is `bouc-wen` with gamma = 0 and beta = 1 / breakaway; near 0 it is one stop operator.
+//! It is an exponential for q = 0; for q > 0, y stays 0 once the right side is 0. With exponent 1 the operator is
+//! `bouc-wen` with gamma = 0 and beta = 1 / breakaway; with an exponent near 0 it is one stop operator.
 //!
 //! Reference: P. R. Dahl, "Solid friction damping of mechanical vibrations", AIAA J. 14 (1976), DOI 10.2514/3.61511. It
 //! does not do: asymmetric loops, rate, wiping out; minor loops start without a jump but do not close.
 //!
-//! Inverse: Newton's method on the solution. At breakaway z goes on with slope w_0; where w_0 < w_1 it falls after a
+//! Inverse: Newton's method on the solution. At breakaway the slope of z is w_0; if w_0 < w_1, z decreases after a
 //! reversal.
 
 use super::Operator;
@@ -24,9 +25,8 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// The weights are w_0 of the input and w_1 of -h.
+/// Weights: w_0 of the input, w_1 of -h.
 ///
 /// State: h [input unit].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,18 +45,15 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: false,
     load: Weighted::<Dahl>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Dahl { breakaway: design.half(), exponent: 1.0 }),
-    example: |ts| {
-        let law = Dahl { breakaway: 20.0, exponent: 1.4 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.4, 0.5])?))
-    },
+    example: |ts| Weighted::example(ts, Dahl { breakaway: 20.0, exponent: 1.4 }, vec![1.4, 0.5]),
 };
 
-/// y after a path of `s` breakaways.
+/// y after a path of length `s`, in breakaways.
 fn near<R: Real>(y: R, s: R, exponent: R) -> R {
     if y.value() <= 0.0 {
         return 0.0.into();
     }
-    // y = y_0 (1 - q t)^(1/q), written so that q may be 0.
+    // y = y_0 (1 - q t)^(1/q), in a form that allows q = 0.
     let q = R::from(1.0) - exponent;
     let t = s / y.powf(q);
     if (q * t).value() >= 1.0 { 0.0.into() } else { y * (-t * (-q * t).log_growth()).exp() }
@@ -87,9 +84,7 @@ fn hysteresis(x: hysteresis, u) {
 ";
 
 impl Law for Dahl {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         positive("breakaway", self.breakaway, "input units")?;
@@ -138,7 +133,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn the_solution_is_that_of_the_equation_for_exponents_below_at_and_above_one() {
+    fn the_solution_equals_the_analytical_one_for_exponents_below_at_and_above_one() {
         for (exponent, y) in [(0.5, (1.0 - 0.3 / 2.0f64).powi(2)), (1.0, (-0.3f64).exp()), (2.0, 1.0 / 1.3)] {
             assert_close(&[near(1.0, 0.3, exponent)], &[y], 1e-14, 0.0);
             assert_close(&[near(1.0, 0.3, exponent + 1e-9)], &[y], 1e-8, 0.0);

@@ -3,22 +3,23 @@
 //! ```text
 //! h' = alpha |u'| (f(u) - h) + u' g(u),      z = h
 //! ```
-//! f and g are polynomials, f(0) = 0. With k = f' - g, which is not negative where loops run the way piezo loops do,
+//! f and g are polynomials, f(0) = 0. With k = f' - g, which is not negative for loops in the direction of piezo loops,
+//! an equivalent form is
 //! ```text
 //! z = f(u) - psi,      psi' = -alpha |u'| psi + u' k(u)
 //! ```
-//! is the same and linear in the coefficients of both: z = sum_i f_i S (u/S)^i - sum_j k_j psi_j, i = 1..n, j = 0..n-1,
-//! with S the largest |u| of the range. Samples are integrated exactly: over a path of length s from u_0 to u_1
+//! It is linear in the coefficients of f and k: z = sum_i f_i S (u/S)^i - sum_j k_j psi_j, i = 1..n, j = 0..n-1, with S
+//! the largest |u| of the range. Samples are integrated exactly: over a path of length s from u_0 to u_1
 //! ```text
 //! psi_j <- e^-x psi_j + (u_1 - u_0) int_0^1 e^(-x r) ((u_1 + (u_0 - u_1) r) / S)^j dr,      x = alpha s
 //! ```
-//! Reference: B. D. Coleman & M. L. Hodgdon, "A constitutive relation for rate-independent hysteresis in ferromagnetically
-//! soft materials", Int. J. Eng. Sci. 24 (1986); for piezo actuators H. J. M. T. S. Adriaens et al., IEEE/ASME Trans.
-//! Mechatronics 5 (2000), DOI 10.1109/3516.891044. One memory alone: minor loops start without a jump but do not close,
-//! nothing is wiped out. It does not do: rate; and polynomials run off beyond the range.
+//! Reference: B. D. Coleman & M. L. Hodgdon, "A constitutive relation for rate-independent hysteresis in
+//! ferromagnetically soft materials", Int. J. Eng. Sci. 24 (1986); for piezo actuators H. J. M. T. S. Adriaens et al.,
+//! IEEE/ASME Trans. Mechatronics 5 (2000), DOI 10.1109/3516.891044. It does not do: rate, wiping out; minor loops start
+//! without a jump but do not close; the polynomials diverge outside the range.
 //!
-//! Inverse: Newton's method on the integrals. Where the polynomials turn, beyond the range at the latest, z falls and one of
-//! several inputs is found.
+//! Inverse: Newton's method on the integrals. Where the polynomials have an extremum, usually outside the range, z
+//! decreases and one of several inputs is found.
 
 use super::Operator;
 use super::basis::ShapeParameter;
@@ -28,9 +29,8 @@ use super::real::Real;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// The weights are f_1, ..., f_n, then k_0, ..., k_(n-1).
+/// Weights: f_1, ..., f_n, then k_0, ..., k_(n-1).
 ///
 /// State: psi_0, ..., psi_(n-1) [input unit].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,7 +41,7 @@ pub(super) struct Duhem {
     alpha: f64,
 }
 
-/// Degree of f, unless told otherwise, and the most.
+/// Default and maximum degree of f.
 const DEGREE: usize = 3;
 const MOST: usize = 7;
 
@@ -57,16 +57,11 @@ pub(super) static OPERATOR: Operator = Operator {
         let degree = design.elements.unwrap_or(DEGREE).clamp(1, MOST);
         Weighted::basis(design.ts, design.range, Duhem { degree, alpha: 1.0 / design.half() })
     },
-    example: |ts| {
-        let law = Duhem { degree: 3, alpha: 0.04 };
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, vec![1.1, 0.1, -0.1, 0.4, 0.05, -0.1])?))
-    },
+    example: |ts| Weighted::example(ts, Duhem { degree: 3, alpha: 0.04 }, vec![1.1, 0.1, -0.1, 0.4, 0.05, -0.1]),
 };
 
 impl Law for Duhem {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         positive("alpha", self.alpha, "1 / input unit")?;
@@ -89,7 +84,7 @@ impl Law for Duhem {
             let length = shape[0] * input.length();
             let left = (-length).exp();
             let (end, back) = (v, -input.path() / scale.into());
-            // integral[i]: of e^(-x r) v^j r^i, v the scaled input, for j = 0, 1, 2, ... in turn.
+            // integral[i] is that of e^(-x r) v^j r^i, v the scaled input, for j = 0, 1, 2, ...
             let n = x.len();
             let mut integral = moments(length, left, n);
             for (j, psi) in x.iter_mut().enumerate() {
@@ -115,7 +110,7 @@ impl Law for Duhem {
         block.table("reciprocal", &RECIPROCALS).count("terms", RECIPROCALS.len()).text(STEP)
     }
 
-    /// f and k rise at rest: the first coefficients of both.
+    /// The first coefficients of f and k are not negative.
     fn non_negative(&self, k: usize) -> bool {
         k == 0 || k == self.degree
     }
@@ -135,8 +130,8 @@ fn scale<R>(input: &Input<R>) -> f64 {
     input.range.0.abs().max(input.range.1.abs())
 }
 
-/// m_i = int_0^1 e^(-x r) r^i dr for i = 0..n, given e^-x, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1), which loses
-/// nothing downwards for small x and upwards for large.
+/// m_i = int_0^1 e^(-x r) r^i dr for i = 0..n, given e^-x, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1). The
+/// recursion is stable downwards for small x and upwards for large x.
 fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
     let mut m = [R::from(0.0); MOST];
     if x.value() > MOST as f64 {
@@ -146,7 +141,7 @@ fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
         }
         return m;
     }
-    // e^-x (1/n + x/(n (n+1)) + ...): positive terms.
+    // e^-x (1/n + x/(n (n+1)) + ...): all terms are positive.
     let mut term = R::from(1.0 / n as f64);
     let mut sum = term;
     for reciprocal in &RECIPROCALS[n..] {
@@ -163,7 +158,7 @@ fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
     m
 }
 
-/// 1, 1/2, 1/3, ...: a product takes a quarter of the time of a division.
+/// 1, 1/2, 1/3, ...: a multiplication takes a quarter of the time of a division.
 const RECIPROCALS: [f64; 60 + MOST] = {
     let (mut r, mut i) = ([1.0; 60 + MOST], 1);
     while i < r.len() {
@@ -228,6 +223,7 @@ fn hysteresis(x: hysteresis, u) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::path;
     use super::*;
     use crate::system::System;
     use crate::testing::assert_close;
@@ -236,7 +232,7 @@ mod tests {
     fn moments_are_the_integrals_for_short_and_long_paths() {
         for x in [0.0, 1e-9, 0.3, 6.9, 7.1, 80.0] {
             let n = 200_000;
-            // Midpoints, which the third digit from the end of n makes good to 1e-9.
+            // Midpoint rule.
             let integral = |i: i32| {
                 let r = |k: i32| (f64::from(k) + 0.5) / f64::from(n);
                 (0..n).map(|k| (-x * r(k)).exp() * r(k).powi(i)).sum::<f64>() / f64::from(n)
@@ -249,17 +245,12 @@ mod tests {
     }
 
     #[test]
-    fn how_a_path_is_divided_does_not_matter() {
+    fn the_division_of_a_path_into_samples_has_no_effect() {
         let run = |pieces: u32| {
             let law = Duhem { degree: 4, alpha: 0.2 };
             let weights = vec![0.0, 0.0, 0.0, 0.0, 1.0, -0.5, 0.3, 2.0];
             let operator = Weighted::new(1.0, (-30.0, 30.0), law, weights).unwrap();
-            let turns = [0.0, 30.0, -20.0, 5.0, -30.0];
-            let u: Vec<f64> = turns
-                .windows(2)
-                .flat_map(|w| (1..=pieces).map(move |i| w[0] + (w[1] - w[0]) * f64::from(i) / f64::from(pieces)))
-                .collect();
-            *operator.simulate(&u).last().unwrap()
+            *operator.simulate(&path(&[0.0, 30.0, -20.0, 5.0, -30.0], pieces)).last().unwrap()
         };
         assert_close(&[run(1000)], &[run(1)], 1e-11, 0.0);
     }

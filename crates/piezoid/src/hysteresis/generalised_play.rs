@@ -1,4 +1,4 @@
-//! Generalised Prandtl-Ishlinskii: plays between two envelopes, and dead zones, for loops that are not symmetric.
+//! Generalised Prandtl-Ishlinskii: plays between two envelope functions, and dead zones, for asymmetric loops.
 //!
 //! ```text
 //! p_k <- max(g_a(u) - r_k, min(g_d(u) + r_k, p_k))                 ascending and descending envelope g_a, g_d
@@ -6,34 +6,34 @@
 //! d_j(u) = max(u - d_j, 0) for d_j > 0, min(u - d_j, 0) for d_j < 0
 //! z = w_0 u + sum_k w_k p_k + sum_j v_j d_j(u)                     w_k >= 0
 //! ```
-//! `middle` and `half` are those of the range of the inputs, g_0 makes g(0) = 0, and beyond the range an envelope goes
-//! on with slope 1. A positive `cubic` saturates, a `quadratic` bends one way. Where the envelopes cross by more than
-//! the thresholds, the ascending one holds. Without bends and dead zones it is `prandtl-ishlinskii`.
+//! `middle` and `half` describe the input range; g_0 is such that g(0) = 0. Outside the range the slope of an envelope
+//! is
+//! 1. A positive `cubic` saturates, a `quadratic` bends to one side. Where the envelopes cross by more than the
+//! thresholds, the ascending one applies. Without bends and dead zones the operator is `prandtl-ishlinskii`.
 //!
 //! References: M. Al Janaideh, S. Rakheja & C.-Y. Su, IEEE/ASME Trans. Mechatronics 16 (2011), DOI
-//! 10.1109/TMECH.2010.2052366 (envelopes); K. Kuhnen, Eur. J. Control 9 (2003), DOI 10.3166/ejc.9.407-418 (dead zones,
-//! there behind the plays, here beside them, which keeps z linear in all weights). It does not do: rate.
+//! 10.1109/TMECH.2010.2052366 (envelopes); K. Kuhnen, Eur. J. Control 9 (2003), DOI 10.3166/ejc.9.407-418 (dead zones;
+//! there in series with the plays, here in parallel, so that z is linear in all weights). It does not do: rate.
 //!
-//! Inverse: Newton's method on the cubic piece that has the wanted z. Beyond the range z goes on along a line.
+//! Inverse: Newton's method on the cubic piece of the requested z. Outside the range z is linear.
 
 use super::Operator;
-use super::basis::{BasisDesign, ShapeParameter, curvature};
+use super::basis::{BasisDesign, ShapeParameter};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
-use super::thresholds::{self, ELEMENTS};
+use super::thresholds;
 use crate::error::{Error, finite};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// Weights: w_0 of the input, one for each threshold, one for each dead zone.
+/// Weights: w_0 of the input, then one per threshold, then one per dead zone.
 ///
 /// State: the plays p_k.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct GeneralisedPlay {
     /// r_1 < r_2 < ... [input unit]
     thresholds: Vec<f64>,
-    /// d_j [input unit], none of them 0.
+    /// d_j [input unit], not 0.
     dead_zones: Vec<f64>,
     ascending_quadratic: f64,
     ascending_cubic: f64,
@@ -41,7 +41,7 @@ pub(super) struct GeneralisedPlay {
     descending_cubic: f64,
 }
 
-/// The bends with which an envelope rises all over the range.
+/// Bends for which an envelope increases over the whole range.
 const QUADRATIC: (f64, f64) = (-0.25, 0.25);
 const CUBIC: (f64, f64) = (-0.5, 0.25);
 
@@ -57,18 +57,17 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: true,
     load: Weighted::<GeneralisedPlay>::load,
     basis: |design| {
-        let law = GeneralisedPlay::new(thresholds::even(design, ELEMENTS), dead_zones(design), [0.0; 4]);
+        let law = GeneralisedPlay::new(thresholds::even(design), dead_zones(design), [0.0; 4]);
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let thresholds = (1..=8).map(|k| 3.0 * f64::from(k)).collect();
-        let law = GeneralisedPlay::new(thresholds, vec![-15.0, 15.0], [0.1, 0.05, -0.05, 0.1]);
-        let weights = vec![0.6, 0.06, 0.06, 0.06, 0.06, 0.06, 0.06, 0.06, 0.06, 0.1, -0.1];
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+        let law = GeneralisedPlay::new(thresholds::example(), vec![-15.0, 15.0], [0.1, 0.05, -0.05, 0.1]);
+        let weights = [&thresholds::example_weights(0.6)[..], &[0.1, -0.1]].concat();
+        Weighted::example(ts, law, weights)
     },
 };
 
-/// Even steps through the range, without 0, where the input itself already bends nothing.
+/// Equidistant dead zones over the range, except at 0.
 fn dead_zones(design: &BasisDesign) -> Vec<f64> {
     let step = 2.0 * design.half() / f64::from(PIECES);
     let all = (1..PIECES).map(|k| design.range.0 + step * f64::from(k));
@@ -99,29 +98,27 @@ impl GeneralisedPlay {
 }
 
 impl Law for GeneralisedPlay {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;
         finite("dead_zones", &self.dead_zones)?;
         if let Some(j) = self.dead_zones.iter().position(|d| *d == 0.0) {
-            let rule = "must not be 0: a dead zone has to end on one side of it";
+            let rule = "must not be 0: a dead zone must end at a positive or at a negative input";
             return Err(Error::parameter(format!("dead_zones[{j}]"), 0.0, rule));
         }
         self.bends().into_iter().try_for_each(|(name, value, (low, high))| {
-            let rule = format!("must be from {low} to {high}, or the envelope would fall somewhere");
+            let rule = format!("must be from {low} to {high}, so that the envelope increases everywhere");
             require((low..=high).contains(&value), name, value, &rule)
         })
     }
 
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len() + self.dead_zones.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn responses(&self) -> usize {
+        1 + self.thresholds.len() + self.dead_zones.len()
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -156,10 +153,6 @@ impl Law for GeneralisedPlay {
         k <= self.thresholds.len()
     }
 
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, 1 + self.thresholds.len())
-    }
-
     fn shape(&self, _: f64, _: f64) -> Vec<ShapeParameter> {
         self.bends().map(|(name, value, (low, high))| ShapeParameter { name, value, low, high }).into()
     }
@@ -171,21 +164,21 @@ impl Law for GeneralisedPlay {
     }
 }
 
-/// What `quadratic` and `cubic` add to an envelope at `u`, each 0 at 0 and constant beyond the range [input unit].
+/// The quadratic and the cubic term of an envelope at `u`; 0 at u = 0, constant outside the range [input unit].
 fn bulges<R: Real>(input: &Input<R>) -> (R, R) {
     let at = |u: R| bent(u, input.half(), input.middle());
     let (here, rest) = (at(input.u), at(0.0.into()));
     (here.0 - rest.0, here.1 - rest.1)
 }
 
-/// The same, 0 at the ends of the range and beyond.
+/// The same terms, but 0 at the ends of the range and outside it.
 fn bent<R: Real>(u: R, half: f64, middle: f64) -> (R, R) {
     let (one, half) = (R::from(1.0), R::from(half));
     let v = ((u - middle.into()) / half).clamp(-one, one);
     (half * (one - v * v), half * (v - v * v * v))
 }
 
-/// [`Law::step`], weighted, but for dead zones.
+/// [`Law::step`], weighted, without dead zones.
 const PLAYS: &str = "
 fn hysteresis(x: hysteresis, u) {
     // What bends the envelopes, constant beyond the range.
@@ -202,7 +195,7 @@ fn hysteresis(x: hysteresis, u) {
     x.last = u;
 ";
 
-/// What dead zones add.
+/// The dead zones of [`Law::step`].
 const DEAD_ZONES: &str = "
     // How far the input is beyond each dead zone.
     for j in 0..zones {
@@ -241,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn envelopes_rise_for_every_bend_allowed() {
+    fn envelopes_increase_for_all_allowed_bends() {
         for a in [QUADRATIC.0, 0.1, QUADRATIC.1] {
             for b in [CUBIC.0, -0.1, CUBIC.1] {
                 let g = |k: i32| {

@@ -5,15 +5,16 @@
 //! k_ij <- max(r(u - s_j), min(r(u - s_i), k_ij))               levels s_i <= s_j
 //! z = sum_ij w_ij (k_ij - k_ij at rest)                        w_ij >= 0
 //! ```
-//! A Preisach model of a finite resolution that is continuous in the input all the same: rising input climbs the ridge
-//! at s_j, falling input descends that at s_i, and the grid is the triangle of all pairs. Those with i = j are ramps
-//! without memory. At rest a kernel is half on, or as near to it as the ridges at u = 0 allow. Loops of equal inputs are
-//! congruent; reversals that are passed are wiped out; z saturates beyond the outermost levels.
+//! A Preisach model of finite resolution that is continuous in the input: a rising input moves along the ridge at s_j,
+//! a falling input along the ridge at s_i. The grid is the triangle of all pairs; pairs with i = j are ramps without
+//! memory. At rest a kernel is 1/2, or as close to it as the ridges at u = 0 allow. Minor loops over the same input
+//! range are congruent; passed reversals are wiped out; z saturates outside the outermost levels.
 //!
 //! Reference: M. A. Krasnosel'skii & A. V. Pokrovskii, "Systems with Hysteresis", Springer (1989), DOI
 //! 10.1007/978-3-642-61302-9. It does not do: rate.
 //!
-//! Inverse: Newton's method on the lines that ridges make of z(u). Beyond the outermost ridges there is nothing to find.
+//! Inverse: Newton's method on z(u), which is piecewise linear. Outside the outermost ridges z is constant and has no
+//! inverse.
 
 use super::Operator;
 use super::basis::{BasisDesign, ShapeParameter};
@@ -24,9 +25,9 @@ use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Weights: w_11, w_12, w_22, w_13, w_23, w_33, ...: level by level of s_j, and within it by rising s_i.
+/// Weights: w_11, w_12, w_22, w_13, w_23, w_33, ...: by ascending s_j, then by ascending s_i.
 ///
-/// State: the kernels k_ij less their value at rest, in the order of the weights.
+/// State: the kernels k_ij minus their value at rest, in the order of the weights.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Krasnoselskii {
     /// s_1 < s_2 < ... [input unit]
@@ -35,7 +36,7 @@ pub(super) struct Krasnoselskii {
     ridge: f64,
 }
 
-/// How many levels, unless told otherwise, and the most.
+/// Default and maximum number of levels.
 const LEVELS: usize = 12;
 const MOST: usize = 90;
 
@@ -57,20 +58,20 @@ pub(super) static OPERATOR: Operator = Operator {
     },
 };
 
-/// Place of the pair i <= j.
+/// Position of the pair i <= j.
 fn index(i: usize, j: usize) -> usize {
     j * (j + 1) / 2 + i
 }
 
 impl Krasnoselskii {
-    /// Levels in the middles of even cells of the range, and ridges that meet.
+    /// Levels in the middles of equal cells of the range; the ridges touch.
     fn even(design: &BasisDesign) -> Self {
         let n = design.elements.unwrap_or(LEVELS).clamp(1, MOST);
         let cell = 2.0 * design.half() / n as f64;
         Krasnoselskii { levels: (0..n).map(|i| design.range.0 + cell * (i as f64 + 0.5)).collect(), ridge: cell }
     }
 
-    /// What the kernels are at rest.
+    /// The kernels at rest.
     fn at_rest(&self) -> Vec<f64> {
         let ramps: Vec<f64> = self.levels.iter().map(|s| ramp(-s, self.ridge)).collect();
         let row = |j: usize| ramps[..=j].iter().map(move |fall| (j, *fall));
@@ -84,9 +85,7 @@ fn ramp<R: Real>(v: R, ridge: R) -> R {
 }
 
 impl Law for Krasnoselskii {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         finite("levels", &self.levels)?;
@@ -98,7 +97,7 @@ impl Law for Krasnoselskii {
         match self.levels.windows(2).position(|w| w[0] >= w[1]) {
             None => Ok(()),
             Some(i) => {
-                let rule = format!("must lie above {}: levels rise", self.levels[i]);
+                let rule = format!("must be above {}: levels must be ascending", self.levels[i]);
                 Err(Error::parameter(format!("levels[{}]", i + 1), self.levels[i + 1], rule))
             }
         }
@@ -113,7 +112,7 @@ impl Law for Krasnoselskii {
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
-        // The ramp of each level, now and at rest: what pairs rise by and fall by.
+        // The ramp of each level, now and at rest: lower and upper bounds of the kernels.
         let (mut now, mut at_rest) = ([R::from(0.0); MOST], [R::from(0.0); MOST]);
         for ((now, at_rest), &s) in now.iter_mut().zip(&mut at_rest).zip(&self.levels) {
             (*now, *at_rest) = (ramp(u - s.into(), shape[0]), ramp((-s).into(), shape[0]));

@@ -1,10 +1,10 @@
-//! An operator written once: its law says how the responses phi_k follow the input, [`Weighted`] makes of it the block
-//! that runs, the basis that is fitted, and the document that is saved.
+//! Operators defined by one [`Law`], the responses phi_k to the input. From a law, [`Weighted`] makes the block that
+//! runs, the basis that is fitted, and the document that is saved.
 
-use super::basis::{Basis, ShapeParameter, counted};
+use super::basis::{Basis, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
 use super::real::{Dual, Real};
-use super::{Hysteresis, Operator, document, parse};
+use super::{Hysteresis, Operator, document, parse, thresholds};
 use crate::error::{Error, finite, positive};
 use crate::program::Block;
 use crate::system::System;
@@ -14,44 +14,44 @@ use serde_json::{Map, Value};
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// One sample of input, and what all samples have in common.
+/// One input sample with its context.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Input<R = f64> {
     /// The input [input unit].
     pub(super) u: R,
-    /// The input one sample before; 0 before the first [input unit].
+    /// The previous input; 0 before the first [input unit].
     pub(super) before: f64,
-    /// Sampling period [s]; infinite for an input that came slowly to where it stands.
+    /// Sampling period [s]; infinite for a quasi-static movement.
     pub(super) ts: f64,
-    /// The inputs it was identified on [input unit].
+    /// Input range of the identification data [input unit].
     pub(super) range: (f64, f64),
 }
 
 impl Input {
-    /// The sample after this one.
+    /// The next sample.
     fn then<R: Real>(self, u: R) -> Input<R> {
         Input { u, before: self.u, ts: self.ts, range: self.range }
     }
 }
 
 impl<R: Real> Input<R> {
-    /// How far the input moves [input unit].
+    /// Movement of the input [input unit].
     pub(super) fn path(&self) -> R {
         self.u - self.before.into()
     }
 
-    /// Which way the input moves: 1, -1, or 0 where it stands.
+    /// Direction of the movement: 1, -1, or 0 while the input is held.
     pub(super) fn direction(&self) -> f64 {
         let path = self.path().value();
         if path == 0.0 { 0.0 } else { path.signum() }
     }
 
-    /// How far the input moves, whichever way [input unit].
+    /// Absolute movement of the input [input unit].
     pub(super) fn length(&self) -> R {
         self.path() * self.direction().into()
     }
 
-    /// How fast the input moves [input unit/s].
+    /// Absolute rate of the input [input unit/s].
     pub(super) fn rate(&self) -> R {
         self.length() / self.ts.into()
     }
@@ -67,42 +67,53 @@ impl<R: Real> Input<R> {
     }
 }
 
-/// Refuses a field for which the rule does not hold.
+/// Returns an error with `rule` unless it `holds`.
 pub(super) fn require(holds: bool, name: &str, value: f64, rule: &str) -> Result<(), Error> {
     if holds { Ok(()) } else { Err(Error::parameter(name, value, rule)) }
 }
 
-/// The law of an operator: thresholds and the like as its fields, which are also its file.
+/// The law of an operator. Its fields (thresholds, shape parameters) are also those of its file.
 pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static {
-    /// Its row of the list.
-    fn row() -> &'static Operator;
+    /// Its row of [`super::OPERATORS`].
+    const ROW: &'static Operator;
 
-    /// Refuses fields that make no sense.
-    fn check(&self) -> Result<(), Error>;
+    /// Returns an error if a field is out of its range; by default it checks the thresholds.
+    fn check(&self) -> Result<(), Error> {
+        thresholds::check(self.thresholds())
+    }
 
-    /// Number of responses phi.
-    fn responses(&self) -> usize;
+    /// Thresholds of a law of plays or stops; the defaults below are for such a law.
+    fn thresholds(&self) -> &[f64] {
+        &[]
+    }
 
-    /// Length of the state, which is 0 at rest.
-    fn order(&self) -> usize;
+    /// Number of responses phi; by default that of the input, then one per threshold.
+    fn responses(&self) -> usize {
+        1 + self.thresholds().len()
+    }
 
-    /// One sample: advances `x` and hands every phi_k, in order, to `phi`.
+    /// Length of the state, which is 0 at rest; by default one number per threshold.
+    fn order(&self) -> usize {
+        self.thresholds().len()
+    }
+
+    /// One sample: advances `x` and passes every phi_k, in order, to `phi`.
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, phi: impl FnMut(usize, R));
 
-    /// Replaces the inputs in `signal`, which come after `last`, by z. Overridden where that is measurably faster, with the
-    /// same bits however `signal` is cut.
+    /// Replaces the inputs in `signal`, which come after `last`, by z. Overridden where that is measurably faster. The
+    /// result must be bit-identical for any division of `signal`.
     fn run(&self, weights: &[f64], shape: &[f64], x: &mut [f64], last: Input, signal: &mut [f64]) {
         let mut input = last;
         for v in signal {
             input = input.then(*v);
-            // What leaves every sum as it is, -0 included: programs begin with the first product.
+            // -0 leaves every sum unchanged, -0 included: programs begin with the first product.
             *v = -0.0;
             self.step(shape, x, input, |k, phi| *v += weights[k] * phi);
         }
     }
 
-    /// z, and its slope, as the next `input` would answer from the state `x`. `trial` is room for a copy of shape and state. Overridden
-    /// where that is measurably faster.
+    /// z and its slope after the next `input`, from the state `x`. `trial` is scratch space for shape and state.
+    /// Overridden where that is measurably faster.
     fn ahead(&self, weights: &[f64], shape: &[f64], x: &[f64], trial: &mut [Dual], input: Input<Dual>) -> Dual {
         trial.iter_mut().zip(shape.iter().chain(x)).for_each(|(copy, value)| *copy = Dual::from(*value));
         let (shape, x) = trial.split_at_mut(shape.len());
@@ -111,32 +122,34 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         z
     }
 
-    /// As [`Hysteresis::invert`], from the `last` input and the state `x`, where there is a formula and that state allows it.
+    /// [`Hysteresis::invert`] in closed form, from the `last` input and the state `x`. `None` if there is no formula
+    /// for this state.
     fn closed(&self, _weights: &[f64], _x: &[f64], _last: f64, _z: f64, _ends: (f64, f64)) -> Option<Inverted> {
         None
     }
 
-    /// The same as [`Law::step`] for programs, as [`Hysteresis::block`]: completes a `block` that has the last input as `last`, the weights as
-    /// `w`, and the shape parameters by their names. For [`Law::closed`] it may bring `hysteresis_closed(x: hysteresis, z, low, high)`, which
-    /// returns u and 1, or 0 as the second where there is none.
+    /// [`Law::step`] as a program, as in [`Hysteresis::block`]. Completes a `block` that has the last input as `last`,
+    /// the weights as `w`, and the shape parameters under their names. For [`Law::closed`] it may add
+    /// `hysteresis_closed(x: hysteresis, z, low, high)`, which returns u and 1, or 0 as second value if there is no
+    /// solution.
     fn block(&self, block: Block, input: Input) -> Block;
 
-    /// Whether weight `k` must not be negative.
+    /// True if weight `k` must not be negative.
     fn non_negative(&self, _k: usize) -> bool {
         true
     }
 
-    /// As [`Basis::roughness`].
+    /// See [`Basis::roughness`]; by default the second differences of the weights of thresholds.
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        Vec::new()
+        curvature(1, 1 + self.thresholds().len())
     }
 
-    /// As [`Basis::shape`], for inputs of a range of twice `half` [input unit], every `ts` [s].
+    /// See [`Basis::shape`]; the input range is 2 `half` [input unit], the sampling period `ts` [s].
     fn shape(&self, _half: f64, _ts: f64) -> Vec<ShapeParameter> {
         Vec::new()
     }
 
-    /// The law with other shape parameters, as many as it has.
+    /// The same law with other shape parameters.
     fn reshaped(&self, _shape: &[f64]) -> Self {
         self.clone()
     }
@@ -144,18 +157,18 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
 
 /// A law with weights: z = sum_k w_k phi_k.
 ///
-/// State: the last input, then that of the law.
+/// State: the last input, then the state of the law.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Weighted<L> {
     ts: f64,
     params: LawParams<L>,
-    /// The law's shape parameters, at hand.
+    /// Shape parameters of the law.
     shape: Vec<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct LawParams<L> {
-    /// The inputs it was identified on [input unit].
+    /// Input range of the identification data [input unit].
     range: (f64, f64),
     #[serde(flatten)]
     law: L,
@@ -167,38 +180,43 @@ impl<L: Law> Weighted<L> {
         positive("ts", ts, "seconds")?;
         finite("range", &[range.0, range.1])?;
         if range.0 >= range.1 {
-            let rule = "must run from the lowest input to a higher one: the input has to move";
+            let rule = "must run from the lowest input to a higher one: the input must move";
             return Err(Error::parameter("range", format!("{range:?}"), rule));
         }
         finite("weights", &weights)?;
         law.check()?;
-        counted(L::row().name, "weights", weights.len(), law.responses())?;
+        counted(L::ROW.name, "weights", weights.len(), law.responses())?;
         let mut block = Weighted { ts, params: LawParams { range, law, weights }, shape: Vec::new() };
         block.shape = Basis::shape(&block).iter().map(|s| s.value).collect();
         Ok(block)
     }
 
-    /// As [`Operator::load`].
+    /// See [`Operator::load`].
     pub(super) fn load(params: Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Error> {
-        let name = L::row().name;
+        let name = L::ROW.name;
         let given: Vec<String> = params.as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default();
         let LawParams::<L> { range, law, weights } = parse(name, params)?;
         let block = Self::new(ts, range, law, weights)?;
-        // What serde does not see behind a flattened law.
+        // serde cannot reject unknown fields beside a flattened struct.
         let known = block.params();
         match given.iter().find(|key| !known.contains_key(*key)) {
             None => Ok(Arc::new(block)),
-            Some(key) => Err(Error::Content(format!("hysteresis block `{name}`: unknown field `{key}`; take it out"))),
+            Some(key) => Err(Error::Content(format!("hysteresis block `{name}`: unknown field `{key}`: remove it"))),
         }
     }
 
-    /// As [`Operator::basis`]: weights of 1 until they are fitted.
+    /// See [`Operator::basis`]: the weights are 1 until they are fitted.
     pub(super) fn basis(ts: f64, range: (f64, f64), law: L) -> Result<Box<dyn Basis>, Error> {
         let weights = vec![1.0; law.responses()];
         Ok(Box::new(Self::new(ts, range, law, weights)?))
     }
 
-    /// The input that the state `x` remembers.
+    /// See [`Operator::example`]: for inputs of +-30.
+    pub(super) fn example(ts: f64, law: L, weights: Vec<f64>) -> Result<Arc<dyn Hysteresis>, Error> {
+        Ok(Arc::new(Self::new(ts, (-30.0, 30.0), law, weights)?))
+    }
+
+    /// The last input, from the state `x`.
     fn last<R: Real>(&self, x: &[R]) -> Input {
         let u = x[0].value();
         Input { u, before: u, ts: self.ts, range: self.params.range }
@@ -246,7 +264,7 @@ impl<L: Law> System for Weighted<L> {
 
 impl<L: Law> Hysteresis for Weighted<L> {
     fn operator(&self) -> &'static Operator {
-        L::row()
+        L::ROW
     }
 
     fn params(&self) -> Map<String, Value> {
@@ -258,7 +276,7 @@ impl<L: Law> Hysteresis for Weighted<L> {
     }
 
     fn block(&self) -> Option<Block> {
-        let block = Block::new("hysteresis", format!("{}: {}", L::row().name, L::row().summary));
+        let block = Block::new("hysteresis", format!("{}: {}", L::ROW.name, L::ROW.summary));
         let block = block.number("last", 0.0).table("w", &self.params.weights);
         let block = Basis::shape(self).iter().fold(block, |block, shape| block.constant(shape.name, shape.value));
         Some(self.params.law.block(block, self.last(&[0.0])))
@@ -317,7 +335,7 @@ impl<L: Law> Basis for Weighted<L> {
 
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
         finite("shape", shape)?;
-        counted(L::row().name, "shape", shape.len(), self.shape.len())?;
+        counted(L::ROW.name, "shape", shape.len(), self.shape.len())?;
         Self::basis(self.ts, self.params.range, self.params.law.reshaped(shape))
     }
 
@@ -344,12 +362,9 @@ mod tests {
     use super::super::{Operator, load};
     use serde_json::json;
 
-    fn refused(document: serde_json::Value) -> String {
-        load(&document, 5e-4).unwrap_err().to_string()
-    }
-
     #[test]
-    fn what_does_not_fit_the_law_is_refused_with_its_value() {
+    fn errors_about_fields_of_a_law_state_the_value() {
+        let refused = |document: serde_json::Value| load(&document, 5e-4).unwrap_err().to_string();
         let play = |range: [f64; 2], thresholds: &[f64], weights: &[f64]| json!({"operator": "prandtl-ishlinskii", "range": range, "thresholds": thresholds, "weights": weights});
         assert!(load(&play([-1.0, 1.0], &[0.5], &[1.0, 1.0]), 5e-4).is_ok());
         let message = refused(play([-1.0, 1.0], &[0.5], &[1.0]));
@@ -358,13 +373,12 @@ mod tests {
         more["treshold"] = json!(1);
         assert!(refused(more).contains("`prandtl-ishlinskii`: unknown field `treshold`"));
         assert!(refused(play([1.0, 1.0], &[0.5], &[1.0, 1.0])).starts_with("range = (1.0, 1.0): must run from"));
-        assert!(
-            refused(play([-1.0, 1.0], &[0.5, 0.5], &[1.0; 3])).starts_with("thresholds[1] = 0.5: must be above 0.5")
-        );
+        let message = refused(play([-1.0, 1.0], &[0.5, 0.5], &[1.0; 3]));
+        assert!(message.starts_with("thresholds[1] = 0.5: must be above 0.5"), "{message}");
     }
 
     #[test]
-    fn an_operator_of_rate_settles_as_if_the_input_had_come_slowly() {
+    fn rate_dependent_operators_settle_as_after_a_slow_movement() {
         for name in ["rate-dependent-prandtl-ishlinskii", "maxwell-slip"] {
             let block = (Operator::find(name).unwrap().example)(5e-4).unwrap();
             let slowly: Vec<f64> = (0..=200_000).map(|t| 20.0 * f64::from(t) / 200_000.0).collect();
@@ -372,7 +386,7 @@ mod tests {
             let settled = block.step(&mut block.settled(20.0), 20.0);
             crate::testing::assert_close(&[settled], &[z], 5e-3, 0.0);
             let rushed = block.simulate(&[20.0])[0];
-            assert!((rushed - z).abs() > 0.02 * z.abs(), "{name}: a rush should end elsewhere, not at {rushed}");
+            assert!((rushed - z).abs() > 0.02 * z.abs(), "{name}: a step must give another z than {rushed}");
         }
     }
 }

@@ -1,41 +1,40 @@
-//! Generalised Maxwell slip: the input, less what elastic sliders hold back that take time to slide.
+//! Generalised Maxwell slip: the input minus the forces of elastic sliders with dynamics.
 //!
 //! ```text
 //! b_k(u') = r_k (1 + rise (1 - exp(-|u'| / rate)))                  breakaway of threshold r_k
 //! sticking:  e_k' = u'                                              until |e_k| reaches b_k, then it slides
-//! sliding:   e_k' = (b_k sign u' - e_k) / attraction                until u stops or turns, then it sticks
+//! sliding:   e_k' = (b_k sign u' - e_k) / attraction                until u stops or reverses, then it sticks
 //! z = w_0 u - w_1 e_1 - ... - w_n e_n                               w_k >= 0
 //! ```
-//! Within a sample u' is constant, so both pieces are exact. A negative `rise` weakens the sliders at speed, as Stribeck's
-//! curve does; a positive one holds back more and widens fast loops. `attraction` [s] is how late a slider that slides
-//! follows a change of its breakaway (C in the paper, as a time). With rise = 0 it is `stop`.
+//! Within a sample u' is constant, so both solutions are exact. A negative `rise` reduces the breakaway at high rates,
+//! like the Stribeck effect; a positive `rise` increases it and makes fast loops wider. `attraction` [s] is the time
+//! constant with which a sliding element follows its breakaway (C in the paper). With rise = 0 the operator is `stop`.
 //!
 //! References: M. Goldfarb & N. Celanovic, IEEE Control Systems 17 (1997), DOI 10.1109/37.588158 (sliders for piezo
 //! actuators); F. Al-Bender, V. Lampaert & J. Swevers, IEEE Trans. Autom. Control 50 (2005), DOI
-//! 10.1109/TAC.2005.858676 (sliding). It does not do: asymmetric loops; and at changing rates reversals are not wiped out.
+//! 10.1109/TAC.2005.858676 (sliding). It does not do: asymmetric loops; at changing rates reversals are not wiped out.
 //!
-//! Inverse: Newton's method on the law. Where all slide z goes on with slope w_0, which has to exceed w_1 + ... + w_n, or z
-//! falls after a reversal.
+//! Inverse: Newton's method on the law. When all sliders slide, the slope of z is w_0. If w_0 < w_1 + ... + w_n, z
+//! decreases after a reversal.
 
 use super::Operator;
-use super::basis::{ShapeParameter, curvature};
+use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::rate_play::speeds;
 use super::real::Real;
-use super::thresholds::{self, ELEMENTS};
+use super::thresholds;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// The weights are w_0 of the input itself, then one for each slider.
+/// Weights: w_0 of the input, then one per slider.
 ///
-/// State: the e_k; then for each slider whether it slides (1 rising, -1 falling, 0 sticking).
+/// State: the e_k, then the sliding direction of each slider (1 rising, -1 falling, 0 sticking).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct MaxwellSlip {
     /// r_1 < r_2 < ... [input unit]
     thresholds: Vec<f64>,
-    /// What the breakaway gains at high speed, relative to its threshold.
+    /// Increase of the breakaway at high rates, relative to its threshold.
     rise: f64,
     /// [input unit/s]
     rate: f64,
@@ -53,33 +52,32 @@ pub(super) static OPERATOR: Operator = Operator {
     load: Weighted::<MaxwellSlip>::load,
     basis: |design| {
         let (low, high) = speeds(design.half(), design.ts);
-        let thresholds = thresholds::even(design, ELEMENTS);
+        let thresholds = thresholds::even(design);
         let law = MaxwellSlip { thresholds, rise: 0.1, rate: (low * high).sqrt(), attraction: 10.0 * design.ts };
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let thresholds = (1..=8).map(|k| 3.0 * f64::from(k)).collect();
-        let law = MaxwellSlip { thresholds, rise: 0.3, rate: 2000.0, attraction: 5e-3 };
-        let weights = (0..=8).map(|k| if k == 0 { 1.2 } else { 0.06 }).collect();
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+        Weighted::example(
+            ts,
+            MaxwellSlip { thresholds: thresholds::example(), rise: 0.3, rate: 2000.0, attraction: 5e-3 },
+            thresholds::example_weights(1.2),
+        )
     },
 };
 
 impl Law for MaxwellSlip {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;
-        positive("rate", self.rate, "input units a second")?;
+        positive("rate", self.rate, "input units per second")?;
         positive("attraction", self.attraction, "seconds")?;
-        let rule = "must be a number above -1, where nothing would be held back";
+        let rule = "must be finite and above -1: at -1 the breakaway would be 0";
         require(self.rise > -1.0 && self.rise.is_finite(), "rise", self.rise, rule)
     }
 
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn order(&self) -> usize {
@@ -96,11 +94,11 @@ impl Law for MaxwellSlip {
             sliding.fill(0.0.into());
         } else {
             for ((slider, sliding), &r) in sliders.iter_mut().zip(sliding).zip(&self.thresholds) {
-                // Seen in the direction of the movement, everything rises.
+                // In the direction of the movement.
                 let (e, breakaway) = (*slider * way.into(), gain * r.into());
                 let (pulled, beyond) = (e + input.length(), e - breakaway);
                 let slides = sliding.value() == way;
-                // What breaks away within the sample stands at its breakaway, which then draws it no further.
+                // A slider that breaks away within the sample ends at its breakaway.
                 let late = if slides | (beyond.value() > 0.0) { beyond * left } else { 0.0.into() };
                 let sticks = !slides & (pulled < breakaway);
                 *slider = if sticks { pulled } else { breakaway + late } * way.into();
@@ -117,10 +115,6 @@ impl Law for MaxwellSlip {
         let block = block.numbers("slider", vec![0.0; n]).numbers("sliding", vec![0.0; n]);
         let block = block.table("r", &self.thresholds).count("n", n).constant("ts", input.ts);
         block.constant("left_over", left).text(STEP)
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 
     fn shape(&self, half: f64, ts: f64) -> Vec<ShapeParameter> {
@@ -183,8 +177,8 @@ mod tests {
     }
 
     #[test]
-    fn a_slider_that_slides_follows_its_breakaway_as_late_as_its_attraction() {
-        // Slow to 4 V, sliding at 2 V; then fast, 1 V a sample, where the breakaway is higher.
+    fn a_sliding_element_follows_its_breakaway_with_the_time_constant_attraction() {
+        // Slowly to 4 V, sliding from 2 V; then 1 V per sample, where the breakaway is higher.
         let slow = (1..=4000).map(|t| 1e-3 * f64::from(t));
         let fast = (1..=5).map(|t| 4.0 + f64::from(t));
         let z = operator(0.5, 3e-3).simulate(&slow.chain(fast).collect::<Vec<_>>());
@@ -195,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn a_breakaway_that_weakens_with_speed_holds_back_less() {
+    fn a_breakaway_that_decreases_with_rate_gives_a_larger_z() {
         let held = |rise| operator(rise, 1e-4).simulate(&[3.0, 6.0, 9.0])[2];
         assert!(held(-0.5) > held(0.0) && held(0.0) > held(0.5));
         assert_eq!(held(0.0), -2.0);

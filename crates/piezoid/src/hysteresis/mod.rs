@@ -1,4 +1,4 @@
-//! The hysteresis block: input voltage u to hidden variable z. One file an operator, one row each in [`OPERATORS`].
+//! The hysteresis block: input voltage u to hidden variable z. Each operator has one file and one row in [`OPERATORS`].
 
 mod asymmetric_bouc_wen;
 mod baber_noori;
@@ -43,35 +43,37 @@ pub trait Hysteresis: System {
     /// Its row of [`OPERATORS`].
     fn operator(&self) -> &'static Operator;
 
-    /// Its parameters, as [`Operator::load`] takes them back.
+    /// Its parameters, as [`Operator::load`] reads them.
     fn params(&self) -> Map<String, Value>;
 
-    /// The inputs it was identified on, from the lowest to the highest [input unit]; beyond them it extrapolates.
+    /// Lowest and highest input of the identification data [input unit]. Outside this range the operator extrapolates.
     fn range(&self) -> Option<(f64, f64)> {
         None
     }
 
-    /// The input between `ends` that the next step, from the state `x`, answers with `z`; of what lies beyond, the nearer end.
-    /// By trials unless the operator has a formula.
+    /// The input between `ends` for which the next step from the state `x` gives `z`. If no such input exists, the
+    /// nearer end. Found by bracketing unless the operator has its own inverse.
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
         inverse::by_trials(self, x, z, ends)
     }
 
-    /// The same for programs: a block called `hysteresis` whose state is laid out as here, with a function
-    /// `hysteresis(x: hysteresis, u)` for the step, and for the inverse either `hysteresis_ahead(x: hysteresis, u)`, which returns z and its slope
-    /// as the next step would, `hysteresis_inverse(x: hysteresis, z, low, high)`, or neither where slopes come from the step itself. It may
-    /// bring `hysteresis_move(x: hysteresis, u)`, the step without its answer, where that is cheaper. None if it cannot be exported.
+    /// The operator as a program: a block named `hysteresis` with the same state layout. `None` if it cannot be
+    /// exported. Its functions:
+    /// - `hysteresis(x: hysteresis, u)`, the step;
+    /// - for the inverse, `hysteresis_ahead(x: hysteresis, u)` (z and its slope after the next step), or
+    ///   `hysteresis_inverse(x: hysteresis, z, low, high)`, or neither: then the step is differentiated;
+    /// - optional: `hysteresis_move(x: hysteresis, u)`, the step without its output, if that is cheaper.
     fn block(&self) -> Option<Block> {
         None
     }
 
-    /// z and its slope as the next step would answer them, where a law tells.
+    /// z and dz/du after the next step, if the operator has a law.
     #[cfg(test)]
     fn ahead(&self, _x: &[f64], _u: f64) -> Option<(f64, f64)> {
         None
     }
 
-    /// The frequencies it was identified at, from the lowest to the highest [Hz], if its output depends on them.
+    /// Lowest and highest frequency of the identification data [Hz], if the output depends on frequency.
     fn frequencies(&self) -> Option<(f64, f64)> {
         None
     }
@@ -79,23 +81,23 @@ pub trait Hysteresis: System {
 
 /// One kind of hysteresis operator: a row of [`OPERATORS`].
 pub struct Operator {
-    /// As users and files write it.
+    /// Name, as users and files write it.
     pub name: &'static str,
-    /// One line.
+    /// Description in one line.
     pub summary: &'static str,
-    /// Where it comes from.
+    /// Publication.
     pub reference: &'static str,
-    /// Whether a minor loop leaves and rejoins the major one without a jump.
+    /// True if a minor loop leaves and rejoins the major loop without a jump.
     pub minor_loops: bool,
-    /// Whether the output depends on the order of inputs alone, not on their timing.
+    /// True if the output depends only on the order of the inputs, not on their timing.
     pub rate_independent: bool,
-    /// Whether an input that passes an older reversal forgets the loops inside it.
+    /// True if an input that passes an older reversal deletes the loops inside it from memory.
     pub wipes_out: bool,
-    /// What the joint way fits of it, for inputs like these.
+    /// Its basis for the joint method, for the given inputs.
     pub basis: fn(&BasisDesign) -> Result<Box<dyn Basis>, Error>,
     /// Reads the parameters of a model file; the second argument is the sampling period [s].
     pub load: fn(Value, f64) -> Result<Arc<dyn Hysteresis>, Error>,
-    /// A typical member for inputs of +-30, used by the documentation and the contract tests.
+    /// A typical operator for inputs of +-30, used by the documentation and the contract tests.
     pub example: fn(f64) -> Result<Arc<dyn Hysteresis>, Error>,
 }
 
@@ -105,7 +107,7 @@ impl std::fmt::Debug for Operator {
     }
 }
 
-/// The operators there are.
+/// All operators.
 pub static OPERATORS: &[&Operator] = &[
     &proportional::OPERATOR,
     &two_branch::OPERATOR,
@@ -126,18 +128,18 @@ pub static OPERATORS: &[&Operator] = &[
 ];
 
 impl Operator {
-    /// The operator called `name`.
+    /// The operator named `name`.
     ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with the list of names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("operator", OPERATORS.iter().copied(), |row| row.name, name)
     }
 
-    /// The operators of these names, which commas separate.
+    /// The operators of a comma-separated list of names.
     ///
     /// # Errors
-    /// As [`Operator::find`].
+    /// The errors of [`Operator::find`].
     pub fn list(names: &str) -> Result<Vec<&'static Self>, Error> {
         names.split(',').map(|name| Operator::find(name.trim())).collect()
     }
@@ -159,12 +161,12 @@ pub(crate) fn load(document: &Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Err
     (Operator::find(&name)?.load)(Value::Object(params), ts)
 }
 
-/// Parameters as a type that serde can fill, with an error that names the operator.
+/// Deserialises parameters; the error names the operator.
 fn parse<T: serde::de::DeserializeOwned>(operator: &str, params: Value) -> Result<T, Error> {
     serde_json::from_value(params).map_err(|e| Error::Content(format!("hysteresis block `{operator}`: {e}")))
 }
 
-/// Parameters as a document.
+/// Serialises parameters.
 fn document(params: &impl serde::Serialize) -> Map<String, Value> {
     match serde_json::to_value(params) {
         Ok(Value::Object(map)) => map,
@@ -174,7 +176,7 @@ fn document(params: &impl serde::Serialize) -> Map<String, Value> {
 
 #[cfg(test)]
 mod tests {
-    //! The contract every operator keeps.
+    //! Contract tests of all operators.
     use super::*;
 
     use crate::program::{Machine, Program};
@@ -183,18 +185,29 @@ mod tests {
         OPERATORS.iter().map(|o| (o.example)(5e-4).unwrap())
     }
 
-    /// Those that have a program.
-    fn programs() -> impl Iterator<Item = (Arc<dyn Hysteresis>, Block)> {
-        examples().map(|e| (e.clone(), e.block().unwrap()))
+    /// The program of an operator and of its inverse.
+    fn program(block: Block) -> Program {
+        let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
+        super::inverse(&mut program).unwrap();
+        program
+    }
+
+    /// Inputs on straight lines from one value of `turns` to the next, `pieces` samples each.
+    pub(in crate::hysteresis) fn path(turns: &[f64], pieces: u32) -> Vec<f64> {
+        let leg = |w: &[f64]| {
+            let (from, to) = (w[0], w[1]);
+            (1..=pieces).map(move |i| from + (to - from) * f64::from(i) / f64::from(pieces))
+        };
+        turns.windows(2).flat_map(leg).collect()
     }
 
     fn wander(n: usize) -> Vec<f64> {
         (0..n).map(|t| 18.0 * (t as f64 * 0.05).sin() + 11.0 * (t as f64 * 0.173).sin()).collect()
     }
 
-    /// A wandering input that stands now and then, and before it all that is rare: zeros of both signs, steps that are tiny or huge,
-    /// turns.
-    fn trying() -> Vec<f64> {
+    /// Rare inputs (zeros of both signs, tiny and huge steps, reversals), then a wandering input that is held now and
+    /// then.
+    fn difficult_inputs() -> Vec<f64> {
         let rare = [
             [-0.0, 0.0, 1e-12, -1e-12, 1e-12, 1e-300, -1e-300, 0.0, -3.0, -3.0 + 1e-12, -3.0, 3.0, 24.0, 24.0 + 1e-12],
             [24.0, -24.0, 30.0, -30.0, 9.0, 1e6, 1e6, 1e6 - 1e-9, -250.0, 0.0, -0.0, 7.0, 12.0, 12.0],
@@ -205,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_says_what_it_is_and_where_it_comes_from() {
+    fn every_operator_has_a_summary_and_a_reference() {
         for (o, example) in OPERATORS.iter().zip(examples()) {
             assert!(!o.summary.is_empty() && !o.reference.is_empty(), "{}", o.name);
             assert_eq!(example.operator().name, o.name);
@@ -214,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_answers_bounded_inputs_with_bounded_outputs() {
+    fn bounded_inputs_give_bounded_outputs() {
         for example in examples() {
             let z = example.simulate(&wander(5000));
             assert!(z.iter().all(|z| z.abs() < 100.0), "{example:?}");
@@ -222,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_survives_its_file_to_the_bit() {
+    fn every_operator_is_bit_identical_after_saving_and_loading() {
         for example in examples() {
             let text = save(&*example).to_string();
             let again = load(&serde_json::from_str(&text).unwrap(), 5e-4).unwrap();
@@ -232,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_may_be_stopped_and_resumed() {
+    fn a_run_in_parts_or_steps_equals_one_run() {
         let u = wander(1000);
         for example in examples() {
             let mut x = example.initial();
@@ -245,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_that_has_settled_stays_where_it_is() {
+    fn a_settled_operator_is_constant_while_the_input_is_held() {
         for example in examples() {
             let z = example.resume(&mut example.settled(12.0), &[12.0; 50]);
             assert!(z.iter().all(|later| *later == z[0]), "{example:?}");
@@ -263,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn rate_independent_operators_ignore_how_fast_time_passes() {
+    fn only_rate_independent_operators_ignore_the_sampling_period() {
         for o in OPERATORS {
             let [slow, fast] = [1.0, 1e-5].map(|ts| load(&save(&*(o.example)(5e-4).unwrap()), ts).unwrap());
             let same = slow.simulate(&wander(500)) == fast.simulate(&wander(500));
@@ -272,23 +285,18 @@ mod tests {
     }
 
     #[test]
-    fn operators_that_wipe_out_forget_a_loop_once_its_turning_points_are_passed() {
-        let leg = |from: f64, to: f64| (1..=40).map(move |t| from + (to - from) * f64::from(t) / 40.0);
-        let path = |turns: &[f64]| turns.windows(2).flat_map(|w| leg(w[0], w[1])).collect::<Vec<f64>>();
-        // Up to 20, down to -8 with or without a loop on the way, and on to -25 and back.
-        let plain = path(&[0.0, 20.0, -8.0, -25.0, 10.0]);
-        let looped = path(&[0.0, 20.0, -5.0, 13.0, 2.0, 9.0, -8.0, -25.0, 10.0]);
-        let end = |z: &[f64]| z[z.len() - 81..].to_vec();
-        for example in examples() {
-            let (z, after) = (end(&example.simulate(&plain)), end(&example.simulate(&looped)));
-            let off = z.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            if example.operator().wipes_out {
-                assert_eq!(off, 0.0, "{example:?}");
-            }
+    fn operators_that_wipe_out_forget_a_loop_once_its_reversals_are_passed() {
+        // Up to 20, down to -8 with or without loops on the way, then to -25 and back.
+        let plain = path(&[0.0, 20.0, -8.0, -25.0, 10.0], 40);
+        let looped = path(&[0.0, 20.0, -5.0, 13.0, 2.0, 9.0, -8.0, -25.0, 10.0], 40);
+        let end = |z: Vec<f64>| z[z.len() - 81..].to_vec();
+        for example in examples().filter(|e| e.operator().wipes_out) {
+            assert_eq!(end(example.simulate(&plain)), end(example.simulate(&looped)), "{example:?}");
         }
     }
 
-    /// The examples, and members with few and more elements, on other ranges, with shape parameters at their ends and weights of both signs.
+    /// The examples, and operators with few and many elements, other ranges, shape parameters at their bounds, and
+    /// weights of both signs.
     fn members() -> Vec<Arc<dyn Hysteresis>> {
         let mut members: Vec<_> = examples().collect();
         let mut bare = save(&*(generalised_play::OPERATOR.example)(5e-4).unwrap());
@@ -307,8 +315,8 @@ mod tests {
         members
     }
 
-    /// Steps `operator` and its program along `u`.
-    pub(in crate::hysteresis) fn same_as_a_program(operator: &dyn Hysteresis, u: &[f64]) {
+    /// Checks that `operator` and its program are bit-identical along `u`.
+    pub(in crate::hysteresis) fn check_program(operator: &dyn Hysteresis, u: &[f64]) {
         let program = Program::new(vec![Block::elementary(), operator.block().unwrap()]).unwrap();
         let mut machine = Machine::new(&program, "hysteresis", false);
         let mut x = operator.initial();
@@ -321,36 +329,33 @@ mod tests {
     }
 
     #[test]
-    fn every_operator_as_a_program_gives_the_same_bits_and_leaves_the_same_state() {
-        for example in members() {
-            same_as_a_program(&*example, &trying());
-        }
+    fn every_program_is_bit_identical_to_its_operator() {
+        members().iter().for_each(|operator| check_program(&**operator, &difficult_inputs()));
     }
 
     #[test]
-    fn a_law_as_a_program_has_the_slope_of_the_law_to_the_bit() {
+    fn the_slope_of_a_program_is_bit_identical_to_that_of_its_law() {
         for example in members() {
             let (name, mut x) = (example.operator().name, example.initial());
             let (Some(block), Some(_)) = (example.block(), example.ahead(&x, 0.0)) else { continue };
-            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
-            super::inverse(&mut program).unwrap();
+            let program = program(block);
             let mut machine = Machine::new(&program, "hysteresis", false);
-            for (t, u) in trying().into_iter().enumerate() {
+            for (t, u) in difficult_inputs().into_iter().enumerate() {
                 let (z, slope) = example.ahead(&x, u).unwrap();
                 let found = machine.call("hysteresis_ahead", &[u]).unwrap();
                 assert_eq!(found[0].to_bits(), z.to_bits(), "{example:?} at {t}, {u}: {found:?} for {z}");
-                // But for the sign of a slope of 0.
+                // Except for the sign of a slope of 0.
                 assert_eq!(found[1], slope, "{example:?} at {t}, {u}");
-                assert_eq!(machine.state(), x, "a look ahead moves nothing: {name} at {t}");
+                assert_eq!(machine.state(), x, "a look ahead keeps the state: {name} at {t}");
                 assert_eq!(example.step(&mut x, u).to_bits(), z.to_bits(), "{name} at {t}");
                 machine.call("hysteresis", &[u]).unwrap();
             }
         }
     }
 
-    /// What is wanted of the next step from the state `x`: within reach of a wandering input, the same as before, hardly another, and far
-    /// beyond what there is.
-    fn wanted(operator: &dyn Hysteresis, x: &[f64], t: usize, before: f64) -> f64 {
+    /// The z requested of the next step from the state `x`: reachable, the same as `before`, almost the same, or far
+    /// out of reach.
+    fn requested(operator: &dyn Hysteresis, x: &[f64], t: usize, before: f64) -> f64 {
         match t % 17 {
             3 | 4 => before,
             7 => before + 1e-9,
@@ -362,20 +367,19 @@ mod tests {
     }
 
     #[test]
-    fn every_inverse_as_a_program_gives_the_same_bits() {
-        for (example, block) in programs() {
+    fn every_inverse_program_is_bit_identical_to_the_inverse() {
+        for example in examples() {
             let name = example.operator().name;
-            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
-            super::inverse(&mut program).unwrap();
+            let program = program(example.block().unwrap());
             let rises = example.falling_input(-30.0, 30.0).is_none();
             let mut machine = Machine::new(&program, "hysteresis", false);
             let mut single = Machine::new(&program, "hysteresis", true);
             let (mut x, mut z) = (example.initial(), 0.0);
             for t in 0..500 {
-                z = wanted(&*example, &x, t, z);
+                z = requested(&*example, &x, t, z);
                 let u = example.invert(&x, z, (-25.0, 30.0)).u;
                 let found = machine.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap()[0];
-                assert_eq!(found.to_bits(), u.to_bits(), "{name} at {t}: {found} for {u}, wanted {z}");
+                assert_eq!(found.to_bits(), u.to_bits(), "{name} at {t}: {found} for {u}, requested {z}");
                 let reached = example.step(&mut x, u);
                 machine.call("hysteresis", &[u]).unwrap();
                 assert_eq!(machine.state(), x, "{name} at {t}");
@@ -383,21 +387,16 @@ mod tests {
                 let u = single.call("hysteresis_inverse", &[z, -25.0, 30.0]).unwrap()[0];
                 let back = single.call("hysteresis", &[u]).unwrap()[0];
                 assert!((-25.0..=30.0).contains(&u), "{name} at {t}: {u}");
-                if rises {
-                    assert!(
-                        (back - reached).abs() <= 64.0 * f64::from(f32::EPSILON) * 30.0,
-                        "{name} at {t}: {back} for {reached}, wanted {z}"
-                    );
-                }
+                let near = (back - reached).abs() <= 64.0 * f64::from(f32::EPSILON) * 30.0;
+                assert!(near || !rises, "{name} at {t}: {back} for {reached}, requested {z}");
             }
         }
     }
 
     #[test]
-    fn programs_bear_what_is_no_number() {
-        for (_, block) in programs() {
-            let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
-            super::inverse(&mut program).unwrap();
+    fn programs_accept_values_that_are_not_finite() {
+        for example in examples() {
+            let program = program(example.block().unwrap());
             let mut machine = Machine::new(&program, "hysteresis", false);
             for u in [1.0, f64::NAN, 2.0, f64::INFINITY, -3.0, f64::NEG_INFINITY, 5.0, -8.0, 1e300, -1e300, 4.0] {
                 for z in [u, 3.0] {
@@ -412,9 +411,9 @@ mod tests {
     }
 
     #[test]
-    fn operators_with_minor_loops_turn_without_a_jump() {
+    fn only_operators_without_minor_loops_jump_at_a_reversal() {
         for example in examples() {
-            // Small steps: what a step of 0.01 moves is small, unless it jumps between branches.
+            // Steps of about 0.01: z moves little unless it jumps between branches.
             let fine: Vec<f64> =
                 (0..20_000).map(|t| 29.0 * (f64::from(t) * 0.0013).sin() * (f64::from(t) * 0.0002).cos()).collect();
             let z = example.resume(&mut example.settled(fine[0]), &fine);
@@ -424,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn parameters_that_make_no_sense_are_refused_with_the_operators_name() {
+    fn errors_about_parameters_name_the_operator() {
         for o in OPERATORS {
             let error = (o.load)(serde_json::json!({"nonsense": 1}), 5e-4).unwrap_err().to_string();
             assert!(error.contains(o.name), "{error}");

@@ -1,23 +1,23 @@
-//! Two branches as weighted responses: splines through even knots, linear in the values at the knots.
+//! Two branches as weighted responses: splines through equidistant knots, linear in the values at the knots.
 //!
 //! ```text
 //! z = m(u) + way v(u)                               way +1 descending, -1 ascending, 0 not yet known
 //! m(u) = sum_k m_k (c_k(u) - c_k(0))                c_k the cardinal spline: 1 at knot k, 0 at all others
 //! v(u) = sum_k v_k c_k(u), all knots but the ends   v_k >= 0
 //! ```
-//! m is the middle of the branches and v half their distance, so that they meet at the turning points by construction
-//! and z = 0 at rest. Since the cardinals add up to 1 one of the m_k is redundant: the one nearest to u = 0 is left out.
+//! m is the mean of the branches and v half their distance. Therefore the branches meet at the ends of the range, and z
+//! = 0 at rest. The sum of the cardinals is 1, so one of the m_k is redundant: the one nearest to u = 0 is omitted.
 
 use super::Branches;
 use super::basis::BasisDesign;
 use super::branches::Branch;
 use crate::error::Error;
 
-/// How many knots, unless told otherwise, and the most.
+/// Default and maximum number of knots.
 const KNOTS: usize = 13;
 const MOST: usize = 200;
 
-/// Even knots over the range and the cardinal splines through them.
+/// Equidistant knots over the range and the cardinal splines through them.
 #[derive(Debug, Clone)]
 pub(super) struct Nodes {
     knots: Vec<f64>,
@@ -65,7 +65,7 @@ impl Nodes {
         self.cardinals[k].at(u)
     }
 
-    /// Place of m_k, which is not the redundant one, among the weights.
+    /// Position of m_k (k not redundant) among the weights.
     fn weight(&self, k: usize) -> usize {
         k - usize::from(k > self.redundant)
     }
@@ -89,7 +89,7 @@ impl Nodes {
         (0..self.len()).map(|k| k >= self.middles())
     }
 
-    /// Second differences of the m_k and of the v_k, counted from weight `from`.
+    /// Second differences of the m_k and of the v_k, which begin at weight `from`.
     pub(super) fn roughness(&self, from: usize) -> Vec<Vec<(usize, f64)>> {
         let (n, middles) = (self.knots.len(), self.middles());
         let middle = |k: usize| (k != self.redundant).then(|| from + self.weight(k));
@@ -102,7 +102,7 @@ impl Nodes {
         (1..n - 1).map(|k| bend(&middle, k)).chain((1..n - 1).map(|k| bend(&side, k))).collect()
     }
 
-    /// The branches of these weights.
+    /// The branches for these weights.
     pub(super) fn branches(&self, weights: &[f64]) -> Result<Branches, Error> {
         let (m, v) = weights.split_at(self.middles());
         let middle: Vec<f64> =
@@ -111,7 +111,7 @@ impl Nodes {
         self.branches_of(&middle, &side)
     }
 
-    /// The branches of a value of m and of v at every knot; m is shifted to be 0 at rest.
+    /// The branches for given values of m and v at every knot; m is shifted to be 0 at rest.
     pub(super) fn branches_of(&self, middle: &[f64], side: &[f64]) -> Result<Branches, Error> {
         let at_rest: f64 = middle.iter().zip(&self.at_rest).map(|(m, c)| m * c).sum();
         let branch = |way: f64| {
@@ -132,7 +132,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn branches_meet_at_the_turning_points_and_pass_through_rest() {
+    fn branches_meet_at_the_ends_of_the_range_and_pass_through_rest() {
         for range in [(-30.0, 30.0), (0.0, 100.0), (-10.0, 35.0), (20.0, 60.0)] {
             let nodes = Nodes::of(range, 9).unwrap();
             let weights: Vec<f64> = (0..nodes.len()).map(|k| (k as f64).sin()).collect();
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_and_an_even_distance_have_no_roughness_inside() {
+    fn a_line_and_a_constant_distance_have_no_roughness_inside() {
         let nodes = Nodes::of((-30.0, 30.0), 7).unwrap();
         let line: Vec<f64> = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 5.0, 5.0, 5.0, 5.0, 5.0].into();
         let rows = nodes.roughness(0);

@@ -4,31 +4,29 @@
 //! p_k <- max(u - r_k, min(u + r_k, p_k))        play of threshold r_k
 //! z = w_0 u + w_1 p_1 + ... + w_n p_n           w_k >= 0
 //! ```
-//! Loops are symmetric and those of equal inputs are congruent; reversals that are passed are wiped out.
+//! Loops are symmetric; minor loops over the same input range are congruent; passed reversals are wiped out.
 //!
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
 //! 10.1007/978-1-4612-4048-8; for piezo actuators P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI
 //! 10.1049/ip-cta:20010375. It does not do: asymmetric loops, saturation, rate.
 //!
-//! Inverse: exact. From the last input outwards z(u) is a broken line, and one play after another is taken along:
+//! Inverse: exact. Away from the last input z(u) is piecewise linear, and the plays start to move one after another:
 //! ```text
 //! rising at u = p_k + r_k, falling at u = p_k - r_k;    dz/du = w_0 + w_1 + ... + w_k behind it
 //! ```
-//! In this order, as |p_{k+1} - p_k| <= r_{k+1} - r_k wherever inputs have led. Elsewhere, and where weights are negative, Newton's
-//! method finds the right line.
+//! The order is that of k because |p_{k+1} - p_k| <= r_{k+1} - r_k in every state reached from rest. In other states,
+//! and with negative weights, Newton's method finds the right piece.
 
 use super::Operator;
-use super::basis::curvature;
 use super::inverse::Inverted;
 use super::law::{Input, Law, Weighted};
 use super::real::{Dual, Real};
-use super::thresholds::{self, ELEMENTS};
-use crate::error::Error;
+use super::thresholds;
 use crate::program::Block;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-/// Thresholds r_1 < r_2 < ... [input unit]; the weights are w_0 of the input itself, then one each.
+/// Thresholds r_1 < r_2 < ... [input unit]. Weights: w_0 of the input, then one per threshold.
 ///
 /// State: the plays p_k.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -44,32 +42,15 @@ pub(super) static OPERATOR: Operator = Operator {
     rate_independent: true,
     wipes_out: true,
     load: Weighted::<Play>::load,
-    basis: |design| {
-        let law = Play { thresholds: thresholds::even(design, ELEMENTS) };
-        Weighted::basis(design.ts, design.range, law)
-    },
-    example: |ts| {
-        let law = Play { thresholds: (1..=8).map(|k| 3.0 * f64::from(k)).collect() };
-        let weights = (0..=8).map(|k| if k == 0 { 0.7 } else { 0.06 }).collect();
-        Ok(std::sync::Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
-    },
+    basis: |design| Weighted::basis(design.ts, design.range, Play { thresholds: thresholds::even(design) }),
+    example: |ts| Weighted::example(ts, Play { thresholds: thresholds::example() }, thresholds::example_weights(0.7)),
 };
 
 impl Law for Play {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
-    fn check(&self) -> Result<(), Error> {
-        thresholds::check(&self.thresholds)
-    }
-
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
-    }
-
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -101,13 +82,9 @@ impl Law for Play {
         let sum = if n <= WRITTEN { written_sum(n) } else { SUM.into() };
         block.count("n", n).count("lanes", LANES).text(&sum).text(STEP).text(if rises { CLOSED } else { "" })
     }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
-    }
 }
 
-/// [`sum_of_plays`] of many plays as they stand.
+/// [`standing`] for many plays.
 const SUM: &str = "
 // z at u for the plays as they stand.
 fn weighted_sum(x: hysteresis, u) {
@@ -120,7 +97,7 @@ fn weighted_sum(x: hysteresis, u) {
 }
 ";
 
-/// As many plays at most have their sum written out, which takes half the time of loops.
+/// Maximum number of plays whose sum is written out. Written out, it takes half the time of a loop.
 const WRITTEN: usize = 4 * LANES;
 
 /// [`SUM`] of `n` plays, written out.
@@ -143,7 +120,7 @@ fn weighted_sum(x: hysteresis, u) {{
     )
 }
 
-/// A step for one input.
+/// [`Law::step`], weighted.
 const STEP: &str = "
 // Takes the plays along to u.
 fn hysteresis_move(x: hysteresis, u) {
@@ -157,7 +134,7 @@ fn hysteresis(x: hysteresis, u) {
 }
 ";
 
-/// [`outwards`], for weights that are not negative.
+/// [`outwards`] for weights that are not negative.
 const CLOSED: &str = "
 // The input between low and high that the next step answers with z, and 1. From the last input outwards z is a broken line, and one
 // play after another is taken along. 0 as the second of a state that no inputs lead to, where the order is another.
@@ -203,15 +180,15 @@ fn hysteresis_closed(x: hysteresis, z, low, high) {
 }
 ";
 
-/// Plays side by side in the vector unit. Their sums are added up in one order, whatever its width.
+/// Plays in one vector. The sums are added in the same order for every vector width of the processor.
 const LANES: usize = 8;
 
-/// Samples that a company of plays runs through before the next company does.
+/// Samples that one group of [`LANES`] plays processes before the next group.
 const STRETCH: usize = 64;
 
 type Lanes = [f64; LANES];
 
-/// Replaces u by z, the same to the bit however the signal is cut.
+/// Replaces u by z. The result is bit-identical for any division of the signal.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn sum_of_plays(weights: &[f64], thresholds: &[f64], plays: &mut [f64], signal: &mut [f64]) {
     if signal.len() < STRETCH / 2 {
@@ -221,31 +198,31 @@ fn sum_of_plays(weights: &[f64], thresholds: &[f64], plays: &mut [f64], signal: 
     }
 }
 
-#[inline(always)] // so that it is compiled for the instructions of the caller
+#[inline(always)] // compiled for the instruction set of the caller
 fn stretches<const N: usize>(weights: &[f64], thresholds: &[f64], plays: &mut [f64], signal: &mut [f64]) {
     let [w0, weights @ ..] = weights else { return };
     let (w, w_rest) = weights.as_chunks();
     let (r, r_rest) = thresholds.as_chunks();
     let (p, p_rest) = plays.as_chunks_mut();
-    // The last plays, if they are not as many as there are lanes, have companions of no weight.
+    // The last group is filled up with plays of weight 0.
     let (w_last, r_last, mut p_last) = (filled(w_rest), filled(r_rest), filled(p_rest));
     for stretch in signal.chunks_mut(N) {
         let mut sums = [[0.0; LANES]; N];
         for ((p, r), w) in p.iter_mut().zip(r).zip(w) {
-            company(&mut sums, w, r, p, stretch);
+            step_lanes(&mut sums, w, r, p, stretch);
         }
         if !p_rest.is_empty() {
-            company(&mut sums, &w_last, &r_last, &mut p_last, stretch);
+            step_lanes(&mut sums, &w_last, &r_last, &mut p_last, stretch);
         }
         for (v, sums) in stretch.iter_mut().zip(sums) {
-            *v = w0 * *v + added(sums);
+            *v = w0 * *v + total(sums);
         }
     }
     p_rest.copy_from_slice(&p_last[..p_rest.len()]);
 }
 
 #[inline(always)]
-fn company(sums: &mut [Lanes], w: &Lanes, r: &Lanes, plays: &mut Lanes, u: &[f64]) {
+fn step_lanes(sums: &mut [Lanes], w: &Lanes, r: &Lanes, plays: &mut Lanes, u: &[f64]) {
     let mut p = *plays;
     for (sums, &u) in sums.iter_mut().zip(u) {
         for lane in 0..LANES {
@@ -258,7 +235,8 @@ fn company(sums: &mut [Lanes], w: &Lanes, r: &Lanes, plays: &mut Lanes, u: &[f64
     *plays = p;
 }
 
-/// z at `u`, to the bit that of a run, and its slope: the weight of the plays that move. The plays stay.
+/// z at `u`, bit-identical to a run, and its slope: the sum of the weights of the plays that move. The state does not
+/// change.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn sum_ahead(weights: &[f64], thresholds: &[f64], plays: &[f64], u: f64) -> (f64, f64) {
     let [w0, weights @ ..] = weights else { return (0.0, 0.0) };
@@ -267,16 +245,16 @@ fn sum_ahead(weights: &[f64], thresholds: &[f64], plays: &[f64], u: f64) -> (f64
     let (p, p_rest) = plays.as_chunks();
     let (mut sums, mut slopes) = ([0.0; LANES], [0.0; LANES]);
     for ((p, r), w) in p.iter().zip(r).zip(w) {
-        look(&mut sums, &mut slopes, w, r, p, u);
+        add_ahead(&mut sums, &mut slopes, w, r, p, u);
     }
     if !p_rest.is_empty() {
-        look(&mut sums, &mut slopes, &filled(w_rest), &filled(r_rest), &filled(p_rest), u);
+        add_ahead(&mut sums, &mut slopes, &filled(w_rest), &filled(r_rest), &filled(p_rest), u);
     }
-    (w0 * u + added(sums), w0 + added(slopes))
+    (w0 * u + total(sums), w0 + total(slopes))
 }
 
 #[inline(always)]
-fn look(sums: &mut Lanes, slopes: &mut Lanes, w: &Lanes, r: &Lanes, p: &Lanes, u: f64) {
+fn add_ahead(sums: &mut Lanes, slopes: &mut Lanes, w: &Lanes, r: &Lanes, p: &Lanes, u: f64) {
     for lane in 0..LANES {
         let (low, high) = (u - r[lane], u + r[lane]);
         let below = if p[lane] > high { high } else { p[lane] };
@@ -287,12 +265,13 @@ fn look(sums: &mut Lanes, slopes: &mut Lanes, w: &Lanes, r: &Lanes, p: &Lanes, u
 }
 
 #[inline(always)]
-fn added([a, b, c, d, e, f, g, h]: Lanes) -> f64 {
+fn total([a, b, c, d, e, f, g, h]: Lanes) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-/// The input between `ends` that the next step answers with `z`, taking one play after another along. None of weights that may make z
-/// fall, and of plays that inputs do not bring about, which are taken along in another order.
+/// The input between `ends` for which the next step gives `z`, piece by piece from the last input. `None` if a weight
+/// is negative, because z may then decrease, and in states that no input leads to, where the plays move in another
+/// order.
 fn outwards(w: &[f64], r: &[f64], plays: &[f64], last: f64, z: f64, ends: (f64, f64)) -> Option<f64> {
     if last < ends.0 || last > ends.1 {
         return None;
@@ -301,11 +280,11 @@ fn outwards(w: &[f64], r: &[f64], plays: &[f64], last: f64, z: f64, ends: (f64, 
     let here = standing(w, plays, last);
     let (toward, limit) = if here < z { (1.0, ends.1) } else { (-1.0, -ends.0) };
     let mut left = (z - here).abs();
-    // On a flat piece rounding is no distance.
+    // On a flat piece rounding errors count as 0.
     if w[0] == 0.0 && left < 4.0 * f64::EPSILON * z.abs() {
         left = 0.0;
     }
-    // Seen in a mirror where it falls.
+    // A decreasing input is mirrored.
     let mut v = toward * last;
     let behind = v + slack;
     let (mut slope, mut taken) = (w[0], 0);
@@ -329,34 +308,34 @@ fn outwards(w: &[f64], r: &[f64], plays: &[f64], last: f64, z: f64, ends: (f64, 
     if left > 0.0 {
         v = if slope > 0.0 { v + left / slope } else { limit };
     }
-    let lost = negative(w)
+    let invalid = negative(w)
         || out_of_reach(r, plays, toward, behind)
         || passed(&r[taken..], &plays[taken..], toward, (v, slack));
-    (!lost).then_some(toward * if v > limit { limit } else { v })
+    (!invalid).then_some(toward * if v > limit { limit } else { v })
 }
 
-/// What rounding may move a contact by, in units of that of the inputs.
+/// Rounding error of a contact, relative to the rounding of the inputs.
 const SLACK: f64 = 8.0;
 
-/// Whether a weight is negative.
+/// True if a weight is negative.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn negative(weights: &[f64]) -> bool {
     weights.iter().fold(false, |negative, w| negative | (*w < 0.0))
 }
 
-/// Whether a play stands further ahead of the input than its threshold.
+/// True if a play is further ahead of the input than its threshold.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn out_of_reach(thresholds: &[f64], plays: &[f64], toward: f64, behind: f64) -> bool {
     plays.iter().zip(thresholds).fold(false, |out, (p, r)| out | (toward * p - r > behind))
 }
 
-/// Whether a play would have been taken along before `v`.
+/// True if a play would have started to move before `v`.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn passed(thresholds: &[f64], plays: &[f64], toward: f64, (v, slack): (f64, f64)) -> bool {
     plays.iter().zip(thresholds).fold(false, |passed, (p, r)| passed | (toward * p + r - v < -slack))
 }
 
-/// z at `u` of the plays as they stand, to the bit that of a run that moves none.
+/// z at `u` for the present plays, bit-identical to a run in which no play moves.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn standing(weights: &[f64], plays: &[f64], u: f64) -> f64 {
     let [w0, weights @ ..] = weights else { return 0.0 };
@@ -369,10 +348,10 @@ fn standing(weights: &[f64], plays: &[f64], u: f64) -> f64 {
     for (lane, (p, w)) in p_rest.iter().zip(w_rest).enumerate() {
         sums[lane] += w * p;
     }
-    w0 * u + added(sums)
+    w0 * u + total(sums)
 }
 
-/// Lanes that begin with `rest`, and zeros.
+/// `rest`, filled up with zeros.
 fn filled(rest: &[f64]) -> Lanes {
     let mut lanes = [0.0; LANES];
     lanes[..rest.len()].copy_from_slice(rest);
@@ -390,7 +369,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn runs_of_any_length_and_number_of_plays_are_the_definition_and_repeated_steps_to_the_bit() {
+    fn runs_equal_the_definition_and_are_bit_identical_to_steps() {
         for n in [1, 7, 8, 9, 30, 64] {
             let thresholds: Vec<f64> = (1..=n).map(|k| 0.4 * f64::from(k)).collect();
             let weights: Vec<f64> = (0..=n).map(|k| (1.3 * f64::from(k)).cos()).collect();
@@ -413,37 +392,37 @@ mod tests {
         }
     }
 
-    /// `n` plays up to 20, some of no weight.
-    fn company(n: u32, w0: f64) -> (Play, Vec<f64>, Weighted<Play>) {
+    /// `n` plays up to 20, some of weight 0.
+    fn plays(n: u32, w0: f64) -> (Play, Vec<f64>, Weighted<Play>) {
         let law = Play { thresholds: (1..=n).map(|k| 20.0 * f64::from(k) / f64::from(n)).collect() };
         let weights: Vec<f64> =
             (0..=n).map(|k| if k == 0 { w0 } else { 0.3 * f64::from(k % 3) / f64::from(n) }).collect();
         (law.clone(), weights.clone(), Weighted::new(1.0, (-30.0, 30.0), law, weights).unwrap())
     }
 
-    /// An input that turns everywhere, for some thousand samples.
+    /// An input with reversals at many levels.
     fn wander(t: u32) -> f64 {
         17.0 * (0.31 * f64::from(t)).sin() + 12.0 * (0.0173 * f64::from(t)).sin()
     }
 
     #[test]
-    fn wherever_inputs_lead_the_broken_line_ends_where_newtons_method_does_and_as_close() {
+    fn the_closed_inverse_is_as_accurate_as_newtons_method() {
         for (n, w0) in [(1, 0.6), (8, 1e-3), (15, 0.5), (30, 0.1)] {
-            let (law, weights, block) = company(n, w0);
+            let (law, weights, block) = plays(n, w0);
             let mut x = block.initial();
             let mut worst = [0.0f64; 2];
             for t in 0..4000 {
                 let z = block.step(&mut x.clone(), wander(t));
-                let own = law.closed(&weights, &x[1..], x[0], z, (-30.0, 30.0)).unwrap();
+                let closed = law.closed(&weights, &x[1..], x[0], z, (-30.0, 30.0)).unwrap();
                 let ahead = |u| {
                     let (value, slope) = sum_ahead(&weights, &law.thresholds, &x[1..], u);
                     Dual { value, slope }
                 };
                 let newton = by_slopes(x[0], z, (-30.0, 30.0), ahead).unwrap();
-                for (worst, found) in worst.iter_mut().zip([own, newton]) {
+                for (worst, found) in worst.iter_mut().zip([closed, newton]) {
                     *worst = worst.max((found.z - z).abs());
                 }
-                assert_close(&[own.u], &[newton.u], 0.0, 1e-12 / w0);
+                assert_close(&[closed.u], &[newton.u], 0.0, 1e-12 / w0);
                 block.step(&mut x, wander(t));
             }
             assert!(worst[0] <= 2.0 * worst[1] + 1e-14, "{worst:?}");
@@ -451,15 +430,15 @@ mod tests {
     }
 
     #[test]
-    fn states_and_weights_of_any_kind_are_inverted_by_the_program_to_the_bit() {
+    fn the_inverse_program_is_bit_identical_for_all_states_and_weights() {
         let falling = Play { thresholds: vec![2.0, 5.0, 9.0] };
         let falling = Weighted::new(1.0, (-30.0, 30.0), falling, vec![0.5, 0.3, -1.1, 0.9]).unwrap();
-        for block in [company(9, 0.4).2, company(9, 0.0).2, falling] {
+        for block in [plays(9, 0.4).2, plays(9, 0.0).2, falling] {
             let mut program = Program::new(vec![Block::elementary(), block.block().unwrap()]).unwrap();
             inverse(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             for t in 0..300 {
-                // One half of them from where inputs lead.
+                // Half of the states are reached by an input.
                 let mut x: Vec<f64> = (0..block.order() as u32).map(|k| wander(37 * k + t)).collect();
                 if t % 2 == 0 {
                     block.step(&mut x, wander(7 * t));

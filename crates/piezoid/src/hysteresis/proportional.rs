@@ -1,4 +1,4 @@
-//! No hysteresis: z = k u. The floor that every hysteresis operator has to beat.
+//! No hysteresis: z = k u. The baseline for all hysteresis operators.
 //!
 //! Inverse: u = z / k, exact. It does not saturate.
 
@@ -27,7 +27,7 @@ struct ProportionalParams {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "proportional",
-    summary: "no hysteresis, z = k u: the floor to beat",
+    summary: "no hysteresis, z = k u: the baseline",
     reference: "a linear model",
     minor_loops: true,
     rate_independent: true,
@@ -44,7 +44,7 @@ impl Proportional {
     /// z = `gain` u, sampled every `ts` [s].
     ///
     /// # Errors
-    /// Refuses a gain that is not finite and a `ts` that is not positive.
+    /// Returns an error if the gain is not finite or `ts` is not positive.
     pub fn new(ts: f64, gain: f64) -> Result<Self, crate::Error> {
         positive("ts", ts, "seconds")?;
         finite("gain", &[gain])?;
@@ -77,9 +77,9 @@ impl Hysteresis for Proportional {
 
     fn invert(&self, _: &[f64], z: f64, (low, high): (f64, f64)) -> Inverted {
         let k = self.params.gain;
-        // No gain has the input 0 for no z, and else an end.
+        // For k = 0 the result is 0 if z = 0, otherwise an end.
         let u = if z == 0.0 { 0.0 } else { z / k };
-        // Of what is no number nothing is within the ends.
+        // NaN gives the lower end.
         let u = if u > low { u.min(high) } else { low };
         Inverted { u, z: k * u }
     }
@@ -123,10 +123,6 @@ impl Basis for Proportional {
 
     fn non_negative(&self) -> Vec<bool> {
         vec![false]
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        Vec::new()
     }
 
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, crate::Error> {

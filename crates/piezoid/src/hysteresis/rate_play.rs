@@ -1,37 +1,37 @@
-//! Rate-dependent Prandtl-Ishlinskii: plays whose thresholds grow with the speed of the input.
+//! Rate-dependent Prandtl-Ishlinskii: play operators with thresholds that increase with the input rate.
 //!
 //! ```text
 //! r_k(t) = r_k + growth ln(1 + |u'| / rate)
 //! p_k <- max(u - r_k(t), min(u + r_k(t), p_k))
 //! z = w_0 u + w_1 p_1 + ... + w_n p_n                  w_k >= 0
 //! ```
-//! All thresholds grow alike, which is the condition for a closed inverse. Far below `rate` they grow in proportion to
-//! |u'|, by growth / rate [s]; far above, with its logarithm, so that a step freezes the plays for its one sample and
-//! no more. u' is the difference of two samples over the sampling period: an input held in steps has spikes of it.
+//! All thresholds increase by the same amount. This is the condition for a closed inverse. Far below `rate` the
+//! increase is proportional to |u'|, with the factor growth / rate [s]. Far above it is logarithmic, so that a step
+//! stops the plays for one sample only. u' is the difference of two samples divided by the sampling period: a staircase
+//! input has peaks of u'.
 //!
-//! Reference: M. Al Janaideh & P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013), DOI 10.1109/TMECH.2012.2205265. It does
-//! not do: asymmetric loops, saturation; and reversals are wiped out at one rate only.
+//! Reference: M. Al Janaideh & P. Krejci, IEEE/ASME Trans. Mechatronics 18 (2013), DOI 10.1109/TMECH.2012.2205265. It
+//! does not do: asymmetric loops, saturation; reversals are wiped out only at a constant rate.
 //!
-//! Inverse: Newton's method, on lines but for the logarithm. Where growth / rate exceeds a sampling period plays fall as the
-//! input moves faster, and z may; then trials find one of several inputs.
+//! Inverse: Newton's method; except for the logarithm z(u) is piecewise linear. If growth / rate exceeds the sampling
+//! period, plays decrease when the input moves faster, and z may decrease; then bracketing finds one of several inputs.
 
 use super::Operator;
-use super::basis::{ShapeParameter, curvature};
+use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
-use super::thresholds::{self, ELEMENTS};
+use super::thresholds;
 use crate::error::{Error, positive};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
-/// The weights are w_0 of the input itself, then one for each threshold.
+/// Weights: w_0 of the input, then one per threshold.
 ///
 /// State: the plays p_k.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct RatePlay {
-    /// At rest, rising [input unit].
+    /// At rest, ascending [input unit].
     thresholds: Vec<f64>,
     /// [input unit]
     growth: f64,
@@ -41,7 +41,7 @@ pub(super) struct RatePlay {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "rate-dependent-prandtl-ishlinskii",
-    summary: "play operators whose thresholds grow with the speed of the input",
+    summary: "play operators with thresholds that increase with the input rate",
     reference: "Al Janaideh & Krejci 2013, doi:10.1109/TMECH.2012.2205265",
     minor_loops: true,
     rate_independent: false,
@@ -49,39 +49,35 @@ pub(super) static OPERATOR: Operator = Operator {
     load: Weighted::<RatePlay>::load,
     basis: |design| {
         let rate = TAU * 0.01 * design.half() / design.ts;
-        let law = RatePlay { thresholds: thresholds::even(design, ELEMENTS), growth: 0.05 * design.half(), rate };
+        let law = RatePlay { thresholds: thresholds::even(design), growth: 0.05 * design.half(), rate };
         Weighted::basis(design.ts, design.range, law)
     },
     example: |ts| {
-        let law = RatePlay { thresholds: (1..=8).map(|k| 3.0 * f64::from(k)).collect(), growth: 1.0, rate: 3000.0 };
-        let weights = (0..=8).map(|k| if k == 0 { 0.7 } else { 0.06 }).collect();
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
+        Weighted::example(
+            ts,
+            RatePlay { thresholds: thresholds::example(), growth: 1.0, rate: 3000.0 },
+            thresholds::example_weights(0.7),
+        )
     },
 };
 
-/// Speeds that make sense for a `rate`: those of full sines from a ten thousandth to half of the sampling frequency.
+/// Bounds of a `rate`: the largest rates of full-range sines from 1e-4 to half of the sampling frequency.
 pub(super) fn speeds(half: f64, ts: f64) -> (f64, f64) {
     (TAU * half * 1e-4 / ts, TAU * half * 0.5 / ts)
 }
 
 impl Law for RatePlay {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;
-        positive("rate", self.rate, "input units a second")?;
-        let rule = "must be a number of input units, and not negative";
+        positive("rate", self.rate, "input units per second")?;
+        let rule = "must be finite and not negative";
         require(self.growth >= 0.0 && self.growth.is_finite(), "growth", self.growth, rule)
     }
 
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
-    }
-
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -98,13 +94,9 @@ impl Law for RatePlay {
 
     fn block(&self, block: Block, input: Input) -> Block {
         let n = self.thresholds.len();
-        // Not called growth, as a function is.
+        // `growth` is the name of a function of programs.
         let block = block.constant("ts", input.ts).constant("widening", self.growth);
         block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).text(STEP)
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 
     fn shape(&self, half: f64, ts: f64) -> Vec<ShapeParameter> {
@@ -151,7 +143,7 @@ mod tests {
             let n = (1.0 / (hz * 5e-4)) as usize;
             let z =
                 operator.simulate(&(0..2 * n).map(|t| 30.0 * (TAU * t as f64 / n as f64).sin()).collect::<Vec<_>>());
-            // Where a sine passes zero its play is as far behind as its threshold.
+            // At the zero crossing of a sine its play lags by the threshold.
             z[n + n / 2] - z[n]
         };
         let expected = |hz: f64| 2.0 * (3.0 + 2.0 * (1.0 + TAU * hz * 30.0 / 1000.0).ln());

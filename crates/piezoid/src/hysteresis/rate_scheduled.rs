@@ -1,15 +1,14 @@
-//! Two branches for each of several frequencies, interpolated for any input: the paper's rate-dependent block (section
-//! 3, where each frequency has its own pair) made usable when the frequency is not known beforehand.
+//! Two branches for each of several frequencies, interpolated: the paper's rate-dependent block (section 3, one pair of
+//! branches per frequency) extended to inputs of unknown frequency.
 //!
-//! The frequency is read off the input's own turning points: the last two half periods make a period. A turn counts
-//! once the input has come back by a fiftieth of the identified range, so ripple and quantisation are no turns. While
-//! the present half period already lasts longer than the last two together, the input is taken to have slowed down.
-//! Between two pairs z is interpolated linearly in the logarithm of frequency; outside them the nearest pair holds.
+//! The frequency is estimated from the reversals of the input: the last two half periods are one period. A reversal
+//! counts when the input has moved back by 1/50 of the identified range, so ripple and quantisation do not count. If
+//! the present half period is already longer than the last period, it is taken as the period. Between two pairs z is
+//! interpolated linearly in the logarithm of frequency; outside them the nearest pair is used.
 //!
-//! Like the two branches it stands on, it has no minor loops; and the frequency of an input that is not periodic is a
-//! guess.
+//! It does not do: minor loops. For an input that is not periodic the frequency is only an estimate.
 //!
-//! Inverse and saturation as of the branches alone, at the frequency that the next input brings about.
+//! Inverse and saturation: like `two-branch`, at the frequency that results from the next input.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
@@ -26,17 +25,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 
-/// Share of the identified range by which the input must come back before it has turned.
+/// A reversal counts when the input has moved back by this share of the identified range.
 const REVERSAL: f64 = 0.02;
 
-/// Frequencies of two records that are nearer than this, relative, are one.
+/// Frequencies of records with a smaller relative difference are treated as equal.
 const SAME: f64 = 0.01;
 
 /// Branches scheduled by the frequency of the input.
 ///
-/// State: the last input; its direction (1, -1, 0 not yet known); the trend (the direction between turns); the extreme
-/// since the last turn; samples since that extreme; samples since the turn before it; the last and the last but one
-/// half period [samples], 0 while unknown.
+/// State: the last input; its direction (1, -1, 0 not yet known); the trend (the direction between reversals); the
+/// extreme since the last reversal; samples since that extreme; samples since the reversal before it; the last and the
+/// last but one half period [samples], 0 while unknown.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RateScheduled {
     ts: f64,
@@ -80,34 +79,32 @@ pub(super) static OPERATOR: Operator = Operator {
 };
 
 impl RateScheduled {
-    /// A block sampled every `ts` [s] that reads the pairs by `reading`; they are put in the order of frequency.
-    ///
-    /// # Errors
-    /// Refuses no pairs, two at one frequency, and frequencies or a `ts` that are not positive.
+    /// A block with sampling period `ts` [s] and the rule `reading` for held inputs. Pairs are sorted by frequency.
+    /// Returns an error if there are no pairs, if two have the same frequency, or if a frequency or `ts` is not
+    /// positive.
     pub(crate) fn new(ts: f64, mut pairs: Vec<Pair>, reading: HeldInput) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         if pairs.is_empty() {
-            return Err(Error::Content(
-                "hysteresis block `rate-scheduled`: needs at least one pair of branches".into(),
-            ));
+            let what = "hysteresis block `rate-scheduled`: needs at least one pair of branches";
+            return Err(Error::Content(what.into()));
         }
         for pair in &pairs {
             positive("frequency_hz", pair.frequency_hz, "hertz")?;
         }
         pairs.sort_by(|p, q| p.frequency_hz.total_cmp(&q.frequency_hz));
         if let Some(w) = pairs.windows(2).find(|w| w[0].frequency_hz == w[1].frequency_hz) {
-            let rule = "two pairs of branches stand at this frequency; keep one";
+            let rule = "two pairs of branches have this frequency: keep one";
             return Err(Error::parameter("frequency_hz", w[0].frequency_hz, rule));
         }
         Ok(RateScheduled { ts, params: RateScheduledParams { reading, pairs } })
     }
 
-    /// The pairs, by rising frequency.
+    /// The pairs, by ascending frequency.
     pub(crate) fn pairs(&self) -> &[Pair] {
         &self.params.pairs
     }
 
-    /// The pairs on either side of `frequency` [Hz], each with its share; outside them all the nearest one alone.
+    /// The pairs on both sides of `frequency` [Hz] with their shares; outside all pairs only the nearest one.
     fn shares(&self, frequency: f64) -> [(usize, f64); 2] {
         let pairs = &self.params.pairs;
         let above = pairs.partition_point(|p| p.frequency_hz <= frequency);
@@ -120,31 +117,31 @@ impl RateScheduled {
         [(above - 1, 1.0 - share), (above, share)]
     }
 
-    /// z at `u` moving in `direction` at `frequency` [Hz].
+    /// z at `u` for movement in `direction` at `frequency` [Hz].
     fn interpolate(&self, u: f64, direction: f64, frequency: f64) -> f64 {
         let [low, high] = self.shares(frequency);
         let z = |(k, share): (usize, f64)| share * read(&self.params.pairs[k].branches, u, direction);
         z(low) + z(high)
     }
 
-    /// As [`interpolate`](Self::interpolate), and the slope.
+    /// [`interpolate`](Self::interpolate) with the slope.
     fn slope(&self, u: f64, direction: f64, frequency: f64) -> Dual {
         let [low, high] = self.shares(frequency);
         let z = |(k, share): (usize, f64)| Dual::from(share) * read_slope(&self.params.pairs[k].branches, u, direction);
         z(low) + z(high)
     }
 
-    /// Advances the state by one input; returns the direction to read by and the frequency [Hz].
+    /// Advances the state by one input. Returns the direction to use and the frequency [Hz].
     fn follow(&self, x: &mut [f64], u: f64) -> (f64, f64) {
         let direction = self.params.reading.direction(x[0], u, x[1]);
         x[1] = HeldInput::Held.direction(x[0], u, x[1]);
         x[0] = u;
-        self.watch(x, u);
+        self.find_reversals(x, u);
         (direction, self.frequency(x))
     }
 
-    /// Advances the turning points in the state by one input; the direction is up to date already.
-    fn watch(&self, x: &mut [f64], u: f64) {
+    /// Updates the reversals in the state; the direction is already up to date.
+    fn find_reversals(&self, x: &mut [f64], u: f64) {
         let [_, direction, trend, extreme, since_extreme, since_turn, last, before_last] = x else { return };
         *since_extreme += 1.0;
         *since_turn += 1.0;
@@ -152,9 +149,9 @@ impl RateScheduled {
             *trend = *direction;
         }
         if (u - *extreme) * *trend >= 0.0 {
-            // A held extreme lasts until it is left: its last sample is the turn.
+            // The last sample of a held extreme is the reversal.
             (*extreme, *since_extreme) = (u, 0.0);
-        } else if (*extreme - u) * *trend > REVERSAL * self.widest() {
+        } else if (*extreme - u) * *trend > REVERSAL * self.span() {
             *before_last = *last;
             *last = *since_turn - *since_extreme;
             *since_turn = *since_extreme;
@@ -162,7 +159,7 @@ impl RateScheduled {
         }
     }
 
-    /// The frequency the state speaks of [Hz]: the lowest until two turns have been seen.
+    /// The estimated frequency [Hz]; the lowest one until there are two half periods.
     fn frequency(&self, x: &[f64]) -> f64 {
         let [.., since_turn, last, before_last] = x else { return 0.0 };
         if *before_last == 0.0 {
@@ -171,7 +168,7 @@ impl RateScheduled {
         1.0 / (self.ts * (last + before_last).max(*since_turn))
     }
 
-    fn widest(&self) -> f64 {
+    fn span(&self) -> f64 {
         self.range().map_or(0.0, |(low, high)| high - low)
     }
 }
@@ -220,7 +217,7 @@ impl Hysteresis for RateScheduled {
         let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
         let state = ["last", "direction", "trend", "extreme", "since_extreme", "since_turn", "half", "half_before"];
         let block = state.iter().fold(block, |block, name| block.number(name, 0.0));
-        let block = block.constant("ts", self.ts).constant("turn", REVERSAL * self.widest());
+        let block = block.constant("ts", self.ts).constant("turn", REVERSAL * self.span());
         let block = Branches::block(block, pairs.iter().map(|p| &p.branches)).table("hertz", &hertz);
         let block = block.count("pairs", pairs.len()).text(READ).text(&Intervals::text("pair_below", "hertz"));
         Some(block.text(&STEP.replace("HELD", reading.held())))
@@ -232,11 +229,8 @@ impl Hysteresis for RateScheduled {
     }
 
     fn range(&self) -> Option<(f64, f64)> {
-        let ranges = || self.params.pairs.iter().map(|p| p.branches.range());
-        Some((
-            ranges().map(|r| r.0).fold(f64::INFINITY, f64::min),
-            ranges().map(|r| r.1).fold(f64::NEG_INFINITY, f64::max),
-        ))
+        let ranges = self.params.pairs.iter().map(|p| p.branches.range());
+        Some(ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, r| (all.0.min(r.0), all.1.max(r.1))))
     }
 }
 
@@ -315,23 +309,23 @@ fn hysteresis_ahead(x: hysteresis, u) {
 }
 ";
 
-/// The basis: the branches of every frequency by their values at even knots, the direction held.
+/// The basis: the branches of every frequency by their values at equidistant knots, with [`HeldInput::Held`].
 #[derive(Debug, Clone)]
 struct RateScheduledBasis {
     nodes: Nodes,
-    /// Knows the frequencies; its branches are not read.
+    /// Holds the frequencies; its branches are not used.
     schedule: RateScheduled,
 }
 
 impl RateScheduledBasis {
     fn new(design: &BasisDesign) -> Result<Self, Error> {
         if design.frequencies.is_empty() {
-            let because = "the records have no frequencies; use two-branch, or give a record of each frequency".into();
+            let because = "the records have no frequencies: use two-branch, or give a record of each frequency".into();
             return Err(Error::Unidentifiable { what: "the rate-scheduled block".into(), because });
         }
         let nodes = Nodes::new(design)?;
         let flat = nodes.branches(&vec![0.0; nodes.len()])?;
-        // Records of one frequency, as far as it can be told, share their branches.
+        // Records of nearly equal frequency share their branches.
         let mut frequencies = design.frequencies.clone();
         frequencies.sort_by(f64::total_cmp);
         frequencies.dedup_by(|next, f| *next < (1.0 + SAME) * *f);
@@ -390,17 +384,20 @@ impl Basis for RateScheduledBasis {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::same_as_a_program;
+    use super::super::tests::check_program;
     use super::*;
     use crate::testing::assert_close;
 
+    fn pair(frequency_hz: f64, width: f64) -> Pair {
+        Pair { frequency_hz, branches: example(width).unwrap() }
+    }
+
     fn block() -> RateScheduled {
-        let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
         RateScheduled::new(5e-4, vec![pair(80.0, 3.0), pair(5.0, 1.0)], HeldInput::Held).unwrap()
     }
 
-    /// A sine of `hz` for a second, and the frequency the block then believes in.
-    fn believed(hz: f64, levels: Option<f64>) -> f64 {
+    /// The frequency that the block estimates from a sine of `hz`, quantised in steps of `levels`.
+    fn estimated(hz: f64, levels: Option<f64>) -> f64 {
         let (block, mut x) = (block(), block().initial());
         let sine = (0..2000).map(|t| 30.0 * (f64::from(t) * 5e-4 * std::f64::consts::TAU * hz).sin());
         let u: Vec<f64> = sine.map(|u| levels.map_or(u, |q| (u / q).round() * q)).collect();
@@ -409,41 +406,34 @@ mod tests {
     }
 
     #[test]
-    fn the_frequency_is_read_off_sines_and_staircases_alike() {
+    fn the_frequency_is_estimated_from_sines_and_from_staircases() {
         for hz in [5.0, 12.5, 20.0, 40.0] {
-            assert_close(&[believed(hz, None)], &[hz], 0.03, 0.0);
-            assert_close(&[believed(hz, Some(3.0))], &[hz], 0.15, 0.0);
+            assert_close(&[estimated(hz, None)], &[hz], 0.03, 0.0);
+            assert_close(&[estimated(hz, Some(3.0))], &[hz], 0.15, 0.0);
         }
     }
 
     #[test]
-    fn between_two_frequencies_the_loop_is_as_wide_as_the_logarithm_says() {
+    fn between_two_frequencies_the_loop_width_is_linear_in_the_logarithm() {
         let block = block();
         let width = |hz| block.interpolate(0.0, -1.0, hz) - block.interpolate(0.0, 1.0, hz);
-        assert_close(
-            &[width(1.0), width(5.0), width(20.0), width(80.0), width(300.0)],
-            &[2.0, 2.0, 4.0, 6.0, 6.0],
-            1e-12,
-            0.0,
-        );
+        assert_close(&[1.0, 5.0, 20.0, 80.0, 300.0].map(width), &[2.0, 2.0, 4.0, 6.0, 6.0], 1e-12, 0.0);
     }
 
     #[test]
-    fn as_a_program_it_reads_all_its_pairs_by_either_rule() {
-        let pair = |frequency_hz, width| Pair { frequency_hz, branches: example(width).unwrap() };
+    fn the_program_is_bit_identical_for_several_pairs_and_both_rules() {
         let u: Vec<f64> =
             (0..4000).map(|t| 28.0 * (2e-6 * f64::from(t * t)).sin()).map(|u| (4.0 * u).round() / 4.0).collect();
         for reading in [HeldInput::Held, HeldInput::Printed] {
             for pairs in [vec![pair(5.0, 1.0), pair(20.0, 2.5), pair(80.0, 3.0)], vec![pair(20.0, 2.0)]] {
-                same_as_a_program(&RateScheduled::new(5e-4, pairs, reading).unwrap(), &u);
+                check_program(&RateScheduled::new(5e-4, pairs, reading).unwrap(), &u);
             }
         }
     }
 
     #[test]
-    fn two_pairs_at_one_frequency_are_refused() {
-        let pair = Pair { frequency_hz: 5.0, branches: example(1.0).unwrap() };
-        assert!(RateScheduled::new(5e-4, vec![pair.clone(), pair], HeldInput::Held).is_err());
+    fn two_pairs_at_one_frequency_are_an_error() {
+        assert!(RateScheduled::new(5e-4, vec![pair(5.0, 1.0), pair(5.0, 1.0)], HeldInput::Held).is_err());
         assert!(RateScheduled::new(5e-4, vec![], HeldInput::Held).is_err());
     }
 }

@@ -1,17 +1,17 @@
-//! Numbers with a derivative beside them: forward differentiation, exact to rounding.
+//! Dual numbers: forward automatic differentiation, exact to rounding.
 //!
 //! ```text
 //! (x, x') + (y, y') = (x + y, x' + y')    (x, x') (y, y') = (x y, x' y + x y')    f((x, x')) = (f(x), f'(x) x')
 //! ```
-//! A law of hysteresis is written once, for any [`Real`]; run over `f64` it simulates, over [`Dual`] it also tells how
-//! z changes with one of its parameters. Where a law has a kink the derivative is that of the side taken.
+//! A law of hysteresis is written once, for any [`Real`]. With `f64` it simulates; with [`Dual`] it also gives the
+//! derivative of z by one of its parameters. At a kink the derivative is that of the selected side.
 //!
 //! R. E. Wengert, "A simple automatic derivative evaluation program", Commun. ACM 7 (1964), DOI 10.1145/355586.364791.
 
 use crate::elementary;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the laws compute with.
+/// The numbers of the laws: `f64` or [`Dual`].
 pub(super) trait Real:
     Copy
     + PartialOrd
@@ -23,7 +23,7 @@ pub(super) trait Real:
     + Div<Output = Self>
 {
     fn value(self) -> f64;
-    /// f(self), given f and its derivative there, which is worked out where it is wanted.
+    /// f(self), given its value and its derivative, which is computed only if needed.
     fn map(self, f: f64, slope: impl FnOnce() -> f64) -> Self;
 
     fn exp(self) -> Self {
@@ -35,12 +35,12 @@ pub(super) trait Real:
         let x = self.value();
         self.map(elementary::ln(x), || 1.0 / x)
     }
-    /// (e^x - 1) / x, and 1 at 0: what an exponential has grown, over how far.
+    /// (e^x - 1) / x, and 1 at 0.
     fn growth(self) -> Self {
         let x = self.value();
         self.map(elementary::growth(x), || elementary::growth_slope(x))
     }
-    /// ln(1 + x) / x, and 1 at 0: how far, for what has grown.
+    /// ln(1 + x) / x, and 1 at 0.
     fn log_growth(self) -> Self {
         let x = self.value();
         self.map(elementary::log_growth(x), || elementary::log_growth_slope(x))
@@ -49,7 +49,7 @@ pub(super) trait Real:
     fn powf(self, power: Self) -> Self {
         (power * self.ln()).exp()
     }
-    /// max(low, min(high, self)): where the limits cross, the lower one holds.
+    /// max(low, min(high, self)). If the limits cross, the result is `low`.
     fn clamp(self, low: Self, high: Self) -> Self {
         let below = if self > high { high } else { self };
         if below < low { low } else { below }
@@ -135,24 +135,24 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn a_derivative_is_that_of_the_textbook() {
+    fn derivatives_equal_the_analytical_ones() {
         let x = Dual { value: 0.7, slope: 1.0 };
         let two = Dual::from(2.0);
         let of = |y: Dual| y.slope;
         let found = [of(x * x / (two + x)), of((-x).exp()), of(x.powf(two)), of(two.powf(x))];
         let known = [(2.0 * 0.7 * 2.7 - 0.49) / (2.7 * 2.7), -(-0.7f64).exp(), 1.4, 2f64.powf(0.7) * 2f64.ln()];
         assert_close(&found, &known, 1e-14, 0.0);
-        assert_eq!(x.clamp(Dual::from(0.8), two).slope, 0.0, "beyond a limit nothing moves");
+        assert_eq!(x.clamp(Dual::from(0.8), two).slope, 0.0, "outside the limits the derivative is 0");
     }
 
     #[test]
-    fn growths_and_their_derivatives_are_smooth_through_zero() {
+    fn growth_functions_have_the_right_derivatives_near_zero() {
         for x in [-3.0, -0.5, -0.011, -0.009, 1e-5, 0.009, 0.011, 0.7] {
             let at = |x| Dual { value: x, slope: 1.0 };
             let h = 1e-4;
             for f in [Dual::growth, Dual::log_growth] {
                 let y = |x: f64| f(at(x)).value;
-                // ln(1 + x) ends at -1.
+                // ln(1 + x) is defined above -1.
                 let x = f64::max(x, -0.9);
                 let difference = (8.0 * (y(x + h) - y(x - h)) - (y(x + 2.0 * h) - y(x - 2.0 * h))) / (12.0 * h);
                 assert_close(&[f(at(x)).slope], &[difference], 1e-8, 0.0);

@@ -1,32 +1,29 @@
-//! Prandtl-Ishlinskii of stop operators: the input, less what the stops hold back.
+//! Prandtl-Ishlinskii model of stop operators: the input minus a weighted sum of stops.
 //!
 //! ```text
 //! s_k = u - p_k, p_k the play of threshold r_k          |s_k| <= r_k
 //! z = w_0 u - w_1 s_1 - ... - w_n s_n                   w_k >= 0
 //! ```
-//! A stop follows the input until it is r_k away from the last reversal's side, then slides. Since s_k = u - p_k the sum
-//! spans what plays span; it differs in what must not be negative: here the slope of large inputs, w_0, there the slope
-//! at a reversal. Reversals that are passed are wiped out.
+//! A stop follows the input until |s_k| = r_k, then slides. Since s_k = u - p_k, stops and plays span the same models.
+//! They differ in the slope that must not be negative: here that of large inputs, w_0; for plays that after a reversal.
+//! Passed reversals are wiped out.
 //!
 //! Reference: M. Brokate & J. Sprekels, "Hysteresis and Phase Transitions", Springer (1996), DOI
 //! 10.1007/978-1-4612-4048-8. It does not do: asymmetric loops, rate.
 //!
-//! Inverse: exact, as of `prandtl-ishlinskii`, while w_0 > w_1 + ... + w_n; else z falls after a reversal, and one of several
-//! inputs is found. Where all stops slide z goes on with slope w_0; without it, it saturates.
+//! Inverse: exact, like that of `prandtl-ishlinskii`, if w_0 > w_1 + ... + w_n. Otherwise z decreases after a reversal,
+//! and one of several inputs is found. When all stops slide, the slope of z is w_0; if w_0 = 0, z saturates.
 
 use super::Operator;
-use super::basis::curvature;
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
-use super::thresholds::{self, ELEMENTS};
-use crate::error::Error;
+use super::thresholds;
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
-/// Thresholds r_1 < r_2 < ... [input unit]; the weights are w_0 of the input itself, then one each.
+/// Thresholds r_1 < r_2 < ... [input unit]. Weights: w_0 of the input, then one per threshold.
 ///
-/// State: the plays p_k, which unlike sums of steps of the stops gather no rounding.
+/// State: the plays p_k. They do not accumulate rounding errors, as stops would.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stop {
     thresholds: Vec<f64>,
@@ -34,38 +31,21 @@ pub(super) struct Stop {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "stop",
-    summary: "Prandtl-Ishlinskii of stop operators: the input less what elastic sliders hold back",
+    summary: "Prandtl-Ishlinskii of stop operators: the input minus a sum of stop operators",
     reference: "Brokate & Sprekels 1996, doi:10.1007/978-1-4612-4048-8",
     minor_loops: true,
     rate_independent: true,
     wipes_out: true,
     load: Weighted::<Stop>::load,
-    basis: |design| {
-        let law = Stop { thresholds: thresholds::even(design, ELEMENTS) };
-        Weighted::basis(design.ts, design.range, law)
-    },
-    example: |ts| {
-        let law = Stop { thresholds: (1..=8).map(|k| 3.0 * f64::from(k)).collect() };
-        let weights = (0..=8).map(|k| if k == 0 { 1.2 } else { 0.06 }).collect();
-        Ok(Arc::new(Weighted::new(ts, (-30.0, 30.0), law, weights)?))
-    },
+    basis: |design| Weighted::basis(design.ts, design.range, Stop { thresholds: thresholds::even(design) }),
+    example: |ts| Weighted::example(ts, Stop { thresholds: thresholds::example() }, thresholds::example_weights(1.2)),
 };
 
 impl Law for Stop {
-    fn row() -> &'static Operator {
-        &OPERATOR
-    }
+    const ROW: &'static Operator = &OPERATOR;
 
-    fn check(&self) -> Result<(), Error> {
-        thresholds::check(&self.thresholds)
-    }
-
-    fn responses(&self) -> usize {
-        1 + self.thresholds.len()
-    }
-
-    fn order(&self) -> usize {
-        self.thresholds.len()
+    fn thresholds(&self) -> &[f64] {
+        &self.thresholds
     }
 
     fn step<R: Real>(&self, _: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -79,10 +59,6 @@ impl Law for Stop {
     fn block(&self, block: Block, _: Input) -> Block {
         let n = self.thresholds.len();
         block.numbers("play", vec![0.0; n]).table("r", &self.thresholds).count("n", n).text(STEP)
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        curvature(1, self.responses())
     }
 }
 

@@ -1,22 +1,23 @@
-//! Tellinen's model: two branches, and between them a slope in proportion to the distance from the other one.
+//! Tellinen's model: two branches; between them the slope is proportional to the distance from the other branch.
 //!
 //! ```text
 //! dz/du = z_a'(u) (z_d - z) / (z_d - z_a)  rising,     z_d'(u) (z - z_a) / (z_d - z_a)  falling
 //! ```
-//! With z = m + side v, m the middle of the branches, v half their distance and side from -1 (ascending) to 1
-//! (descending), the equation becomes one for the side alone, and is integrated exactly:
+//! Let z = m + side v, with m the mean of the branches, v half their distance and side from -1 (ascending) to 1
+//! (descending). Then the equation is one for the side alone, and is integrated exactly:
 //! ```text
 //! 1 + side decays by exp(-int dz_d / (2 v)) rising,    1 - side by exp(-int dz_a / (2 v)) falling
 //! ```
-//! The integrals are functions of u, tabulated once at the middles of a thousandth of the range each, and between them
-//! linear: how a path is divided does not matter. At the turning points they grow without end, so that what turns there
-//! is on the branch at once. Where branches touch or cross (v <= 0), or fall, the loop is closed there.
+//! The integrals are functions of u. They are tabulated once for a thousand cells of the range, by the midpoint rule,
+//! and interpolated linearly: the division of a path into samples has no effect. At the ends of the range the integrals
+//! diverge: after a reversal there, z is on the branch immediately. Where the branches touch or cross (v <= 0), or
+//! where one decreases, the loop is closed.
 //!
 //! Reference: J. Tellinen, "A simple scalar model for magnetic hysteresis", IEEE Trans. Magnetics 34 (1998), DOI
-//! 10.1109/20.706508 (there with the slope of the vacuum apart). Reversals start without a jump. It does not do: rate,
-//! wiping out; minor loops drift towards a loop of their own; a loop that has turned round reads as none.
+//! 10.1109/20.706508 (there with a separate slope of vacuum). Reversals start without a jump. It does not do: rate,
+//! wiping out (minor loops drift towards a closed loop), inverted loops (they have width 0).
 //!
-//! Inverse: Newton's method, with the slope of the equation. Beyond the turning points z goes on along a line.
+//! Inverse: Newton's method, with the slope of the equation. Outside the range z is linear.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
@@ -30,9 +31,9 @@ use crate::system::System;
 use serde_json::{Map, Value};
 use std::sync::Arc;
 
-/// Two branches and Tellinen's way between them.
+/// Two branches and Tellinen's equation between them.
 ///
-/// State: the last input; the side, from -1 (ascending) to 1 (descending), 0 at rest.
+/// State: the last input, the side from -1 (ascending) to 1 (descending), 0 at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Tellinen {
     ts: f64,
@@ -55,10 +56,10 @@ pub(super) static OPERATOR: Operator = Operator {
 /// Cells of the table.
 const CELLS: usize = 1000;
 
-/// The most a cell may hold: beyond it nothing is left of a side.
+/// Upper bound of the integral of one cell: exp(-50) is negligible.
 const CLOSED: f64 = 50.0;
 
-/// The integrals of dz_d / (2 v) and dz_a / (2 v) from the lowest input to the ends of the cells.
+/// The integrals of dz_d / (2 v) and dz_a / (2 v) from the lowest input to the end of each cell.
 #[derive(Debug, Clone, PartialEq)]
 struct Decay<R> {
     low: f64,
@@ -68,7 +69,7 @@ struct Decay<R> {
 }
 
 impl<R: Real> Decay<R> {
-    /// Of the curves m and v.
+    /// The integrals for the curves (m, v).
     fn of((low, high): (f64, f64), curves: impl Fn(f64) -> (R, R)) -> Self {
         let cell = (high - low) / CELLS as f64;
         let zero = R::from(0.0);
@@ -99,34 +100,31 @@ impl<R: Real> Decay<R> {
         }
     }
 
-    /// Where `u` lies in the table, in cells.
+    /// Position of `u` in the table [cells].
     fn place(&self, u: f64) -> f64 {
         ((u - self.low) / self.cell).clamp(0.0, CELLS as f64)
     }
 }
 
-/// `table` at `place`, linear between its entries.
+/// `table` at `place`, interpolated linearly.
 fn at<R: Real>(table: &[R], place: f64) -> R {
     let i = (place as usize).min(CELLS - 1);
     table[i] + (table[i + 1] - table[i]) * (place - i as f64).into()
 }
 
-/// How much a cell of `table` adds, at `place`; nothing beyond its ends.
+/// Increment of `table` over the cell at `place`; 0 outside the table.
 fn added(table: &[f64], place: f64) -> f64 {
     let i = (place as usize).min(CELLS - 1);
     if place > 0.0 && place < CELLS as f64 { table[i + 1] - table[i] } else { 0.0 }
 }
 
-/// z for the curves m and v at the input.
+/// z for the values of m and v at the input.
 fn between<R: Real>((m, v): (R, R), side: R) -> R {
     if v.value() > 0.0 { m + side * v } else { m }
 }
 
 impl Tellinen {
-    /// A block sampled every `ts` [s] between `branches`.
-    ///
-    /// # Errors
-    /// Refuses a `ts` that is not positive.
+    /// A block with sampling period `ts` [s] between `branches`. Returns an error if `ts` is not positive.
     pub(crate) fn new(ts: f64, branches: Branches) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         let decay = Decay::of(branches.range(), |u| curves(&branches, u));
@@ -258,7 +256,8 @@ fn hysteresis_ahead(x: hysteresis, u) {
 }
 ";
 
-/// The basis: one weight, and as shape the values of m and v at knots, relative to half the range. m is u and a bend.
+/// The basis: one weight. Shape parameters are the values of m - u (bends) and v (widths) at the knots, relative to
+/// half the range.
 #[derive(Debug, Clone)]
 struct TellinenBasis {
     nodes: Nodes,
@@ -269,14 +268,14 @@ struct TellinenBasis {
     operator: Tellinen,
 }
 
-/// How many knots between the ends, unless told otherwise.
+/// Default number of knots between the ends.
 const KNOTS: usize = 5;
 static BENDS: [&str; 9] = ["bend_1", "bend_2", "bend_3", "bend_4", "bend_5", "bend_6", "bend_7", "bend_8", "bend_9"];
 static WIDTHS: [&str; 9] =
     ["width_1", "width_2", "width_3", "width_4", "width_5", "width_6", "width_7", "width_8", "width_9"];
 
 impl TellinenBasis {
-    /// Straight branches, a tenth apart.
+    /// Branches with bends of 0 and widths of 0.1.
     fn even(design: &BasisDesign) -> Result<Self, Error> {
         let n = design.elements.unwrap_or(KNOTS).clamp(1, BENDS.len());
         let nodes = Nodes::of(design.range, n + 2)?;
@@ -289,7 +288,7 @@ impl TellinenBasis {
     }
 }
 
-/// Half the range that knots span.
+/// Half the range of the knots.
 fn half(knots: &[f64]) -> f64 {
     0.5 * (knots[knots.len() - 1] - knots[0])
 }
@@ -321,10 +320,6 @@ impl Basis for TellinenBasis {
 
     fn non_negative(&self) -> Vec<bool> {
         vec![true]
-    }
-
-    fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        Vec::new()
     }
 
     fn shape(&self) -> Vec<ShapeParameter> {
@@ -370,6 +365,7 @@ impl Basis for TellinenBasis {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::path;
     use super::*;
     use crate::testing::assert_close;
 
@@ -377,45 +373,35 @@ mod tests {
         Tellinen::new(1.0, example(2.0).unwrap()).unwrap()
     }
 
-    fn path(turns: &[f64], pieces: u32) -> Vec<f64> {
-        let leg = |w: &[f64]| {
-            let (from, to) = (w[0], w[1]);
-            (1..=pieces).map(move |i| from + (to - from) * f64::from(i) / f64::from(pieces)).collect::<Vec<_>>()
-        };
-        turns.windows(2).flat_map(leg).collect()
+    /// A block between two lines that are bent at 0 by -`width` and by `width`.
+    fn bent(end: f64, width: f64) -> Tellinen {
+        let branch = |z: f64| (vec![-end, 0.0, end], vec![-end, z, end]);
+        Tellinen::new(1.0, Branches::new(branch(-width), branch(width)).unwrap()).unwrap()
     }
 
     #[test]
-    fn between_the_turning_points_it_is_on_its_branches() {
-        let block = block();
-        for (u, z) in
-            path(&[-30.0, 30.0], 40).iter().zip(block.resume(&mut block.settled(-30.0), &path(&[-30.0, 30.0], 40)))
-        {
-            assert_close(&[z], &[block.branches.ascending(*u)], 0.0, 1e-9);
-        }
+    fn between_the_ends_of_the_range_it_is_on_its_branches() {
+        let (block, u) = (block(), path(&[-30.0, 30.0], 40));
+        let known: Vec<f64> = u.iter().map(|u| block.branches.ascending(*u)).collect();
+        assert_close(&block.resume(&mut block.settled(-30.0), &u), &known, 0.0, 1e-9);
     }
 
     #[test]
-    fn how_a_path_is_divided_does_not_matter() {
-        let turns = [0.0, 20.0, -10.0, 15.0, 3.0, -29.0, 12.0];
-        let last = |pieces| *block().simulate(&path(&turns, pieces)).last().unwrap();
+    fn the_division_of_a_path_into_samples_has_no_effect() {
+        let reversals = [0.0, 20.0, -10.0, 15.0, 3.0, -29.0, 12.0];
+        let last = |pieces| *block().simulate(&path(&reversals, pieces)).last().unwrap();
         assert_close(&[last(1000)], &[last(1)], 1e-10, 0.0);
     }
 
     #[test]
-    fn branches_that_cross_are_closed_and_not_jumped_between() {
-        let u = vec![-10.0, 0.0, 10.0];
-        let turned = Branches::new((u.clone(), vec![-10.0, 1.0, 10.0]), (u, vec![-10.0, -1.0, 10.0])).unwrap();
-        let z = Tellinen::new(1.0, turned).unwrap().simulate(&[-10.0, 5.0, 4.999]);
+    fn an_inverted_loop_is_closed_and_has_no_jump() {
+        let z = bent(10.0, -1.0).simulate(&[-10.0, 5.0, 4.999]);
         assert!((z[2] - z[1]).abs() < 0.01, "{z:?}");
     }
 
     #[test]
     fn a_reversal_leaves_the_branch_without_a_jump() {
-        let u = vec![-30.0, 0.0, 30.0];
-        let branches = Branches::new((u.clone(), vec![-30.0, -2.0, 30.0]), (u, vec![-30.0, 2.0, 30.0])).unwrap();
-        let z = Tellinen::new(5e-4, branches).unwrap().simulate(&[-30.0, 0.0, -0.1]);
-        assert!((z[1] + 2.0).abs() < 1e-9); // on the ascending branch
-        assert!((z[2] - z[1]).abs() < 0.1); // and off it without a jump
+        let z = bent(30.0, 2.0).simulate(&[-30.0, 0.0, -0.1]);
+        assert!((z[1] + 2.0).abs() < 1e-9 && (z[2] - z[1]).abs() < 0.1, "{z:?}");
     }
 }

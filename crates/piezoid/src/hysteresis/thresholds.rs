@@ -1,22 +1,31 @@
-//! Thresholds of plays and stops.
+//! Thresholds of play and stop operators.
 
 use super::basis::BasisDesign;
 use crate::error::{Error, finite};
 
-/// How many, unless told otherwise: every thirtieth of half the range.
-pub(super) const ELEMENTS: usize = 29;
+/// Default number: one per thirtieth of half the range.
+const ELEMENTS: usize = 29;
 
-/// The most there may be.
 const MOST: usize = 4096;
 
-/// Evenly spaced thresholds up to half the range of the inputs, where a play stops moving. The largest stays short of
-/// it, since a play that never moves has no weight to find.
-pub(super) fn even(design: &BasisDesign, elements: usize) -> Vec<f64> {
-    let n = design.elements.unwrap_or(elements).clamp(1, MOST);
+/// Equidistant thresholds below half the range of the inputs. A play with a threshold of half the range would never
+/// move, and its weight could not be identified.
+pub(super) fn even(design: &BasisDesign) -> Vec<f64> {
+    let n = design.elements.unwrap_or(ELEMENTS).clamp(1, MOST);
     (1..=n).map(|k| design.half() * k as f64 / (n + 1) as f64).collect()
 }
 
-/// Refuses thresholds that do not rise from above zero.
+/// Thresholds of the examples: 3, 6, ..., 24.
+pub(super) fn example() -> Vec<f64> {
+    (1..=8).map(|k| 3.0 * f64::from(k)).collect()
+}
+
+/// Weights of the examples: `first` of the input, 0.06 of each threshold.
+pub(super) fn example_weights(first: f64) -> Vec<f64> {
+    [&[first][..], &[0.06; 8]].concat()
+}
+
+/// Returns an error unless the thresholds are positive and ascending.
 pub(super) fn check(thresholds: &[f64]) -> Result<(), Error> {
     finite("thresholds", thresholds)?;
     let n = thresholds.len();

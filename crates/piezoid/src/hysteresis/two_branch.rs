@@ -1,16 +1,16 @@
 //! The paper's hysteresis block: one function of u for rising and one for falling input (section 2.2).
 //!
-//! The rule as printed reads one function when u_t > u_{t-1} and the other one *otherwise*, so every sample at which u is held
-//! falls to the other one. On a step-wise input that is most samples. The default therefore holds the last direction while
-//! u stands. The paper calls the first function "upper"; here it is the ascending branch, which the data decide, and which
-//! lies below on a piezo loop.
+//! The printed rule uses one function if u_t > u_{t-1} and the other one *otherwise*, so held samples always use the
+//! second one. In a staircase input these are most samples. The default therefore keeps the last direction while u is
+//! held. The paper calls the first function "upper"; here it is the ascending branch. The data decide which one that
+//! is; in a piezo loop it lies below.
 //!
-//! What it cannot do: it remembers the direction and nothing else, so there are no minor loops (each reversal inside
-//! the loop jumps to the other branch), and no change of amplitude or offset.
+//! It does not do: minor loops (its only memory is the direction: each reversal inside the loop jumps to the other
+//! branch), changes of amplitude or offset.
 //!
-//! Inverse: Newton's method on the spline of the branch that the way to the wanted z reads; trials where a turn jumps past
-//! it, which end on that side of the jump which is nearer. Beyond the turning points branches go on along a line: nothing
-//! saturates.
+//! Inverse: Newton's method on the spline of the branch in the direction of the requested z. If the jump at a reversal
+//! skips the requested z, bracketing returns the nearer side of the jump. Outside the reversals the branches are
+//! straight lines: there is no saturation.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
@@ -24,20 +24,19 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 
-/// Which branch is read while the input is held.
+/// The branch that is used while the input is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldInput {
-    /// That of the last movement: how long an input is held changes nothing.
+    /// The branch of the last movement: the output does not depend on how long an input is held.
     #[default]
     Held,
-    /// The descending one, by the "otherwise" of the paper's rule: the output then depends on how long an input is held.
+    /// The descending branch, the "otherwise" of the paper's rule: a held input changes the output.
     Printed,
 }
 
 impl HeldInput {
-    /// The direction in which the input counts as moving, +1, -1 or 0 (not yet known), when it goes from `before` to
-    /// `u` having moved in `direction`.
+    /// The direction for a step from `before` to `u` after the last `direction`: +1, -1, or 0 (not yet known).
     pub(super) fn direction(self, before: f64, u: f64, direction: f64) -> f64 {
         if u > before {
             1.0
@@ -48,7 +47,7 @@ impl HeldInput {
         }
     }
 
-    /// For programs: the direction that a held input counts as moving in.
+    /// The direction of a held input, as text in a program.
     pub(super) fn held(self) -> &'static str {
         match self {
             HeldInput::Held => "x.direction",
@@ -57,10 +56,10 @@ impl HeldInput {
     }
 }
 
-/// Two functions of u, chosen by the direction in which u moves. Until it first moves, z lies midway between them (by
-/// the printed rule on the descending one).
+/// Two functions of u, selected by the direction of u. Until u first moves, z is their mean (with the printed rule, the
+/// descending branch).
 ///
-/// State: the last input; the direction (1 rising, -1 falling, 0 not yet known).
+/// State: the last input, the direction (1 rising, -1 falling, 0 not yet known).
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoBranch {
     ts: f64,
@@ -99,27 +98,27 @@ pub(super) fn example(width: f64) -> Result<Branches, Error> {
 }
 
 impl TwoBranch {
-    /// A block sampled every `ts` [s] that reads `branches` by `reading`.
+    /// A block with sampling period `ts` [s] and the rule `reading` for held inputs.
     ///
     /// # Errors
-    /// Refuses a `ts` that is not positive.
+    /// Returns an error if `ts` is not positive.
     pub fn new(ts: f64, branches: Branches, reading: HeldInput) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         Ok(TwoBranch { ts, params: TwoBranchParams { reading, branches } })
     }
 
-    /// The two functions.
+    /// The two branches.
     pub fn branches(&self) -> &Branches {
         &self.params.branches
     }
 }
 
-/// z at `u` when it moves in `direction`; midway while that is not known.
+/// z at `u` for movement in `direction`; the mean of the branches if the direction is 0.
 pub(super) fn read(branches: &Branches, u: f64, direction: f64) -> f64 {
     choose(|| branches.ascending(u), || branches.descending(u), direction)
 }
 
-/// As [`read`], and the slope.
+/// [`read`] with the slope.
 pub(super) fn read_slope(branches: &Branches, u: f64, direction: f64) -> Dual {
     let (ascending, descending) = branches.slopes(u);
     choose(|| ascending, || descending, direction)
@@ -136,7 +135,7 @@ fn choose<R: Real>(ascending: impl FnOnce() -> R, descending: impl FnOnce() -> R
     }
 }
 
-/// [`HeldInput::direction`], and [`read`] with [`read_slope`], for programs with the branches of several pairs.
+/// [`HeldInput::direction`] and [`read_slope`] as a program with several pairs of branches.
 pub(super) const READ: &str = "
 // The direction in which the input counts as moving, 1, -1 or 0 while it is not known; held where it stands.
 fn heading(before, u, held) {
@@ -241,7 +240,7 @@ impl Hysteresis for TwoBranch {
     }
 }
 
-/// The basis: both branches by their values at even knots, the direction held.
+/// The basis: both branches by their values at equidistant knots, with [`HeldInput::Held`].
 #[derive(Debug, Clone)]
 struct TwoBranchBasis {
     ts: f64,
@@ -292,7 +291,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_held_input_stays_on_its_branch_but_not_by_the_letter_of_the_paper() {
+    fn a_held_input_stays_on_its_branch_except_with_the_printed_rule() {
         let u = [0.0, 10.0, 10.0, 10.0];
         let z = |reading| TwoBranch::new(5e-4, example(1.0).unwrap(), reading).unwrap().simulate(&u);
         let (held, printed) = (z(HeldInput::Held), z(HeldInput::Printed));
@@ -302,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn before_the_input_first_moves_z_lies_between_the_branches() {
+    fn before_the_first_movement_z_is_the_mean_of_the_branches() {
         let block = TwoBranch::new(5e-4, example(1.0).unwrap(), HeldInput::Held).unwrap();
         assert_eq!(block.simulate(&[0.0, 0.0]), [0.0, 0.0]);
         let mut x = block.settled(10.0);

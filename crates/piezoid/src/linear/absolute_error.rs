@@ -4,22 +4,22 @@
 //! f(theta) = sum_t |y_t - psi_t' theta|
 //! ```
 //!
-//! The lanes of the vector unit are particles. Each sums its own rows in order, so its cost is the same to the bit
-//! whatever the width, the company it is evaluated in, and the number of threads. Between blocks of rows, particles
-//! that can no longer beat their limits leave.
+//! The lanes of the vector unit are particles. Each lane sums its rows in order, so a cost is bit-identical for any
+//! vector width, any group of particles and any number of threads. After each block of rows, particles that can no
+//! longer fall below their limits are dropped.
 
 use super::regression::Regression;
 
 use crate::optimize::swarm::Cost;
 use multiversion::{multiversion, target::target_cfg_f};
 
-/// Rows between two looks at which particles can still beat their limits.
+/// Rows between two checks of the limits.
 const BLOCK: usize = 1024;
 
-/// The most particles that are evaluated together: the errors and sums of as many fit the vector registers.
+/// Maximum number of particles evaluated together: their errors and sums fit the vector registers.
 const WIDEST: usize = 32;
 
-/// One number for each particle of a company, laid where the vector unit loads it at once.
+/// One number per particle of a group, aligned for the vector unit.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 struct ParticleLanes([f64; WIDEST]);
@@ -43,7 +43,7 @@ pub struct AbsoluteError<'a> {
 }
 
 impl<'a> AbsoluteError<'a> {
-    /// The cost over `rows`, which hold `[y, psi...]` one after another, `dimension` numbers in psi.
+    /// The cost over `rows` of `[y, psi...]`, with `dimension` numbers in psi.
     pub fn new(rows: &'a [f64], dimension: usize) -> Self {
         AbsoluteError { rows, dimension }
     }
@@ -62,16 +62,16 @@ impl Cost for AbsoluteError<'_> {
         let mut theta = vec![ParticleLanes([0.0; WIDEST]); d];
         let mut live: Vec<usize> = (0..costs.len()).collect();
         for block in self.rows.chunks(BLOCK * (d + 1)) {
-            for company in live.chunks(WIDEST) {
+            for group in live.chunks(WIDEST) {
                 let mut sums = ParticleLanes([0.0; WIDEST]);
-                for (lane, &m) in company.iter().enumerate() {
+                for (lane, &m) in group.iter().enumerate() {
                     sums.0[lane] = costs[m];
                     for (theta, position) in theta.iter_mut().zip(&positions[m * d..]) {
                         theta.0[lane] = *position;
                     }
                 }
                 // Order 2, the paper's, has five parameters.
-                match (company.len(), d) {
+                match (group.len(), d) {
                     (1..=8, 5) => accumulate::<8, 5>(block, &theta, &mut sums),
                     (9..=16, 5) => accumulate::<16, 5>(block, &theta, &mut sums),
                     (17..=24, 5) => accumulate::<24, 5>(block, &theta, &mut sums),
@@ -79,7 +79,7 @@ impl Cost for AbsoluteError<'_> {
                     (1..=8, _) => accumulate::<8, ANY>(block, &theta, &mut sums),
                     _ => accumulate::<WIDEST, ANY>(block, &theta, &mut sums),
                 }
-                for (&m, sum) in company.iter().zip(sums.0) {
+                for (&m, sum) in group.iter().zip(sums.0) {
                     costs[m] = sum;
                 }
             }
@@ -88,11 +88,11 @@ impl Cost for AbsoluteError<'_> {
     }
 }
 
-/// For [`accumulate`]: as many parameters as theta has.
+/// For [`accumulate`]: the number of parameters is the length of theta.
 const ANY: usize = 0;
 
-/// Adds the rows' errors |y - psi' theta| to the sums of the first `L` lanes. `D` is the number of parameters, which
-/// stay in registers when the compiler knows it.
+/// Adds the rows' errors |y - psi' theta| to the sums of the first `L` lanes. `D` is the number of parameters; if the
+/// compiler knows it, they stay in registers.
 #[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
 fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[ParticleLanes], sums: &mut ParticleLanes) {
     let theta = if D == ANY { theta } else { &theta[..D] };
@@ -103,7 +103,7 @@ fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[ParticleLan
         for i in 0..theta.len() {
             let (psi, theta) = (row[1 + i], &theta[i].0);
             for lane in 0..L {
-                // A fused step only where it is an instruction: elsewhere it is a slow library call.
+                // Fused only where the processor has the instruction: elsewhere it is a slow library call.
                 error[lane] = if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
                     (-psi).mul_add(theta[lane], error[lane])
                 } else {
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cost_is_the_same_to_the_bit_alone_and_in_any_company() {
+    fn a_cost_is_bit_identical_alone_and_in_any_group() {
         for d in [1, 3, 5, 7] {
             let rows = rows(1000, d);
             let cost = AbsoluteError::new(&rows, d);
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_particle_that_cannot_beat_its_limit_may_stop_early_but_never_below_it() {
+    fn a_particle_above_its_limit_may_stop_early_but_not_below_the_limit() {
         let rows = rows(3000, 5);
         let cost = AbsoluteError::new(&rows, 5);
         let all = positions(50, 5);

@@ -1,7 +1,7 @@
-//! What an engineer asks of a linear block: poles in Hz with damping, zeros, gain, frequency response.
+//! Analysis of a linear block: poles [Hz] with damping, zeros, gain, frequency response.
 //!
-//! A pole z of the difference equation is the pole s = ln(z) / Ts of continuous time, of natural frequency |s| / 2 pi
-//! and damping ratio -Re s / |s|.
+//! A pole z of the difference equation corresponds to the continuous-time pole s = ln(z) / Ts, with natural frequency
+//! |s| / 2 pi and damping ratio -Re s / |s|.
 
 use super::Arx;
 use crate::system::System;
@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector, linalg::Schur};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// A pole of the block, or one of a conjugate pair (then it is listed once).
+/// A real pole of the block, or a conjugate pair (listed once).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pole {
     /// Natural frequency [Hz].
@@ -39,7 +39,7 @@ impl Root {
 
 impl std::fmt::Display for Root {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // Adding zero turns the -0 that rounding leaves into 0.
+        // Adding zero turns a rounded -0 into 0.
         let rounded = |x: f64| (1e3 * x).round() / 1e3 + 0.0;
         match rounded(self.im) {
             0.0 => write!(f, "{:.3}", rounded(self.re)),
@@ -60,8 +60,8 @@ pub struct Response {
 }
 
 impl Arx {
-    /// Poles by rising natural frequency, conjugate pairs listed once. Poles at the origin, which trailing zeros of `a`
-    /// make, are delays and not listed; an integrator has frequency and damping 0.
+    /// Poles by rising natural frequency, conjugate pairs listed once. Poles at the origin (trailing zeros of `a`) are
+    /// delays and not listed; an integrator has frequency and damping 0.
     pub fn poles(&self) -> Vec<Pole> {
         let used = self.a().iter().rposition(|&a| a != 0.0).map_or(0, |last| last + 1);
         let characteristic: Vec<f64> = std::iter::once(1.0).chain(self.a()[..used].iter().map(|a| -a)).collect();
@@ -78,16 +78,16 @@ impl Arx {
         poles
     }
 
-    /// Of the poles that ring, of a damping ratio between 0 and 0.3, the one where the response is largest: modes of equal damping may
-    /// hardly show.
+    /// The oscillating pole (damping ratio from 0 to 0.3) with the largest response. The least damped pole may be
+    /// hardly visible in the output.
     pub fn resonance(&self) -> Option<Pole> {
         let rings = self.poles().into_iter().filter(|p| p.z.im > 0.0 && (0.0..0.3).contains(&p.damping));
         let peak = |p: &Pole| self.response(p.hz).gain;
         rings.max_by(|p, q| peak(p).total_cmp(&peak(q)))
     }
 
-    /// Zeros of b0 + b1 q^-1 + ... in the z plane by rising modulus. Leading zeros of `b` (a delay) give none, and those
-    /// at the origin, which trailing zeros of `b` make, are not listed.
+    /// Zeros of b0 + b1 q^-1 + ... in the z plane, by rising modulus. Leading zeros of `b` (a delay) and trailing ones
+    /// (zeros at the origin) are not listed.
     pub fn zeros(&self) -> Vec<Root> {
         let used = self.b().iter().rposition(|&b| b != 0.0).map_or(0, |last| last + 1);
         let mut zeros = roots(&self.b()[self.delay()..used]);
@@ -95,12 +95,12 @@ impl Arx {
         zeros
     }
 
-    /// Samples between an input and its first effect: the leading zeros of `b`.
+    /// Delay [samples]: the number of leading zeros of `b`.
     pub fn delay(&self) -> usize {
         self.b().iter().take_while(|&&b| b == 0.0).count()
     }
 
-    /// Whether every pole lies inside the unit circle.
+    /// True if every pole lies inside the unit circle.
     pub fn is_stable(&self) -> bool {
         self.poles().iter().all(|p| p.z.modulus() < 1.0)
     }
@@ -119,8 +119,8 @@ impl Arx {
     }
 }
 
-/// Roots of c0 z^n + c1 z^(n-1) + ... + cn, with c0 not zero: eigenvalues of the companion matrix, each polished by
-/// one Newton step. Conjugates stay exact conjugates. Roots that cannot be found are NaN, which no check lets pass.
+/// Roots of c0 z^n + c1 z^(n-1) + ... + cn, with c0 not zero: eigenvalues of the companion matrix, each polished by one
+/// Newton step. Conjugates stay exact conjugates. Roots that cannot be found are NaN, so every check fails.
 pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
     let n = c.len().saturating_sub(1);
     if n == 0 {
@@ -130,12 +130,12 @@ pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
         (0, j) => -c[j + 1] / c[0],
         (i, j) => f64::from(u8::from(i == j + 1)),
     });
-    // Shifted QR stands still on the symmetry of polynomials in even powers; seen in a slanted mirror there is none.
-    let slant = DVector::from_fn(n, |i, _| 1.0 / (1 + i) as f64);
-    let mirror = DMatrix::identity(n, n) - &slant * slant.transpose() * (2.0 / slant.norm_squared());
-    let mirrored = &mirror * companion * &mirror;
+    // Shifted QR stalls on the symmetry of polynomials in even powers. A Householder reflection removes that symmetry.
+    let normal = DVector::from_fn(n, |i, _| 1.0 / (1 + i) as f64);
+    let reflection = DMatrix::identity(n, n) - &normal * normal.transpose() * (2.0 / normal.norm_squared());
+    let reflected = &reflection * companion * &reflection;
     let schur =
-        if mirrored.iter().all(|v| v.is_finite()) { Schur::try_new(mirrored, f64::EPSILON, 10_000) } else { None };
+        if reflected.iter().all(|v| v.is_finite()) { Schur::try_new(reflected, f64::EPSILON, 10_000) } else { None };
     let Some(schur) = schur else { return vec![Root { re: f64::NAN, im: f64::NAN }; n] };
     schur
         .complex_eigenvalues()
@@ -156,7 +156,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn table_2_has_the_poles_and_zeros_found_when_the_paper_was_rebuilt() {
+    fn table_2_has_the_poles_and_zeros_of_the_reproduced_paper() {
         let table2 = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap();
         let poles = table2.poles();
         assert_eq!(poles.len(), 1);
@@ -184,13 +184,13 @@ mod tests {
     }
 
     #[test]
-    fn coefficients_beyond_what_a_root_can_be_found_from_pass_no_check() {
+    fn a_block_whose_roots_cannot_be_found_has_no_inverse() {
         let block = Arx::new(1.0, vec![], vec![1e-300, 1e300, 1.0]).unwrap();
         assert!(block.inverse().is_err() && block.invert_whole(&[1.0, 2.0]).is_err());
     }
 
     #[test]
-    fn a_delay_is_no_zero_and_has_no_poles() {
+    fn a_delay_has_no_zeros_and_no_poles() {
         let delay = Arx::new(1.0, vec![], vec![0.0, 0.0, 3.0, 0.0]).unwrap();
         assert_eq!((delay.delay(), delay.zeros().len(), delay.poles().len()), (2, 0, 0));
         assert_eq!(delay.dc_gain(), 3.0);

@@ -4,15 +4,15 @@
 //! y_t = a1 y_{t-1} + ... + a_na y_{t-na} + b0 u_t + b1 u_{t-1} + ... + b_nb u_{t-nb} + e_t
 //! ```
 //!
-//! Signs are those of the regression: the transfer function's denominator is 1 - a1 q^-1 - a2 q^-2 - ..., so `a` here
-//! is minus the `a` of scipy's and MATLAB's filters. A delay of d samples is d leading zeros in `b`.
+//! Signs are those of the regression: the denominator of the transfer function is 1 - a1 q^-1 - a2 q^-2 - ..., so `a`
+//! is minus the `a` of filters in scipy and MATLAB. A delay of d samples is d leading zeros in `b`.
 
 use crate::error::{Error, finite, positive};
 use crate::program::Block;
 use crate::system::System;
 use serde::{Deserialize, Serialize};
 
-/// The linear block: coefficients in the signs of equation (1), in output units over input units.
+/// The linear block: coefficients with the signs of equation (1), in output units per input unit.
 ///
 /// State: the last outputs, newest first, then the last inputs, newest first.
 ///
@@ -31,10 +31,10 @@ pub struct Arx {
     b: Vec<f64>,
 }
 
-/// The most coefficients of either kind: finding the poles takes the cube of it.
+/// Maximum length of `a` and of `b`: finding the poles takes the cube of it.
 const LONGEST: usize = 512;
 
-/// How an [`Arx`] is written.
+/// The JSON form of an [`Arx`].
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ArxDocument {
@@ -60,7 +60,8 @@ impl Arx {
     /// `ts` [s]; `a` = a1, a2, ... and `b` = b0, b1, ... as in equation (1).
     ///
     /// # Errors
-    /// Refused unless `ts` is positive, every coefficient finite, some b not zero, and at most 512 of each.
+    /// Returns an error unless `ts` is positive, all coefficients are finite, at least one b is not zero, and there are
+    /// at most 512 of each.
     pub fn new(ts: f64, a: Vec<f64>, b: Vec<f64>) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         finite("a", &a)?;
@@ -72,7 +73,7 @@ impl Arx {
             }
         }
         if b.iter().all(|&b| b == 0.0) {
-            return Err(Error::parameter("b", format!("{b:?}"), "must hold a number that is not zero"));
+            return Err(Error::parameter("b", format!("{b:?}"), "must contain a number that is not zero"));
         }
         Ok(Arx { ts, a, b })
     }
@@ -90,7 +91,7 @@ impl Arx {
         &self.a
     }
 
-    /// 1 - a1 q^-1 - a2 q^-2 - ..., its coefficients.
+    /// The coefficients of 1 - a1 q^-1 - a2 q^-2 - ...
     pub(crate) fn denominator(&self) -> Vec<f64> {
         std::iter::once(1.0).chain(self.a.iter().map(|a| -a)).collect()
     }
@@ -100,10 +101,8 @@ impl Arx {
         &self.b
     }
 
-    /// One step ahead from measured outputs: the prediction of `y[t]` from `u` up to t and `y` up to t-1. Before the
-    /// first sample all is taken to be zero.
-    ///
-    /// `u` and `y` are equally long; of unequal ones the common part is used.
+    /// One-step prediction from measured outputs: `y[t]` from `u` up to t and `y` up to t-1. Everything before the
+    /// first sample is zero. Of series of different lengths the common part is used.
     pub fn predict(&self, u: &[f64], y: &[f64]) -> Vec<f64> {
         let mut x = self.initial();
         u.iter()
@@ -128,7 +127,7 @@ impl System for Arx {
         self.a.len() + self.b.len() - 1
     }
 
-    /// All outputs at the DC gain times `u`; without a DC gain (a pole at 1), rest.
+    /// All outputs at the DC gain times `u`; rest if there is no DC gain (a pole at 1).
     fn settled(&self, u: f64) -> Vec<f64> {
         let y = self.dc_gain() * u;
         let mut x = vec![if y.is_finite() { y } else { 0.0 }; self.a.len()];
@@ -150,7 +149,7 @@ impl System for Arx {
 }
 
 impl Arx {
-    /// The same for programs: a block called `name`, with a function of that name for the step.
+    /// The block as a program: a block called `name`, with a function of the same name for the step.
     pub(crate) fn block(&self, name: &str, about: &str) -> Block {
         let (outputs, inputs) = (self.a.len(), self.b.len() - 1);
         let takes = if self.order() == 0 { String::new() } else { format!("x: {name}, ") };
@@ -160,14 +159,14 @@ impl Arx {
             .table("a", &self.a)
             .table("b", &self.b)
             .text(&format!("fn {name}({takes}u) {{\n    // The oldest first.\n    let sum = b[0] * u;\n"))
-            .text(&remembering("inputs", inputs, "b", 1, "u"))
-            .text(&remembering("outputs", outputs, "a", 0, "sum"))
+            .text(&shift_register("inputs", inputs, "b", 1, "u"))
+            .text(&shift_register("outputs", outputs, "a", 0, "sum"))
             .text("    return sum;\n}\n")
     }
 }
 
-/// Adds the `n` numbers remembered as `past` with the coefficients from that number on, and then remembers `newest` too.
-fn remembering(past: &str, n: usize, coefficients: &str, from: usize, newest: &str) -> String {
+/// Text that adds the `n` past values `past`, times the coefficients from index `from`, and then stores `newest`.
+fn shift_register(past: &str, n: usize, coefficients: &str, from: usize, newest: &str) -> String {
     if n == 0 {
         return String::new();
     }
@@ -186,11 +185,11 @@ fn remembering(past: &str, n: usize, coefficients: &str, from: usize, newest: &s
     text + &format!("    x.{past}[0] = {newest};\n")
 }
 
-/// The longest memory of a program that is written out.
+/// Maximum number of past values whose text is unrolled.
 const SHORT: usize = 4;
 
-/// Replaces v by gain v + c_1 p_1 + c_2 p_2 + ... along the signal. Of the old v and the new one, `newest` says which is
-/// p_1 next.
+/// Replaces v by gain v + c_1 p_1 + c_2 p_2 + ... along the signal. `newest` selects the next p_1 from the old v and
+/// the new v.
 fn filter(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
     match c.len() {
         0 => short::<0>(gain, c, past, signal, newest),
@@ -206,7 +205,7 @@ fn filter(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: im
     }
 }
 
-/// [`filter`] of `N` coefficients, with its past in registers.
+/// [`filter`] with `N` coefficients, its past in registers.
 fn short<const N: usize>(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
     let (Ok(c), Ok(past)) = (<&[f64; N]>::try_from(c), <&mut [f64; N]>::try_from(past)) else { return };
     let mut p = *past;
@@ -218,7 +217,7 @@ fn short<const N: usize>(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f
     *past = p;
 }
 
-/// [`filter`] of many coefficients, with its past where it happened instead of shifted along.
+/// [`filter`] with many coefficients: the past is not shifted but read where it was written.
 fn long(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl Fn(f64, f64) -> f64) {
     let mut p = Vec::with_capacity(past.len() + signal.len());
     p.extend(past.iter().rev());
@@ -230,13 +229,13 @@ fn long(gain: f64, c: &[f64], past: &mut [f64], signal: &mut [f64], newest: impl
     past.iter_mut().zip(p.iter().rev()).for_each(|(past, p)| *past = *p);
 }
 
-/// The oldest first: so the newest output, which is known last, is waited for by one product and one sum alone.
+/// Oldest first: only one product and one sum wait for the newest output, which is known last.
 #[inline(always)]
 fn sum<'a>(v: f64, c: &[f64], oldest_first: impl Iterator<Item = &'a f64>) -> f64 {
     c.iter().rev().zip(oldest_first).fold(v, |sum, (c, p)| sum + c * p)
 }
 
-/// Makes `newest` the first of `past`, which forgets its last.
+/// Shifts `newest` into `past`, newest first.
 pub(super) fn shift_in(past: &mut [f64], newest: f64) {
     if let Some(oldest) = past.len().checked_sub(1) {
         past.copy_within(..oldest, 1);
@@ -260,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_of_any_order_are_equation_1_and_repeated_steps_to_the_bit() {
+    fn runs_of_any_order_are_equation_1_and_bit_identical_to_repeated_steps() {
         let u: Vec<f64> = (0..300).map(|t| f64::from(t * t % 17)).collect();
         for (na, nb) in (0..12).flat_map(|na| (0..12).map(move |nb| (na, nb))) {
             let a: Vec<f64> = (1..=na).map(|k| 0.6 * (-0.5f64).powi(k)).collect();
@@ -282,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn a_settled_block_stays_where_it_is() {
+    fn a_settled_block_stays_settled() {
         let (arx, u) = (table2(), [7.0; 50]);
         let y = arx.resume(&mut arx.settled(7.0), &u);
         assert_close(&y, &[7.0 * arx.dc_gain(); 50], 1e-12, 0.0);
@@ -297,9 +296,9 @@ mod tests {
     }
 
     #[test]
-    fn a_document_with_impossible_coefficients_is_refused() {
+    fn a_document_with_bad_coefficients_is_an_error() {
         let load = |text: &str| serde_json::from_str::<Arx>(text).map_err(|e| e.to_string());
-        assert!(load(r#"{"ts": 1, "a": [], "b": [0]}"#).unwrap_err().contains("must hold a number that is not zero"));
+        assert!(load(r#"{"ts": 1, "a": [], "b": [0]}"#).unwrap_err().contains("a number that is not zero"));
         assert!(load(r#"{"ts": 1, "a": [], "b": []}"#).is_err());
         assert_eq!(load(&serde_json::to_string(&table2()).unwrap()), Ok(table2()));
     }

@@ -1,12 +1,12 @@
-//! How long the input takes to act, in seconds and not only in whole samples.
+//! The input delay [s], not only in whole samples.
 //!
-//! What is meant: the tau in G(s) = exp(-tau s) (what follows at once + modes) that, with the fewest modes that explain the
-//! records, brings the free run closest to them. Whatever is too fast to be told from a delay counts as one: an amplifier's
-//! lag, a sensor's filter. An output that is read just before its input acts has no delay by the sampling itself; one that
-//! is read after has -Ts.
+//! It is the tau in G(s) = exp(-tau s) (feed-through + modes) of the best free run with the fewest modes that explain
+//! the records. Lags too fast to be distinguished from a delay, such as an amplifier's or a sensor filter's, count as
+//! delay. An output logged just before its input acts has no delay from sampling; an output logged after it has a delay
+//! of -Ts.
 //!
-//! Beside it stands the delay by the phase of a difference equation at low frequency (`modes.rs`), which knows nothing of
-//! modes beyond its poles: where the two differ, the mechanics is not what it was taken for.
+//! For comparison, the delay is also computed from the phase of a difference equation at low frequency (`modes.rs`). If
+//! the two differ, the assumed modes are wrong.
 
 use super::fit_modes::ModalFit;
 use super::output_error::{OutputError, Refinement};
@@ -16,25 +16,25 @@ use crate::error::Error;
 use crate::progress::Progress;
 use crate::record::Record;
 
-/// A delay as far as it is known.
+/// A delay with its standard error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Delay {
-    /// tau [s]; the error is that of noise alone.
+    /// tau [s]; the standard error accounts for noise only.
     pub seconds: Uncertain,
-    /// The same by the phase at low frequency [s].
+    /// The delay from the phase at low frequency [s].
     pub by_phase: f64,
-    /// The modes that it was found with.
+    /// The modes of the same fit.
     pub modes: ModalFit,
 }
 
-/// The most modes that are tried.
+/// Maximum number of modes tried.
 const MOST: usize = 4;
 
-/// A mode more is taken when it lowers the rms of the free run by this share.
+/// One more mode is accepted if it lowers the rms of the free run by this share.
 const WORTH: f64 = 0.2;
 
 impl Delay {
-    /// The input delay of `records`, looked for between -1 and `longest` samples.
+    /// The input delay of `records`, searched between -1 and `longest` samples.
     ///
     /// ```
     /// use piezoid::{Record, linear::{Delay, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
@@ -76,27 +76,22 @@ mod tests {
     use crate::linear::modal_error::tests::held;
     use crate::progress::silent;
     use crate::system::System;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 
     #[test]
-    fn a_delay_is_found_within_its_uncertainty_be_it_whole_samples_or_not() {
+    fn a_delay_of_whole_or_fractional_samples_is_found_within_its_uncertainty() {
         for (seed, delay) in [(1, -TS), (2, 0.0), (3, 1.7e-4), (4, TS), (5, 1.35e-3)] {
             let truth = held(&[(166.3, 0.03, 27.0)], 3.0, delay);
             let u = Prbs::default().samples(TS, 2047).unwrap();
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let noise = Normal::new(0.0, 0.3).unwrap();
-            let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+            let y = truth.simulate(&u).iter().zip(noise(seed, 2047)).map(|(y, e)| y + 0.3 * e).collect();
             let record = [Record::new(TS, u, y).unwrap()];
             let found = Delay::find(&record, 3, &Refinement::default(), &mut silent).unwrap();
             let Uncertain { value, error } = found.seconds;
             assert_close(&[value], &[delay], 0.0, 4.0 * error);
             assert!(error < 2e-6 && found.modes.modes.len() == 1, "{error}");
-            // By phase the static residual is not told from a mode's: a sample's worth on its share.
+            // The phase does not distinguish feed-through from a mode: one sample on its share.
             assert_close(&[found.by_phase], &[delay], 0.0, 6e-5);
         }
     }

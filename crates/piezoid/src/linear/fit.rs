@@ -1,8 +1,8 @@
 //! Estimators of the linear block: the list, and the fit with its offset and residuals.
 //!
-//! Every estimator answers the same question, the theta of equation (1), and every fit first finds the constant that
-//! the sensor adds to y by least squares with one constant a record: a constant forgotten puts a pole at 0 Hz. Those that
-//! look at the free run find it again with theta.
+//! Every estimator finds theta of equation (1). Every fit first estimates the constant that the sensor adds to y, by
+//! least squares with one constant per record: without it, the fit has a pole at 0 Hz. Estimators of the free run
+//! estimate it again together with theta.
 
 use super::Arx;
 use super::absolute_error::AbsoluteError;
@@ -10,38 +10,40 @@ use super::instrumental::{self, Iterations};
 use super::output_error::{OutputError, Refinement};
 use super::regression::{Orders, Regression};
 use crate::error::{Error, row};
-use crate::optimize::{Minimum, Reason, least_absolute, swarm};
+#[cfg(feature = "clarabel")]
+use crate::optimize::least_absolute;
+use crate::optimize::{Minimum, Reason, swarm};
 use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use crate::series::scatter;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-/// One way to estimate theta: a row of [`ESTIMATORS`].
+/// A method to estimate theta: a row of [`ESTIMATORS`].
 #[derive(Debug)]
 pub struct Estimator {
     /// As users write it.
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// Where it comes from.
+    /// Its source.
     pub reference: &'static str,
     estimate: fn(&EstimatorInput, &swarm::SwarmSettings, &mut Progress) -> Result<Solution, Error>,
 }
 
-/// What an estimator starts from.
+/// Input of an estimator.
 struct EstimatorInput<'a> {
     records: &'a [Record],
-    /// The rows, offsets taken off.
+    /// The rows without offsets.
     regression: Regression,
     /// Theta by least squares.
     start: Vec<f64>,
 }
 
-/// Theta, and the best cost and theta by iteration where the estimator iterates.
+/// Theta, and the best cost and theta of each iteration if the estimator iterates.
 struct Solution {
     theta: Vec<f64>,
-    /// One a record, where the estimator has its own.
+    /// One per record, if the estimator finds its own.
     offsets: Option<Vec<f64>>,
     history: Vec<f64>,
     courses: Vec<Vec<f64>>,
@@ -53,11 +55,11 @@ impl From<Vec<f64>> for Solution {
     }
 }
 
-/// The estimators there are.
+/// All estimators.
 pub static ESTIMATORS: &[Estimator] = &[
     Estimator {
         name: "swarm",
-        summary: "sum of absolute errors, by particle swarm (the paper's way)",
+        summary: "sum of absolute errors, by particle swarm (the paper's method)",
         reference: "paper, equations (2)-(7); Shi & Eberhart 1998, doi:10.1109/ICEC.1998.699146",
         estimate: |given, settings, progress| {
             let cost = AbsoluteError::from(&given.regression);
@@ -77,9 +79,10 @@ pub static ESTIMATORS: &[Estimator] = &[
         reference: "Ljung 1998, System Identification: Theory for the User",
         estimate: |given, _, _| Ok(given.start.clone().into()),
     },
+    #[cfg(feature = "clarabel")]
     Estimator {
         name: "least-absolute",
-        summary: "sum of absolute errors, exactly, by linear programming: the yardstick of the swarm",
+        summary: "sum of absolute errors, exactly, by linear programming: the reference for the swarm",
         reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
         estimate: |EstimatorInput { regression, .. }, _, _| {
             Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into())
@@ -97,8 +100,9 @@ pub static ESTIMATORS: &[Estimator] = &[
     },
     Estimator {
         name: "instrumental",
-        summary: "refined instrumental variables: no bias by noise in y, and a long reach",
-        reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, doi:10.1007/BFb0009019",
+        summary: "refined instrumental variables: no bias by noise in y, robust to poor starting values",
+        reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, \
+                    doi:10.1007/BFb0009019",
         estimate: |given, _, _| {
             let orders = given.regression.orders;
             let found = instrumental::estimate(given.records, orders, &given.start[..orders.na])?;
@@ -109,14 +113,15 @@ pub static ESTIMATORS: &[Estimator] = &[
 ];
 
 impl Estimator {
-    /// The estimator called `name`.    ///
+    /// The estimator called `name`.
+    ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with all names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("estimator", ESTIMATORS.iter(), |row| row.name, name)
     }
 
-    /// Fits a block of `orders` to one or more records .
+    /// Fits a block of `orders` to one or more records.
     ///
     /// ```
     /// use piezoid::{Record, System, linear::{self, Arx, Orders}, optimize::swarm::SwarmSettings};
@@ -125,14 +130,15 @@ impl Estimator {
     /// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
     /// let least_squares = linear::Estimator::find("least-squares")?;
     /// let record = Record::new(5e-4, u, y)?;
-    /// let fit = least_squares.fit(&[record], Orders::of(2), &SwarmSettings::default(), &mut piezoid::progress::silent)?;
+    /// let (settings, mut silent) = (SwarmSettings::default(), piezoid::progress::silent);
+    /// let fit = least_squares.fit(&[record], Orders::of(2), &settings, &mut silent)?;
     /// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
-    /// As [`Regression::new`]; [`Error::Unidentifiable`] when the columns of the regression depend on each other;
-    /// [`Error::Cancelled`].
+    /// The errors of [`Regression::new`]; [`Error::Unidentifiable`] if the columns of the regression are linearly
+    /// dependent; [`Error::Cancelled`].
     pub fn fit(
         &self,
         records: &[Record],
@@ -170,33 +176,32 @@ pub struct Fit {
     pub estimator: &'static str,
     /// The block.
     pub arx: Arx,
-    /// For each record, the constant in its output [output unit].
+    /// Output offset of each record [output unit].
     pub offsets: Vec<f64>,
-    /// What one-step prediction leaves: not what estimators that look at the free run make small.
+    /// Residuals of one-step prediction. Estimators of the free run do not minimise them.
     pub residuals: Residuals,
-    /// The sum of absolute values that least squares leaves: a search for less that ends above it has failed.
+    /// Sum of absolute residuals of least squares: a search that ends above it has failed.
     pub least_squares_sum_abs: f64,
     /// Best cost at the start and after each iteration; empty for estimators that do not iterate.
     pub history: Vec<f64>,
-    /// Best theta at the start and after each iteration, likewise.
+    /// Best theta at the start and after each iteration; empty likewise.
     pub courses: Vec<Vec<f64>>,
 }
 
 impl Fit {
-    /// What a block of twice the order would say, where this leaves more than 2 % of the records' rms in prediction and
-    /// twice the order less than half of that: a sentence that begins with "; ".
+    /// A note, beginning with "; ", if the order is too low: the prediction error exceeds 2 % of the records' rms, and
+    /// a block of twice the order has less than half of it.
     pub fn order_too_low(&self, records: &[Record]) -> Option<String> {
         let n = self.arx.a().len();
         let samples: usize = records.iter().map(Record::len).sum();
-        let left = self.residuals.rms / (records.iter().map(|r| scatter(r.y())).sum::<f64>() / samples as f64).sqrt();
-        if n == 0 || left.is_nan() || left <= 0.02 {
+        let share = self.residuals.rms / (records.iter().map(|r| scatter(r.y())).sum::<f64>() / samples as f64).sqrt();
+        if n == 0 || share.is_nan() || share <= 0.02 {
             return None;
         }
         let least_squares = Estimator::find("least-squares").ok()?;
         let doubled =
             least_squares.fit(records, Orders::of(2 * n), &swarm::SwarmSettings::default(), &mut silent).ok()?;
-        let times = self.residuals.rms / doubled.residuals.rms;
-        let times = match times {
+        let times = match self.residuals.rms / doubled.residuals.rms {
             t if t > 1000.0 => "more than 1000".into(),
             t if t > 2.0 => format!("{t:.0}"),
             _ => return None,
@@ -207,9 +212,9 @@ impl Fit {
             format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping)
         });
         Some(format!(
-            "; it leaves {:.0} % of the records' rms in prediction, and order {} predicts {times} times as well{resonance}: order {n} is \
-             too low",
-            100.0 * left,
+            "; its prediction error is {:.0} % of the records' rms, and order {} predicts {times} times \
+             better{resonance}: order {n} is too low",
+            100.0 * share,
             2 * n
         ))
     }
@@ -226,11 +231,11 @@ pub struct Residuals {
     pub rms: f64,
     /// Largest absolute value.
     pub max_abs: f64,
-    /// Correlation between neighbours; beyond 2 / sqrt(n) the errors are not white.
+    /// Autocorrelation at lag 1; above 2 / sqrt(n) the errors are not white.
     pub lag_one: f64,
 }
 
-/// Theta and the output offset of each record, by QR of the rows with one constant a record.
+/// Theta and the output offset of each record, by QR of the rows with one constant per record.
 pub(super) fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f64>), Error> {
     let (stride, d) = (regression.stride(), regression.orders.parameters());
     let columns = d + regression.lengths.len();
@@ -248,16 +253,15 @@ pub(super) fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f6
     let qr = matrix.qr();
     let r = qr.r();
     qr.q_tr_mul(&mut y);
-    // Columns have length 1, so a diagonal near rounding means a column that the others already explain.
+    // Columns have length 1: a diagonal entry near rounding is a column that depends on the others.
     let smallest = (0..columns).map(|k| r[(k, k)].abs()).fold(f64::INFINITY, f64::min);
     let solution = if smallest > 1e-13 { r.solve_upper_triangular(&y.rows(0, columns)) } else { None };
     let Some(solution) = solution else {
         return Err(Error::Unidentifiable {
             what: format!("a linear block of {} a and {} b", regression.orders.na, regression.orders.nb),
-            because:
-                "the rows of the regression depend on each other: the input is not rich enough (a PRBS is), or the \
-                      order is higher than the data need; excite more frequencies or lower the order"
-                    .into(),
+            because: "the rows of the regression are linearly dependent: the input does not excite enough frequencies \
+                      (use a PRBS), or the order is too high"
+                .into(),
         });
     };
     let theta: Vec<f64> = (0..d).map(|k| solution[k] / size[k]).collect();
@@ -273,7 +277,7 @@ pub(super) fn least_squares(regression: &Regression) -> Result<(Vec<f64>, Vec<f6
 }
 
 impl Residuals {
-    /// Whether neighbours are as uncorrelated as white errors would be, to two standard deviations.
+    /// True if the lag-1 autocorrelation is that of white noise, within two standard deviations.
     pub fn are_white(&self) -> bool {
         self.lag_one.abs() <= 2.0 / (self.n as f64).sqrt()
     }
@@ -304,7 +308,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn every_estimator_finds_the_block_of_records_without_noise_and_their_offsets() {
+    fn every_estimator_finds_block_and_offsets_of_records_without_noise() {
         let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap();
         let u = Prbs::default().samples(5e-4, 900).unwrap();
         let record = |offset: f64, n: usize| {

@@ -1,12 +1,12 @@
-//! A block fitted in the numbers of mechanics: modes, what follows at once, and a delay that need not be whole samples.
+//! A block fitted as modes, feed-through, and a delay that need not be whole samples.
 //!
-//! The law, exact for a held input, and its slopes: `modal_error.rs`. The search begins at the modes of a block by output
-//! error, with the k, r and part of a sample that suit them; it is made for the whole delays that begin best.
+//! The law, exact for a held input, and its derivatives: `modal_error.rs`. The search starts from the modes of an
+//! output-error block with the best k, r and fraction of a sample, for the whole delays with the lowest initial cost.
 //!
-//! A mode above half the sampling rate is seen as its image below. What follows from it is not quite the same, so for all but
-//! the mode that carries most the two nearest frequencies of that image are tried as well, and taken where they leave
-//! clearly less: a guess, which sampling faster makes needless. A lag that is no mode, such as an amplifier's, is taken for
-//! delay, and what it takes from a mode is missing in its share. The errors given are those of noise alone.
+//! A mode above half the sampling rate appears as its image below it. For all modes except the largest, the two nearest
+//! frequencies with the same image are tried as well, and accepted if the residual is clearly smaller; faster sampling
+//! avoids this guess. A lag that is not a mode, such as an amplifier's, counts as delay, and the share of a mode is too
+//! small by its effect. The standard errors account for noise only.
 
 use super::free_run::dot;
 use super::modal_error::{ModalError, ModalRun};
@@ -20,33 +20,33 @@ use crate::progress::{Progress, Stage, silent};
 use crate::record::Record;
 use std::f64::consts::TAU;
 
-/// One mode as far as it is known.
+/// A mode with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedMode {
     /// Natural frequency [Hz].
     pub hz: Uncertain,
     /// Damping ratio.
     pub damping: Uncertain,
-    /// What it carries of the static displacement, 1 being all.
+    /// Share of the static displacement, from 0 to 1.
     pub share: Uncertain,
 }
 
-/// A block in the numbers of mechanics.
+/// A block as modes, feed-through and delay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalFit {
     /// Output for a constant input of 1 [output unit over input unit].
     pub gain: Uncertain,
     /// The modes, by rising frequency.
     pub modes: Vec<FittedMode>,
-    /// The share that follows the input at once.
+    /// Share of the feed-through.
     pub residual: Uncertain,
     /// Input delay [s]; negative where an output was logged after its input acted.
     pub delay: Uncertain,
     /// The same block as a difference equation.
     pub arx: Arx,
-    /// For each record, the constant in its output [output unit].
+    /// Output offset of each record [output unit].
     pub offsets: Vec<f64>,
-    /// For each record, the rms of what the free run leaves [output unit].
+    /// Rms residual of the free run for each record [output unit].
     pub rms: Vec<f64>,
     /// The search: ln w, ln zeta and k of each mode, r, and the delay [samples].
     pub minimum: Minimum,
@@ -67,7 +67,7 @@ impl ModalFit {
     /// ```
     ///
     /// # Errors
-    /// What [`OutputError::fit`] refuses of order 2 n; [`Error::Unidentifiable`] when it finds fewer than `n` modes;
+    /// The errors of [`OutputError::fit`] for order 2 n; [`Error::Unidentifiable`] if it finds fewer than `n` modes;
     /// [`Error::Cancelled`].
     pub fn fit(
         records: &[Record],
@@ -87,13 +87,13 @@ impl ModalFit {
             if progress(stage).is_break() {
                 return Err(Error::Cancelled { what: "the fit of modes".into(), done: i, total: starts.len() });
             }
-            // Images explain a mode nearly as well as it does itself.
-            let clearly = if i == 0 { 1.0 } else { 0.9 };
-            let bar = best.as_ref().map_or(f64::INFINITY, |(_, b)| clearly * b.cost);
+            // An image fits nearly as well as the mode itself.
+            let margin = if i == 0 { 1.0 } else { 0.9 };
+            let bar = best.as_ref().map_or(f64::INFINITY, |(_, b)| margin * b.cost);
             let problem = |whole| ModalError { records, weights: &weights, modes: n, whole };
-            let mut laid: Vec<_> = (0..=longest).map(|whole| (whole, problem(whole).laid_out(start))).collect();
-            laid.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
-            for (whole, (x, _)) in laid.into_iter().take(TRIED) {
+            let mut tried: Vec<_> = (0..=longest).map(|whole| (whole, problem(whole).with_best_gains(start))).collect();
+            tried.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
+            for (whole, (x, _)) in tried.into_iter().take(TRIED) {
                 let problem = problem(whole);
                 let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut silent)?;
                 if minimum.cost < bar && best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
@@ -105,19 +105,19 @@ impl ModalFit {
             let because = "no frequency and damping near those of a difference equation gives a finite error".into();
             return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
         };
-        told(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &settings.search, &mut silent)?)
+        modal_fit(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &settings.search, &mut silent)?)
     }
 }
 
-/// Steps and tolerance that tell starts apart.
+/// Steps and tolerance sufficient to compare starts.
 const ROUGH: levenberg_marquardt::SearchSettings =
     levenberg_marquardt::SearchSettings { iterations: 100, tolerance: 1e-6, damping: 1e-3 };
 
-/// Whole delays that are searched, of those that begin best.
+/// Number of whole delays searched: those with the lowest initial cost.
 const TRIED: usize = 2;
 
-/// ln w, ln zeta and k = 0 of each mode, and r = 0: of the modes that carry most in a block by output error, and with each
-/// but the first of them at the other frequencies that look the same to the samples.
+/// ln w, ln zeta and k = 0 of each mode, and r = 0: the modes with the largest shares of an output-error block. For
+/// each but the first, also the other frequencies with the same image.
 fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
     let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, settings, &mut silent);
     let mut blocks: Vec<_> = (0..=longest).map(block).collect::<Result<_, _>>()?;
@@ -134,7 +134,7 @@ fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -
     }
     if found.is_empty() {
         let because = format!(
-            "a block of order {} has fewer modes than that: its other poles do not oscillate; ask for fewer modes, or excite \
+            "a block of order {} has fewer modes: its other poles do not oscillate; request fewer modes, or excite \
              higher frequencies",
             2 * n
         );
@@ -150,18 +150,18 @@ fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -
         let (hz, damping) = found[i];
         let rings = hz * (1.0 - damping * damping).sqrt();
         for image in [rate - rings, rate + rings] {
-            // The same decay a sample.
-            let there = image.hypot(hz * damping);
+            // The same decay per sample.
+            let image_hz = image.hypot(hz * damping);
             let mut others = found.clone();
-            others[i] = (there, hz * damping / there);
+            others[i] = (image_hz, hz * damping / image_hz);
             starts.push(vector(&others));
         }
     }
     Ok(starts)
 }
 
-/// The minimum in the numbers of mechanics, with their uncertainty.
-fn told(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Error> {
+/// The minimum as modes, with their uncertainty.
+fn modal_fit(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Error> {
     let (m, ts) = (problem.modes, problem.records[0].ts());
     let x = &mut minimum.x;
     x[3 * m + 1] = x[3 * m + 1].clamp(problem.whole as f64 - 1.0, problem.whole as f64);
@@ -212,22 +212,18 @@ fn told(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Error> {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::linear::modal_error::tests::held;
-    use crate::plant::Plant;
+    use crate::linear::{modal_error::tests::held, output_error::tests::pl140};
     use crate::system::System;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 
     #[test]
-    fn modes_without_noise_are_found_to_rounding_from_any_past() {
+    fn modes_without_noise_are_found_exactly_for_any_initial_condition() {
         let arx = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 2.3e-4);
         let u = Prbs::default().samples(TS, 1500).unwrap();
         let y = arx.simulate(&u).iter().map(|y| y + 5.0).collect::<Vec<_>>();
-        // An input about 9 V, which has always stood there.
+        // An input around 9 V, settled at 9 V before the record.
         let (u, gain) = (u[200..].iter().map(|u| u + 9.0).collect(), 30.0);
         let record = Record::new(TS, u, y[200..].iter().map(|y| y + 9.0 * gain).collect()).unwrap();
         let found = ModalFit::fit(&[record], 2, 3, &Refinement::default(), &mut silent).unwrap();
@@ -245,9 +241,7 @@ mod tests {
         let u = Prbs::default().samples(TS, 1500).unwrap();
         let mut outside = [0; 8];
         for seed in 0..40 {
-            let mut random = ChaCha8Rng::seed_from_u64(seed);
-            let noise = Normal::new(0.0, 1.0).unwrap();
-            let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+            let y = truth.simulate(&u).iter().zip(noise(seed, 1500)).map(|(y, e)| y + e).collect();
             let record = Record::new(TS, u.clone(), y).unwrap();
             let found = ModalFit::fit(&[record], 2, 1, &Refinement::default(), &mut silent).unwrap();
             let [first, second] = [found.modes[0], found.modes[1]];
@@ -265,35 +259,29 @@ mod tests {
                 *outside += usize::from((number.value - truth).abs() > 2.0 * number.error);
             }
         }
-        // Two of 40 are to be expected.
+        // Two of 40 are expected.
         assert!(outside.iter().all(|&n| n <= 6) && outside.iter().sum::<usize>() >= 3, "{outside:?} of 40");
     }
 
     #[test]
-    fn the_pl140_is_read_from_its_noisy_record() {
-        let u = Prbs::default().samples(TS, 3 * 2047).unwrap();
-        let plant = Plant::named("pl140", TS).unwrap().with_seed(1);
-        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
-        let record = [Record::new(TS, u, y).unwrap()];
-        let found = ModalFit::fit(&record, 2, 2, &Refinement::default(), &mut silent).unwrap();
+    fn the_modes_of_the_pl140_are_found_from_its_noisy_record() {
+        let found = ModalFit::fit(&[pl140(1, 3 * 2047)], 2, 2, &Refinement::default(), &mut silent).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value], &[166.3, 0.03], 5e-4, 0.0);
-        // Creep adds to the gain and the amplifier's lag takes from the first mode: 1 % together.
+        // Creep increases the gain, the amplifier's lag decreases the first mode: 1 % together.
         assert_close(&[first.share.value], &[0.891], 0.0, 0.01);
-        // The second mode lies above half the sampling rate, and is not taken for its image at 958 Hz.
+        // The second mode lies above half the sampling rate and is distinguished from its image at 958 Hz.
         assert_close(&[second.hz.value], &[1042.0], 3e-3, 0.0);
-        // The lag of 0.1 ms is a delay to modes this slow.
+        // For modes this slow the lag of 0.1 ms is a delay.
         assert_close(&[found.delay.value], &[1e-4], 0.02, 0.0);
     }
 
     #[test]
-    fn more_modes_than_there_are_is_said() {
+    fn too_many_modes_are_an_error() {
         let z = (-TS / 0.02f64).exp();
         let lag = Arx::new(TS, vec![z], vec![0.0, 1.0 - z]).unwrap();
         let u = Prbs::default().samples(TS, 1500).unwrap();
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let noise = Normal::new(0.0, 1e-3).unwrap();
-        let y = lag.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+        let y = lag.simulate(&u).iter().zip(noise(1, 1500)).map(|(y, e)| y + 1e-3 * e).collect();
         let record = [Record::new(TS, u, y).unwrap()];
         let message = |n| ModalFit::fit(&record, n, 1, &Refinement::default(), &mut silent).unwrap_err().to_string();
         assert!(message(1).contains("do not oscillate"), "{}", message(1));

@@ -1,18 +1,18 @@
-//! Instrumental variables: a block without the bias that noise in y gives to least squares.
+//! Instrumental variables: estimates without the bias that noise in y causes in least squares.
 //!
 //! ```text
 //! psi_t = [y_f, u_f shifted],   zeta_t = [y^_f, u_f shifted],   x_f = x / A of the last round
 //! theta <- (sum zeta_t psi_t')^-1 sum zeta_t y_f,t
 //! ```
-//! Least squares errs because the outputs in psi carry the noise that it minimises. The instruments zeta are made of the
-//! free run y^, which carries none; filtered by the A of the last round, they and psi are as if the errors were those of
-//! the free run. Each round renews A and y^. Where the rounds end, sum zeta_t e_t = 0: those are the normal equations of
-//! the output error, so with white noise in y the ends of both are the same. What they differ in is the way: instruments
-//! come from far away, Levenberg-Marquardt ends where it should.
+//! Least squares is biased because the outputs in psi contain the noise that it minimises. The instruments zeta are
+//! computed from the free run y^, which contains no noise; filtered by the A of the last round, they and psi make the
+//! errors those of the free run. Each round renews A and y^. At convergence sum zeta_t e_t = 0: these are the normal
+//! equations of the output error, so with white noise in y both have the same solution. Instruments converge from poor
+//! starting values, Levenberg-Marquardt at the minimum.
 //!
 //! Young & Jakeman 1979 (doi:10.1080/00207177908922676); Söderström & Stoica 1983, Instrumental Variable Methods for
-//! System Identification (doi:10.1007/BFb0009019). Offsets and pasts of the records are projected out of both sides. The
-//! rounds have no cost that falls, and may circle; the best free run that was seen is kept.
+//! System Identification (doi:10.1007/BFb0009019). Offsets and pasts of the records are projected out of both sides.
+//! The cost need not fall from round to round, and rounds may cycle; the best free run is kept.
 
 use super::analysis::roots;
 use super::free_run::{FreeRunError, decays};
@@ -24,31 +24,31 @@ use crate::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
 
-/// When rounds end.
+/// The end of the rounds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StopRule {
-    /// The most rounds.
+    /// Maximum number of rounds.
     most: usize,
-    /// A round that changes the cost by less than this share of it is the last.
+    /// A round that changes the cost by less than this share is the last.
     settled: f64,
 }
 
-/// Good enough to start a search from.
+/// Sufficient as the start of a search.
 pub(super) const ROUGH: StopRule = StopRule { most: 15, settled: 1e-4 };
 
 const FINE: StopRule = StopRule { most: 50, settled: 1e-10 };
 
-/// The theta of the best free run that was seen, its costs by round, and its courses.
+/// The theta of the best free run, and the best cost and theta of each round.
 pub(super) struct Iterations {
     pub(super) theta: Vec<f64>,
-    /// One a record.
+    /// One per record.
     pub(super) offsets: Vec<f64>,
     pub(super) cost: f64,
     pub(super) history: Vec<f64>,
     pub(super) courses: Vec<Vec<f64>>,
 }
 
-/// The estimator: rounds from the poles of `a`.
+/// The estimator, from the poles of `a`.
 pub(super) fn estimate(records: &[Record], orders: Orders, a: &[f64]) -> Result<Iterations, Error> {
     let weights = checked(records, orders, &Refinement::default())?;
     let problem = FreeRunError { records, weights: &weights, orders };
@@ -109,7 +109,7 @@ fn step(problem: &FreeRunError, theta: &[f64]) -> Option<DVector<f64>> {
     step.iter().all(|s| s.is_finite()).then_some(step)
 }
 
-/// [a, b] with the b of the least free-run error, which is linear in b.
+/// [a, b] with the b that minimises the free-run error, which is linear in b.
 pub(super) fn with_best_b(problem: &FreeRunError, a: &[f64]) -> Vec<f64> {
     let (d, na, nb) = (problem.dimension(), problem.orders.na, problem.orders.nb);
     let mut theta = a.to_vec();
@@ -124,7 +124,7 @@ pub(super) fn with_best_b(problem: &FreeRunError, a: &[f64]) -> Vec<f64> {
     theta
 }
 
-/// The same poles, those outside the unit circle mirrored into it, and none on it.
+/// The same poles; those outside the unit circle are mirrored into it, those on it are moved inside.
 pub(super) fn stabilised(a: &[f64]) -> Vec<f64> {
     if decays(a) {
         return a.to_vec();
@@ -158,7 +158,7 @@ mod tests {
     const A: [f64; 2] = [1.7, -0.9];
     const B: [f64; 3] = [0.0, 3.0, 2.5];
 
-    /// Two records of one block, with offsets of their own and white noise in y, 5 % of its rms.
+    /// Two records of one block, with different offsets and white noise in y, 5 % of its rms.
     fn noisy(seed: u64) -> [Record; 2] {
         let truth = Arx::new(5e-4, A.to_vec(), B.to_vec()).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn it_has_no_bias_where_least_squares_has() {
+    fn it_has_no_bias_where_least_squares_is_biased() {
         let errors = |name: &str| -> (Vec<f64>, f64) {
             let all: Vec<f64> = (0..20).map(|seed| fitted(seed, name).arx.a()[0] - A[0]).collect();
             let scatter = (crate::series::scatter(&all) / 19.0 / 20.0).sqrt();
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn where_it_ends_the_output_error_ends_too() {
+    fn it_converges_to_the_minimum_of_the_output_error() {
         let (rounds, search) = (fitted(3, "instrumental"), fitted(3, "output-error"));
         assert_close(rounds.arx.a(), search.arx.a(), 1e-5, 0.0);
         assert_close(&rounds.offsets, &search.offsets, 1e-4, 0.0);

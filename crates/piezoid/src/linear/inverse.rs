@@ -1,13 +1,13 @@
-//! From output back to input: the paper's equation (8), and what to do where it is unstable.
+//! The inverse of the block: the paper's equation (8), and the alternative where (8) is unstable.
 //!
 //! ```text
 //! z_t = (y_t - a1 y_{t-1} - ... - b1 z_{t-1} - b2 z_{t-2} - ...) / b0          (8)
 //! ```
 //!
-//! The zeros of the block are the poles of (8). One outside the unit circle makes (8) grow without bound; but a factor
-//! 1 - zeta q^-1 with |zeta| > 1 has a bounded inverse that runs backwards in time, so a record that is known whole
-//! can still be inverted (Devasia, Chen & Paden 1996, doi:10.1109/9.508898). Neither is possible with a zero on the
-//! unit circle: that frequency never left a trace in the output.
+//! The zeros of the block are the poles of (8). With a zero outside the unit circle (8) grows without bound. But a
+//! factor 1 - zeta q^-1 with |zeta| > 1 has a bounded inverse backward in time, so a complete record can still be
+//! inverted (Devasia, Chen & Paden 1996, doi:10.1109/9.508898). A zero on the unit circle has no inverse: its frequency
+//! is not visible in the output.
 
 use super::analysis::Root;
 use super::arx::{Arx, shift_in};
@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::number::join;
 use crate::system::System;
 
-/// Zeros closer to the unit circle than this are taken to lie on it.
+/// Zeros closer to the unit circle than this count as on it.
 const ON_THE_CIRCLE: f64 = 1e-9;
 
 /// Samples over which the noise gain is summed.
@@ -31,10 +31,10 @@ impl Arx {
     /// The causal inverse (8).
     ///
     /// # Errors
-    /// [`Error::NoInverse`], with the zeros, when b0 = 0 or a zero is not inside the unit circle.
+    /// [`Error::NoInverse`], with the zeros, if b0 = 0 or a zero is not inside the unit circle.
     pub fn inverse(&self) -> Result<Inverse, Error> {
         if self.b()[0] == 0.0 {
-            let because = format!("b0 = 0: the input acts {} samples late, and (8) divides by b0", self.delay());
+            let because = format!("b0 = 0: the input is delayed by {} samples, and (8) divides by b0", self.delay());
             return Err(Error::NoInverse { kind: "causal", because });
         }
         let zeros = self.zeros();
@@ -43,31 +43,32 @@ impl Arx {
         if !outside.is_empty() {
             let (is, pole) = if outside.len() == 1 { ("is", "a pole") } else { ("are", "poles") };
             let because = format!(
-                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of (8), which then grows without bound",
+                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of (8), which then grows \
+                 without bound",
                 join(&zeros),
                 join(&outside)
             );
             return Err(Error::NoInverse { kind: "stable causal", because });
         }
-        // The inverse of y = A^-1 B z is z = B^-1 A y: the roles change, and b0 scales.
+        // The inverse of y = A^-1 B z is z = B^-1 A y, scaled by b0.
         let b0 = self.b()[0];
         let a = self.b()[1..].iter().map(|b| -b / b0).collect();
         let b = std::iter::once(1.0 / b0).chain(self.a().iter().map(|a| -a / b0)).collect();
         Ok(Inverse(Arx::new(self.ts(), a, b)?))
     }
 
-    /// The bounded input that explains the whole output `y`: forward in time for the zeros inside the unit circle,
-    /// backward for those outside. Before the record the block is taken to have stood at `y[0]`, after it at its last
-    /// value; the ends carry the error of that.
+    /// The bounded input for the whole output `y`: forward in time for the zeros inside the unit circle, backward for
+    /// those outside. The block is assumed settled at `y[0]` before the record and at its last value after it; if that
+    /// is wrong, the ends of the result are wrong.
     ///
     /// # Errors
-    /// [`Error::NoInverse`] when a zero lies on the unit circle.
+    /// [`Error::NoInverse`] if a zero lies on the unit circle.
     pub fn invert_whole(&self, y: &[f64]) -> Result<Vec<f64>, Error> {
         let zeros = self.zeros();
-        let lost = |z: &&Root| z.modulus().is_nan() || (z.modulus() - 1.0).abs() < ON_THE_CIRCLE;
-        if let Some(zero) = zeros.iter().find(lost) {
+        let on_circle = |z: &&Root| z.modulus().is_nan() || (z.modulus() - 1.0).abs() < ON_THE_CIRCLE;
+        if let Some(zero) = zeros.iter().find(on_circle) {
             let because =
-                format!("its zero {zero} lies on the unit circle: that frequency leaves no trace in the output");
+                format!("its zero {zero} lies on the unit circle: this frequency is not visible in the output");
             return Err(Error::NoInverse { kind: "stable", because });
         }
         let Some((&first, &last)) = y.first().zip(y.last()) else { return Ok(Vec::new()) };
@@ -75,9 +76,9 @@ impl Arx {
 
         // B = b_lead q^-d Pi_in (1 - zeta q^-1) Pi_out (-zeta q^-1) Pi_out (1 - q / zeta)
         let lead = self.b()[self.delay()] * product(&outside);
-        let ahead = self.delay() + outside.len();
+        let preview = self.delay() + outside.len();
         let past = |t: isize| y.get(t.clamp(0, y.len() as isize - 1) as usize).copied().unwrap_or(last);
-        let driven = (0..y.len() + ahead).skip(ahead).map(|t| {
+        let driven = (0..y.len() + preview).skip(preview).map(|t| {
             let fed_back: f64 = self.a().iter().zip(1..).map(|(a, k)| a * past(t as isize - k)).sum();
             (past(t as isize) - fed_back) / lead
         });
@@ -91,19 +92,19 @@ impl Arx {
         Ok(z)
     }
 
-    /// Samples at the end of a record that [`invert_whole`](Arx::invert_whole) cannot tell: those answered after the
-    /// record, and those that its guess of what comes then spoils by more than a thousandth.
+    /// Number of samples at the end of a record that [`invert_whole`](Arx::invert_whole) does not determine: those
+    /// answered after the record, and those whose error from the assumed future exceeds a thousandth.
     pub fn undetermined_samples(&self) -> usize {
         let outside = self.zeros().into_iter().map(|z| z.modulus()).filter(|m| *m > 1.0);
         let (count, nearest) = outside.fold((0, f64::INFINITY), |(n, nearest), m| (n + 1, nearest.min(m)));
-        let spoilt = if count == 0 { 0.0 } else { (1e3f64.ln() / nearest.ln()).ceil() };
-        self.delay() + count + spoilt.min(1e6) as usize
+        let disturbed = if count == 0 { 0.0 } else { (1e3f64.ln() / nearest.ln()).ceil() };
+        self.delay() + count + disturbed.min(1e6) as usize
     }
 
-    /// How much white noise in the output grows in the inverse: rms of z [V] for an output noise of 1 rms. `None` when
-    /// a zero lies on the unit circle.
+    /// Noise gain of the inverse: rms of z [V] for white output noise of rms 1. `None` if a zero lies on the unit
+    /// circle.
     ///
-    /// Summed over a window of 16384 samples; zeros closer to the circle than about 1e-4 would give still more.
+    /// Computed over a window of 16384 samples: for zeros closer to the circle than about 1e-4 the true gain is larger.
     pub fn noise_gain(&self) -> Option<f64> {
         let mut impulse = vec![0.0; IMPULSE];
         impulse[IMPULSE / 2] = 1.0;
@@ -130,7 +131,7 @@ impl System for Inverse {
     }
 }
 
-/// Solves v_t + c1 v_{t-1} + ... = w_t in place, `w` having been constant at `still` before.
+/// Solves v_t + c1 v_{t-1} + ... = w_t in place, with `w` constant at `still` before.
 fn recurse<'a>(w: impl Iterator<Item = &'a mut f64>, c: &[f64], still: f64) {
     let mut past = vec![still / (1.0 + c.iter().sum::<f64>()); c.len()];
     for v in w {
@@ -153,7 +154,7 @@ pub(super) fn monic(zeros: &[Root]) -> Vec<f64> {
     c.into_iter().skip(1).map(|(re, _)| re).collect()
 }
 
-/// Pi (-zeta): real, as the roots come with their conjugates.
+/// Pi (-zeta): real, because the roots come with their conjugates.
 fn product(zeros: &[Root]) -> f64 {
     let (re, _) = zeros.iter().fold((1.0, 0.0), |(re, im), z| (im * z.im - re * z.re, -re * z.im - im * z.re));
     re
@@ -176,42 +177,42 @@ mod tests {
     }
 
     #[test]
-    fn a_zero_outside_the_circle_is_named_and_inverted_backwards() {
+    fn a_zero_outside_the_circle_is_reported_and_inverted_backward() {
         let arx = Arx::new(5e-4, vec![1.2, -0.7], vec![0.5, 1.2, 0.1]).unwrap();
         let message = arx.inverse().unwrap_err().to_string();
         assert!(message.contains("-2.314"), "{message}");
         let z = wiggle(400);
         let found = arx.invert_whole(&arx.simulate(&z)).unwrap();
         assert_close(&found[..360], &z[..360], 0.0, 1e-9);
-        let told = 400 - arx.undetermined_samples();
-        assert!(told > 380);
-        assert_close(&found[..told], &z[..told], 0.0, 2e-3);
+        let determined = 400 - arx.undetermined_samples();
+        assert!(determined > 380);
+        assert_close(&found[..determined], &z[..determined], 0.0, 2e-3);
     }
 
     #[test]
-    fn a_late_input_is_found_where_it_was_given() {
+    fn a_delayed_input_is_found_at_its_time() {
         let arx = Arx::new(1.0, vec![0.5], vec![0.0, 0.0, 2.0, 0.4]).unwrap();
-        assert!(arx.inverse().unwrap_err().to_string().contains("2 samples late"));
+        assert!(arx.inverse().unwrap_err().to_string().contains("delayed by 2 samples"));
         let z = wiggle(100);
         assert_close(&arx.invert_whole(&arx.simulate(&z)).unwrap()[..90], &z[..90], 0.0, 1e-12);
     }
 
     #[test]
-    fn a_zero_on_the_circle_has_no_inverse_at_all() {
+    fn a_zero_on_the_circle_has_no_inverse() {
         let arx = Arx::new(1.0, vec![], vec![1.0, 1.0]).unwrap();
         assert!(arx.inverse().is_err() && arx.invert_whole(&[1.0, 2.0]).is_err());
         assert_eq!(arx.noise_gain(), None);
     }
 
     #[test]
-    fn a_record_that_starts_off_zero_has_no_starting_transient() {
+    fn a_record_settled_off_zero_has_no_initial_transient() {
         let arx = Arx::new(5e-4, vec![1.2, -0.7], vec![0.5, 1.2, 0.1]).unwrap();
         let y = arx.resume(&mut arx.settled(3.0), &[3.0; 50]);
         assert_close(&arx.invert_whole(&y).unwrap(), &[3.0; 50], 1e-9, 0.0);
     }
 
     #[test]
-    fn white_noise_grows_as_the_sum_of_squares_says() {
+    fn the_noise_gain_is_the_root_of_the_sum_of_squares() {
         // z_t = y_t / 2 - 0.5 z_{t-1}: sum of (0.5 * 0.5^k)^2 = 0.25 / 0.75
         let arx = Arx::new(1.0, vec![], vec![2.0, 1.0]).unwrap();
         assert_close(&[arx.noise_gain().unwrap()], &[(0.25f64 / 0.75).sqrt()], 1e-12, 0.0);
@@ -231,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn factors_multiply_back() {
+    fn the_product_of_the_factors_is_the_polynomial() {
         let c = [1.0, 0.4, 0.9, -0.2];
         let again = monic(&roots(&c));
         assert_close(&again, &c[1..], 1e-12, 0.0);

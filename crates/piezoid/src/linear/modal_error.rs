@@ -1,16 +1,16 @@
-//! The free-run error of a block as a function of its modes, of what follows at once, and of its delay.
+//! The free-run error of a block as a function of its modes, its feed-through and its delay.
 //!
 //! ```text
 //! G(s) = exp(-tau s) (r + sum_i k_i w_i^2 / (s^2 + 2 zeta_i w_i s + w_i^2))            input held over each sample
 //! mode:  2 Re R (g1 q^-L + g2 q^-L-1) w,   w = u / (1 - z q^-1),   z = exp(s Ts),   R = k w / (2 i sqrt(1 - zeta^2))
 //! tau = (L - 1 + mu) Ts:  g1 = (exp(s (1 - mu) Ts) - 1) / s,   g2 = (z - exp(s (1 - mu) Ts)) / s,   0 <= mu <= 1
 //! ```
-//! s is the pole of positive imaginary part. That is exact: Åström & Wittenmark 1997, Computer-Controlled Systems, 2.3. An
-//! output that is logged after its input acted has a delay of -Ts. The unknowns are ln w, ln zeta and k of each mode, r,
-//! and the delay in samples; their slopes are written down, not differenced. Past and offset of each record are free and
-//! projected out as in `free_run.rs`.
+//! s is the pole with positive imaginary part. The law is exact: Åström & Wittenmark 1997, Computer-Controlled Systems,
+//! 2.3. An output logged after its input acted has a delay of -Ts. The unknowns are ln w, ln zeta and k of each mode,
+//! r, and the delay in samples, with analytic derivatives. Past and offset of each record are free and projected out as
+//! in `free_run.rs`.
 //!
-//! What follows at once jumps where the delay passes whole samples, so L is given; beyond its sample the delay is held.
+//! The feed-through jumps where the delay passes whole samples, so L is fixed, and the delay is clamped to its sample.
 
 use super::Arx;
 use super::free_run::{Past, centred, dot};
@@ -20,10 +20,10 @@ use crate::record::Record;
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Delays within a sample that a search may begin at.
+/// Starting values of the delay within a sample.
 const PARTS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
-/// The weighted squared free-run errors as a function of the numbers of mechanics, for one L.
+/// The weighted squared free-run errors as a function of modes, feed-through and delay, for one L.
 #[derive(Debug)]
 pub(super) struct ModalError<'a> {
     pub(super) records: &'a [Record],
@@ -33,8 +33,8 @@ pub(super) struct ModalError<'a> {
     pub(super) whole: usize,
 }
 
-/// One mode's numbers and their derivatives by ln w, ln zeta and mu.
-struct Held {
+/// A mode under a held input, with its derivatives by ln w, ln zeta and mu.
+struct HeldMode {
     z: Complex<f64>,
     /// R g1 and R g2 for k = 1.
     c: [Complex<f64>; 2],
@@ -43,8 +43,8 @@ struct Held {
     slopes: [[Complex<f64>; 3]; 3],
 }
 
-impl Held {
-    /// The mode of the unknowns `x` = [ln w, ln zeta, k], `mu` samples late.
+impl HeldMode {
+    /// The mode of the unknowns `x` = [ln w, ln zeta, k], delayed by the fraction `mu` of a sample.
     fn new(x: &[f64], mu: f64, ts: f64) -> Self {
         let (w, zeta) = (x[0].exp(), x[1].exp());
         let root = (1.0 - zeta * zeta).sqrt();
@@ -56,7 +56,7 @@ impl Held {
         // ds / d ln zeta = zeta w (-1 - i zeta / root); d R / d ln w = R, d R / d ln zeta = R zeta^2 / root^2
         let along = |ds: Complex<f64>, dr: f64| [by_s[0] * ds, by_s[1] * ds + r * g1 * dr, by_s[2] * ds + r * g2 * dr];
         let late = r * ts * rest;
-        Held {
+        HeldMode {
             z,
             c: [r * g1, r * g2],
             k: x[2],
@@ -76,28 +76,27 @@ impl Held {
     }
 }
 
-/// One record's errors, and the slopes of its free run.
+/// One record's errors, and what the derivatives of its free run need.
 #[derive(Debug)]
 pub(super) struct ModalRun {
     pub(super) e: Vec<f64>,
     /// The constant in the output.
     pub(super) offset: f64,
-    /// What the record owes to its past, C / A d.
+    /// The response to the past, C / A d.
     free: Vec<f64>,
-    /// The input, less its mean.
+    /// The input without its mean.
     u: Vec<f64>,
     past: Past,
 }
 
 impl ModalError<'_> {
-    fn held(&self, x: &[f64]) -> Vec<Held> {
+    fn held(&self, x: &[f64]) -> Vec<HeldMode> {
         let mu = (x[3 * self.modes + 1] - self.whole as f64 + 1.0).clamp(0.0, 1.0);
-        x[..3 * self.modes].chunks_exact(3).map(|x| Held::new(x, mu, self.records[0].ts())).collect()
+        x[..3 * self.modes].chunks_exact(3).map(|x| HeldMode::new(x, mu, self.records[0].ts())).collect()
     }
 
-    /// The unknowns with these poles, the part of a sample that suits them best, and the k and r that do, which are linear;
-    /// and their cost.
-    pub(super) fn laid_out(&self, poles: &[f64]) -> (Vec<f64>, f64) {
+    /// The unknowns with these poles, the best starting delay, and the best k and r, which are linear; and their cost.
+    pub(super) fn with_best_gains(&self, poles: &[f64]) -> (Vec<f64>, f64) {
         let linear: Vec<usize> = (0..self.modes).map(|i| 3 * i + 2).chain([3 * self.modes]).collect();
         let with = |part: f64| {
             let mut x = [poles, &[self.whole as f64 - 1.0 + part]].concat();
@@ -114,7 +113,7 @@ impl ModalError<'_> {
         all.min_by(|p, q| p.1.total_cmp(&q.1)).unwrap_or_else(|| with(0.5))
     }
 
-    /// Whether the unknowns are those of modes: damped, and not so fast that they are numbers only.
+    /// True if the unknowns describe damped modes of limited frequency.
     fn possible(&self, x: &[f64]) -> bool {
         let fastest = (2.0 * TAU / self.records[0].ts()).ln();
         x.iter().all(|x| x.is_finite()) && x[..3 * self.modes].chunks_exact(3).all(|m| m[0] < fastest && m[1] < 0.0)
@@ -123,12 +122,12 @@ impl ModalError<'_> {
     pub(super) fn run(&self, record: &Record, x: &[f64]) -> ModalRun {
         let (held, lag, n) = (self.held(x), self.whole, record.len());
         let (middle, u) = centred(record.u());
-        let at_once = x[3 * self.modes];
-        let mut forced: Vec<f64> = shifted(&u, lag).map(|u| at_once * u).collect();
+        let feed_through = x[3 * self.modes];
+        let mut forced: Vec<f64> = shifted(&u, lag).map(|u| feed_through * u).collect();
         for mode in &held {
             let w = one_pole(mode.z, u.iter().map(|&u| Complex::new(u, 0.0)));
             for (t, y) in forced.iter_mut().enumerate() {
-                *y += 2.0 * mode.k * (mode.c[0] * late(&w, t, lag) + mode.c[1] * late(&w, t, lag + 1)).re;
+                *y += 2.0 * mode.k * (mode.c[0] * delayed(&w, t, lag) + mode.c[1] * delayed(&w, t, lag + 1)).re;
             }
         }
         let a: Vec<f64> = self.denominator(&held).iter().skip(1).map(|c| -c).collect();
@@ -136,23 +135,23 @@ impl ModalError<'_> {
         let mut e: Vec<f64> = record.y().iter().zip(&forced).map(|(y, f)| y - f).collect();
         let level = past.remove(&mut e);
         let free = record.y().iter().zip(&e).zip(&forced).map(|((y, e), forced)| y - e - level - forced).collect();
-        let gain = at_once + held.iter().map(|mode| mode.k).sum::<f64>();
+        let gain = feed_through + held.iter().map(|mode| mode.k).sum::<f64>();
         ModalRun { e, offset: level - gain * middle, free, u, past }
     }
 
-    /// The slopes of the free run by each unknown, past and offset projected out.
+    /// The derivatives of the free run by each unknown, past and offset projected out.
     pub(super) fn jacobian(&self, run: &ModalRun, x: &[f64]) -> Vec<Vec<f64>> {
         let (lag, n, last) = (self.whole, run.u.len(), 3 * self.modes);
         let mut columns = vec![vec![0.0; n]; last + 2];
         for (i, mode) in self.held(x).iter().enumerate() {
             let w = one_pole(mode.z, run.u.iter().map(|&u| Complex::new(u, 0.0)));
-            let dw = one_pole(mode.z, (0..n).map(|t| late(&w, t, 1)));
-            // C / A d with C fixed: its slope by z is q^-1 / (1 - z q^-1) of itself.
+            let dw = one_pole(mode.z, (0..n).map(|t| delayed(&w, t, 1)));
+            // C / A d with C fixed: its derivative by z is q^-1 / (1 - z q^-1) times itself.
             let past = one_pole(mode.z, run.free.iter().map(|&y| Complex::new(y, 0.0)));
-            let held = |w: &[Complex<f64>], t| mode.c[0] * late(w, t, lag) + mode.c[1] * late(w, t, lag + 1);
+            let held = |w: &[Complex<f64>], t| mode.c[0] * delayed(w, t, lag) + mode.c[1] * delayed(w, t, lag + 1);
             let slope = |[dz, d1, d2]: [Complex<f64>; 3], t: usize| {
-                let by_z = mode.k * held(&dw, t) + late(&past, t, 1);
-                2.0 * (by_z * dz + mode.k * (d1 * late(&w, t, lag) + d2 * late(&w, t, lag + 1))).re
+                let by_z = mode.k * held(&dw, t) + delayed(&past, t, 1);
+                2.0 * (by_z * dz + mode.k * (d1 * delayed(&w, t, lag) + d2 * delayed(&w, t, lag + 1))).re
             };
             let [by_w, by_zeta, by_mu] = mode.slopes;
             columns[3 * i] = (0..n).map(|t| slope(by_w, t)).collect();
@@ -161,7 +160,7 @@ impl ModalError<'_> {
             columns[last + 1].iter_mut().enumerate().for_each(|(t, sum)| *sum += slope(by_mu, t));
         }
         columns[last] = shifted(&run.u, lag).collect();
-        // Beyond whole samples the delay is held, and has no slope.
+        // Outside its sample the delay is clamped: no derivative.
         if !(self.whole as f64 - 1.0..=self.whole as f64).contains(&x[last + 1]) {
             columns[last + 1].fill(0.0);
         }
@@ -171,7 +170,7 @@ impl ModalError<'_> {
         columns
     }
 
-    fn denominator(&self, held: &[Held]) -> Vec<f64> {
+    fn denominator(&self, held: &[HeldMode]) -> Vec<f64> {
         held.iter().fold(vec![1.0], |product, mode| multiply(&product, &mode.fraction().1))
     }
 
@@ -233,11 +232,11 @@ fn one_pole(z: Complex<f64>, x: impl Iterator<Item = Complex<f64>>) -> Vec<Compl
 }
 
 /// x_{t-lag}, 0 before the record.
-fn late(x: &[Complex<f64>], t: usize, lag: usize) -> Complex<f64> {
+fn delayed(x: &[Complex<f64>], t: usize, lag: usize) -> Complex<f64> {
     t.checked_sub(lag).map_or(Complex::new(0.0, 0.0), |at| x[at])
 }
 
-/// The whole series `lag` samples late.
+/// The whole series delayed by `lag` samples.
 fn shifted(x: &[f64], lag: usize) -> impl Iterator<Item = f64> {
     std::iter::repeat_n(0.0, lag).chain(x.iter().copied()).take(x.len())
 }
@@ -255,12 +254,13 @@ fn multiply(p: &[f64], q: &[f64]) -> Vec<f64> {
 pub(super) mod tests {
     use super::*;
     use crate::excitation::Prbs;
+    use crate::linear::free_run::tests::assert_gradient;
     use crate::system::System;
     use crate::testing::assert_close;
 
     const TS: f64 = 5e-4;
 
-    /// The block of `modes` (frequency [Hz], damping, k), with `r` at once and a `delay` [s], at 5e-4 s.
+    /// The block of `modes` (frequency [Hz], damping, k), with feed-through `r` and a `delay` [s], at 5e-4 s.
     pub(in crate::linear) fn held(modes: &[(f64, f64, f64)], r: f64, delay: f64) -> Arx {
         let records = [Record::new(TS, vec![0.0], vec![0.0]).unwrap()];
         let whole = (delay / TS).floor() as isize + 1;
@@ -283,30 +283,21 @@ pub(super) mod tests {
             let y = arx.simulate(&[1.0; 60]);
             for (t, y) in y.iter().enumerate() {
                 let at = t as f64 * TS - delay;
-                let once = f64::from(u8::from(at > 1e-12));
-                let exact = 27.0 * step_response(166.3, 0.03, at) + 2.0 * step_response(900.0, 0.2, at) + once;
+                let feed_through = f64::from(u8::from(at > 1e-12));
+                let exact = 27.0 * step_response(166.3, 0.03, at) + 2.0 * step_response(900.0, 0.2, at) + feed_through;
                 assert_close(&[*y], &[exact], 0.0, 1e-10);
             }
         }
     }
 
     #[test]
-    fn slopes_are_those_of_the_cost() {
+    fn the_gradient_is_that_of_the_cost() {
         let arx = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 2e-4);
         let u = Prbs::default().samples(TS, 500).unwrap();
         let y = arx.simulate(&u);
         let record = [Record::new(TS, u[100..].to_vec(), y[100..].to_vec()).unwrap()];
         let problem = ModalError { records: &record, weights: &[0.5], modes: 2, whole: 1 };
         let x = [1050f64.ln(), 0.04f64.ln(), 25.0, 4300f64.ln(), 0.2f64.ln(), 3.0, 0.5, 0.6];
-        let normal = problem.normal(&x);
-        for k in 0..8 {
-            let at = |h: f64| {
-                let mut moved = x;
-                moved[k] += h;
-                problem.cost(&moved)
-            };
-            let by_differences = (at(1e-6) - at(-1e-6)) / 2e-6;
-            assert_close(&[2.0 * normal.gradient[k]], &[by_differences], 1e-5, 1e-3);
-        }
+        assert_gradient(&problem, &x, 1e-5, 1e-3);
     }
 }

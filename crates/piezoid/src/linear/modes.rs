@@ -1,21 +1,21 @@
-//! The physical reading of a block: its modes, what each carries of the static displacement, what follows at once.
+//! The modal form of a block: its modes, their shares of the static displacement, and the feed-through.
 //!
 //! ```text
 //! B(q) / A(q) = q^-d (sum_i rho_i / (1 - z_i q^-1) + ...),   z = exp(s Ts),   s = w (-zeta + i sqrt(1 - zeta^2))
 //! held mode of share 1:  rho = q^-1 R (z - 1) / s,   R = w / (2 i sqrt(1 - zeta^2))
 //! ```
-//! A held input drives a mass on a spring into the second line exactly (zero-order hold). The share of a mode is the size
-//! of its rho over that of the second line, so it does not depend on the delay, but for the little that the mode decays
-//! within it; its sign is that of their quotient. A real pole carries what it adds to the DC gain. What the shares leave of
-//! the DC gain follows at once: static, or too fast to be seen. The delay is what the phase at low frequency has beyond the
-//! hold's half sample and the lags of the poles, 2 zeta / w a mode:
+//! The second line is exact for a mass on a spring under a held input (zero-order hold). The share of a mode is the
+//! magnitude of its rho over that of the second line, with the sign of their quotient; it does not depend on the delay,
+//! apart from the small decay within it. The share of a real pole is what it adds to the DC gain. The rest of the DC
+//! gain is feed-through: static, or too fast to be observed. The delay is the phase at low frequency beyond half a
+//! sample of the hold and the lags of the poles, 2 zeta / w per mode:
 //!
 //! ```text
 //! tau = -d arg G / dw (w = 0) - Ts / 2 - sum_i share_i 2 zeta_i / w_i
 //! ```
-//! For blocks whose poles differ from each other. Poles at half the sampling rate and beyond are told as images, not as modes.
-//! Others that only mop up what the order leaves are read as mechanics too, and spoil residual and delay:
-//! [`fit_modes`](super::fit_modes) fits the same numbers to records, with their uncertainty.
+//! The poles must differ from each other. Poles at half the sampling rate and above are reported as images, not modes.
+//! Poles that only reduce the residual are also interpreted as mechanics and distort feed-through and delay:
+//! [`fit_modes`](super::fit_modes) fits the same quantities to records, with their uncertainty.
 //!
 //! Åström & Wittenmark 1997, Computer-Controlled Systems, 2.3; Meirovitch 2001, Fundamentals of Vibrations.
 
@@ -26,30 +26,29 @@ use nalgebra::Complex;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// What a pole, or a conjugate pair, is in mechanics.
+/// The mechanical meaning of a pole or a conjugate pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PoleKind {
-    /// It oscillates: a mass on a spring.
+    /// An oscillation: a mass on a spring.
     Mode,
-    /// It does not: an amplifier's lag, a filter's.
+    /// No oscillation: a lag of an amplifier or a filter.
     Lag,
-    /// It lies at half the sampling rate or beyond: what delay and faster modes leave between samples, at a frequency that is
-    /// none of theirs.
+    /// A pole at half the sampling rate or above: the image of a delay or of faster modes, not at their frequency.
     Image,
 }
 
-/// What a pole, or a conjugate pair, is to the output.
+/// A pole or a conjugate pair, with its share of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoleShare {
     /// The pole.
     pub pole: Pole,
-    /// What it carries of the static displacement, 1 being all.
+    /// Share of the static displacement, from 0 to 1.
     pub share: f64,
 }
 
 impl PoleShare {
-    /// What it is in mechanics.
+    /// Its mechanical meaning.
     pub fn kind(&self) -> PoleKind {
         let z = self.pole.z;
         // |s| Ts, which is pi at half the sampling rate.
@@ -61,29 +60,29 @@ impl PoleShare {
         }
     }
 
-    /// A mode as an oscillator of this stiffness [N/m] at the point where the displacement is measured; `None` of what is no
-    /// mode, or not damped.
+    /// The mode as an oscillator of this stiffness [N/m] at the point where the displacement is measured. `None` if the
+    /// pole is not a mode, or not damped.
     pub fn oscillator(&self, stiffness: f64) -> Option<Oscillator> {
         let mode = (self.kind() == PoleKind::Mode).then_some(self.pole)?;
         Oscillator::new(mode.hz, mode.damping, stiffness).ok()
     }
 }
 
-/// A block read as mechanics.
+/// The modal form of a block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalForm {
     /// Output for a constant input of 1.
     pub gain: f64,
     /// The poles with their shares, by rising frequency.
     pub poles: Vec<PoleShare>,
-    /// The share that follows the input at once.
+    /// Share of the feed-through.
     pub residual: f64,
-    /// Input delay [s], by the phase at low frequency; negative where an output was logged after its input acted.
+    /// Input delay [s], from the phase at low frequency; negative if an output was logged after its input acted.
     pub delay: f64,
 }
 
 impl ModalForm {
-    /// Of half the sampling rate, the share up to which a pole is what it seems.
+    /// Highest observable frequency of a pole, as a share of half the sampling rate.
     pub const OBSERVABLE: f64 = 0.9;
 
     /// The poles that are modes, by rising frequency.
@@ -91,9 +90,9 @@ impl ModalForm {
         self.poles.iter().filter(|p| p.kind() == PoleKind::Mode).copied().collect()
     }
 
-    /// The reading as a table: a row a mode and a lag, one for all images, the last for what follows at once. Its columns:
-    /// what it is, natural frequency [Hz], damping ratio, share of the static displacement [%], and of a mode on a spring of
-    /// 1 N/mm the mass [g] and the damper [N s/m], which grow in proportion to the stiffness.
+    /// The modal form as a table: one row per mode and per lag, one for all images, the last for the feed-through. Its
+    /// columns: meaning, natural frequency [Hz], damping ratio, share of the static displacement [%], and for a mode on
+    /// a spring of 1 N/mm the mass [g] and the damper [N s/m], which are proportional to the stiffness.
     ///
     /// ```
     /// let table2 = piezoid::linear::Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
@@ -102,7 +101,7 @@ impl ModalForm {
     /// ```
     pub fn rows(&self) -> Vec<[String; 6]> {
         let none = || "-".to_string();
-        // Adding zero turns the -0 that rounding leaves into 0.
+        // Adding zero turns a rounded -0 into 0.
         let percent = |share: f64| match (1e3 * share).round() / 10.0 + 0.0 {
             share if share.is_finite() => format!("{share:.1}"),
             _ => none(),
@@ -124,13 +123,13 @@ impl ModalForm {
         let rest = |what: &str, share| [what.to_string(), none(), none(), percent(share), none(), none()];
         let images: Vec<f64> = self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| p.share).collect();
         if !images.is_empty() {
-            rows.push(rest("too fast to see", images.iter().sum()));
+            rows.push(rest("above the observable range", images.iter().sum()));
         }
-        rows.push(rest("at once", self.residual));
+        rows.push(rest("feed-through", self.residual));
         rows
     }
 
-    /// What its images are, in a sentence; `None` where there are none.
+    /// A sentence about its images; `None` if it has none.
     pub fn images(&self) -> Option<String> {
         let images: Vec<String> =
             self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| round(p.pole.hz)).collect();
@@ -138,8 +137,8 @@ impl ModalForm {
         let (poles, are) = if others.is_empty() { ("pole", "is an image") } else { ("poles", "are images") };
         let listed = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
         Some(format!(
-            "The {poles} at {listed} Hz, about half the sampling rate or beyond, {are} of delay or of faster modes: no mode of \
-             that frequency need be there."
+            "The {poles} at {listed} Hz, near half the sampling rate or above, {are} of delay or of faster modes: \
+             there may be no mode at that frequency."
         ))
     }
 }
@@ -167,19 +166,19 @@ impl Oscillator {
     /// ```
     ///
     /// # Errors
-    /// Refused unless frequency and stiffness are positive, and the damping is not negative.
+    /// Returns an error unless frequency and stiffness are positive and the damping is not negative.
     pub fn new(hz: f64, damping: f64, stiffness: f64) -> Result<Self, Error> {
         let w = TAU * positive("frequency", hz, "hertz")?;
-        let stiffness = positive("stiffness", stiffness, "newtons a metre")?;
+        let stiffness = positive("stiffness", stiffness, "newtons per metre")?;
         if !(damping >= 0.0 && damping.is_finite()) {
-            return Err(Error::parameter("damping", damping, "must be a damping ratio, not negative"));
+            return Err(Error::parameter("damping", damping, "must be a damping ratio of 0 or more"));
         }
         Ok(Oscillator { mass: stiffness / (w * w), damper: 2.0 * damping * stiffness / w, stiffness })
     }
 }
 
 impl Arx {
-    /// The block read as mechanics.
+    /// The modal form of the block.
     ///
     /// ```
     /// let table2 = piezoid::linear::Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
@@ -210,7 +209,7 @@ impl Arx {
         }
     }
 
-    /// What a pole adds to the DC gain, `all` being the poles of the block with their conjugates.
+    /// The contribution of a pole to the DC gain; `all` are the poles of the block with their conjugates.
     fn carried(&self, pole: &Pole, all: &[Complex<f64>]) -> f64 {
         let z = Complex::new(pole.z.re, pole.z.im);
         let numerator = self.b()[self.delay()..].iter().rev().fold(Complex::new(0.0, 0.0), |sum, &b| sum / z + b);
@@ -244,7 +243,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn held_modes_are_read_back_with_their_shares_and_their_delay() {
+    fn modes_under_a_held_input_are_found_with_their_shares_and_delay() {
         for delay in [-5e-4, 0.0, 5e-4, 1.5e-3] {
             let arx = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, delay);
             let reading = arx.reading();
@@ -252,7 +251,7 @@ mod tests {
             assert_close(&[first.pole.hz, first.pole.damping, first.share], &[166.3, 0.03, 0.9], 1e-9, 0.0);
             assert_close(&[second.pole.hz, second.pole.damping], &[700.0, 0.1], 1e-9, 0.0);
             assert_close(&[second.share, reading.residual], &[2.0 / 30.0, 1.0 / 30.0], 1e-8, 0.0);
-            // The static residual waits for no hold: half a sample less, on its share.
+            // The feed-through has no hold: half a sample less, on its share.
             assert_close(&[reading.gain], &[30.0], 1e-9, 0.0);
             assert_close(&[reading.delay], &[delay], 0.0, 2e-5);
         }
@@ -266,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_of_first_order_carries_what_it_adds_to_the_gain() {
+    fn the_share_of_a_first_order_lag_is_its_gain() {
         let z = (-5e-4f64 / 0.02).exp();
         let reading = Arx::new(5e-4, vec![z], vec![0.0, 5.0 * (1.0 - z)]).unwrap().reading();
         assert_close(&[reading.gain, reading.poles[0].share], &[5.0, 1.0], 1e-12, 0.0);
@@ -274,19 +273,19 @@ mod tests {
     }
 
     #[test]
-    fn the_shares_of_a_table_are_the_whole_displacement_and_its_numbers_those_of_the_oscillator() {
+    fn the_shares_of_a_table_add_up_to_100_percent_and_its_numbers_are_those_of_the_oscillator() {
         let rows = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 0.0).reading().rows();
         let share = |row: &[String; 6]| row[3].parse::<f64>().unwrap();
         assert_close(&[rows.iter().map(share).sum()], &[100.0], 0.0, 0.1 + 1e-9);
         assert_eq!(rows[0], ["mode 1", "166.3", "0.03000", "90.0", "0.9159", "0.05742"]);
-        assert_eq!((rows[1][0].as_str(), rows.len(), rows[2][0].as_str()), ("mode 2", 3, "at once"));
+        assert_eq!((rows[1][0].as_str(), rows.len(), rows[2][0].as_str()), ("mode 2", 3, "feed-through"));
     }
 
     #[test]
-    fn a_mode_beyond_the_sampling_and_a_pole_of_a_delay_are_no_modes() {
+    fn images_of_fast_modes_and_poles_of_a_delay_are_not_modes() {
         let beyond = held(&[(166.3, 0.03, 27.0), (1042.0, 0.03, 2.0)], 1.0, 0.0).reading();
         assert_eq!(beyond.poles.iter().map(PoleShare::kind).collect::<Vec<_>>(), [PoleKind::Mode, PoleKind::Image]);
-        assert!(beyond.rows()[1][0] == "too fast to see" && beyond.rows()[1][1] == "-");
+        assert!(beyond.rows()[1][0] == "above the observable range" && beyond.rows()[1][1] == "-");
         assert!(beyond.images().unwrap().starts_with("The pole at 959 Hz"), "{:?}", beyond.images());
         assert!(beyond.modes().len() == 1 && beyond.poles[1].oscillator(1.0).is_none());
         let alternating = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap().reading();
@@ -296,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_without_stiffness_is_refused() {
+    fn a_spring_without_stiffness_is_an_error() {
         assert!(Oscillator::new(100.0, 0.1, 0.0).unwrap_err().to_string().starts_with("stiffness = 0"));
         let unit = Oscillator::new(100.0, 0.1, 1.0).unwrap();
         assert_close(&[unit.damper / (2.0 * unit.mass.sqrt())], &[0.1], 1e-12, 0.0);

@@ -1,15 +1,17 @@
-//! Output error: the block whose free run comes closest to the records.
+//! Output error: the block with the smallest free-run error.
 //!
 //! ```text
 //! min over a, b, and for each record its past c and offset k, of  sum over records of weight sum_t e_t^2
 //! y_t = B(q) / A(q) u_t + C(q) / A(q) d_t + k + e_t
 //! ```
-//! With white noise in y it has no bias and the least variance there is; least squares on (1) has neither. The past of a
-//! record is free: one that begins at rest with a step is not taken to have stood at its first input. How past and offset
-//! are taken out, and the exact slopes: `free_run.rs`. Searched by Levenberg-Marquardt, which refuses unstable blocks.
+//! With white noise in y it has no bias and minimum variance; least squares on (1) has neither. The past of a record is
+//! free: a record that starts at rest with a step is not assumed settled at its first input. `free_run.rs` has the
+//! elimination of past and offset, and the exact derivatives. The search is Levenberg-Marquardt and rejects unstable
+//! blocks.
 //!
-//! Ljung 1998, System Identification: Theory for the User. The error has more than one minimum: [`OutputError::fit`] starts
-//! from instrumental variables, begun at least squares and at filters that know nothing, and keeps the best. A Record whose u is a hidden variable z fits as well as one of a voltage.
+//! Ljung 1998, System Identification: Theory for the User. The error has several minima: [`OutputError::fit`] starts
+//! from instrumental variables, initialised by least squares and by fixed filters, and keeps the best. The u of a
+//! record may also be a hidden variable z.
 
 use super::fit::least_squares;
 use super::free_run::FreeRunError;
@@ -24,10 +26,10 @@ use crate::optimize::{Minimum, Reason};
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
 
-/// How to refine.
+/// Options of the refinement.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Refinement {
-    /// What each record's squared errors count, in the ratio of 1 / (variance of its noise); empty counts all alike.
+    /// Weight of each record's squared errors, in proportion to 1 / (variance of its noise); empty for equal weights.
     pub weights: Vec<f64>,
     /// The search.
     pub(crate) search: levenberg_marquardt::SearchSettings,
@@ -38,23 +40,23 @@ pub struct Refinement {
 pub struct OutputError {
     /// The block.
     pub arx: Arx,
-    /// Its orders: what of `arx` was free.
+    /// Its orders: the free coefficients of `arx`.
     pub orders: Orders,
-    /// For each record, the constant in its output [output unit].
+    /// Output offset of each record [output unit].
     pub offsets: Vec<f64>,
-    /// For each record, the rms of what the free run leaves [output unit].
+    /// Rms residual of the free run for each record [output unit].
     pub rms: Vec<f64>,
-    /// Samples, less the parameters and the pasts and offsets that were fitted to them.
+    /// Degrees of freedom: samples less the fitted parameters, pasts and offsets.
     pub freedom: usize,
-    /// Covariance of theta = [a, b after the delay], row by row; it allows for residuals that are not white. Infinite
-    /// where the records cannot tell.
+    /// Covariance of theta = [a, b after the delay], row by row, also valid for coloured residuals. Infinite where the
+    /// records do not determine theta.
     pub covariance: Vec<f64>,
-    /// The search: theta, the weighted sum of squares and its course, and why it ended.
+    /// The search: theta, the weighted sum of squares by iteration, and why it ended.
     pub minimum: Minimum,
 }
 
 impl OutputError {
-    /// The block of `orders` by output error, from starts of its own.
+    /// The block of `orders` by output error, with automatic starting values.
     ///
     /// ```
     /// use piezoid::{Record, System, linear::{Arx, Orders, OutputError, Refinement}};
@@ -70,8 +72,8 @@ impl OutputError {
     /// ```
     ///
     /// # Errors
-    /// As [`Regression::new`]; weights that are not one positive number a record; too few samples for the pasts and offsets;
-    /// [`Error::Cancelled`].
+    /// The errors of [`Regression::new`]; weights that are not one positive number per record; too few samples for
+    /// pasts and offsets; [`Error::Cancelled`].
     pub fn fit(
         records: &[Record],
         orders: Orders,
@@ -85,10 +87,10 @@ impl OutputError {
     }
 }
 
-/// The block of least output error that `start` leads to. The zeros that `start.b()` begins with stay.
+/// The block with minimum output error near `start`. The leading zeros of `start.b()` stay.
 ///
 /// # Errors
-/// As [`OutputError::fit`]; and a start that is unstable.
+/// The errors of [`OutputError::fit`]; an unstable start.
 pub(crate) fn refine(
     records: &[Record],
     start: &Arx,
@@ -99,14 +101,14 @@ pub(crate) fn refine(
     let orders = Orders { na, nb: start.b().len() - delay, delay };
     let weights = checked(records, orders, settings)?;
     if !start.is_stable() {
-        let rule = "must be stable, or its free run grows without bound";
+        let rule = "must be stable: otherwise its free run grows without bound";
         return Err(Error::parameter("start", format!("a = {:?}", start.a()), rule));
     }
     let problem = FreeRunError { records, weights: &weights, orders };
     search(&problem, &[start.a(), &start.b()[delay..]].concat(), settings, progress)
 }
 
-/// One weight a record, once all fits together.
+/// One weight per record, after checking records, orders and weights.
 pub(super) fn checked(records: &[Record], orders: Orders, settings: &Refinement) -> Result<Vec<f64>, Error> {
     orders.check(records)?;
     for (k, record) in records.iter().enumerate() {
@@ -131,13 +133,13 @@ pub(super) fn checked(records: &[Record], orders: Orders, settings: &Refinement)
     Ok(settings.weights.clone())
 }
 
-/// Samples that are enough to start from.
+/// Maximum number of samples used for starting values.
 const ENOUGH: usize = 8192;
 
-/// Poles of filters that know nothing of the block: of a fast one, and of a slow one for records that are sampled often.
-const BLANK: [f64; 2] = [0.5, 0.8];
+/// Poles of initial filters that do not depend on the data: a fast one, and a slow one for high sampling rates.
+const INITIAL_POLES: [f64; 2] = [0.5, 0.8];
 
-/// The beginnings of the records, as long together as is enough to start from.
+/// The first parts of the records, limited to [`ENOUGH`] samples together.
 pub(super) struct StartRecords(Vec<Record>);
 
 impl StartRecords {
@@ -146,21 +148,22 @@ impl StartRecords {
         let samples: usize = records.iter().map(Record::len).sum();
         let share = (ENOUGH as f64 / samples as f64).min(1.0);
         let least = 8 * (orders.history() + orders.parameters());
-        let beginning = |r: &Record| match ((share * r.len() as f64).ceil() as usize).max(least) {
-            n if n < r.len() => Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()),
+        let first_part = |r: &Record| match ((share * r.len() as f64).ceil() as usize).max(least) {
+            n if n < r.len() => r.slice(0..n),
             _ => Ok(r.clone()),
         };
-        Ok(StartRecords(records.iter().map(beginning).collect::<Result<_, _>>()?))
+        Ok(StartRecords(records.iter().map(first_part).collect::<Result<_, _>>()?))
     }
 
-    /// Where a search for a block of `orders` starts: the best free run of instrumental variables begun at the poles of
-    /// least squares, and at those of blank filters, which noise and often sampled records do not mislead.
+    /// Starting values for a block of `orders`: the best free run of instrumental variables from the poles of least
+    /// squares and from fixed filters, which are robust to noise and high sampling rates.
     pub(super) fn start(&self, orders: Orders, weights: &[f64]) -> Result<Vec<f64>, Error> {
         let problem = FreeRunError { records: &self.0, weights, orders };
         let (theta, _) = least_squares(&Regression::new(&self.0, orders)?)?;
-        let blank = |pole| monic(&vec![Root { re: pole, im: 0.0 }; orders.na]).iter().map(|c| -c).collect::<Vec<f64>>();
+        let initial =
+            |pole| monic(&vec![Root { re: pole, im: 0.0 }; orders.na]).iter().map(|c| -c).collect::<Vec<f64>>();
         let mut best = rounds(&problem, &theta[..orders.na], ROUGH);
-        for other in BLANK.map(|pole| rounds(&problem, &blank(pole), ROUGH)) {
+        for other in INITIAL_POLES.map(|pole| rounds(&problem, &initial(pole), ROUGH)) {
             if other.cost < best.cost {
                 best = other;
             }
@@ -169,7 +172,7 @@ impl StartRecords {
     }
 }
 
-/// From `start` to the minimum it leads to.
+/// Searches the minimum from `start`.
 pub(super) fn search(
     problem: &FreeRunError,
     start: &[f64],
@@ -202,7 +205,7 @@ pub(super) fn search(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::plant::Plant;
@@ -217,30 +220,30 @@ mod tests {
         OutputError::fit(records, orders, &Refinement::default(), &mut silent).unwrap()
     }
 
-    /// The twin from rest, under a PRBS that begins with a step.
-    fn pl140(seed: u64) -> Record {
-        let u = Prbs::default().samples(TS, 2 * 2047).unwrap();
+    /// The twin from rest, with a PRBS that starts with a step.
+    pub(in crate::linear) fn pl140(seed: u64, n: usize) -> Record {
+        let u = Prbs::default().samples(TS, n).unwrap();
         let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
         let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
         Record::new(TS, u, y).unwrap()
     }
 
     #[test]
-    fn a_record_that_begins_at_rest_with_a_step_leaves_no_more_than_its_noise() {
-        let fit = found(&[pl140(1)], Orders { delay: 1, ..Orders::of(5) });
+    fn the_residual_of_a_record_from_rest_with_a_step_is_its_noise() {
+        let fit = found(&[pl140(1, 4094)], Orders { delay: 1, ..Orders::of(5) });
         assert!((0.19..0.21).contains(&fit.rms[0]), "{} um", fit.rms[0]);
-        // Had it been taken to have stood at u[0]:
-        let (record, arx) = (pl140(1), &fit.arx);
+        // If it were assumed settled at u[0]:
+        let (record, arx) = (pl140(1, 4094), &fit.arx);
         let settled = arx.resume(&mut arx.settled(record.u()[0]), record.u());
-        let left = record.y().iter().zip(&settled).map(|(y, s)| (y - s - fit.offsets[0]).powi(2)).sum::<f64>();
-        assert!((left / record.len() as f64).sqrt() > 0.8, "the start should matter");
+        let squares = record.y().iter().zip(&settled).map(|(y, s)| (y - s - fit.offsets[0]).powi(2)).sum::<f64>();
+        assert!((squares / record.len() as f64).sqrt() > 0.8, "the start should matter");
     }
 
     #[test]
-    fn the_start_does_not_depend_on_luck() {
+    fn the_minimum_does_not_depend_on_the_noise_seed() {
         for (n, most) in [(3, 1.40), (4, 0.225), (5, 0.212), (6, 0.210), (7, 0.210)] {
             for seed in 1..=4 {
-                let fit = found(&[pl140(seed)], Orders { delay: 1, ..Orders::of(n) });
+                let fit = found(&[pl140(seed, 4094)], Orders { delay: 1, ..Orders::of(n) });
                 assert!(fit.rms[0] < most, "order {n}, seed {seed}: {} um", fit.rms[0]);
             }
         }
@@ -259,7 +262,7 @@ mod tests {
             (found(&parts, orders), OutputError::fit(&parts, orders, &weighted, &mut silent).unwrap());
         assert_close(doubled.arx.a(), plain.arx.a(), 1e-8, 0.0);
         assert_close(&doubled.covariance, &plain.covariance, 1e-4, 0.0);
-        // A record repeated is a record of twice the weight.
+        // A repeated record is a record with twice the weight.
         let repeated = found(&[parts[0].clone(), parts[1].clone(), parts[1].clone()], orders);
         let weighted = Refinement { weights: vec![1.0, 2.0], ..Refinement::default() };
         let weighted = OutputError::fit(&parts, orders, &weighted, &mut silent).unwrap();
@@ -268,7 +271,7 @@ mod tests {
 
     #[test]
     fn refining_keeps_the_delay_and_finds_the_same_minimum_from_elsewhere() {
-        let record = [pl140(2)];
+        let record = [pl140(2, 4094)];
         let own = found(&record, Orders { na: 2, nb: 2, delay: 1 });
         let start = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 3.0, 3.0]).unwrap();
         let refined = refine(&record, &start, &Refinement::default(), &mut silent).unwrap();
@@ -277,8 +280,8 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_refined_is_refused() {
-        let record = pl140(1);
+    fn bad_starts_records_and_weights_are_errors() {
+        let record = pl140(1, 4094);
         let message = |records: &[Record], start: &Arx, settings: &Refinement| {
             refine(records, start, settings, &mut silent).unwrap_err().to_string()
         };

@@ -1,11 +1,11 @@
-//! The regression of equation (1): one row `[y_t, psi_t]` a sample, psi_t = [y_{t-1}, ..., u_{t-d}, u_{t-d-1}, ...].
+//! The regression of equation (1): one row `[y_t, psi_t]` per sample, psi_t = [y_{t-1}, ..., u_{t-d}, u_{t-d-1}, ...].
 
 use crate::error::Error;
 use crate::optimize::Bounds;
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 
-/// How many coefficients the block has.
+/// Numbers of coefficients of the block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orders {
@@ -13,7 +13,7 @@ pub struct Orders {
     pub na: usize,
     /// Number of b coefficients after the delay.
     pub nb: usize,
-    /// Samples between an input and its first effect.
+    /// Delay [samples].
     pub delay: usize,
 }
 
@@ -28,7 +28,7 @@ impl Orders {
         self.na + self.nb
     }
 
-    /// The first of `records`, once they are known to have one sampling period and the orders to be possible.
+    /// Checks the orders and that `records` have one sampling period; returns the first record.
     pub(crate) fn check<'r>(&self, records: &'r [Record]) -> Result<&'r Record, Error> {
         let Orders { na, nb, delay } = *self;
         if !(1..=512).contains(&nb) || na > 512 || delay > 512 {
@@ -58,7 +58,7 @@ pub struct Regression {
     pub(crate) orders: Orders,
     /// `[y_t, psi_t...]` one after another.
     pub(crate) rows: Vec<f64>,
-    /// For each record, its number of rows.
+    /// Number of rows of each record.
     pub(crate) lengths: Vec<usize>,
 }
 
@@ -66,8 +66,8 @@ impl Regression {
     /// The regression of `records` for a block of `orders`.
     ///
     /// # Errors
-    /// Refuses no b at all, records of different sampling periods, and too few samples: at least twice as many rows
-    /// as there are parameters.
+    /// Returns an error for orders out of range, records of different sampling periods, or fewer rows than twice the
+    /// parameters.
     pub fn new(records: &[Record], orders: Orders) -> Result<Self, Error> {
         let first = orders.check(records)?;
         let mut regression = Regression { ts: first.ts(), orders, rows: Vec::new(), lengths: Vec::new() };
@@ -100,12 +100,12 @@ impl Regression {
         self.rows.chunks_exact(self.stride())
     }
 
-    /// Where a search for theta looks. The coefficients of a stable 1 - a1 q^-1 - ... - an q^-n are at most
-    /// binomial(n, k) in size; each b is taken to be at most the largest output over the largest input. A coefficient
-    /// of `around` (least squares, say) that is larger is taken to be at most twice that.
+    /// The search range of theta. The coefficients of a stable 1 - a1 q^-1 - ... - an q^-n are at most binomial(n, k)
+    /// in size; each b is assumed to be at most the largest output over the largest input. If a coefficient of `around`
+    /// (from least squares, say) is larger, its range is twice that.
     ///
     /// # Errors
-    /// Refused when inputs or outputs are all zero.
+    /// Returns an error if inputs or outputs are all zero.
     pub fn search_box(&self, around: &[f64]) -> Result<Bounds, Error> {
         let Orders { na, nb, .. } = self.orders;
         let peak = |columns: std::ops::Range<usize>| {
@@ -120,12 +120,12 @@ impl Regression {
         Bounds::new(high.iter().map(|h| -h).collect(), high)
     }
 
-    /// Numbers a row.
+    /// Numbers per row.
     pub(crate) fn stride(&self) -> usize {
         self.orders.parameters() + 1
     }
 
-    /// The same rows with each record's own output offset taken off.
+    /// The same rows without the output offset of each record.
     pub(crate) fn centred(&self, offsets: &[f64]) -> Self {
         let mut centred = self.clone();
         let (stride, na) = (self.stride(), self.orders.na);

@@ -1,16 +1,16 @@
-//! The choice of order and delay: the simplest block that tells what it has not seen as well as any, or nearly.
+//! Choice of order and delay: the simplest block that predicts held-out data as well as the best, or nearly.
 //!
-//! Every order from 1 and every delay from 0 is fitted by output error to the first part of each record and simulated over
-//! the last part, which it has not seen; single samples are never held out, since neighbours tell of each other. With s
-//! the mean square of a block's held-out error and s0 that of the best block, blocks of time give d = s - s0 again and
-//! again, and the standard error of their mean says how far d is known. (Both errors see the same noise, so their
-//! difference is known far better than either.) A block is as good as the best when d is within one standard error of
-//! nothing, when its rms is larger by no more than a higher order must be worth, or when it leaves less than a
-//! ten-thousandth of the peak-to-peak output, which is no longer dynamics. Of those the lowest order is chosen, and
-//! of this the longest delay, for a first coefficient that might as well be zero spoils the inverse.
+//! Every order from 1 and every delay from 0 is fitted by output error to the first part of each record and simulated
+//! over the last part. Single samples are never held out, because neighbours are correlated. With s the mean square of
+//! a block's held-out error and s0 that of the best block, blocks of time give several values of d = s - s0 and the
+//! standard error of their mean. (Both errors contain the same noise, so their difference is known much better than
+//! either.) A block is as good as the best if d is within one standard error of zero, if its rms is larger by less than
+//! a higher order must gain, or if its rms is below a ten-thousandth of the peak-to-peak output, which is negligible.
+//! Of those blocks the lowest order is chosen, and for this order the longest delay, because a first coefficient near
+//! zero makes the inverse ill-conditioned.
 //!
-//! AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run over the first part with p the
-//! parameters, pasts and offsets, stand in the table to be compared. They trust the noise to be white.
+//! For comparison the table has AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run
+//! over the first part, with p counting parameters, pasts and offsets. Both assume white noise.
 //!
 //! Hastie, Tibshirani & Friedman 2009, The Elements of Statistical Learning, 7.10 (doi:10.1007/978-0-387-84858-7);
 //! Akaike 1974 (doi:10.1109/TAC.1974.1100705); Schwarz 1978 (doi:10.1214/aos/1176344136).
@@ -26,25 +26,25 @@ use crate::record::Record;
 use crate::series::{ends, mean, scatter};
 use rayon::prelude::*;
 
-/// What to choose from, and how to judge.
+/// Candidates and criteria of the choice.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OrderSearch {
-    /// The highest order.
+    /// Highest order.
     pub order: usize,
-    /// The longest delay [samples].
+    /// Longest delay [samples].
     pub delay: usize,
-    /// The share of each record that is held out, at its end.
+    /// Share of each record that is held out, at its end.
     pub held_out: f64,
-    /// The share by which a higher order must lower the rms held out to be worth its coefficients.
+    /// Share by which a higher order must lower the held-out rms to be accepted.
     pub worth: f64,
-    /// How the chosen block is refined, on all samples; its weights hold from the start.
+    /// Refinement of the chosen block on all samples; its weights hold from the start.
     pub refinement: Refinement,
-    /// Fit the candidates on the threads of the current rayon pool; the result is the same.
+    /// Fits candidates on the threads of the current rayon pool; the result is the same.
     pub parallel: bool,
 }
 
 impl Default for OrderSearch {
-    /// Orders to 8, delays to 3, a quarter held out, 2 %.
+    /// Orders to 8, delays to 3, a quarter held out, 2 % gain.
     fn default() -> Self {
         OrderSearch {
             order: 8,
@@ -60,25 +60,25 @@ impl Default for OrderSearch {
 /// One row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Candidate {
-    /// Poles, and delay; n poles go with n + 1 coefficients of b after the delay.
+    /// Orders; n poles have n + 1 coefficients of b after the delay.
     pub orders: Orders,
-    /// The block of the first parts.
+    /// The block fitted to the first parts.
     pub arx: Arx,
     /// Akaike's criterion.
     pub aic: f64,
     /// Schwarz's criterion.
     pub bic: f64,
-    /// Rms of the free run over the first parts, weighted where records are [output unit].
+    /// Rms error of the free run over the first parts, weighted like the records [output unit].
     pub rms: f64,
-    /// Rms of the free run over the parts held out, likewise [output unit].
+    /// Rms error of the free run over the held-out parts, weighted like the records [output unit].
     pub held_out: f64,
-    /// The same in percent of the peak-to-peak output.
+    /// The same as a percentage of the peak-to-peak output.
     pub held_out_pp_percent: f64,
-    /// Mean square held out, less that of the best candidate [output unit squared].
+    /// Held-out mean square less that of the best candidate [output unit squared].
     pub excess: f64,
     /// Standard error of `excess`, from blocks of time.
     pub excess_error: f64,
-    /// Whether it tells what it has not seen as well as the best does.
+    /// True if it predicts held-out data as well as the best.
     pub as_good: bool,
     /// The least damped pole that oscillates.
     pub resonance: Option<Pole>,
@@ -87,33 +87,33 @@ pub(crate) struct Candidate {
 /// The choice.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OrderSelection {
-    /// All that could be fitted, by order, then delay.
+    /// All fitted candidates, by order, then delay.
     pub candidates: Vec<Candidate>,
-    /// The orders that could not, and why.
+    /// The orders that could not be fitted, and why.
     pub refused: Vec<(Orders, String)>,
     /// Index of the chosen candidate.
     pub chosen: usize,
-    /// Why it was chosen, in words.
+    /// The reason of the choice.
     pub reason: String,
     /// The chosen orders fitted to all samples.
     pub fit: OutputError,
 }
 
-/// A share of the peak-to-peak output that no block is asked to explain.
+/// Share of the peak-to-peak output below which errors are negligible.
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// Blocks of time that the parts held out are cut into.
+/// Number of blocks of time in the held-out parts.
 const BLOCKS: usize = 20;
 
-/// Steps and tolerance that tell candidates apart.
+/// Steps and tolerance sufficient to compare candidates.
 const ROUGH: levenberg_marquardt::SearchSettings =
     levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// Chooses order and delay of the linear block of `records`.
 ///
 /// # Errors
-/// No order, a share held out that is not between 0 and 1, records that are too short for the highest order, and what
-/// [`OutputError::fit`] refuses where it refuses every candidate; [`Error::Cancelled`].
+/// Returns an error for order 0, shares out of range, records too short for the highest order, if no candidate can be
+/// fitted (see [`OutputError::fit`]), and [`Error::Cancelled`].
 pub(crate) fn select(
     records: &[Record],
     settings: &OrderSearch,
@@ -129,15 +129,15 @@ pub(crate) fn select(
         }
     }
     let weights = checked(records, highest, &settings.refinement)?;
-    let (seen, unseen) = cut(records, settings.held_out)?;
-    checked(&seen, highest, &settings.refinement)?;
-    checked(&unseen, highest, &settings.refinement).map_err(|error| match error {
+    let (training, held_out) = cut(records, settings.held_out)?;
+    checked(&training, highest, &settings.refinement)?;
+    checked(&held_out, highest, &settings.refinement).map_err(|error| match error {
         Error::TooShort { what, have, need, remedy } => {
             Error::TooShort { what: format!("the part of {what} that is held out"), have, need, remedy }
         }
         other => other,
     })?;
-    let beginnings = StartRecords::new(&seen, highest)?;
+    let start_records = StartRecords::new(&training, highest)?;
 
     let (mut fitted, mut refused): (Vec<OutputError>, Vec<_>) = (Vec::new(), Vec::new());
     for n in 1..=settings.order {
@@ -147,10 +147,10 @@ pub(crate) fn select(
         }
         let fit = |delay| {
             let orders = Orders { delay, ..Orders::of(n) };
-            let problem = FreeRunError { records: &seen, weights: &weights, orders };
+            let problem = FreeRunError { records: &training, weights: &weights, orders };
             let lower = fitted.iter().rfind(|fit| fit.orders == Orders { delay, ..Orders::of(n - 1) });
-            let start = beginnings.start(orders, &weights).map(|start| match lower {
-                // A higher order can do what the lower one did.
+            let start = start_records.start(orders, &weights).map(|start| match lower {
+                // A higher order can be at least as good as the lower one.
                 Some(lower) if lower.minimum.cost < problem.cost(&start) => with_idle_pole(lower),
                 _ => start,
             });
@@ -169,7 +169,7 @@ pub(crate) fn select(
             }
         }
     }
-    let Some((candidates, chosen, reason)) = judged(&fitted, &seen, &unseen, &weights, settings.worth) else {
+    let Some((candidates, chosen, reason)) = choose(&fitted, &training, &held_out, &weights, settings.worth) else {
         let because = refused.first().map_or_else(String::new, |(_, why)| why.clone());
         return Err(Error::Unidentifiable { what: "a linear block of any order".into(), because });
     };
@@ -179,7 +179,7 @@ pub(crate) fn select(
     Ok(OrderSelection { candidates, refused, chosen, reason, fit })
 }
 
-/// The theta of the same block with one pole more, and a zero upon it.
+/// The theta of the same block with one more pole and a zero that cancels it.
 fn with_idle_pole(fit: &OutputError) -> Vec<f64> {
     const POLE: f64 = 0.5;
     let (a, b) = fit.minimum.x.split_at(fit.orders.na);
@@ -187,41 +187,36 @@ fn with_idle_pole(fit: &OutputError) -> Vec<f64> {
         let before = std::iter::once(first).chain(c.iter().copied());
         c.iter().copied().chain([0.0]).zip(before).map(|(c, before)| c - POLE * before).collect::<Vec<f64>>()
     };
-    // 1 - a1 q^-1 - ... has -1 where b has what comes before b0.
+    // The coefficient before a1 is -1; before b0 there is none.
     [times(a, -1.0), times(b, 0.0)].concat()
 }
 
-/// Each record's first part, and the last `share` of it.
+/// The first part of each record, and the held-out `share` at its end.
 fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Error> {
-    let part = |r: &Record, range: std::ops::Range<usize>| {
-        Ok::<_, Error>(
-            Record::new(r.ts(), r.u()[range.clone()].to_vec(), r.y()[range].to_vec())?.with_units(r.units().clone()),
-        )
-    };
     let parts = records.iter().map(|r| {
         let at = ((1.0 - share) * r.len() as f64).round() as usize;
-        Ok::<_, Error>((part(r, 0..at)?, part(r, at..r.len())?))
+        Ok::<_, Error>((r.slice(0..at)?, r.slice(at..r.len())?))
     });
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
 
-/// The table, the index of the choice and its reason; none of nothing.
-fn judged(
+/// The table, the index of the choice and its reason; `None` without candidates.
+fn choose(
     fitted: &[OutputError],
-    seen: &[Record],
-    unseen: &[Record],
+    training: &[Record],
+    held_out: &[Record],
     weights: &[f64],
     worth: f64,
 ) -> Option<(Vec<Candidate>, usize, String)> {
-    let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out(fit, unseen, weights)).collect();
+    let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out_errors(fit, held_out, weights)).collect();
     let means: Vec<f64> = squares.iter().map(|s| mean(s)).collect();
     let best = (0..fitted.len()).min_by(|&p, &q| means[p].total_cmp(&means[q]))?;
-    let (low, high) = ends(unseen.iter().flat_map(|r| r.y()).copied());
-    let n: f64 = seen.iter().map(|r| r.len() as f64).sum();
+    let (low, high) = ends(held_out.iter().flat_map(|r| r.y()).copied());
+    let n: f64 = training.iter().map(|r| r.len() as f64).sum();
     let candidate = |k: usize| {
         let fit = &fitted[k];
-        let apart: Vec<f64> = squares[k].iter().zip(&squares[best]).map(|(s, s0)| s - s0).collect();
-        let (excess, excess_error) = (mean(&apart), standard_error(&apart));
+        let differences: Vec<f64> = squares[k].iter().zip(&squares[best]).map(|(s, s0)| s - s0).collect();
+        let (excess, excess_error) = (mean(&differences), standard_error(&differences));
         let fit_error = n * (fit.minimum.cost / n).ln();
         let p = n - fit.freedom as f64;
         let oscillating = fit.arx.poles().into_iter().filter(|p| p.z.im > 0.0);
@@ -243,23 +238,23 @@ fn judged(
     let candidates: Vec<Candidate> = (0..fitted.len()).map(candidate).collect();
     let order = candidates.iter().filter(|c| c.as_good).map(|c| c.orders.na).min()?;
     let chosen = candidates.iter().rposition(|c| c.orders.na == order && c.as_good)?;
-    let reason = reason(&candidates, chosen, best, seen.first()?.units().y.as_str());
+    let reason = reason(&candidates, chosen, best, training.first()?.units().y.as_str());
     Some((candidates, chosen, reason))
 }
 
-/// The weighted squared errors of the free run over the parts held out, one series. Its past and offset there are its
-/// own, since sensors drift.
-fn held_out(fit: &OutputError, unseen: &[Record], weights: &[f64]) -> Vec<f64> {
+/// The weighted squared errors of the free run over the held-out parts, as one series. Past and offset are fitted to
+/// each part, because sensors drift.
+fn held_out_errors(fit: &OutputError, held_out: &[Record], weights: &[f64]) -> Vec<f64> {
     let run = |(record, weight): (&Record, &f64)| {
         let e = FreeRun::new(record, fit.orders, &fit.minimum.x).e;
         let fitted = (fit.orders.history() + 1) as f64;
         let share = weight * e.len() as f64 / (e.len() as f64 - fitted);
         e.into_iter().map(move |e| share * e * e).collect::<Vec<_>>()
     };
-    unseen.iter().zip(weights).flat_map(run).collect()
+    held_out.iter().zip(weights).flat_map(run).collect()
 }
 
-/// The standard error of the mean of a series whose samples depend on their neighbours, from the means of blocks.
+/// The standard error of the mean of a correlated series, from the means of blocks.
 fn standard_error(x: &[f64]) -> f64 {
     let means: Vec<f64> = x.chunks_exact(x.len().div_ceil(BLOCKS).max(1)).map(mean).collect();
     let k = means.len() as f64;
@@ -269,20 +264,20 @@ fn standard_error(x: &[f64]) -> f64 {
 fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> String {
     let (c, b, all) = (&candidates[chosen], &candidates[best], candidates.len());
     let name = |c: &Candidate| format!("order {} with delay {}", c.orders.na, c.orders.delay);
-    let told = format!("{} leaves {} {unit} rms of what it had not seen", name(c), short(c.held_out));
+    let held_out = format!("{}: held-out rms error {} {unit}", name(c), short(c.held_out));
     if chosen == best {
-        return format!("{told}, the least of {all} blocks, and no simpler one comes near");
+        return format!("{held_out}, the smallest of {all} blocks; no simpler block is as good");
     }
     let error = short(c.excess_error);
-    let near = if c.excess <= c.excess_error {
-        format!("which a standard error of {error} cannot tell from nothing")
+    let significance = if c.excess <= c.excess_error {
+        format!("not significant (standard error {error})")
     } else {
-        format!("beyond its standard error of {error}, but not worth more coefficients")
+        format!("significant (standard error {error}), but too small to justify more coefficients")
     };
-    let (least, apart) = (short(b.held_out), short(c.excess));
+    let (least, difference, best) = (short(b.held_out), short(c.excess), name(b));
     format!(
-        "{told}; the least of {all} blocks is {least} {unit}, by {}: in mean squares {apart} less, {near}; no simpler block comes as near",
-        name(b)
+        "{held_out}; the smallest of {all} blocks is {least} {unit}, of {best}: in mean squares {difference} less, \
+         {significance}; no simpler block is as good"
     )
 }
 
@@ -290,57 +285,41 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::plant::Plant;
+    use crate::linear::output_error::tests::pl140;
     use crate::system::System;
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 
-    /// The PL140 twin under a PRBS of 1 V, in micrometres.
-    fn pl140(seed: u64, n: usize) -> Record {
-        let u = Prbs::default().samples(TS, n).unwrap();
-        let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
-        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
-        Record::new(TS, u, y).unwrap()
-    }
-
-    fn choose(seed: u64, n: usize, settings: &OrderSearch) -> OrderSelection {
-        select(&[pl140(seed, n)], settings, &mut silent).unwrap()
-    }
-
     #[test]
-    fn the_pl140_is_of_order_5_or_6_whatever_the_noise() {
+    fn the_pl140_has_order_5_or_6_for_any_noise() {
         for seed in 1..=5 {
-            let found = choose(seed, 2 * 2047, &OrderSearch { delay: 2, ..OrderSearch::default() });
+            let settings = OrderSearch { delay: 2, ..OrderSearch::default() };
+            let found = select(&[pl140(seed, 4094)], &settings, &mut silent).unwrap();
             let Orders { na, delay, .. } = found.fit.orders;
             assert!((5..=6).contains(&na) && delay <= 1, "seed {seed}: {}", found.reason);
             assert!((0.19..0.212).contains(&found.fit.rms[0]), "{:?}", found.fit.rms);
             let resonance = found.candidates[found.chosen].resonance.unwrap();
-            crate::testing::assert_close(&[resonance.hz, resonance.damping], &[166.3, 0.03], 2e-3, 3e-4);
+            assert_close(&[resonance.hz, resonance.damping], &[166.3, 0.03], 2e-3, 3e-4);
         }
     }
 
-    /// A block of order 3 with a delay of 2.
-    fn late_block() -> Arx {
+    /// A block of order 3 with a delay of 2 samples.
+    fn delayed_block() -> Arx {
         Arx::new(TS, vec![1.2, -0.9, 0.2], vec![0.0, 0.0, 1.0, 0.4, -0.3, 0.2]).unwrap()
     }
 
-    /// Its record with white noise of 2 % in the output.
-    fn late(seed: u64) -> Record {
-        let truth = late_block();
+    /// A record of it with white output noise of 2 %.
+    fn delayed(seed: u64) -> Record {
         let u = Prbs::default().samples(TS, 2047).unwrap();
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let noise = Normal::new(0.0, 0.03).unwrap();
-        let y = truth.simulate(&u).iter().map(|y| y + noise.sample(&mut random)).collect();
+        let y = delayed_block().simulate(&u).iter().zip(noise(seed, 2047)).map(|(y, e)| y + 0.03 * e).collect();
         Record::new(TS, u, y).unwrap()
     }
 
     #[test]
-    fn the_true_order_is_chosen_and_the_true_delay() {
+    fn the_true_order_and_delay_are_chosen() {
         for seed in 0..10 {
-            let found = select(&[late(seed)], &OrderSearch::default(), &mut silent).unwrap();
+            let found = select(&[delayed(seed)], &OrderSearch::default(), &mut silent).unwrap();
             assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "seed {seed}: {}", found.reason);
             let best = |f: fn(&Candidate) -> f64| {
                 found.candidates.iter().min_by(|p, q| f(p).total_cmp(&f(q))).map(|c| (c.orders.na, c.orders.delay))
@@ -350,8 +329,8 @@ mod tests {
     }
 
     #[test]
-    fn threads_change_nothing_and_several_records_are_one_choice() {
-        let records = [late(1).part(0.0, 0.5).unwrap(), late(2).part(0.5, 1.0).unwrap()];
+    fn threads_do_not_change_the_choice_for_several_records() {
+        let records = [delayed(1).part(0.0, 0.5).unwrap(), delayed(2).part(0.5, 1.0).unwrap()];
         let few = OrderSearch { order: 4, delay: 3, ..OrderSearch::default() };
         let one = select(&records, &few, &mut silent).unwrap();
         assert_eq!((one.fit.orders.na, one.fit.orders.delay), (3, 2), "{}", one.reason);
@@ -359,17 +338,17 @@ mod tests {
     }
 
     #[test]
-    fn an_idle_pole_changes_nothing() {
-        let records = [late(1)];
+    fn a_cancelled_pole_does_not_change_the_cost() {
+        let records = [delayed(1)];
         let orders = Orders { na: 2, nb: 3, delay: 1 };
         let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut silent).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
-        crate::testing::assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
+        assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }
 
     #[test]
-    fn what_is_explained_without_noise_needs_no_more() {
-        let truth = late_block();
+    fn the_true_order_is_chosen_without_noise() {
+        let truth = delayed_block();
         let u = Prbs::default().samples(TS, 2047).unwrap();
         let record = Record::new(TS, u.clone(), truth.simulate(&u)).unwrap();
         let found = select(&[record], &OrderSearch::default(), &mut silent).unwrap();
@@ -377,8 +356,8 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_chosen_from_is_refused() {
-        let message = |settings: OrderSearch| select(&[late(1)], &settings, &mut silent).unwrap_err().to_string();
+    fn bad_settings_and_constant_records_are_errors() {
+        let message = |settings: OrderSearch| select(&[delayed(1)], &settings, &mut silent).unwrap_err().to_string();
         assert!(message(OrderSearch { order: 0, ..OrderSearch::default() }).starts_with("order = 0"));
         assert!(message(OrderSearch { held_out: 1.0, ..OrderSearch::default() }).starts_with("held_out = 1"));
         assert!(message(OrderSearch { order: 200, ..OrderSearch::default() }).contains("at least"));

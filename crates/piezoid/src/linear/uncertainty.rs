@@ -1,18 +1,18 @@
-//! How far the parameters of a block are known, and what follows from them.
+//! Uncertainty of the parameters of a block, and of quantities computed from them.
 //!
 //! ```text
 //! cov theta = H^-1 (sum w^2 J' R J) H^-1,   H = sum w J'J                                  the sandwich
 //! R_ts = r(t - s) (1 - |t - s| / (L + 1)),  r the autocovariance of e,  L = 2 n^(1/3)
 //! dz / da_i = z^(n-i) / p'(z),  p(z) = z^n - a1 z^(n-1) - ...;   s = ln z / Ts             the delta method
 //! ```
-//! With white residuals R is their variance and the middle is H: the textbook's inverse of J'J. Coloured ones, as a block
-//! of too low an order leaves, tell less than their number; the taper (Bartlett's, as Newey & West 1987, doi:10.2307/1913610,
-//! use it) keeps the sandwich positive. J is what a change of theta does that no change of past and offset can undo. The
-//! derivatives are those of simple roots.
+//! With white residuals R is their variance and the middle is H: the textbook's inverse of J'J. Coloured residuals, as
+//! of a block of too low order, have fewer independent samples; the taper (Bartlett's, as in Newey & West 1987,
+//! doi:10.2307/1913610) keeps the sandwich positive. J is the part of the derivatives that no change of past and offset
+//! can compensate. The derivatives are those of simple roots.
 //!
-//! [`bootstrap`] asks the same without a formula: residuals are cut into overlapping blocks, drawn anew, added to the free
-//! run, and the block is fitted again (Künsch 1989, doi:10.1214/aos/1176347265). Neither knows of errors that do not look
-//! like noise: drift, or hysteresis that a small signal still sees.
+//! [`OutputError::bootstrap`] gives the same without a formula: overlapping blocks of residuals are resampled and added
+//! to the free run, and the block is fitted again (Künsch 1989, doi:10.1214/aos/1176347265). Neither covers errors
+//! unlike noise: drift, or hysteresis that remains in small signals.
 
 use super::free_run::{FreeRunError, dot};
 use super::output_error::{OutputError, Refinement, checked, search};
@@ -34,11 +34,11 @@ use std::f64::consts::TAU;
 pub struct Uncertain {
     /// The estimate.
     pub value: f64,
-    /// Its standard error: two of them to either side hold the truth 19 times in 20.
+    /// Its standard error: the true value is within two of them 19 times in 20.
     pub error: f64,
 }
 
-/// A pole as far as it is known.
+/// A pole with its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UncertainPole {
     /// The pole.
@@ -83,27 +83,27 @@ impl OutputError {
     }
 }
 
-/// `value` with the standard error that `covariance`, d by d, gives to what has these `slopes`.
+/// `value` with its standard error, from its `slopes` and the d by d `covariance`.
 pub(super) fn spread(value: f64, slopes: &[f64], covariance: &[f64], d: usize) -> Uncertain {
     let rows = slopes.iter().zip(covariance.chunks_exact(d));
     let variance: f64 = rows.map(|(slope, row)| slope * row.iter().zip(slopes).map(|(c, s)| c * s).sum::<f64>()).sum();
     Uncertain { value, error: variance.max(0.0).sqrt() }
 }
 
-/// What one record says of the parameters.
+/// Residuals of one record and their derivatives.
 pub(super) struct RecordScores {
     pub(super) weight: f64,
     /// Residuals.
     pub(super) e: Vec<f64>,
-    /// Their slopes by each parameter, pasts and offsets projected out.
+    /// Their derivatives by each parameter, pasts and offsets projected out.
     pub(super) jacobian: Vec<Vec<f64>>,
 }
 
-/// The sandwich for `d` parameters, row by row; infinite where the records cannot tell. `share` is the number of samples
-/// over what is left of it when all that was fitted is taken off.
-pub(super) fn sandwich(evidence: impl Iterator<Item = RecordScores>, d: usize, share: f64) -> Vec<f64> {
+/// The sandwich for `d` parameters, row by row; infinite where the records do not determine them. `share` is the number
+/// of samples over the degrees of freedom.
+pub(super) fn sandwich(scores: impl Iterator<Item = RecordScores>, d: usize, share: f64) -> Vec<f64> {
     let (mut outer, mut middle) = (DMatrix::zeros(d, d), DMatrix::zeros(d, d));
-    for RecordScores { weight, e, jacobian } in evidence {
+    for RecordScores { weight, e, jacobian } in scores {
         let kernel = tapered(&e);
         let smoothed: Vec<Vec<f64>> = jacobian.iter().map(|column| banded(&kernel, column)).collect();
         outer += weight * DMatrix::from_fn(d, d, |i, j| dot(&jacobian[i], &jacobian[j]));
@@ -120,8 +120,8 @@ pub(super) fn sandwich(evidence: impl Iterator<Item = RecordScores>, d: usize, s
 /// The covariance of theta.
 pub(super) fn covariance(problem: &FreeRunError, theta: &[f64], freedom: usize) -> Vec<f64> {
     let samples: usize = problem.records.iter().map(Record::len).sum();
-    let evidence = problem.runs(theta).map(|(run, weight)| RecordScores { weight, jacobian: run.jacobian(), e: run.e });
-    sandwich(evidence, theta.len(), samples as f64 / freedom as f64)
+    let scores = problem.runs(theta).map(|(run, weight)| RecordScores { weight, jacobian: run.jacobian(), e: run.e });
+    sandwich(scores, theta.len(), samples as f64 / freedom as f64)
 }
 
 /// r(0), r(1), ..., r(L), tapered.
@@ -132,7 +132,7 @@ fn tapered(e: &[f64]) -> Vec<f64> {
     (0..=lags).map(|l| r(l) * (1.0 - l as f64 / (lags + 1) as f64)).collect()
 }
 
-/// 2 n^(1/3): lags that are looked at, and samples that are drawn together.
+/// 2 n^(1/3): number of lags, and length of a resampled block.
 fn block_length(n: usize) -> usize {
     (2.0 * (n as f64).cbrt()).ceil() as usize
 }
@@ -147,16 +147,16 @@ fn banded(kernel: &[f64], x: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// How to draw.
+/// Options of the bootstrap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bootstrap {
-    /// Fits to drawn residuals.
+    /// Number of fits to resampled residuals.
     pub replicates: usize,
-    /// Samples drawn together; `None` takes 2 n^(1/3) of each record.
+    /// Samples per block; `None` is 2 n^(1/3) for each record.
     pub block: Option<usize>,
-    /// Seed; each replicate has a random stream of its own.
+    /// Seed; each replicate has its own random stream.
     pub seed: u64,
-    /// Fit on the threads of the current rayon pool; the result is the same.
+    /// Fits on the threads of the current rayon pool; the result is the same.
     pub parallel: bool,
 }
 
@@ -167,12 +167,12 @@ impl Default for Bootstrap {
     }
 }
 
-/// The blocks that other noise of the same kind would have given.
+/// Blocks fitted to resampled noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replicates(pub Vec<Arx>);
 
 impl Replicates {
-    /// What is known of a number that is read from a block: its mean over the replicates and its standard deviation.
+    /// Mean and standard deviation over the replicates of a number computed from a block.
     pub fn of(&self, number: impl Fn(&Arx) -> f64) -> Uncertain {
         let values: Vec<f64> = self.0.iter().map(number).collect();
         let error = (scatter(&values) / (values.len() as f64 - 1.0).max(1.0)).sqrt();
@@ -181,14 +181,16 @@ impl Replicates {
 }
 
 impl OutputError {
-    /// Fits the block again and again to its own free run with residuals drawn anew. `records` and `settings` are those it came from.
+    /// Fits the block repeatedly to its free run with resampled residuals. `records` and `settings` are those of this
+    /// fit.
     ///
     /// ```
     /// use piezoid::{Record, System, linear::{Arx, Bootstrap, Orders, OutputError, Refinement}};
     /// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![3.0, 2.5])?;
     /// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
     /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
-    /// let records = [Record::new(5e-4, u.clone(), truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect())?];
+    /// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
+    /// let records = [Record::new(5e-4, u, y)?];
     /// let (settings, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
     /// let fit = OutputError::fit(&records, orders, &settings, &mut piezoid::progress::silent)?;
     /// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
@@ -199,7 +201,7 @@ impl OutputError {
     /// ```
     ///
     /// # Errors
-    /// Fewer than two replicates, blocks of no samples, and what [`OutputError::fit`] refuses;
+    /// Returns an error for fewer than two replicates, blocks without samples, and the errors of [`OutputError::fit`];
     /// [`Error::Cancelled`].
     pub fn bootstrap(
         &self,
@@ -217,7 +219,7 @@ impl OutputError {
         let weights = checked(records, self.orders, settings)?;
         let problem = FreeRunError { records, weights: &weights, orders: self.orders };
         let samples: usize = records.iter().map(Record::len).sum();
-        // Residuals are smaller than the noise by what was fitted to them.
+        // Residuals are smaller than the noise, because the block was fitted to them.
         let grow = (samples as f64 / self.freedom as f64).sqrt();
         let parts: Vec<(Vec<f64>, Vec<f64>)> = problem
             .runs(&self.minimum.x)
@@ -242,13 +244,13 @@ impl OutputError {
             Ok(search(&problem, &self.minimum.x, settings, &mut silent)?.arx)
         };
         let mut fitted = Vec::new();
-        let company = if draws.parallel { rayon::current_num_threads() } else { 1 };
+        let batch = if draws.parallel { rayon::current_num_threads() } else { 1 };
         while fitted.len() < draws.replicates {
             let (done, total) = (fitted.len(), draws.replicates);
             if progress(Stage { what: "bootstrap", done, total }).is_break() {
                 return Err(Error::Cancelled { what: "the bootstrap".into(), done, total });
             }
-            let next = done..(done + company).min(total);
+            let next = done..(done + batch).min(total);
             let arx: Vec<Arx> = if draws.parallel {
                 next.into_par_iter().map(replicate).collect::<Result<_, Error>>()?
             } else {
@@ -264,8 +266,7 @@ impl OutputError {
 mod tests {
     use super::*;
     use crate::linear::{Orders, OutputError};
-    use crate::testing::assert_close;
-    use rand_distr::{Distribution, Normal};
+    use crate::testing::{assert_close, noise};
 
     const ORDERS: Orders = Orders { na: 2, nb: 2, delay: 1 };
 
@@ -273,17 +274,15 @@ mod tests {
         Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap()
     }
 
-    /// A record of the truth with noise n_t = `colour` n_{t-1} + w_t in y.
+    /// A record of the true block with noise n_t = `colour` n_{t-1} + w_t in y.
     fn record(seed: u64, colour: f64) -> Record {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let gauss = Normal::new(0.0, 1.0).unwrap();
         let u: Vec<f64> = (0..800).map(|t| f64::from((t * t * t % 997 % 2) as u8) - 0.5).collect();
         let mut n = 0.0;
-        let noisy = |y: f64| {
-            n = colour * n + gauss.sample(&mut random);
+        let noisy = |(y, w): (f64, f64)| {
+            n = colour * n + w;
             y + n
         };
-        let y = truth().simulate(&u).into_iter().map(noisy).collect();
+        let y = truth().simulate(&u).into_iter().zip(noise(seed, 800)).map(noisy).collect();
         Record::new(5e-4, u, y).unwrap()
     }
 
@@ -291,23 +290,23 @@ mod tests {
         OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut silent).unwrap()
     }
 
-    /// The numbers that are followed: frequency, damping, gain.
+    /// Frequency, damping, gain.
     fn numbers(fit: &OutputError) -> [Uncertain; 3] {
         let pole = fit.poles()[0];
         [pole.hz, pole.damping, fit.dc_gain()]
     }
 
     #[test]
-    fn standard_errors_are_those_of_many_records_whatever_the_colour_of_the_noise() {
+    fn standard_errors_are_those_of_many_records_for_white_and_coloured_noise() {
         for colour in [0.0, 0.8] {
             let fits: Vec<[Uncertain; 3]> = (0..150).map(|seed| numbers(&fitted(seed, colour))).collect();
             let pole = truth().poles()[0];
             for (k, truth) in [pole.hz, pole.damping, truth().dc_gain()].into_iter().enumerate() {
                 let values: Vec<f64> = fits.iter().map(|f| f[k].value).collect();
-                let told: Vec<f64> = fits.iter().map(|f| f[k].error).collect();
-                let seen = (scatter(&values) / 149.0).sqrt();
-                // A standard deviation of 150 is known to 6 %.
-                assert_close(&[mean(&told)], &[seen], 0.2, 0.0);
+                let estimated: Vec<f64> = fits.iter().map(|f| f[k].error).collect();
+                let observed = (scatter(&values) / 149.0).sqrt();
+                // The standard deviation of 150 values is known to 6 %.
+                assert_close(&[mean(&estimated)], &[observed], 0.2, 0.0);
                 let covered = fits.iter().filter(|f| (f[k].value - truth).abs() < 1.96 * f[k].error).count();
                 assert!((132..=149).contains(&covered), "colour {colour}, number {k}: {covered} of 150");
             }
@@ -315,14 +314,14 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_low_frequency_makes_the_gain_less_certain_than_white_noise_would() {
+    fn low_frequency_noise_makes_the_gain_less_certain_than_white_noise() {
         // The same variance: 1 / (1 - 0.8^2) = 2.8.
         let (white, coloured) = (fitted(1, 0.0).dc_gain().error * 2.8f64.sqrt(), fitted(1, 0.8).dc_gain().error);
         assert!(coloured > 1.5 * white, "{coloured} against {white}");
     }
 
     #[test]
-    fn slopes_of_roots_are_those_of_differences() {
+    fn derivatives_of_roots_are_those_of_differences() {
         let fit = fitted(1, 0.0);
         let moved = |k: usize, h: f64| {
             let mut x = fit.minimum.x.clone();
@@ -330,7 +329,7 @@ mod tests {
             let arx = Arx::new(5e-4, x[..2].to_vec(), [&[0.0], &x[2..]].concat()).unwrap();
             [arx.poles()[0].hz, arx.poles()[0].damping, arx.dc_gain()]
         };
-        // With a covariance of one entry only, the error is the size of one slope.
+        // With a single entry of the covariance, the error is the size of one derivative.
         for k in 0..4 {
             let mut covariance = vec![0.0; 16];
             covariance[5 * k] = 1.0;
@@ -343,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn drawn_residuals_say_the_same_as_the_formula() {
+    fn the_bootstrap_agrees_with_the_formula() {
         for colour in [0.0, 0.8] {
             let (records, fit) = ([record(5, colour)], fitted(5, colour));
             let draws = Bootstrap { replicates: 200, parallel: true, ..Bootstrap::default() };
@@ -357,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_change_nothing_in_what_is_drawn() {
+    fn threads_do_not_change_the_bootstrap() {
         let (records, fit) = ([record(2, 0.3)], fitted(2, 0.3));
         let of = |parallel, seed| {
             let draws = Bootstrap { replicates: 5, parallel, seed, ..Bootstrap::default() };
@@ -368,8 +367,8 @@ mod tests {
     }
 
     #[test]
-    fn what_the_records_cannot_tell_is_infinitely_uncertain() {
-        let evidence = RecordScores { weight: 1.0, e: vec![0.1; 50], jacobian: vec![vec![1.0; 50], vec![2.0; 50]] };
-        assert_eq!(sandwich(std::iter::once(evidence), 2, 1.0), [f64::INFINITY; 4]);
+    fn undetermined_parameters_have_infinite_uncertainty() {
+        let scores = RecordScores { weight: 1.0, e: vec![0.1; 50], jacobian: vec![vec![1.0; 50], vec![2.0; 50]] };
+        assert_eq!(sandwich(std::iter::once(scores), 2, 1.0), [f64::INFINITY; 4]);
     }
 }

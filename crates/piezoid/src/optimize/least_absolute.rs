@@ -1,8 +1,10 @@
-//! Exact least absolute deviations: the yardstick of every search for the same optimum.
+//! Exact least absolute deviations: the reference solution for searches of the same optimum.
 //!
-//! min over x of sum_i |y_i - a_i' x| is the linear program
-//! min sum_i t_i  subject to  -t_i <= y_i - a_i' x <= t_i (Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138),
-//! solved by an interior-point method. Its dual gives a certificate: no x has a cost below the bound.
+//! ```text
+//! min over x of sum_i |y_i - a_i' x|   is   min sum_i t_i  subject to  -t_i <= y_i - a_i' x <= t_i
+//! ```
+//! An interior-point method solves this linear program (Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138). The
+//! dual problem gives a certificate: no x has a cost below the bound.
 
 use crate::error::Error;
 use clarabel::algebra::CscMatrix;
@@ -19,16 +21,13 @@ pub(crate) struct LeastAbsolute {
     pub bound: f64,
 }
 
-/// The x that minimises sum_i |y_i - a_i' x|, for `rows` that hold `[y_i, a_i...]` one after another, each with
-/// `dimension` numbers in a_i.
-///
-/// # Errors
-/// Refuses numbers that are not finite; [`Error::Unidentifiable`] when the solver ends without an optimum.
+/// The x that minimises sum_i |y_i - a_i' x|. `rows` are `[y_i, a_i...]` one after another, with `dimension` numbers in
+/// each a_i. Returns an error if a number is not finite; [`Error::Unidentifiable`] if the solver finds no optimum.
 pub(crate) fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbsolute, Error> {
     crate::error::finite("rows", rows)?;
     let stride = dimension + 1;
     let n = rows.len() / stride;
-    // Columns of one size, so that the solver's tolerances mean the same in each.
+    // Columns are scaled to one size, so that the tolerances of the solver mean the same in each.
     let size: Vec<f64> = (0..stride)
         .map(|k| rows.iter().skip(k).step_by(stride).fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs())))
         .collect();
@@ -65,7 +64,7 @@ pub(crate) fn least_absolute(rows: &[f64], dimension: usize) -> Result<LeastAbso
     let cones = [SupportedConeT::NonnegativeConeT(2 * n)];
     let failed = |why: String| Error::Unidentifiable {
         what: "the least-absolute fit".into(),
-        because: format!("{why}; are the columns of the regression independent?"),
+        because: format!("{why}; check that the regressors are independent"),
     };
     let mut solver = DefaultSolver::new(&nothing, &price, &constraints, &right, &cones, settings)
         .map_err(|e| failed(e.to_string()))?;
@@ -87,7 +86,7 @@ mod tests {
 
     #[test]
     fn the_optimum_meets_its_bound_and_ignores_an_outlier() {
-        // A line through nine points and a tenth far off: least squares would bend, least absolute does not.
+        // A line through nine points, and an outlier that would change a least-squares fit.
         let mut rows: Vec<f64> = (0..10).flat_map(|i| [2.0 + 3.0 * f64::from(i), 1.0, f64::from(i)]).collect();
         rows[27] += 1000.0;
         let fit = least_absolute(&rows, 2).unwrap();
@@ -96,9 +95,8 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_becomes_the_median() {
-        // A constant fitted by least absolute deviations is the median.
-        let fit = crate::optimize::least_absolute(&[1.0, 1.0, 2.0, 1.0, 99.0, 1.0], 1).unwrap();
+    fn the_fit_of_a_constant_is_the_median() {
+        let fit = least_absolute(&[1.0, 1.0, 2.0, 1.0, 99.0, 1.0], 1).unwrap();
         assert!((fit.x[0] - 2.0).abs() < 1e-6);
     }
 }

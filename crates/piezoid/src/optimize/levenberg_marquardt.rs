@@ -1,17 +1,17 @@
-//! Levenberg-Marquardt: the least of a sum of squares e'e, from its normal equations alone.
+//! Levenberg-Marquardt: minimises a sum of squares e'e from its normal equations.
 //!
 //! ```text
 //! (J'J + mu D) h = -J'e,   D = diag(J'J)                             the step
-//! rho = (f(x) - f(x + h)) / (h' (mu D h - J'e)),   f = e'e           what it gained over what the model promised
-//! rho > 0:  x <- x + h,  mu <- mu max(1/3, 1 - (2 rho - 1)^3)        taken
-//! else:     mu <- nu mu,  nu <- 2 nu                                 refused, and the more shyly the oftener
+//! rho = (f(x) - f(x + h)) / (h' (mu D h - J'e)),   f = e'e           actual over predicted decrease
+//! rho > 0:  x <- x + h,  mu <- mu max(1/3, 1 - (2 rho - 1)^3)        step accepted
+//! else:     mu <- nu mu,  nu <- 2 nu                                 step rejected
 //! ```
 //!
-//! Marquardt 1963 (doi:10.1137/0111030) for the scaling by D, which makes the path independent of the units of x;
-//! Nielsen 1999 (IMM-REP-1999-05, Technical University of Denmark) for the damping. J'J and J'e are sums over samples, so
-//! a problem of any length is accumulated piece by piece; the price is that a condition number beyond 1e8 in J is lost to
-//! rounding. There mu never falls to nothing, so directions in which the cost is flat are left alone instead of taken
-//! far. It finds the minimum that the start leads to, and has no bounds but a cost that is not finite.
+//! Scaling by D: Marquardt 1963 (doi:10.1137/0111030); it makes the path independent of the units of x. Damping:
+//! Nielsen 1999 (IMM-REP-1999-05, Technical University of Denmark). J'J and J'e are sums over samples, so a problem of
+//! any length can be accumulated in parts. The price: condition numbers of J above 1e8 are lost to rounding. mu has a
+//! lower limit, so that directions of constant cost do not move. It finds a local minimum; its only bound is a cost
+//! that is not finite.
 
 use super::{Minimum, Reason};
 use crate::error::{Error, positive};
@@ -24,14 +24,14 @@ pub(crate) trait SumOfSquares {
     /// Number of unknowns.
     fn dimension(&self) -> usize;
 
-    /// e'e at `x`; infinite or NaN where `x` makes no sense, which refuses the step there.
+    /// e'e at `x`. An infinite or NaN cost rejects the step to `x`.
     fn cost(&self, x: &[f64]) -> f64;
 
-    /// The normal equations at `x`, where the cost is finite.
+    /// The normal equations at `x`. The cost there is finite.
     fn normal(&self, x: &[f64]) -> NormalEquations;
 }
 
-/// The normal equations at one point, with J the derivatives of e, one column an unknown.
+/// The normal equations at one point. J has the derivatives of e, one column per unknown.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NormalEquations {
     /// e'e.
@@ -42,36 +42,32 @@ pub(crate) struct NormalEquations {
     pub hessian: Vec<f64>,
 }
 
-/// How to search.
+/// Options of the search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct SearchSettings {
-    /// Steps tried at most, refused ones included.
+    /// Maximum number of steps, including rejected ones.
     pub iterations: usize,
-    /// Converged when a step promises to lower the cost by less than this share of it.
+    /// Converged when the predicted relative decrease of the cost is smaller than this.
     pub tolerance: f64,
-    /// mu at the start: small trusts the start, large distrusts it.
+    /// Initial mu: small for a start close to the minimum, large otherwise.
     pub damping: f64,
 }
 
 impl Default for SearchSettings {
-    /// 100 steps, 1e-12, 1e-3.
     fn default() -> Self {
         SearchSettings { iterations: 100, tolerance: 1e-12, damping: 1e-3 }
     }
 }
 
-/// The smallest mu: below it, rounding in J'J decides which way flat directions go.
+/// The smallest mu. With a smaller one, rounding errors in J'J move x in directions of constant cost.
 const LEAST_DAMPING: f64 = 1e-13;
 
-/// A mu beyond which steps are rounding.
+/// The largest mu. With a larger one, steps are smaller than rounding errors.
 const MOST_DAMPING: f64 = 1e20;
 
-/// Searches from `start`. How it ended is in [`Minimum::reason`]; cancelling keeps the best so far.
-///
-/// # Errors
-/// Refuses a start of another length than the problem's dimension or whose cost is not finite, no iterations, and a
-/// damping or tolerance that is not positive.
+/// Searches from `start`. If cancelled, returns the best point so far. Returns an error if the start has a wrong length
+/// or a cost that is not finite, if there are no iterations, or if the damping or the tolerance is not positive.
 pub(crate) fn minimise(
     problem: &impl SumOfSquares,
     start: &[f64],
@@ -95,15 +91,15 @@ pub(crate) fn minimise(
             break Reason::Cancelled;
         }
         let mut gain = -1.0;
-        if let Some((h, promise)) = step(&normal, mu) {
-            // A promise may be small for two reasons: nothing left to gain, or too shy to gain it.
-            if mu < 1.0 && promise <= settings.tolerance * normal.cost {
+        if let Some((h, predicted)) = step(&normal, mu) {
+            // With a large mu the predicted decrease is small even far from the minimum.
+            if mu < 1.0 && predicted <= settings.tolerance * normal.cost {
                 break Reason::Converged;
             }
             let trial: Vec<f64> = x.iter().zip(&h).map(|(x, h)| x + h).collect();
             let cost = problem.cost(&trial);
             if cost < normal.cost {
-                gain = (normal.cost - cost) / promise;
+                gain = (normal.cost - cost) / predicted;
                 x = trial;
                 normal = problem.normal(&x);
             }
@@ -126,12 +122,8 @@ pub(crate) fn minimise(
 
 fn check(problem: &impl SumOfSquares, start: &[f64], settings: &SearchSettings) -> Result<(), Error> {
     if start.len() != problem.dimension() {
-        return Err(Error::Lengths {
-            left: "the start".into(),
-            left_len: start.len(),
-            right: "the vector of unknowns".into(),
-            right_len: problem.dimension(),
-        });
+        let (left, right) = ("the start".into(), "the vector of unknowns".into());
+        return Err(Error::Lengths { left, left_len: start.len(), right, right_len: problem.dimension() });
     }
     positive("damping", settings.damping, "J'J's diagonal")?;
     positive("tolerance", settings.tolerance, "the cost")?;
@@ -141,7 +133,7 @@ fn check(problem: &impl SumOfSquares, start: &[f64], settings: &SearchSettings) 
     Ok(())
 }
 
-/// The damped step and the fall of e'e that the model promises for it; `None` where rounding has left no step.
+/// The damped step and the predicted decrease of e'e; `None` if the factorisation fails.
 fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
     let d = normal.gradient.len();
     let size = sizes(normal);
@@ -149,12 +141,12 @@ fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
         DMatrix::from_fn(d, d, |i, j| normal.hessian[i * d + j] / (size[i] * size[j]) + if i == j { mu } else { 0.0 });
     let downhill = DVector::from_fn(d, |i, _| -normal.gradient[i] / size[i]);
     let h = Cholesky::new(scaled)?.solve(&downhill);
-    let promise = h.dot(&(&h * mu + downhill));
+    let predicted = h.dot(&(&h * mu + downhill));
     let h: Vec<f64> = h.iter().zip(&size).map(|(h, size)| h / size).collect();
-    h.iter().all(|h| h.is_finite()).then_some((h, promise))
+    h.iter().all(|h| h.is_finite()).then_some((h, predicted))
 }
 
-/// The lengths of J's columns; 1 for a column of zeros, whose unknown then stays where it is.
+/// Lengths of the columns of J; 1 for a column of zeros, whose unknown then does not move.
 fn sizes(normal: &NormalEquations) -> Vec<f64> {
     let d = normal.gradient.len();
     let length = |i: usize| normal.hessian[i * d + i].sqrt();
@@ -162,7 +154,7 @@ fn sizes(normal: &NormalEquations) -> Vec<f64> {
 }
 
 impl NormalEquations {
-    /// No samples yet, for `dimension` unknowns.
+    /// Zero sums for `dimension` unknowns.
     pub(crate) fn empty(dimension: usize) -> Self {
         NormalEquations { cost: 0.0, gradient: vec![0.0; dimension], hessian: vec![0.0; dimension * dimension] }
     }
@@ -182,7 +174,7 @@ mod tests {
     use crate::testing::assert_close;
     use std::ops::ControlFlow;
 
-    /// Errors and their derivatives as functions of x: row i of J after e_i.
+    /// Errors and their derivatives as functions of x: e_i, then row i of J.
     struct Rows<F: Fn(&[f64]) -> Vec<Vec<f64>>>(usize, F);
 
     impl<F: Fn(&[f64]) -> Vec<Vec<f64>>> SumOfSquares for Rows<F> {
@@ -208,38 +200,40 @@ mod tests {
         vec![vec![10.0 * (x[1] - x[0] * x[0]), -20.0 * x[0], 10.0], vec![1.0 - x[0], -1.0, 0.0]]
     }
 
+    fn search(problem: &impl SumOfSquares, start: &[f64]) -> Minimum {
+        minimise(problem, start, &SearchSettings::default(), &mut silent).unwrap()
+    }
+
     #[test]
-    fn it_walks_down_rosenbrocks_valley() {
-        let found = minimise(&Rows(2, rosenbrock), &[-1.2, 1.0], &SearchSettings::default(), &mut silent).unwrap();
+    fn it_finds_the_minimum_of_rosenbrocks_function() {
+        let found = search(&Rows(2, rosenbrock), &[-1.2, 1.0]);
         assert_close(&found.x, &[1.0, 1.0], 1e-9, 0.0);
         assert!(found.history.len() < 40 && found.history.windows(2).all(|w| w[1] <= w[0]));
     }
 
     #[test]
-    fn units_of_the_unknowns_change_nothing() {
+    fn the_path_does_not_depend_on_the_units_of_the_unknowns() {
         let in_other_units = |x: &[f64]| {
             let rows = rosenbrock(&[x[0] * 1e-6, x[1] * 1e4]);
             rows.into_iter().map(|r| vec![r[0], r[1] * 1e-6, r[2] * 1e4]).collect()
         };
-        let plain = minimise(&Rows(2, rosenbrock), &[-1.2, 1.0], &SearchSettings::default(), &mut silent).unwrap();
-        let other =
-            minimise(&Rows(2, in_other_units), &[-1.2e6, 1e-4], &SearchSettings::default(), &mut silent).unwrap();
+        let plain = search(&Rows(2, rosenbrock), &[-1.2, 1.0]);
+        let other = search(&Rows(2, in_other_units), &[-1.2e6, 1e-4]);
         assert_close(&other.history[..10], &plain.history[..10], 1e-6, 0.0);
     }
 
     #[test]
-    fn a_direction_that_changes_nothing_is_left_alone() {
-        // Only the product is seen: x0 x1 = 6.
+    fn directions_of_constant_cost_do_not_move() {
+        // The cost depends only on the product: x0 x1 = 6.
         let product = Rows(2, |x: &[f64]| vec![vec![x[0] * x[1] - 6.0, x[1], x[0]]]);
-        let found = minimise(&product, &[1.0, 1.0], &SearchSettings::default(), &mut silent).unwrap();
+        let found = search(&product, &[1.0, 1.0]);
         assert_close(&[found.x[0] * found.x[1], found.x[0]], &[6.0, found.x[1]], 1e-9, 0.0);
-        let unseen = Rows(2, |x: &[f64]| vec![vec![x[0] - 3.0, 1.0, 0.0]]);
-        let found = minimise(&unseen, &[1.0, 7.0], &SearchSettings::default(), &mut silent).unwrap();
-        assert_close(&found.x, &[3.0, 7.0], 1e-9, 0.0);
+        let constant = Rows(2, |x: &[f64]| vec![vec![x[0] - 3.0, 1.0, 0.0]]);
+        assert_close(&search(&constant, &[1.0, 7.0]).x, &[3.0, 7.0], 1e-9, 0.0);
     }
 
     #[test]
-    fn a_step_to_where_nothing_is_defined_is_refused() {
+    fn a_step_to_an_undefined_cost_is_rejected() {
         // (ln x)^2: undefined below 0, where the first full step from 10 leads.
         let log = Rows(1, |x: &[f64]| vec![vec![x[0].ln(), 1.0 / x[0]]]);
         let settings = SearchSettings { damping: 1e-9, ..SearchSettings::default() };
@@ -249,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn how_it_ended_is_told() {
+    fn the_reason_for_the_end_is_reported() {
         let noisy = Rows(2, |x: &[f64]| {
             (0..20)
                 .map(|t| (f64::from(t), f64::from(t * t % 7)))
@@ -264,36 +258,16 @@ mod tests {
         assert_eq!((start.reason, start.x), (Reason::Cancelled, vec![0.5, 0.0]));
         let message = |settings, x: &[f64]| minimise(&noisy, x, &settings, &mut silent).unwrap_err().to_string();
         assert!(message(SearchSettings::default(), &[1.0]).contains("the start has 1"));
-        assert!(
-            message(SearchSettings { damping: 0.0, ..SearchSettings::default() }, &[0.0, 0.0]).contains("damping = 0")
-        );
+        let undamped = SearchSettings { damping: 0.0, ..SearchSettings::default() };
+        assert!(message(undamped, &[0.0, 0.0]).contains("damping = 0"));
     }
 
     #[test]
     fn the_rate_of_a_decay_is_found() {
-        /// sum over t of (exp(-x t) - y_t)^2
-        struct Decay(Vec<f64>);
-        impl SumOfSquares for Decay {
-            fn dimension(&self) -> usize {
-                1
-            }
-            fn cost(&self, x: &[f64]) -> f64 {
-                self.normal(x).cost
-            }
-            fn normal(&self, x: &[f64]) -> NormalEquations {
-                let mut sums = NormalEquations { cost: 0.0, gradient: vec![0.0], hessian: vec![0.0] };
-                for (t, y) in self.0.iter().enumerate() {
-                    let model = (-x[0] * t as f64).exp();
-                    let (e, slope) = (model - y, -(t as f64) * model);
-                    sums.cost += e * e;
-                    sums.gradient[0] += slope * e;
-                    sums.hessian[0] += slope * slope;
-                }
-                sums
-            }
-        }
-        let half = Decay((0..5).map(|t| 0.5f64.powi(t)).collect());
-        let found = minimise(&half, &[0.1], &SearchSettings::default(), &mut crate::progress::silent).unwrap();
-        assert!((found.x[0] - 2f64.ln()).abs() < 1e-9);
+        let error = |x: f64, t: i32| {
+            vec![(-x * f64::from(t)).exp() - 0.5f64.powi(t), -f64::from(t) * (-x * f64::from(t)).exp()]
+        };
+        let decay = Rows(1, |x: &[f64]| (0..5).map(|t| error(x[0], t)).collect());
+        assert_close(&search(&decay, &[0.1]).x, &[2f64.ln()], 0.0, 1e-9);
     }
 }

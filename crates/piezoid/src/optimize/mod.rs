@@ -1,23 +1,25 @@
-//! Searches for the best parameters. How a search ended is data ([`Minimum::reason`]), not an error.
+//! Searches for the best parameters. The reason why a search ended is data ([`Minimum::reason`]), not an error.
 
+#[cfg(feature = "clarabel")]
 mod least_absolute;
 pub(crate) mod levenberg_marquardt;
 mod non_negative;
 pub mod swarm;
 
+#[cfg(feature = "clarabel")]
 pub(crate) use least_absolute::least_absolute;
 pub(crate) use non_negative::non_negative;
 
 use serde::{Deserialize, Serialize};
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Minimum {
     /// The best point.
     pub x: Vec<f64>,
     /// Its cost.
     pub cost: f64,
-    /// Best cost at the start and after each iteration; it never rises.
+    /// Best cost at the start and after each iteration; it never increases.
     pub history: Vec<f64>,
     /// Best point at the start and after each iteration.
     pub courses: Vec<Vec<f64>>,
@@ -29,19 +31,19 @@ pub struct Minimum {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
-    /// All iterations were spent.
+    /// The maximum number of iterations is reached.
     Iterations,
-    /// The cost fell to the threshold.
+    /// The cost is at or below the threshold.
     Threshold,
-    /// The cost has not fallen for as many iterations as the settings allow, or no step lowers it any more.
+    /// The cost has not decreased for the number of iterations in the settings, or no step decreases it any more.
     Stall,
-    /// The best step that is left would lower the cost by less than the settings ask for.
+    /// The best step would decrease the cost by less than the tolerance.
     Converged,
-    /// The caller asked to stop.
+    /// The caller cancelled the search.
     Cancelled,
 }
 
-/// The box a search starts in and stays in.
+/// The bounds of a search: it starts and stays in this box.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Corners")]
 pub struct Bounds {
@@ -49,7 +51,7 @@ pub struct Bounds {
     high: Vec<f64>,
 }
 
-/// How [`Bounds`] are read.
+/// File format of [`Bounds`].
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Corners {
@@ -65,18 +67,14 @@ impl TryFrom<Corners> for Bounds {
 }
 
 impl Bounds {
-    /// The box between the corners `low` and `high`, which have one number a dimension.
+    /// The box between the corners `low` and `high`, with one number per dimension.
     ///
     /// # Errors
-    /// Refused unless both are finite, equally long, not empty, and `low < high` in every dimension.
+    /// Returns an error unless both are finite, of equal length, not empty, and `low < high` in every dimension.
     pub fn new(low: Vec<f64>, high: Vec<f64>) -> Result<Self, crate::Error> {
         if low.len() != high.len() {
-            return Err(crate::Error::Lengths {
-                left: "the lower corner".into(),
-                left_len: low.len(),
-                right: "the upper corner".into(),
-                right_len: high.len(),
-            });
+            let (left, right) = ("the lower corner".into(), "the upper corner".into());
+            return Err(crate::Error::Lengths { left, left_len: low.len(), right, right_len: high.len() });
         }
         let narrow = low.iter().zip(&high).position(|(l, h)| !(l < h && (h - l).is_finite()));
         if let Some(d) = narrow {

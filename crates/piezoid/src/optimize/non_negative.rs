@@ -1,26 +1,26 @@
-//! Least squares under signs: the smallest ½ x' H x - g' x where some x may not be negative.
+//! Least squares with sign constraints: minimises ½ x' H x - g' x where some x must not be negative.
 //!
-//! At the solution every constrained x is either free (positive, with gradient zero) or held at zero (gradient not
-//! negative). Block principal pivoting guesses which, solves for the free ones, and moves all that break the rule to the
-//! other side at once: a few rounds, as a rule. Where that circles, the way goes on downhill from where it is best: one x
-//! is freed at a time, and the step to the solution ends where another would turn negative (Lawson & Hanson). That ends,
-//! as each round lowers the sum; after as many rounds as there are x it is left at that.
+//! At the solution every constrained x is either free (positive, gradient zero) or fixed at zero (gradient not
+//! negative). Block principal pivoting starts from a guess, solves for the free x, and exchanges all x that violate
+//! their condition; usually a few iterations are enough. If it cycles, an active-set method (Lawson & Hanson) continues
+//! from the best guess: it frees one x at a time, and its step ends where another x would become negative. Every
+//! iteration decreases the sum; the number of iterations is limited to the number of x.
 //!
 //! Reference: L. F. Portugal, J. J. Judice, L. N. Vicente, Math. Comp. 63, 625 (1994), DOI
 //! 10.1090/S0025-5718-1994-1250776-4; C. L. Lawson, R. J. Hanson, Solving Least Squares Problems (1974), DOI
 //! 10.1137/1.9781611971217.
 
-use multiversion::multiversion;
+use crate::series::dot_wide;
 
-/// Exchanges of whole blocks that may fail to reduce the number of broken rules.
+/// Maximum number of block exchanges in a row that do not reduce the number of violations.
 const PATIENCE: usize = 4;
 
-/// How far below zero x, over the largest, and its gradient, over the largest of g, may lie by rounding.
+/// Rounding tolerance below zero: of x relative to the largest x, and of the gradient relative to the largest g.
 const TINY: f64 = 1e-11;
 const LEVEL: f64 = 1e-9;
 
-/// Minimises ½ x' H x - g' x for x_k >= 0 where `signed[k]`. `h` holds the symmetric n x n matrix row by row; `free` says
-/// which x are guessed to be positive, and is left as found. `None` where H is not positive definite.
+/// Minimises ½ x' H x - g' x for x_k >= 0 where `signed[k]`. `h` is the symmetric n x n matrix row by row. `free` is
+/// the guess which x are positive; on return, it is the result. `None` if H is not positive definite.
 pub(crate) fn non_negative(h: &[f64], g: &[f64], signed: &[bool], free: &mut [bool]) -> Option<Vec<f64>> {
     let n = g.len();
     (0..n).for_each(|k| free[k] |= !signed[k]);
@@ -48,7 +48,7 @@ pub(crate) fn non_negative(h: &[f64], g: &[f64], signed: &[bool], free: &mut [bo
     downhill(h, g, signed, free)
 }
 
-/// Goes on from the solution for the `free` x, those below zero raised to it.
+/// The active-set method, from the solution for the `free` x with negative values set to zero.
 fn downhill(h: &[f64], g: &[f64], signed: &[bool], free: &mut [bool]) -> Option<Vec<f64>> {
     let n = g.len();
     let mut x = solve(h, g, n, free)?;
@@ -57,12 +57,12 @@ fn downhill(h: &[f64], g: &[f64], signed: &[bool], free: &mut [bool]) -> Option<
         x[k] = x[k].max(0.0);
     }
     for _ in 0..n {
-        // To the solution for the free ones, or as far as none turns negative.
+        // A step to the solution for the free x, or up to the first that would become negative.
         loop {
             let goal = solve(h, g, n, free)?;
-            let turning = (0..n).filter(|&k| free[k] && signed[k] && goal[k] < 0.0);
+            let negative = (0..n).filter(|&k| free[k] && signed[k] && goal[k] < 0.0);
             let reach = |k: usize| x[k] / (x[k] - goal[k]);
-            let first = turning.min_by(|&j, &k| reach(j).total_cmp(&reach(k)));
+            let first = negative.min_by(|&j, &k| reach(j).total_cmp(&reach(k)));
             let step = first.map_or(1.0, reach);
             (0..n).for_each(|k| x[k] += step * (goal[k] - x[k]));
             let Some(first) = first else { break };
@@ -78,6 +78,11 @@ fn downhill(h: &[f64], g: &[f64], signed: &[bool], free: &mut [bool]) -> Option<
     Some(x)
 }
 
+/// The scalar product by sixteen partial sums.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    dot_wide::<16>(a, b)
+}
+
 fn gradient(h: &[f64], g: &[f64], x: &[f64]) -> Vec<f64> {
     h.chunks_exact(g.len()).zip(g).map(|(row, g)| dot(row, x) - g).collect()
 }
@@ -86,7 +91,7 @@ fn level(g: &[f64]) -> f64 {
     LEVEL * g.iter().fold(0.0f64, |m, g| m.max(g.abs()))
 }
 
-/// Solves H x = g for the `free` x by Cholesky's factorisation; the others are 0.
+/// Solves H x = g for the `free` x by Cholesky factorisation; the others are 0.
 fn solve(h: &[f64], g: &[f64], n: usize, free: &[bool]) -> Option<Vec<f64>> {
     let active: Vec<usize> = (0..n).filter(|&k| free[k]).collect();
     let m = active.len();
@@ -118,26 +123,6 @@ fn solve(h: &[f64], g: &[f64], n: usize, free: &[bool]) -> Option<Vec<f64>> {
     Some(all)
 }
 
-/// The product, summed in sixteen strands whatever the instruction set.
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<16>(), b.as_chunks::<16>());
-    let (mut sums, mut tail) = ([0.0; 16], 0.0);
-    for i in 0..a.len().min(b.len()) {
-        for k in 0..16 {
-            sums[k] += a[i][k] * b[i][k];
-        }
-    }
-    for i in 0..a_rest.len().min(b_rest.len()) {
-        tail += a_rest[i] * b_rest[i];
-    }
-    let mut sum = 0.0;
-    for part in sums {
-        sum += part;
-    }
-    sum + tail
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,7 +131,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_solution_keeps_the_rules_that_define_it(
+        fn the_solution_satisfies_the_optimality_conditions(
             (n, numbers) in (1usize..24).prop_flat_map(|n| (Just(n), prop::collection::vec(-1.0f64..1.0, n * n + n)))
         ) {
             let (a, g) = numbers.split_at(n * n);
@@ -170,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_matrix_that_is_not_positive_is_no_problem_to_solve() {
+    fn a_matrix_that_is_not_positive_definite_has_no_solution() {
         assert_eq!(non_negative(&[1.0, 1.0, 1.0, 1.0], &[1.0, 2.0], &[false; 2], &mut [true; 2]), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Particle swarm optimisation with time-varying acceleration, as the paper's equations (2) to (7).
+//! Particle swarm optimisation with time-varying acceleration: equations (2) to (7) of the paper.
 //!
 //! ```text
 //! v <- w v + c1 r1 (p_best - x) + c2 r2 (g_best - x)      (2)
@@ -8,15 +8,15 @@
 //! w = w_max - (w_max - w_min) i / alpha                   (7)
 //! ```
 //!
-//! Kennedy & Eberhart 1995 (doi:10.1109/ICNN.1995.488968); inertia: Shi & Eberhart 1998
-//! (doi:10.1109/ICEC.1998.699146); acceleration: Ratnaweera et al. 2004 (doi:10.1109/TEVC.2004.826071).
+//! Kennedy & Eberhart 1995 (doi:10.1109/ICNN.1995.488968); inertia: Shi & Eberhart 1998 (doi:10.1109/ICEC.1998.699146);
+//! acceleration: Ratnaweera et al. 2004 (doi:10.1109/TEVC.2004.826071).
 //!
-//! r1 and r2 are one number each a particle and iteration, as (2) is written. (Drawn for every dimension, as is common
-//! too, they end on the kinks of a sum of absolute errors more often.) Equation (4) prints g_best as the best of the current
-//! positions; the custom is the best position that any particle has ever had. [`GlobalBest`] has both. Where the paper is
-//! silent: the largest velocity is a share of the box; a particle that reaches a wall stays on it and loses the velocity that
-//! took it there; a cost that is not a number counts as the worst there is. Each particle draws from a random stream of its
-//! own, so threads change nothing.
+//! r1 and r2 are one number each per particle and iteration, as in (2). (If drawn for every dimension, which is also
+//! common, the search ends more often at the kinks of a sum of absolute errors.) In the printed equation (4) g_best is
+//! the best of the current positions; usually it is the best position of any particle so far. [`GlobalBest`] has both.
+//! The paper does not specify the following: the largest velocity is a share of the box; a particle that reaches a
+//! bound stays there with velocity 0; a cost of NaN counts as the largest cost. Each particle has its own random
+//! stream, so the result does not depend on the number of threads.
 
 use super::{Bounds, Minimum, Reason};
 use crate::error::Error;
@@ -26,15 +26,15 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
-/// The most particles, and the most iterations.
+/// Maximum number of particles and of iterations.
 const MOST: usize = 10_000_000;
 
-/// What a swarm minimises. Every `Fn(&[f64]) -> f64` that may be shared between threads is a cost.
+/// The cost that a swarm minimises. Every `Fn(&[f64]) -> f64` that can be shared between threads is a cost.
 pub trait Cost: Sync {
-    /// Writes the cost of each particle; `positions` holds the particles one after another.
+    /// Writes the cost of each particle; `positions` has the particles one after another.
     ///
-    /// A particle's cost matters only where it is below `limits` (its own best so far): once it is certain to reach
-    /// that limit, any number not below it will do, which lets a sum of non-negative terms stop early.
+    /// A cost is used only if it is below `limits` (the best cost of the particle so far). Otherwise any number not
+    /// below the limit may be returned, so that a sum of non-negative terms can stop early.
     fn evaluate(&self, positions: &[f64], limits: &[f64], costs: &mut [f64]);
 }
 
@@ -46,18 +46,18 @@ impl<F: Fn(&[f64]) -> f64 + Sync> Cost for F {
     }
 }
 
-/// Which position g_best of equation (2) is.
+/// Definition of g_best in equation (2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GlobalBest {
-    /// The best that any particle has ever had, as is customary.
+    /// The best position of any particle so far, as usual.
     #[default]
     Ever,
-    /// The best of the positions of this iteration: the paper's equation (4) as printed.
+    /// The best of the current positions: equation (4) of the paper as printed.
     Current,
 }
 
-/// How the swarm searches. The defaults are the paper's where it states them, else what is customary.
+/// Options of the search. The defaults are those of the paper; if it gives none, the usual values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SwarmSettings {
@@ -69,17 +69,17 @@ pub struct SwarmSettings {
     pub inertia_max: f64,
     /// Inertia weight at the end, w_min in (7).
     pub inertia_min: f64,
-    /// Largest velocity, as a share of the box a step.
+    /// Largest velocity, as a share of the box per step.
     pub velocity_max: f64,
-    /// The g_best that draws every particle.
+    /// Definition of g_best.
     pub global_best: GlobalBest,
-    /// Stop once the cost is at or below this.
+    /// The search stops when the cost is at or below this value.
     pub threshold: Option<f64>,
-    /// Stop once the cost has not fallen for this many iterations.
+    /// The search stops when the cost has not decreased for this number of iterations.
     pub stall: Option<usize>,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Evaluate particles on the threads of the current rayon pool; the result is the same.
+    /// Evaluates particles on the threads of the current rayon pool; the result is the same.
     pub parallel: bool,
 }
 
@@ -100,8 +100,8 @@ impl Default for SwarmSettings {
     }
 }
 
-/// A swarm between two iterations: all there is to checkpoint. It serialises, and a search that goes on from the
-/// copy gives the same bytes as one that was never interrupted.
+/// A swarm between two iterations. It can be serialised as a checkpoint; a search resumed from it is bit-identical to
+/// one without interruption.
 ///
 /// ```
 /// use piezoid::optimize::{Bounds, swarm::{SwarmSettings, Swarm}};
@@ -133,7 +133,7 @@ impl Serialize for Swarm {
     }
 }
 
-/// A checkpoint is read only if its parts fit together.
+/// Returns an error if the parts of a checkpoint do not fit together.
 impl<'de> Deserialize<'de> for Swarm {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let c = Swarm::deserialize(from)?;
@@ -148,7 +148,7 @@ impl<'de> Deserialize<'de> for Swarm {
         if fits {
             return Ok(c);
         }
-        let why = format!("this is no checkpoint of {s} particles in {d} dimensions: its parts have other lengths");
+        let why = format!("this is not a checkpoint of {s} particles in {d} dimensions: its parts have other lengths");
         Err(D::Error::custom(why))
     }
 }
@@ -157,17 +157,18 @@ impl SwarmSettings {
     /// Steps 1 to 7 of the paper's algorithm in one call.
     ///
     /// # Errors
-    /// As [`Swarm::new`].
+    /// The errors of [`Swarm::new`].
     pub fn minimise(self, cost: &impl Cost, bounds: Bounds, progress: &mut Progress) -> Result<Minimum, Error> {
         Ok(Swarm::new(cost, bounds, self)?.run(cost, progress))
     }
 }
 
 impl Swarm {
-    /// Places the particles and their velocities at random in the box and evaluates them (steps 1 to 5).
+    /// Draws random positions and velocities of the particles and evaluates them (steps 1 to 5).
     ///
     /// # Errors
-    /// Refuses a swarm without particles or iterations, inertia outside 0 to 1, and a largest velocity that is not positive.
+    /// Returns an error if there are no particles or iterations, if an inertia weight is not between 0 and 1, or if the
+    /// largest velocity is not positive.
     pub fn new(cost: &impl Cost, bounds: Bounds, settings: SwarmSettings) -> Result<Self, Error> {
         check(&settings)?;
         let (s, d) = (settings.particles, bounds.dimension());
@@ -197,13 +198,13 @@ impl Swarm {
         Ok(swarm)
     }
 
-    /// Iterations done.
+    /// Number of iterations so far.
     pub fn iteration(&self) -> usize {
         self.history.len() - 1
     }
 
-    /// Iterates until something ends the search. `progress` is called before every iteration; when it breaks, the
-    /// swarm stands between two iterations and may be kept as a checkpoint.
+    /// Runs the search to its end. `progress` is called before every iteration; if it breaks, the swarm can be kept as
+    /// a checkpoint.
     pub fn run(&mut self, cost: &impl Cost, progress: &mut Progress) -> Minimum {
         let d = self.bounds.dimension();
         let mut streams: Vec<_> =
@@ -224,7 +225,7 @@ impl Swarm {
         Minimum { x: courses[self.iteration()].clone(), cost: best, history, courses, reason }
     }
 
-    /// Step 7: whether the search has ended, and why.
+    /// Step 7: the reason to end the search, if there is one.
     fn ended(&self) -> Option<Reason> {
         let (i, settings) = (self.iteration(), &self.settings);
         if settings.threshold.is_some_and(|t| self.history[i] <= t) {
@@ -261,11 +262,11 @@ impl Swarm {
         }
     }
 
-    /// Steps 4 and 5: evaluates the particles and renews the bests by (4).
+    /// Steps 4 and 5: evaluates the particles and updates the bests by (4).
     fn update_bests(&mut self, cost: &impl Cost) {
         let d = self.bounds.dimension();
         let mut costs = vec![f64::MAX; self.settings.particles];
-        // Costs above a particle's own best matter only where the best of the current positions is asked for.
+        // Costs above the best of a particle are needed only for the best of the current positions.
         let current = self.settings.global_best == GlobalBest::Current;
         let unlimited = if current { vec![f64::MAX; costs.len()] } else { Vec::new() };
         let limits = if current { &unlimited } else { &self.p_cost };
@@ -290,7 +291,7 @@ impl Swarm {
                 self.improved = self.history.len();
             }
         }
-        // A cost that is no number counts as the largest there is.
+        // A cost of NaN counts as the largest cost.
         let least = (1..costs.len()).fold(0, |m, k| if costs[k] < costs[m].min(f64::MAX) { k } else { m });
         self.g_best.copy_from_slice(if current { &self.x[least * d..][..d] } else { &course });
         self.history.push(best);
@@ -306,7 +307,8 @@ impl Swarm {
     }
 }
 
-/// 32-bit words a particle has drawn after `iterations`: two numbers of 64 bits a dimension at first, two an iteration.
+/// 32-bit words that a particle has drawn after `iterations`: two 64-bit numbers per dimension at the start, two per
+/// iteration.
 fn words(dimension: usize, iterations: usize) -> u128 {
     4 * (dimension as u128 + iterations as u128)
 }
@@ -318,10 +320,10 @@ fn check(s: &SwarmSettings) -> Result<(), Error> {
     };
     count("particles", s.particles)?;
     count("iterations", s.iterations)?;
-    crate::error::positive("velocity_max", s.velocity_max, "boxes a step")?;
+    crate::error::positive("velocity_max", s.velocity_max, "boxes per step")?;
     for (name, w) in [("inertia_max", s.inertia_max), ("inertia_min", s.inertia_min)] {
         if !(0.0..=1.0).contains(&w) {
-            return Err(Error::parameter(name, w, "must lie between 0 and 1"));
+            return Err(Error::parameter(name, w, "must be between 0 and 1"));
         }
     }
     Ok(())
@@ -370,22 +372,22 @@ mod tests {
             let settings = SwarmSettings { particles: 8, iterations: 40, global_best, ..SwarmSettings::default() };
             let mut swarm = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
             let mut streams: Vec<_> = (0..8).map(|m| swarm.stream(m, words(2, 0))).collect();
-            let mut fell_back = 0;
+            let mut differing = 0;
             for _ in 0..40 {
                 swarm.advance(&mut streams);
                 swarm.update_bests(&rosenbrock);
                 let best = swarm.history[swarm.iteration()];
                 let now = swarm.x.chunks(2).map(rosenbrock).fold(f64::MAX, f64::min);
-                let wanted = if global_best == GlobalBest::Ever { best } else { now };
-                assert_eq!(rosenbrock(&swarm.g_best), wanted);
-                fell_back += usize::from(now > best);
+                let expected = if global_best == GlobalBest::Ever { best } else { now };
+                assert_eq!(rosenbrock(&swarm.g_best), expected);
+                differing += usize::from(now > best);
             }
-            assert!(fell_back > 0, "the two never differed");
+            assert!(differing > 0, "the two never differed");
         }
     }
 
     #[test]
-    fn an_interrupted_search_gives_the_same_bytes_as_one_that_was_not() {
+    fn an_interrupted_search_is_bit_identical_to_one_without_interruption() {
         let settings = SwarmSettings { iterations: 120, ..SwarmSettings::default() };
         let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut silent).unwrap();
         let mut swarm = Swarm::new(&rosenbrock, bounds(3), settings).unwrap();
@@ -396,7 +398,9 @@ mod tests {
         let mut resumed: Swarm = serde_json::from_str(&checkpoint).unwrap();
         assert_eq!(resumed.run(&rosenbrock, &mut silent), whole);
         let cut = checkpoint.replace("\"g_best\":[", "\"g_best\":[0.0,");
-        assert!(serde_json::from_str::<Swarm>(&cut).unwrap_err().to_string().contains("no checkpoint of 50 particles"));
+        assert!(
+            serde_json::from_str::<Swarm>(&cut).unwrap_err().to_string().contains("not a checkpoint of 50 particles")
+        );
         assert_eq!(serde_json::to_string(&resumed).unwrap(), {
             swarm.run(&rosenbrock, &mut silent);
             serde_json::to_string(&swarm).unwrap()
@@ -404,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_change_nothing() {
+    fn the_result_does_not_depend_on_threads() {
         for global_best in [GlobalBest::Ever, GlobalBest::Current] {
             let settings = SwarmSettings { iterations: 60, global_best, ..SwarmSettings::default() };
             let parallel = SwarmSettings { parallel: true, ..settings.clone() };
@@ -414,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn how_it_ended_is_told() {
+    fn the_reason_for_the_end_is_reported() {
         let reason = |settings: SwarmSettings| settings.minimise(&rosenbrock, bounds(2), &mut silent).unwrap().reason;
         let settings = SwarmSettings { iterations: 300, ..SwarmSettings::default() };
         assert_eq!(reason(settings.clone()), Reason::Iterations);
@@ -426,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cost_that_is_no_number_is_the_worst() {
+    fn a_cost_of_nan_counts_as_the_largest() {
         let half = |x: &[f64]| if x[0] < 0.0 { f64::NAN } else { x[0] };
         let minimum = SwarmSettings::default().minimise(&half, bounds(1), &mut silent).unwrap();
         assert!((0.0..1e-6).contains(&minimum.cost));
@@ -435,18 +439,17 @@ mod tests {
     }
 
     #[test]
-    fn settings_that_make_no_swarm_are_refused() {
+    fn invalid_settings_are_errors() {
         let message = |settings| Swarm::new(&rosenbrock, bounds(2), settings).unwrap_err().to_string();
         assert!(message(SwarmSettings { particles: 0, ..SwarmSettings::default() }).contains("particles = 0"));
-        assert!(
-            message(SwarmSettings { inertia_min: f64::NAN, ..SwarmSettings::default() }).contains("inertia_min = NaN")
-        );
+        let settings = SwarmSettings { inertia_min: f64::NAN, ..SwarmSettings::default() };
+        assert!(message(settings).contains("inertia_min = NaN"));
         assert!(Bounds::new(vec![1.0], vec![1.0]).unwrap_err().to_string().contains("bounds[0] = 1 to 1"));
     }
 
     proptest! {
         #[test]
-        fn the_best_never_worsens_and_is_a_point_that_was_visited(seed: u64, particles in 1..20usize, current: bool) {
+        fn the_best_cost_never_increases_and_belongs_to_its_point(seed: u64, particles in 1..20usize, current: bool) {
             let global_best = if current { GlobalBest::Current } else { GlobalBest::Ever };
             let settings = SwarmSettings { seed, particles, iterations: 30, global_best, ..SwarmSettings::default() };
             let minimum = settings.minimise(&rosenbrock, bounds(3), &mut silent).unwrap();

@@ -1,12 +1,12 @@
-//! The bender's mechanics: a cantilever under a uniform piezo moment, seen at its tip.
+//! The mechanics of the bender: a cantilever under a uniform piezo moment, measured at its tip.
 //!
 //! ```text
 //! cos x cosh x = -1,   f_i = x_i^2 / (2 pi L^2) sqrt(E I / (rho A)),   I / A = t^2 / 12
 //! share_i = 8 sigma_i / x_i^3,   sigma = (sinh x - sin x) / (cosh x + cos x)
 //! p_i'' + 2 zeta_i w_i p_i' + w_i^2 p_i = w_i^2 share_i L,    y = sum_i p_i + (1 - sum_i share_i) L
 //! ```
-//! L is the static displacement of the tip; the shares of all modes add up to 1, and what the modes left out would
-//! carry follows L at once. Each mode is advanced exactly for an L held over the step.
+//! L is the static displacement of the tip. The shares of all modes add up to 1; the share of omitted modes follows L
+//! directly. Each mode is advanced exactly for an L held over the step.
 //!
 //! Reference: R. G. Ballas, "Piezoelectric Multilayer Beam Bending Actuators", Springer (2007),
 //! DOI 10.1007/978-3-540-32642-7. Not here: shear, rotary inertia, torsion, a payload, air.
@@ -21,7 +21,7 @@ use std::f64::consts::{PI, TAU};
 #[derive(Debug, Clone)]
 pub(super) struct Beam {
     steps: Vec<ModeStep>,
-    /// Share of the displacement that follows at once.
+    /// Share of the displacement without dynamics.
     pub(super) residual: f64,
 }
 
@@ -47,13 +47,13 @@ impl Beam {
         2 * self.steps.len()
     }
 
-    /// Tip displacement [m], under the static displacement `l` [m].
+    /// Tip displacement [m] for the static displacement `l` [m].
     #[inline]
     pub(super) fn tip(&self, x: &[f64], l: f64) -> f64 {
         x.iter().step_by(2).sum::<f64>() + self.residual * l
     }
 
-    /// The state in which the beam rests under the static displacement `l` [m].
+    /// The settled state for the static displacement `l` [m].
     pub(super) fn settle(&self, x: &mut [f64], l: f64) {
         for (x, step) in x.chunks_exact_mut(2).zip(&self.steps) {
             x.copy_from_slice(&[step.share * l, 0.0]);
@@ -88,10 +88,10 @@ impl ModeStep {
 }
 
 impl Cantilever {
-    /// The modes, lowest first, as many as there are damping ratios.
+    /// The modes by rising frequency, one per damping ratio.
     ///
     /// # Errors
-    /// Dimensions and material must be positive numbers.
+    /// Returns an error unless dimensions and material constants are positive.
     pub(crate) fn modes(&self) -> Result<Vec<BeamMode>, Error> {
         let length = positive("beam.cantilever.length_m", self.length_m, "metres")?;
         let thickness = positive("beam.cantilever.thickness_m", self.thickness_m, "metres")?;
@@ -106,7 +106,7 @@ impl Cantilever {
     }
 }
 
-/// The i-th root of cos x + 1 / cosh x = 0, by Newton from (i + 1/2) pi, which it approaches as i grows.
+/// The i-th root of cos x + 1 / cosh x = 0, by Newton's method from its asymptote (i + 1/2) pi.
 fn eigenvalue(i: usize) -> f64 {
     let mut x = (i as f64 + 0.5) * PI;
     for _ in 0..20 {
@@ -115,7 +115,7 @@ fn eigenvalue(i: usize) -> f64 {
     x
 }
 
-/// (sinh x - sin x) / (cosh x + cos x), divided by cosh x so that it cannot overflow.
+/// (sinh x - sin x) / (cosh x + cos x), divided by cosh x to avoid overflow.
 fn sigma(x: f64) -> f64 {
     (x.tanh() - x.sin() / x.cosh()) / (1.0 + x.cos() / x.cosh())
 }
@@ -137,10 +137,10 @@ mod tests {
     }
 
     #[test]
-    fn the_modes_of_the_pl140_are_where_they_were_computed() {
+    fn the_modes_of_the_pl140_are_those_of_numpy() {
         let modes = cantilever(&PL140, 5).modes().unwrap();
         let numbers = |f: fn(&BeamMode) -> f64| modes.iter().map(f).collect::<Vec<_>>();
-        // Computed with numpy from the same sheet; the soft one has 1 / s11E of PIC255.
+        // Computed with numpy from the same datasheet; the soft one has 1 / s11E of PIC255.
         assert_close(&numbers(|m| m.share), &[0.891, 0.0788, 0.0165, 0.0060, 0.0028], 0.015, 0.0);
         assert_close(&numbers(|m| m.frequency_hz)[..3], &[166.3, 1042.0, 2918.0], 1e-3, 0.0);
         let soft = Cantilever { youngs_modulus_pa: 62.1e9, ..cantilever(&PL140, 3) }.modes().unwrap();
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn geometry_gives_the_resonance_of_the_sheet() {
+    fn geometry_gives_the_resonance_of_the_datasheet() {
         for bender in &BENDERS {
             let first = cantilever(bender, 1).modes().unwrap()[0].frequency_hz;
             assert_close(&[first], &[bender.resonance], 0.2, 0.0);
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn at_rest_the_tip_stands_at_the_static_displacement() {
+    fn the_settled_tip_is_at_the_static_displacement() {
         let beam = Beam::new(&BeamSpec::Cantilever(cantilever(&PL140, 2)), 1e-4).unwrap();
         let mut x = vec![0.0; beam.order()];
         (0..20_000).for_each(|_| beam.advance(&mut x, 1e-3));
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mode_that_does_not_decay_is_refused() {
+    fn a_mode_without_damping_is_an_error() {
         let spec = BeamSpec::Modes(vec![BeamMode { frequency_hz: 160.0, damping: 0.0, share: 1.0 }]);
         let message = Beam::new(&spec, 1e-4).unwrap_err().to_string();
         assert!(message.starts_with("beam.modes[0].damping = 0"), "{message}");

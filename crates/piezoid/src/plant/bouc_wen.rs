@@ -3,12 +3,12 @@
 //! ```text
 //! w = d u - h,    h' = alpha d u' - beta |u'| h - gamma u' |h|
 //! ```
-//! Divided by |u'| time drops out, and with H = h sign(u') and the path s = |change of u| the law is linear on
+//! Divided by |u'| the law does not contain time. With H = h sign(u') and the path s = |change of u| it is linear on
 //! either side of H = 0:
 //! ```text
 //! dH/ds = alpha d - (beta + gamma sign H) H
 //! ```
-//! Each piece is an exponential, so the law is integrated exactly: how a path is divided into steps does not matter.
+//! Each piece is an exponential, so the law is integrated exactly for any division of the path into steps.
 //!
 //! Reference: T. S. Low, W. Guo, "Modeling of a three-layer piezoelectric bimorph beam with hysteresis", J. MEMS 4(4),
 //! 230-237 (1995), DOI 10.1109/84.475550. The law neither wipes out nor closes minor loops, and is symmetric.
@@ -21,7 +21,7 @@ use crate::error::{Error, positive};
 /// Low & Guo's law. Bounded for beta > 0 and beta + gamma > 0.
 #[derive(Debug, Clone)]
 pub(super) struct BoucWenStage {
-    /// Displacement a volt, without hysteresis [m/V].
+    /// Displacement per volt without hysteresis [m/V].
     d: f64,
     /// alpha d [m/V].
     alpha_d: f64,
@@ -34,16 +34,17 @@ pub(super) struct BoucWenStage {
 impl BoucWenStage {
     pub(super) const ORDER: usize = 2;
 
-    /// The law whose steady loop between +-`range` [V] is `2 displacement` high [m], and `width` of that wide at 0 V.
+    /// The law with a steady loop between +-`range` [V] of height `2 displacement` [m], and of width `width` at 0 V,
+    /// relative to the height.
     ///
-    /// h is proportional to alpha d, so the loop with alpha d = 1, which is X at its end and `middle` when it rises
-    /// through 0 V, gives both: width = alpha middle / (range - alpha X) and displacement = d (range - alpha X).
+    /// h is proportional to alpha d, so the loop for alpha d = 1 gives both parameters. With X at its end and `middle`
+    /// at 0 V on the ascending branch: width = alpha middle / (range - alpha X) and displacement = d (range - alpha X).
     pub(super) fn new(range: f64, displacement: f64, width: f64, beta: f64, gamma: f64) -> Result<Self, Error> {
         positive("hysteresis.range_v", range, "volts")?;
         positive("hysteresis.displacement_m", displacement, "metres")?;
         require((0.0..1.0).contains(&width), "hysteresis.width", width, "must be at least 0 and below 1")?;
         positive("hysteresis.beta_per_v", beta, "1/V")?;
-        let rule = "must be a number above -beta_per_v, or the hysteresis grows without end";
+        let rule = "must be a number above -beta_per_v, otherwise the hysteresis is unbounded";
         require(gamma.is_finite() && beta + gamma > 0.0, "hysteresis.gamma_per_v", gamma, rule)?;
 
         let unit = BoucWenStage { d: 0.0, alpha_d: 1.0, beta, gamma };
@@ -75,7 +76,7 @@ impl BoucWenStage {
         if end <= 0.0 {
             return end;
         }
-        // H changes its sign on the way, after a path of:
+        // The path after which H changes its sign:
         let zero = -h / self.alpha_d * ratio(f64::ln_1p, -below * h / self.alpha_d);
         self.piece(0.0, self.beta + self.gamma, (s - zero).max(0.0))
     }
@@ -85,8 +86,8 @@ impl BoucWenStage {
         h + (self.alpha_d - rate * h) * s * ratio(f64::exp_m1, -rate * s)
     }
 
-    /// H at the end of the steady loop between +-`range`: what rising across it reaches when it starts from -H. The
-    /// higher it starts below zero the higher it ends, so bisection finds it.
+    /// H at the end of the steady loop between +-`range`: the value that a path from -H reaches. This value falls as H
+    /// rises, so bisection finds it.
     fn steady(&self, range: f64) -> f64 {
         let (mut low, mut high) = (0.0, 2.0 * range * self.alpha_d);
         for _ in 0..200 {
@@ -97,7 +98,7 @@ impl BoucWenStage {
     }
 }
 
-/// f(x) / x, for an f that starts as x does.
+/// f(x) / x, for f(x) = x + O(x^2).
 fn ratio(f: impl Fn(f64) -> f64, x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { f(x) / x }
 }
@@ -123,8 +124,8 @@ mod tests {
     }
 
     #[test]
-    fn the_parameters_of_the_literature_come_out() {
-        // Found with numpy for 10, 13 and 15 % and 1000 um at 30 V.
+    fn the_parameters_are_those_computed_with_numpy() {
+        // Computed with numpy for 10, 13 and 15 % and 1000 um at 30 V.
         for (width, alpha, d) in [(0.10, 0.287, 43.8e-6), (0.13, 0.349, 46.9e-6), (0.15, 0.385, 49.0e-6)] {
             let law = BoucWenStage::new(30.0, 1e-3, width, 0.020, 0.005).unwrap();
             assert_close(&[law.alpha_d / law.d, law.d], &[alpha, d], 2e-3, 0.0);
@@ -132,8 +133,8 @@ mod tests {
     }
 
     #[test]
-    fn small_loops_are_as_narrow_as_they_should_be() {
-        // Found with numpy by integrating a few cycles: at 10 V the third cycle is 5.1 % wide, the steady one 5.23 %.
+    fn the_width_of_small_loops_is_that_of_numpy() {
+        // Computed with numpy over a few cycles: at 10 V the third cycle is 5.1 % wide, the steady one 5.23 %.
         let widths = [1.0, 3.0, 10.0, 30.0].map(|a| width(&pl140(), a));
         assert_close(&widths, &[0.0053, 0.016, 0.051, 0.13], 0.03, 0.0);
         assert_close(&widths[3..], &[0.13], 1e-12, 0.0);
@@ -142,7 +143,7 @@ mod tests {
     #[test]
     fn the_closed_form_is_the_differential_equation() {
         let law = pl140();
-        // Also with a gamma above beta, where h is repelled before it changes sign.
+        // Also for gamma above beta.
         for law in [law.clone(), BoucWenStage { gamma: 0.05, ..law.clone() }, BoucWenStage { gamma: 0.02, ..law }] {
             let rate = |t: f64, h: f64| {
                 let du = 30.0 * t.cos() * (1.0 + 0.5 * (0.3 * t).sin()) + 4.5 * t.sin() * (0.3 * t).cos();
@@ -166,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn how_a_path_is_divided_does_not_matter() {
+    fn the_division_of_a_path_does_not_matter() {
         let run = |pieces: u32| {
             let (law, mut x) = (pl140(), vec![0.0; BoucWenStage::ORDER]);
             for (from, to) in [(0.0, 30.0), (30.0, -20.0), (-20.0, 5.0), (5.0, -30.0)] {
@@ -186,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unbounded_law_is_refused() {
+    fn an_unbounded_law_is_an_error() {
         let message = BoucWenStage::new(30.0, 1e-3, 0.13, 0.02, -0.03).unwrap_err().to_string();
         assert!(message.starts_with("hysteresis.gamma_per_v = -0.03"), "{message}");
         assert!(BoucWenStage::new(30.0, 1e-3, f64::NAN, 0.02, 0.005).is_err());

@@ -1,12 +1,13 @@
-//! PI's PICMA benders as their catalogue has them.
+//! Catalogue data of PI's PICMA benders.
 //!
-//! Full differential drive: the outer electrodes stand at 0 and 60 V and the centre electrode moves between them. It
-//! sees both halves of the ceramic, hence twice the capacitance of one. Every value is +-20 %, the thickness +-0.1 mm.
+//! Full differential drive: the outer electrodes are at 0 and 60 V and the centre electrode moves between them. It
+//! drives both halves of the ceramic, so the capacitance is twice that of one half. Tolerances: +-20 %, thickness +-0.1
+//! mm.
 //!
-//! A tip force F bends a cantilever by F L^3 / (3 E I), I = w t^3 / 12, and the blocking force undoes the free
-//! displacement: together they tell Young's modulus.
+//! A tip force F bends a cantilever by F L^3 / (3 E I), I = w t^3 / 12, and the blocking force compensates the free
+//! displacement: together they give Young's modulus.
 //!
-//! Source: PI datasheet PL112-PL140, PICMA Bender, 31.07.2020. The density is that of PZT, not in the sheet.
+//! Source: PI datasheet PL112-PL140, PICMA Bender, 31.07.2020. The density is that of PZT, not from the datasheet.
 
 /// Density of the ceramic [kg/m^3].
 pub(crate) const DENSITY: f64 = 7800.0;
@@ -16,7 +17,7 @@ pub(crate) const DENSITY: f64 = 7800.0;
 pub(super) struct Bender {
     /// Order number.
     pub name: &'static str,
-    /// Free displacement at +-30 V, to one side [m].
+    /// Free displacement at +-30 V, in one direction [m].
     pub displacement: f64,
     /// Blocking force [N].
     pub blocking_force: f64,
@@ -28,7 +29,7 @@ pub(super) struct Bender {
     pub thickness: f64,
     /// Free length, outside the clamp [m].
     pub free_length: f64,
-    /// Capacitance that the driver sees, both halves [F].
+    /// Capacitance of both halves, the load of the driver [F].
     pub capacitance: f64,
     /// Resonance, clamped on one side, without load [Hz].
     pub resonance: f64,
@@ -69,7 +70,7 @@ pub(crate) const PL140: Bender = Bender {
     free_length: 40e-3, capacitance: 8.2e-6, resonance: 160.0,
 };
 
-/// The five benders of the sheet.
+/// The five benders of the datasheet.
 #[cfg(test)]
 pub(super) static BENDERS: [Bender; 5] = [PL112, PL122, PL127, PL128, PL140];
 
@@ -95,7 +96,7 @@ mod tests {
     fn the_blocking_force_gives_the_modulus_of_a_piezo_ceramic() {
         assert_close(&[PL140.stiffness(), PL140.youngs_modulus()], &[500.0, 69.9e9], 1e-3, 0.0);
         for bender in &BENDERS {
-            // PIC255: 1 / s11E = 62.1 GPa; the sheet is +-20 % and the thickness, cubed, +-0.1 mm.
+            // PIC255: 1 / s11E = 62.1 GPa; the datasheet is +-20 % and the thickness, cubed, +-0.1 mm.
             assert_close(&[bender.youngs_modulus()], &[62.1e9], 0.2, 0.0);
             assert!(bender.free_length < bender.length && bender.width < bender.length, "{}", bender.name);
         }

@@ -3,13 +3,13 @@
 //! ```text
 //! dL(t) = dL(0.1 s) [1 + g log10(t / 0.1 s)]
 //! ```
-//! as four lags a decade apart, each of gain g, beside a direct path that makes the law exact at 0.1 s:
+//! as four lags one decade apart, each with gain g, and a direct path that makes the law exact at 0.1 s:
 //! ```text
 //! L = (1 - g S) w + g sum_k x_k,   x_k' = (w - x_k) / tau_k,   tau = 0.1, 1, 10, 100 s
 //! S = sum_k (1 - exp(-0.1 s / tau_k))
 //! ```
-//! From 0.03 to 10 s after a step this stays within 0.08 g of the law; its slope a decade ripples from 0.87 g to 1.11 g
-//! (from 0.06 s), and averages 0.99 g. Before and after, the displacement stands: the law has no beginning and no end.
+//! From 0.03 to 10 s after a step the error is at most 0.08 g; the slope per decade varies from 0.87 g to 1.11 g (from
+//! 0.06 s), and is 0.99 g on average. Before and after that the displacement is constant, while the law has no limits.
 //!
 //! Reference: H. Jung, D.-G. Gweon, "Creep characteristics of piezoelectric actuators", Rev. Sci. Instrum. 71, 1896
 //! (2000), DOI 10.1063/1.1150559; PI's tutorial gives the law and g = 0.01 to 0.02.
@@ -35,14 +35,14 @@ pub(super) struct CreepStage {
 impl CreepStage {
     pub(super) const ORDER: usize = LAGS.len();
 
-    /// Creep of `g` a decade, advanced in steps of `h` [s].
+    /// Creep of `g` per decade, advanced in steps of `h` [s].
     pub(super) fn new(g: f64, h: f64) -> Result<Self, Error> {
-        require((0.0..=0.2).contains(&g), "creep_per_decade", g, "must be from 0 to 0.2; ceramics show 0.01 to 0.02")?;
+        require((0.0..=0.2).contains(&g), "creep_per_decade", g, "must be from 0 to 0.2; ceramics have 0.01 to 0.02")?;
         let risen = |t: f64| LAGS.map(|tau| -(-t / tau).exp_m1());
         Ok(CreepStage { g, direct: 1.0 - g * risen(0.1).iter().sum::<f64>(), gain: risen(h) })
     }
 
-    /// Displacement now [m], under the static displacement `w` [m].
+    /// Current displacement [m] for the static displacement `w` [m].
     pub(super) fn output(&self, x: &[f64], w: f64) -> f64 {
         self.direct * w + self.g * x.iter().sum::<f64>()
     }
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_creeps_by_the_law_from_30_ms_to_10_s() {
+    fn a_step_follows_the_creep_law_from_30_ms_to_10_s() {
         let (g, h) = (0.015, 0.01);
         let l = step_response(&CreepStage::new(g, h).unwrap(), 1000);
         let decades = |i: usize| ((i + 1) as f64 * h / 0.1).log10();
@@ -88,7 +88,7 @@ mod tests {
         assert_close(&[(l[999] - l[9]) / g / 2.0], &[1.0], 0.02, 0.0);
         for i in 6..900 {
             let slope = (l[i + 1] - l[i - 1]) / g / (decades(i + 1) - decades(i - 1));
-            assert!((0.87..1.12).contains(&slope), "slope {slope} g a decade");
+            assert!((0.87..1.12).contains(&slope), "slope {slope} g per decade");
         }
     }
 

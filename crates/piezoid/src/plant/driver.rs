@@ -1,13 +1,13 @@
-//! The amplifier: a clamp, then a lag whose slope the current limits.
+//! The amplifier: a clamp, then a lag with limited slope due to its current limit.
 //!
 //! ```text
 //! v' = sat((u - v) / tau, I / C),   u clamped to [min, max]
 //! ```
-//! A capacitance C takes the current C v', so the current limit I is a slew limit I / C. For a held u the equation is
-//! solved exactly: a ramp until the lag asks for less than the limit, then an exponential. With no lag the ramp
-//! ends at u; with no limit either, v is u.
+//! The current into a capacitance C is C v', so the current limit I is a slew limit I / C. For a held u the solution is
+//! exact: a ramp while the lag exceeds the limit, then an exponential. Without lag the ramp ends at u; without limit
+//! too, v is u.
 //!
-//! Reference: PI, datasheet and tutorial: peak current pi f Vpp C. Not here: ripple, dead time, a load that moves.
+//! Reference: PI, datasheet and tutorial: peak current pi f Vpp C. Not here: ripple, dead time, a load with motion.
 //!
 //! State: one number, the voltage v [V].
 
@@ -23,11 +23,11 @@ pub(super) struct DriverStage {
     lag: f64,
     /// Greatest slope [V/s].
     slew: f64,
-    /// Distance from u below which the lag is slower than the slew limit [V].
+    /// Distance from u below which the slew limit is inactive [V].
     knee: f64,
     /// Time step [s].
     h: f64,
-    /// What is left of the distance from u after a step of pure lag [-].
+    /// Remaining share of the distance from u after a step of pure lag [-].
     keep: f64,
 }
 
@@ -49,12 +49,12 @@ impl DriverStage {
         Ok(DriverStage { min, max, lag, slew, knee, h, keep: decay(h, lag) })
     }
 
-    /// What the amplifier is asked for after its clamp [V], and whether the clamp acted.
+    /// The clamped input [V], and true if the clamp was active.
     pub(super) fn clamp(&self, u: f64) -> (f64, bool) {
         (u.clamp(self.min, self.max), u < self.min || u > self.max)
     }
 
-    /// Advances the voltage `v` one step towards the held `u`; true when the current was at its limit.
+    /// Advances the voltage `v` one step towards the held `u`; true if the current was at its limit.
     pub(super) fn advance(&self, v: &mut f64, u: f64) -> bool {
         let distance = u - *v;
         if distance.abs() <= self.knee {
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ideal_driver_is_a_wire() {
+    fn an_ideal_driver_has_the_input_as_output() {
         let mut v = 3.0;
         assert!(!driver(0.0, None, 1e-5).advance(&mut v, -30.0));
         assert_eq!(v, -30.0);
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_clamp_says_that_it_acted() {
+    fn an_active_clamp_is_reported() {
         let driver = driver(0.0, None, 1e-5);
         assert_eq!((driver.clamp(31.0), driver.clamp(-30.0)), ((30.0, true), (-30.0, false)));
         assert!(!driver.clamp(f64::NAN).1);

@@ -1,21 +1,21 @@
 //! The Everett function of an exponential density of relays.
 //!
-//! A relay switches up at v + r and down at v - r, with v its mean and r its half-width. Their density falls as
-//! exp(-r / rho) and leans as 1 + c v / U. What switches when the input falls from a to b (or rises from b to a) adds
+//! A relay switches up at v + r and down at v - r, with mean v and half-width r. The density of relays is proportional
+//! to exp(-r / rho) (1 + c v / U). The relays that switch when the input falls from a to b (or rises from b to a) add
 //! up to
 //! ```text
 //! E(a, b) = K (1 + c m / U) J1(R),    R = (a - b) / 2,   m = (a + b) / 2
 //! J1(R) = int_0^R (R - r)   exp(-r / rho) dr = rho R - rho^2 (1 - exp(-R / rho))
 //! J2(R) = int_0^R (R - r)^2 exp(-r / rho) dr = rho R^2 - 2 rho J1(R)
 //! ```
-//! and on the first excursion from the demagnetised state, where every relay with v < 0 is up, to
+//! and on the first excursion from the demagnetised state, in which every relay with v < 0 is up, to
 //! ```text
 //! up to M:  +K/2 (J1(M) + c/(2U) J2(M)),     down to -M:  -K/2 (J1(M) - c/(2U) J2(M))
 //! ```
 //! Reference: I. D. Mayergoyz, "Mathematical models of hysteresis", Phys. Rev. Lett. 56, 1518 (1986),
 //! DOI 10.1103/PhysRevLett.56.1518; D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
 
-/// The population: its strength K [m/V^2], spread rho [V], and lean c / U [1/V].
+/// The density: strength K [m/V^2], spread rho [V], and asymmetry c / U [1/V].
 #[derive(Debug, Clone)]
 pub(super) struct ExponentialEverett {
     pub(super) k: f64,
@@ -24,7 +24,7 @@ pub(super) struct ExponentialEverett {
 }
 
 impl ExponentialEverett {
-    /// Displacement between the reversal at `from` and `to` [m]: positive when rising.
+    /// Displacement from the reversal at `from` to `to` [m]: positive if rising.
     #[inline]
     pub(super) fn branch(&self, from: f64, to: f64) -> f64 {
         let e = self.k * (1.0 + self.lean * 0.5 * (from + to)) * self.j1(0.5 * (to - from).abs());
@@ -48,15 +48,15 @@ impl ExponentialEverett {
     }
 }
 
-/// x^(n+1)/(n+1)! - x^(n+2)/(n+2)! + ..., for n = 1 exp(-x) - 1 + x and for n = 2 x^2/2 less that: below 1/2 by the
-/// series, where the closed form would cancel.
+/// x^(n+1)/(n+1)! - x^(n+2)/(n+2)! + ...: for n = 1 exp(-x) - 1 + x, for n = 2 x^2/2 less that. Below 1/2 by the
+/// series, to avoid cancellation in the closed form.
 fn remainder(x: f64, n: u32) -> f64 {
     if x >= 0.5 {
         let first = (-x).exp_m1() + x;
         return if n == 1 { first } else { 0.5 * x * x - first };
     }
     let lead = if n == 1 { 0.5 * x * x } else { x * x * x / 6.0 };
-    // 1 - x/(n+2) (1 - x/(n+3) (1 - ...)): twelve terms leave 1e-17.
+    // 1 - x/(n+2) (1 - x/(n+3) (1 - ...)): twelve terms have an error of 1e-17.
     lead * (1..=12).rev().fold(1.0, |sum, i| 1.0 - x / f64::from(n + 1 + i) * sum)
 }
 
@@ -66,7 +66,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn series_and_closed_form_agree_where_they_meet() {
+    fn series_and_closed_form_agree_at_their_boundary() {
         for n in [1, 2] {
             assert_close(&[remainder(0.5 - 1e-12, n)], &[remainder(0.5, n)], 1e-11, 0.0);
         }
@@ -74,23 +74,21 @@ mod tests {
     }
 
     #[test]
-    fn the_integrals_are_what_quadrature_gives() {
+    fn the_integrals_are_those_of_quadrature() {
         let everett = ExponentialEverett { k: 1.0, rho: 20.0, lean: 0.01 };
         for reach in [3.0, 30.0] {
             let n = 20_000;
             let integral = |power: i32| -> f64 {
                 let dr = reach / f64::from(n);
-                (0..n)
-                    .map(|i| (f64::from(i) + 0.5) * dr)
-                    .map(|r| (reach - r).powi(power) * (-r / 20.0).exp() * dr)
-                    .sum()
+                let r = |i: i32| (f64::from(i) + 0.5) * dr;
+                (0..n).map(r).map(|r| (reach - r).powi(power) * (-r / 20.0).exp() * dr).sum()
             };
             assert_close(&[everett.j1(reach), everett.j2(reach)], &[integral(1), integral(2)], 1e-7, 0.0);
         }
     }
 
     #[test]
-    fn the_virgin_curve_meets_the_branch_that_returns_to_its_mirror() {
+    fn the_virgin_curve_meets_the_branch_to_its_mirror_point() {
         let everett = ExponentialEverett { k: 2e-6, rho: 20.0, lean: 0.01 };
         let there_and_back = everett.virgin(12.0) + everett.branch(12.0, -12.0);
         assert_close(&[there_and_back], &[everett.virgin(-12.0)], 1e-12, 0.0);

@@ -1,11 +1,11 @@
-//! The ceramic: voltage to static displacement, by either of two laws.
+//! The ceramic: from voltage to static displacement, by one of two laws.
 
 use super::bouc_wen::BoucWenStage;
 use super::preisach::PreisachStage;
 use super::spec::HysteresisSpec;
 use crate::error::Error;
 
-/// A rate-independent law, with the state its own file describes.
+/// A rate-independent law; its file describes its state.
 #[derive(Debug, Clone)]
 pub(super) enum Material {
     BoucWen(BoucWenStage),

@@ -1,15 +1,14 @@
-//! Twins of piezo benders, from catalogue data and physics: the truth that models are tried on.
+//! Digital twins of piezo benders from catalogue data and physics: the reference that models are tested on.
 //!
 //! ```text
 //! u [V] -> driver -> v [V] -> hysteresis -> w [m] -> creep -> L [m] -> beam -> tip [m] -> sensor -> y [m]
 //! ```
-//! Each stage has its own file, which opens with its law. Here they are put together: every stage is exact for an
-//! input held over an inner step h, and they are coupled by the midpoint rule: the driver advances h/2, the ceramic
-//! sees the voltage of mid-step, the beam advances h, the driver advances h/2. That is of second order in h, and
-//! without creep exact for an ideal driver. Between two samples the voltage runs one way only, so showing the ceramic
-//! its last value at the end of the sample lets no reversal be missed.
+//! Each stage has its own file with its law. Every stage is exact for an input held over an inner step h. They are
+//! coupled by the midpoint rule: the driver advances h/2, the ceramic gets the voltage of mid-step, the beam advances
+//! h, the driver advances h/2. This is of second order in h, and exact for an ideal driver without creep. Between two
+//! samples the voltage is monotonic, so no reversal is missed if the ceramic also gets the last voltage of the sample.
 //!
-//! The plant must never be the model: nothing here may come from the library's linear or hysteresis blocks.
+//! The plant must be independent of the model: nothing here may use the library's linear or hysteresis blocks.
 //!
 //! Reference: G. Strang, "On the construction and comparison of difference schemes", SIAM J. Numer. Anal. 5, 506
 //! (1968), DOI 10.1137/0705041 (symmetric splitting). Not here: load, temperature, several axes.
@@ -42,8 +41,9 @@ use sensor::Sensor;
 
 /// A simulated bender with its driver and sensor: u [V] about mid-voltage in, y [m] out.
 ///
-/// State, in this order: samples taken; samples clamped, current-limited, sensor-clipped; driver voltage [V]; tip
-/// displacement [m]; sensor's lag [m]; then creep, beam and hysteresis as their files say.
+/// State, in this order: number of samples; numbers of clamped, current-limited and sensor-clipped samples; driver
+/// voltage [V]; tip displacement [m]; lagged displacement of the sensor [m]; then creep, beam and hysteresis as in
+/// their files.
 ///
 /// ```
 /// use piezoid::plant::{Plant, Preset};
@@ -51,7 +51,7 @@ use sensor::Sensor;
 /// let plant = Plant::named("pl140", 5e-4)?.with_seed(7);
 /// let run = plant.run(&[30.0; 200]);
 /// assert!(run.y[199] > 0.9e-3);
-/// assert_eq!(run.saturation.to_string(), "1 sample slowed by the driver's current limit");
+/// assert_eq!(run.saturation.to_string(), "1 sample limited by the driver's current");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -78,9 +78,9 @@ const HEAD: usize = 7;
 /// A simulated measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantRun {
-    /// What the sensor read [m].
+    /// Sensor readings [m].
     pub y: Vec<f64>,
-    /// What limits were reached.
+    /// Limits that were reached.
     pub saturation: Saturation,
 }
 
@@ -88,15 +88,15 @@ impl Plant {
     /// The plant of [`PLANTS`] of this name, sampled every `ts` [s].
     ///
     /// # Errors
-    /// No such plant, or a `ts` that is not positive.
+    /// Returns an error if there is no such plant or `ts` is not positive.
     pub fn named(name: &str, ts: f64) -> Result<Self, Error> {
         Plant::new(&(Preset::find(name)?.spec)(), ts)
     }
 
-    /// The plant sampled every `ts` [s], its noise drawn from seed 0.
+    /// The plant sampled every `ts` [s], with noise of seed 0.
     ///
     /// # Errors
-    /// Refuses a parameter outside its domain, by the name it has in the specification.
+    /// Returns an error if a parameter is outside its domain, with its name in the specification.
     pub fn new(spec: &Spec, ts: f64) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         if !(1..=10_000).contains(&spec.inner_steps) {
@@ -115,30 +115,30 @@ impl Plant {
         })
     }
 
-    /// The same plant with its noise drawn from `seed`.
+    /// The same plant with noise of `seed`.
     pub fn with_seed(self, seed: u64) -> Self {
         Plant { sensor: self.sensor.with_seed(seed), ..self }
     }
 
-    /// Measures from rest: the readings, and the limits that were reached.
+    /// Simulates a measurement from rest.
     pub fn run(&self, u: &[f64]) -> PlantRun {
         let mut x = self.initial();
         let y = self.resume(&mut x, u);
         PlantRun { y, saturation: self.saturation(&x) }
     }
 
-    /// The limits that were reached on the way to state `x`.
+    /// The limits that were reached up to state `x`.
     pub fn saturation(&self, x: &[f64]) -> Saturation {
         let [clamped, current_limited, sensor_clipped] = [CLAMPED, LIMITED, CLIPPED].map(|i| x[i] as usize);
         Saturation { clamped, current_limited, sensor_clipped }
     }
 
-    /// Where the tip truly is in state `x` [m]: what a perfect sensor would read after the last step.
+    /// The true tip displacement in state `x` [m], without the errors of the sensor.
     pub fn tip(&self, x: &[f64]) -> f64 {
         x[TIP]
     }
 
-    /// One sampling period under the held input `u` [V].
+    /// Advances one sampling period with the held input `u` [V].
     fn advance(&self, x: &mut [f64], u: f64) {
         let (head, x) = x.split_at_mut(HEAD);
         let (creep, x) = x.split_at_mut(CreepStage::ORDER);
@@ -181,7 +181,7 @@ impl System for Plant {
         HEAD + CreepStage::ORDER + self.beam.order() + self.material.order()
     }
 
-    /// The ceramic has gone straight from rest to the clamped `u`; all that moves or creeps has come to its end.
+    /// The ceramic went monotonically from rest to the clamped `u`; motion and creep have ended.
     fn settled(&self, u: f64) -> Vec<f64> {
         let mut x = self.initial();
         let (v, _) = self.driver.clamp(u);
@@ -223,7 +223,7 @@ mod tests {
     const TS: f64 = 5e-4;
 
     #[test]
-    fn every_plant_that_has_settled_stays_where_it_is() {
+    fn every_settled_plant_stays_settled() {
         for preset in PLANTS {
             let quiet = Spec { sensor: SensorSpec::default(), ..(preset.spec)() };
             let plant = Plant::new(&quiet, TS).unwrap();
@@ -246,13 +246,13 @@ mod tests {
         (0..n).map(|i| amplitude * (TAU * hertz * i as f64 * TS).sin()).collect()
     }
 
-    /// The spec without noise, converter and creep.
+    /// The specification without noise, converter and creep.
     fn quiet(spec: Spec) -> Spec {
         Spec { sensor: SensorSpec::default(), creep_per_decade: 0.0, ..spec }
     }
 
     #[test]
-    fn the_pl140_moves_a_millimetre_to_either_side() {
+    fn the_pl140_moves_one_millimetre_in_either_direction() {
         let plant = plant(&quiet(spec("pl140")));
         // Up, down, up, each held for 2 s.
         let u: Vec<f64> = [30.0, -30.0, 30.0].iter().flat_map(|&v| [v; 4000]).collect();
@@ -267,14 +267,14 @@ mod tests {
             let y = plant.run(&sine(30.0, 0.5, 12_000)).y;
             // The third period, at zero crossings and extremes.
             let [rising, top, falling, bottom] = [8000, 9000, 10_000, 11_000].map(|i| y[i]);
-            // Half a sample less the delays of driver and beam, of 2 s: 0.05 %.
+            // Half a sample less the delays of driver and beam, over 2 s: 0.05 %.
             assert_close(&[(falling - rising) / (top - bottom)], &[0.13], 0.0, 1e-3);
         }
     }
 
     #[test]
-    fn the_paper_plant_is_the_mode_behind_the_ceramic() {
-        // A small signal: nearly linear, so the free oscillation after a step tells the poles of Table 2.
+    fn the_paper_plant_has_the_poles_of_table_2() {
+        // A small signal is nearly linear, so the free oscillation after a step has the poles of Table 2.
         let plant = plant(&spec("paper"));
         let y = plant.run(&[0.1; 4000]).y;
         let (w, zeta) = (TAU * 146.7, 0.061);
@@ -282,13 +282,13 @@ mod tests {
         for (i, y) in y.iter().enumerate().take(200) {
             let t = (i + 1) as f64 * TS; // logged after the step
             let wd = w * f64::sqrt(1.0 - zeta * zeta);
-            let swing = (wd * t).cos() + zeta * w / wd * (wd * t).sin();
-            assert_close(&[*y / still], &[1.0 - (-zeta * w * t).exp() * swing], 0.0, 1e-9);
+            let oscillation = (wd * t).cos() + zeta * w / wd * (wd * t).sin();
+            assert_close(&[*y / still], &[1.0 - (-zeta * w * t).exp() * oscillation], 0.0, 1e-9);
         }
     }
 
     #[test]
-    fn before_the_step_is_after_it_one_sample_later() {
+    fn logging_before_is_logging_after_delayed_by_one_sample() {
         let after = Spec { logged: Logged::After, ..quiet(spec("pl140")) };
         let before = Spec { logged: Logged::Before, ..after.clone() };
         let u = sine(30.0, 40.0, 300);
@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_is_split_equals_the_whole_to_the_bit() {
+    fn a_split_run_is_bit_identical_to_the_whole() {
         for preset in PLANTS {
             let plant = plant(&(preset.spec)()).with_seed(3);
             let u = sine(31.0, 37.0, 600);
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_depends_on_the_seed_alone() {
+    fn noise_depends_only_on_the_seed() {
         let run = |seed| plant(&spec("pl140")).with_seed(seed).run(&[0.0; 100]).y;
         assert_eq!(run(1), run(1));
         assert_ne!(run(1), run(2));
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn without_dynamics_only_the_order_of_voltages_matters() {
+    fn without_dynamics_the_timing_does_not_matter() {
         for name in ["pl140", "pl140-bouc-wen"] {
             let statics = Spec {
                 beam: BeamSpec::Modes(vec![]),
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn every_limit_that_is_reached_is_counted() {
+    fn reached_limits_are_counted() {
         let mut spec = spec("pl140");
         spec.sensor.range_m = Some(0.5e-3);
         let plant = plant(&spec);
@@ -378,21 +378,21 @@ mod tests {
         for preset in PLANTS {
             let y = plant(&(preset.spec)()).run(&[1.0, f64::NAN, 2.0, f64::INFINITY, -1.0, f64::NEG_INFINITY]).y;
             assert_eq!(y.len(), 6);
-            assert!(y[5].is_nan(), "{}: a poisoned state says so", preset.name);
+            assert!(y[5].is_nan(), "{}: NaN stays in the state", preset.name);
         }
     }
 
     #[test]
-    fn what_cannot_be_built_is_refused_by_its_name() {
-        let refused = |change: fn(&mut Spec)| {
+    fn the_errors_about_bad_parameters_have_their_names() {
+        let error = |change: fn(&mut Spec)| {
             let mut spec = spec("pl140");
             change(&mut spec);
             Plant::new(&spec, TS).unwrap_err().to_string()
         };
-        assert!(refused(|s| s.inner_steps = 0).starts_with("inner_steps = 0"));
-        assert!(refused(|s| s.driver.lag_s = -1.0).starts_with("driver.lag_s = -1"));
-        assert!(refused(|s| s.creep_per_decade = f64::NAN).starts_with("creep_per_decade = NaN"));
-        assert!(refused(|s| s.sensor.bits = Some(64)).starts_with("sensor.bits = 64"));
+        assert!(error(|s| s.inner_steps = 0).starts_with("inner_steps = 0"));
+        assert!(error(|s| s.driver.lag_s = -1.0).starts_with("driver.lag_s = -1"));
+        assert!(error(|s| s.creep_per_decade = f64::NAN).starts_with("creep_per_decade = NaN"));
+        assert!(error(|s| s.sensor.bits = Some(64)).starts_with("sensor.bits = 64"));
         assert!(Plant::new(&spec("pl140"), 0.0).unwrap_err().to_string().starts_with("ts = 0"));
     }
 }

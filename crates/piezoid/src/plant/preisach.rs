@@ -3,33 +3,32 @@
 //! ```text
 //! w = d u + f,   f on a branch = f at its reversal +- E(reversal, u)
 //! ```
-//! with the Everett function E of [`super::everett`]. What the ceramic remembers is the list of dominant reversals:
-//! maxima and minima in turn, each loop inside the one before. An input that reaches an older reversal wipes out the
-//! loop it closes, and continues on the older branch to the bit, since f is kept with each reversal. Before the
-//! first reversal stands its mirror image: there the virgin curve takes over.
+//! with the Everett function E of [`super::everett`]. The memory of the ceramic is the list of dominant reversals:
+//! alternating maxima and minima, each loop inside the one before. An input that reaches an older reversal wipes out
+//! the loop that it closes, and continues bit-identically on the older branch, because f is stored with each reversal.
+//! Before the first reversal is its mirror image, where the virgin curve continues.
 //!
-//! Reference: I. D. Mayergoyz, "Mathematical Models of Hysteresis", Springer (1991), DOI 10.1007/978-1-4612-3028-1.
-//! Rate-independent; exact however a path is divided into steps.
+//! Rate-independent; exact for any division of a path into steps.
 //!
-//! State: number of reversals; voltage u [V] and irreversible displacement f [m] now; then 64 pairs (u, f), the
-//! reversals, oldest first. When one more would not fit, the two neighbours whose loss changes the fewest relays are
-//! forgotten: a ring-down of a thousand cycles thereby loses less than 2e-3 of the displacement.
+//! State: number of reversals; current voltage u [V] and irreversible displacement f [m]; then 64 pairs (u, f), the
+//! reversals, oldest first. If the list is full, the two neighbouring reversals are forgotten that change the fewest
+//! relays: for a ring-down of a thousand cycles this is less than 2e-3 of the displacement.
 
 use super::everett::ExponentialEverett;
 use super::spec::require;
 use crate::error::{Error, positive};
 
-/// Reversals remembered.
+/// Number of stored reversals.
 const CAPACITY: usize = 64;
 const COUNT: usize = 0;
 const U: usize = 1;
 const F: usize = 2;
 const REVERSALS: usize = 3;
 
-/// A continuous population of relays beside a reversible slope.
+/// A continuous density of relays and a reversible slope.
 #[derive(Debug, Clone)]
 pub(super) struct PreisachStage {
-    /// Reversible displacement a volt [m/V].
+    /// Reversible displacement per volt [m/V].
     d: f64,
     everett: ExponentialEverett,
 }
@@ -37,10 +36,10 @@ pub(super) struct PreisachStage {
 impl PreisachStage {
     pub(super) const ORDER: usize = REVERSALS + 2 * CAPACITY;
 
-    /// The population whose major loop between +-`range` [V] is `2 displacement` high [m], and `width` of that wide at
-    /// 0 V; `rho` is its spread [V] and `c` its asymmetry.
+    /// The law with a major loop between +-`range` [V] of height `2 displacement` [m], and of width `width` at 0 V,
+    /// relative to the height; `rho` is the spread of the density [V] and `c` its asymmetry.
     ///
-    /// The lean cancels from both: height = 2 d U + K J1(U) and width height = K (J1(U) - 2 J1(U/2)).
+    /// The asymmetry cancels in both: height = 2 d U + K J1(U) and width height = K (J1(U) - 2 J1(U/2)).
     pub(super) fn new(range: f64, displacement: f64, width: f64, rho: f64, c: f64) -> Result<Self, Error> {
         positive("hysteresis.range_v", range, "volts")?;
         positive("hysteresis.displacement_m", displacement, "metres")?;
@@ -49,7 +48,7 @@ impl PreisachStage {
         let unit = ExponentialEverett { k: 1.0, rho, lean: c / range };
         let (full, bulge) = (unit.j1(range), unit.j1(range) - 2.0 * unit.j1(0.5 * range));
         let most = bulge / full;
-        let rule = format!("must be at least 0 and below {most:.4}, where nothing is left reversible");
+        let rule = format!("must be at least 0 and below {most:.4}, where no reversible slope remains");
         require(width >= 0.0 && width < most, "hysteresis.width", width, &rule)?;
         let height = 2.0 * displacement;
         let k = width * height / bulge;
@@ -59,7 +58,7 @@ impl PreisachStage {
     /// Moves to the voltage `u` and returns the static displacement w [m].
     pub(super) fn displacement(&self, x: &mut [f64], u: f64) -> f64 {
         if u != x[U] {
-            turn(x, u);
+            store_reversal(x, u);
             wipe_out(x, u);
             let n = count(x);
             x[F] = match n {
@@ -72,12 +71,12 @@ impl PreisachStage {
     }
 }
 
-/// Remembers where the input is if moving to `u` turns it round.
-fn turn(x: &mut [f64], u: f64) {
+/// Stores the current input if moving to `u` reverses its direction.
+fn store_reversal(x: &mut [f64], u: f64) {
     let n = count(x);
     let origin = if n == 0 { 0.0 } else { reversal(x, n - 1) };
-    let so_far = x[U] - origin;
-    if so_far == 0.0 || (so_far > 0.0) == (u > x[U]) {
+    let excursion = x[U] - origin;
+    if excursion == 0.0 || (excursion > 0.0) == (u > x[U]) {
         return;
     }
     if n == CAPACITY {
@@ -88,8 +87,8 @@ fn turn(x: &mut [f64], u: f64) {
     x[COUNT] = (n + 1) as f64;
 }
 
-/// Makes room in the full list: forgets the reversals i and i + 1 whose loss changes the fewest relays, which lie in a
-/// rectangle between their neighbours. Each reversal keeps its f, so the displacement does not jump.
+/// Shortens the full list: forgets the reversals i and i + 1 that change the fewest relays, those in a rectangle
+/// between their neighbours. Each reversal keeps its f, so the displacement does not jump.
 fn forget(x: &mut [f64]) {
     let at = |i: usize| if i < CAPACITY { reversal(x, i) } else { x[U] };
     let relays = |i: usize| ((at(i) - at(i + 2)) * (at(i + 1) - at(i - 1))).abs();
@@ -98,7 +97,7 @@ fn forget(x: &mut [f64]) {
     x[COUNT] = (CAPACITY - 2) as f64;
 }
 
-/// Forgets the loops that the way to `u` closes.
+/// Forgets the loops that are closed by moving to `u`.
 fn wipe_out(x: &mut [f64], u: f64) {
     let up = u > x[U];
     let mut n = count(x);
@@ -140,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn the_major_loop_is_as_high_and_as_wide_as_asked() {
+    fn the_major_loop_has_the_specified_height_and_width() {
         for c in [0.0, 0.3, -1.0] {
             let law = PreisachStage::new(30.0, 1e-3, 0.13, 20.0, c).unwrap();
             let w = drive(&law, &mut rest(), &[30.0, -30.0, 0.0, 30.0, 0.0]);
@@ -148,7 +147,7 @@ mod tests {
         }
     }
 
-    /// The same law by brute force: a grid of relays in (r, v), each up or down.
+    /// The same law as a grid of relays in (r, v), each up or down.
     #[test]
     fn a_grid_of_relays_agrees() {
         let law = pl140();
@@ -178,12 +177,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_closed_minor_loop_is_forgotten_to_the_bit(
+        fn the_state_is_bit_identical_after_a_closed_minor_loop(
             path in prop::collection::vec(-30.0..30.0f64, 1..20), inner in 0.0..1.0f64, deeper in 0.0..1.0f64) {
             let (law, mut x) = (pl140(), rest());
             drive(&law, &mut x, &path);
             let (before, last) = (x.clone(), x[U]);
-            // A turn that stays inside the innermost loop, with another inside it, and back.
+            // A reversal inside the innermost loop, another one inside that, and back.
             let n = count(&x);
             let origin = if n == 0 { -last } else { reversal(&x, n - 1) };
             let turn = last + (origin - last) * inner;
@@ -194,7 +193,7 @@ mod tests {
         }
 
         #[test]
-        fn how_a_path_is_divided_does_not_matter(path in prop::collection::vec(-30.0..30.0f64, 1..20)) {
+        fn the_division_of_a_path_does_not_matter(path in prop::collection::vec(-30.0..30.0f64, 1..20)) {
             let law = pl140();
             let (mut coarse, mut fine) = (rest(), rest());
             for &u in &path {
@@ -219,14 +218,14 @@ mod tests {
     }
 
     #[test]
-    fn rising_lies_below_falling() {
+    fn the_ascending_branch_is_below_the_descending_one() {
         let (law, mut x) = (pl140(), rest());
         let w = drive(&law, &mut x, &[30.0, 10.0, -30.0, 10.0]);
         assert!(w[3] < w[1]);
     }
 
     #[test]
-    fn a_ring_down_longer_than_the_memory_loses_little() {
+    fn a_ring_down_longer_than_the_list_has_a_small_error() {
         let (law, mut x) = (pl140(), rest());
         let cycles = 1000;
         let extreme =
@@ -234,7 +233,7 @@ mod tests {
         (0..2 * cycles).for_each(|i| {
             law.displacement(&mut x, extreme(i));
         });
-        // Demagnetised: rising again, the true law is back on its virgin curve (its steps are 0.03 V).
+        // Demagnetised: if it rises again, the true law is on its virgin curve (in steps of 0.03 V).
         for u in [0.5, 3.0, 11.0, 25.0, 30.0] {
             let (w, virgin) = (law.displacement(&mut x, u), law.displacement(&mut rest(), u));
             assert_close(&[w], &[virgin], 0.0, 2e-6);
@@ -242,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn a_width_that_leaves_no_reversible_slope_is_refused() {
+    fn a_width_without_reversible_slope_is_an_error() {
         let message = PreisachStage::new(30.0, 1e-3, 0.6, 20.0, 0.3).unwrap_err().to_string();
         assert!(message.starts_with("hysteresis.width = 0.6: must be at least 0 and below 0.385"), "{message}");
         assert!(PreisachStage::new(30.0, 1e-3, 0.1, 20.0, f64::NAN).is_err());

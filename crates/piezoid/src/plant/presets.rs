@@ -1,4 +1,4 @@
-//! The plants there are by name. One row a plant: front ends, documentation and contract tests read this list.
+//! The plants by name: one row per plant, read by front ends, documentation and contract tests.
 
 use super::catalogue::{Bender, DENSITY, PL112, PL122, PL127, PL128, PL140};
 use super::spec::{BeamMode, BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, SensorSpec, Spec};
@@ -9,9 +9,9 @@ use crate::error::{Error, row};
 pub struct Preset {
     /// Its name in every front end.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// Description in one line.
     pub summary: &'static str,
-    /// Where its numbers come from.
+    /// Source of its numbers.
     pub reference: &'static str,
     /// Its parameters.
     pub spec: fn() -> Spec,
@@ -33,44 +33,29 @@ pub static PLANTS: &[Preset] = &[
         name: "pl140",
         summary: "PL140.10, +-1000 um: three modes, Preisach 13 %, creep, 500 mA driver, noisy 16-bit sensor",
         reference: SHEET,
-        spec: || bench(&PL140, preisach(&PL140)),
+        spec: || bench_preisach(&PL140),
     },
     Preset {
         name: "pl140-bouc-wen",
-        summary: "PL140.10 as `pl140`, with Bouc-Wen hysteresis 13 %: minor loops are not wiped out",
+        summary: "PL140.10 like `pl140`, with Bouc-Wen hysteresis 13 %: minor loops are not wiped out",
         reference: SHEET_BOUC_WEN,
         spec: || bench(&PL140, bouc_wen(&PL140)),
     },
-    Preset {
-        name: "pl128",
-        summary: "PL128.10, +-450 um, resonance near 360 Hz, otherwise as `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL128, preisach(&PL128)),
-    },
-    Preset {
-        name: "pl127",
-        summary: "PL127.10, +-450 um, resonance near 420 Hz, otherwise as `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL127, preisach(&PL127)),
-    },
-    Preset {
-        name: "pl122",
-        summary: "PL122.10, +-310 um, resonance near 600 Hz, otherwise as `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL122, preisach(&PL122)),
-    },
-    Preset {
-        name: "pl112",
-        summary: "PL112.10, +-100 um, resonance near 1800 Hz, otherwise as `pl140`",
-        reference: SHEET,
-        spec: || bench(&PL112, preisach(&PL112)),
-    },
+    as_pl140("pl128", "PL128.10, +-450 um, resonance near 360 Hz, otherwise like `pl140`", || bench_preisach(&PL128)),
+    as_pl140("pl127", "PL127.10, +-450 um, resonance near 420 Hz, otherwise like `pl140`", || bench_preisach(&PL127)),
+    as_pl140("pl122", "PL122.10, +-310 um, resonance near 600 Hz, otherwise like `pl140`", || bench_preisach(&PL122)),
+    as_pl140("pl112", "PL112.10, +-100 um, resonance near 1800 Hz, otherwise like `pl140`", || bench_preisach(&PL112)),
 ];
 
+const fn as_pl140(name: &'static str, summary: &'static str, spec: fn() -> Spec) -> Preset {
+    Preset { name, summary, reference: SHEET, spec }
+}
+
 impl Preset {
-    /// The plant called `name`.    ///
+    /// The plant called `name`.
+    ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with all names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("plant", PLANTS.iter(), |row| row.name, name)
     }
@@ -88,15 +73,15 @@ fn paper() -> Spec {
     }
 }
 
-/// A bender on a bench: an amplifier, and a sensor of twice its range. The noise is 2e-4 of the displacement, for the
-/// PL140 0.2 um.
+/// A bender with an amplifier, and a sensor of twice its range. The noise is 2e-4 of the displacement, 0.2 um for the
+/// PL140.
 fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
     Spec {
         driver: DriverSpec {
             lag_s: 1e-4,
             current_a: Some(0.5),
             capacitance_f: bender.capacitance,
-            ..DriverSpec::default()
+            ..Default::default()
         },
         hysteresis,
         creep_per_decade: 0.015,
@@ -116,6 +101,10 @@ fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
         logged: Logged::Before,
         inner_steps: 20,
     }
+}
+
+fn bench_preisach(bender: &Bender) -> Spec {
+    bench(bender, preisach(bender))
 }
 
 fn preisach(bender: &Bender) -> HysteresisSpec {
@@ -144,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_plant_says_what_it_is_and_whence() {
+    fn every_plant_has_a_summary_and_a_source() {
         for (i, plant) in PLANTS.iter().enumerate() {
             assert!(!plant.summary.is_empty() && plant.reference.len() > 10, "{}", plant.name);
             assert!(PLANTS[..i].iter().all(|other| other.name != plant.name), "{} twice", plant.name);
@@ -154,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn every_plant_survives_json_to_the_bit() {
+    fn every_plant_is_bit_identical_after_json() {
         for plant in PLANTS {
             let spec = (plant.spec)();
             assert_eq!(Spec::from_json(&spec.to_json().unwrap()).unwrap(), spec, "{}", plant.name);

@@ -1,4 +1,4 @@
-//! What a plant could not deliver, or its sensor not show. It is counted, never silent.
+//! Counts of samples in which a plant or its sensor reached a limit.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ pub struct Saturation {
 }
 
 impl Saturation {
-    /// Whether any limit was reached.
+    /// True if any limit was reached.
     pub fn any(&self) -> bool {
         *self != Saturation::default()
     }
@@ -24,7 +24,7 @@ impl fmt::Display for Saturation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let parts: Vec<String> = [
             (self.clamped, "clamped to the driver's voltage range"),
-            (self.current_limited, "slowed by the driver's current limit"),
+            (self.current_limited, "limited by the driver's current"),
             (self.sensor_clipped, "clipped by the sensor's range"),
         ]
         .into_iter()
@@ -40,13 +40,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_are_said_in_words() {
+    fn limits_are_described_in_words() {
         assert_eq!(Saturation::default().to_string(), "no limit was reached");
         let some = Saturation { clamped: 1, sensor_clipped: 12, ..Saturation::default() };
-        assert_eq!(
-            some.to_string(),
-            "1 sample clamped to the driver's voltage range, 12 samples clipped by the sensor's range"
-        );
+        let words = "1 sample clamped to the driver's voltage range, 12 samples clipped by the sensor's range";
+        assert_eq!(some.to_string(), words);
         assert!(some.any());
     }
 }

@@ -3,8 +3,8 @@
 //! ```text
 //! s' = (y - s) / tau,    reading = q clamp(round((s + rms n) / q)),   q = 2 range / 2^bits
 //! ```
-//! The codes run from -2^(bits-1) to 2^(bits-1) - 1, so the highest reading is one q below +range. The noise n of a
-//! sample is a function of the seed and the sample's number alone, so a state that is copied has the same future.
+//! The codes are from -2^(bits-1) to 2^(bits-1) - 1, so the highest reading is one q below +range. The noise n depends
+//! only on the seed and the number of the sample, so a copied state has the same future.
 //!
 //! Reference: J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC'11, DOI 10.1145/2063384.2063405
 //! (counter-based generators; here ChaCha with 8 rounds). Not here: drift, nonlinearity, coloured noise.
@@ -17,13 +17,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// 32-bit words of the generator set aside for a sample; the ziggurat seldom takes more than two.
+/// 32-bit words of the generator reserved per sample; the ziggurat rarely needs more than two.
 const WORDS: u128 = 16;
 
 /// The sensor, for a fixed time step.
 #[derive(Debug, Clone)]
 pub(super) struct Sensor {
-    /// What is left of y - s after a step [-].
+    /// Remaining share of y - s after a step [-].
     keep: f64,
     rms: f64,
     /// Lowest and highest reading [m].
@@ -35,7 +35,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// The sensor advanced in steps of `h` [s], its noise drawn from `seed`.
+    /// The sensor advanced in steps of `h` [s], with noise of `seed`.
     pub(super) fn new(spec: &SensorSpec, h: f64, seed: u64) -> Result<Self, Error> {
         let lag = non_negative("sensor.lag_s", spec.lag_s, "seconds")?;
         let rms = non_negative("sensor.noise_rms_m", spec.noise_rms_m, "metres")?;
@@ -60,17 +60,17 @@ impl Sensor {
         Sensor { generator: ChaCha8Rng::seed_from_u64(seed), ..self }
     }
 
-    /// Advances the lagged displacement one step, over which the tip is at `y` [m] in the mean.
+    /// Advances the lagged displacement one step; the mean displacement of the tip over it is `y` [m].
     pub(super) fn advance(&self, s: &mut f64, y: f64) {
         *s = y + (*s - y) * self.keep;
     }
 
-    /// What is to be read: the lagged displacement, or without a lag the tip itself [m].
+    /// The input of the converter: the lagged displacement, or the tip itself without lag [m].
     pub(super) fn sees(&self, tip: f64, lagged: f64) -> f64 {
         if self.keep > 0.0 { lagged } else { tip }
     }
 
-    /// Reads `s` [m] as sample number `n`, and says whether the range clipped it.
+    /// Reads `s` [m] as sample number `n`; true if the range clipped it.
     pub(super) fn read(&self, s: f64, n: u64) -> (f64, bool) {
         let noisy = if self.rms > 0.0 { s + self.rms * self.normal(n) } else { s };
         let coded = if self.code > 0.0 { (noisy / self.code).round() * self.code } else { noisy };
@@ -95,12 +95,12 @@ mod tests {
     }
 
     #[test]
-    fn an_ideal_sensor_reads_what_is_there() {
+    fn an_ideal_sensor_reads_the_displacement() {
         assert_eq!(sensor(&SensorSpec::default()).read(1.234_567e-3, 0), (1.234_567e-3, false));
     }
 
     #[test]
-    fn noise_has_the_rms_it_should_and_no_memory() {
+    fn noise_is_white_and_normal_with_the_specified_rms() {
         let sensor = sensor(&SensorSpec { noise_rms_m: 2e-7, ..SensorSpec::default() });
         let n: Vec<f64> = (0..100_000).map(|i| sensor.read(0.0, i).0 / 2e-7).collect();
         let mean = |f: &dyn Fn(usize) -> f64| (0..n.len() - 1).map(f).sum::<f64>() / (n.len() - 1) as f64;
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lag_is_a_first_order_one() {
+    fn the_lag_is_of_first_order() {
         let (sensor, mut s) = (sensor(&SensorSpec { lag_s: 1e-3, ..SensorSpec::default() }), 0.0);
         (0..40).for_each(|_| sensor.advance(&mut s, 1.0));
         assert_close(&[s], &[1.0 - (-1.0f64).exp()], 1e-12, 0.0);

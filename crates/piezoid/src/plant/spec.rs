@@ -1,7 +1,7 @@
-//! What a plant is built from: every parameter of every stage, as one document that reads from and writes to JSON.
+//! The specification of a plant: every parameter of every stage, as a JSON document.
 //!
-//! Numbers are in SI units and the name of a field ends with its unit. The voltage counts from the middle of the
-//! supply: a bender driven from 0 to 60 V runs from -30 to 30 V here. This file states; the stages check.
+//! Numbers are in SI units; the name of a field ends with its unit. Voltages are relative to the middle of the supply:
+//! a bender driven from 0 to 60 V has -30 to 30 V here. The stages check the values.
 
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
@@ -18,28 +18,28 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spec {
-    /// The amplifier; left out, it is ideal from -30 to 30 V.
+    /// The amplifier; the default is ideal from -30 to 30 V.
     #[serde(default)]
     pub(crate) driver: DriverSpec,
     /// The ceramic.
     pub(crate) hysteresis: HysteresisSpec,
-    /// Creep g a decade of time, as a share of the displacement 0.1 s after a step; 0 is none [-].
+    /// Creep g per decade of time, as a share of the displacement 0.1 s after a step; 0 for none [-].
     #[serde(default)]
     pub(crate) creep_per_decade: f64,
     /// The mechanics.
     pub(crate) beam: BeamSpec,
-    /// The sensor; left out, it is ideal.
+    /// The sensor; the default is ideal.
     #[serde(default)]
     pub(crate) sensor: SensorSpec,
-    /// The instant at which y is logged.
+    /// Time at which y is logged.
     #[serde(default)]
     pub(crate) logged: Logged,
-    /// Inner integration steps a sample.
+    /// Inner integration steps per sample.
     #[serde(default = "inner_steps")]
     pub(crate) inner_steps: usize,
 }
 
-/// The amplifier. The capacitance matters only where the current is limited.
+/// The amplifier. The capacitance is used only if the current is limited.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct DriverSpec {
@@ -61,8 +61,8 @@ impl Default for DriverSpec {
     }
 }
 
-/// How the ceramic turns voltage into static displacement. Either law is set by its major loop, between +-`range_v`:
-/// `displacement_m` is half its height, and `width` is its width at 0 V (in the direction of y) over its full height.
+/// The law of the ceramic, set by its major loop between +-`range_v`: `displacement_m` is half its height, and `width`
+/// its width at 0 V (in the direction of y) over its height.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum HysteresisSpec {
@@ -79,7 +79,7 @@ pub(crate) enum HysteresisSpec {
         /// Low & Guo's gamma [1/V].
         gamma_per_v: f64,
     },
-    /// A continuous population of relays: wipes out minor loops, and is asymmetric, as measured ceramics are.
+    /// A continuous density of relays: asymmetric and with the wiping-out property, like measured ceramics.
     Preisach {
         /// Voltage amplitude of the major loop [V].
         range_v: f64,
@@ -87,24 +87,24 @@ pub(crate) enum HysteresisSpec {
         displacement_m: f64,
         /// Width of the major loop at 0 V over its height [-].
         width: f64,
-        /// Half-width rho at which the density of relays has fallen to 1/e [V].
+        /// Half-width rho at which the density of relays is 1/e of its maximum [V].
         half_width_v: f64,
-        /// Asymmetry c: the density at +range over that at zero is 1 + c, at -range 1 - c [-].
+        /// Asymmetry c: the density over that at zero is 1 + c at +range, 1 - c at -range [-].
         asymmetry: f64,
     },
 }
 
-/// The mechanics: vibration modes, measured or from geometry.
+/// The mechanics: vibration modes, given or from geometry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum BeamSpec {
-    /// Modes as they are; none at all is a bender without dynamics.
+    /// The modes; without any, the bender has no dynamics.
     Modes(Vec<BeamMode>),
     /// The modes of a uniform cantilever.
     Cantilever(Cantilever),
 }
 
-/// A vibration mode as the tip shows it.
+/// A vibration mode at the tip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BeamMode {
@@ -112,7 +112,7 @@ pub(crate) struct BeamMode {
     pub(crate) frequency_hz: f64,
     /// Damping ratio, between 0 and 1 [-].
     pub(crate) damping: f64,
-    /// Share in the static displacement; what the shares leave of 1 follows at once [-].
+    /// Share of the static displacement; the rest to 1 has no dynamics [-].
     pub(crate) share: f64,
 }
 
@@ -128,7 +128,7 @@ pub(crate) struct Cantilever {
     pub(crate) youngs_modulus_pa: f64,
     /// Density [kg/m^3].
     pub(crate) density_kg_per_m3: f64,
-    /// Damping ratio of each mode; as many modes are kept as there are ratios [-].
+    /// Damping ratio of each mode, which also sets the number of modes [-].
     pub(crate) damping: Vec<f64>,
 }
 
@@ -138,32 +138,32 @@ pub(crate) struct Cantilever {
 pub(crate) struct SensorSpec {
     /// Time constant; 0 is ideal [s].
     pub(crate) lag_s: f64,
-    /// White noise a sample, rms [m].
+    /// White noise per sample, rms [m].
     pub(crate) noise_rms_m: f64,
-    /// Readings end at +- this; `None` (`null`) is no end [m].
+    /// Range of the readings, +- this; `None` (`null`) is unlimited [m].
     pub(crate) range_m: Option<f64>,
     /// Bits of the converter over the range; `None` (`null`) is no quantisation.
     pub(crate) bits: Option<u32>,
 }
 
-/// When a sample of y is logged, of the interval in which its u acts.
+/// Time at which a sample of y is logged, in the interval of its u.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Logged {
-    /// At the start, the instant before u acts.
+    /// At the start, just before u acts.
     #[default]
     Before,
-    /// At the end, when u has acted for one sampling period.
+    /// At the end, after u has acted for one sampling period.
     After,
 }
 
 impl Spec {
-    /// Readings of the sensor end at +- this; `None` where they do not [m].
+    /// Range of the sensor, +- this; `None` if unlimited [m].
     pub fn sensor_range(&self) -> Option<f64> {
         self.sensor.range_m
     }
 
-    /// The same with this white noise of the sensor [m, rms].
+    /// The same with this white sensor noise [m, rms].
     pub fn with_sensor_noise(mut self, rms: f64) -> Self {
         self.sensor.noise_rms_m = rms;
         self
@@ -172,8 +172,8 @@ impl Spec {
     /// Reads a specification.
     ///
     /// # Errors
-    /// What is not JSON, lacks a field or has an unknown one is refused with its line. Values are checked when the
-    /// plant is built.
+    /// Returns an error, with its line, if the text is not JSON, lacks a field or has an unknown one. Values are
+    /// checked when the plant is built.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         serde_json::from_str(text).map_err(|e| {
             let message = e.to_string();
@@ -181,15 +181,15 @@ impl Spec {
             Error::Line {
                 line: e.line().max(1) as u64,
                 column: Some(e.column().to_string()),
-                problem: format!("{problem}; start from a specification that the catalogue writes"),
+                problem: format!("{problem}; start from a specification of the catalogue"),
             }
         })
     }
 
-    /// Writes the specification, one field a line.
+    /// Writes the specification, one field per line.
     ///
     /// # Errors
-    /// None for a specification from which a plant can be built.
+    /// None for a valid specification.
     pub fn to_json(&self) -> Result<String, Error> {
         serde_json::to_string_pretty(self).map_err(|e| Error::Content(format!("the plant cannot be written: {e}")))
     }
@@ -199,12 +199,12 @@ fn inner_steps() -> usize {
     20
 }
 
-/// Refuses a value for which the rule does not hold.
+/// Returns an error if the rule does not hold.
 pub(super) fn require(holds: bool, name: &str, value: f64, rule: &str) -> Result<f64, Error> {
     if holds { Ok(value) } else { Err(Error::parameter(name, value, rule)) }
 }
 
-/// Refuses a value that is neither 0 nor a positive finite number.
+/// Returns an error unless a value is 0 or a positive finite number.
 pub(super) fn non_negative(name: &str, value: f64, unit: &str) -> Result<f64, Error> {
     require(value >= 0.0 && value.is_finite(), name, value, &format!("must be 0 or a positive number of {unit}"))
 }
@@ -214,7 +214,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_may_be_left_out_gets_its_default() {
+    fn missing_fields_have_their_defaults() {
         let spec = Spec::from_json(
             r#"{"hysteresis": {"bouc_wen": {"range_v": 30, "displacement_m": 1e-3, "width": 0.13, "beta_per_v": 0.02,
                 "gamma_per_v": 0.005}}, "beam": {"modes": []}}"#,
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_that_is_unknown_is_named_with_its_line() {
+    fn the_error_about_an_unknown_field_has_its_line() {
         let message = |text| Spec::from_json(text).unwrap_err().to_string();
         let unknown = message("{\n\"driver\": {\"lag\": 1e-4},\n\"beam\": {\"modes\": []}}");
         assert!(unknown.starts_with("line 2, column") && unknown.contains("unknown field `lag`"), "{unknown}");

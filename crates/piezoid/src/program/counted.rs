@@ -1,9 +1,10 @@
-//! Arithmetic of whole counts, of programs that stand for others in fixed point: exact here, as it is in integers of 64 bits.
+//! Integer arithmetic of fixed-point programs, as exact as in 64-bit integers.
 
-/// The operation of this name, if it is one, on counts of 53 bits at most.
+/// The operation with this name on integers of at most 53 bits, if there is one.
 ///
-/// `wide(v)` is v; `narrow(v)` and `keep(v)` are held within 31 and 51 bits; `shift(v, n)` is v / 2^n, `product(a, b, n)` is a b / 2^n and
-/// `quotient(a, b, n)` is 2^n a / b within 31 bits, all to the nearest and halves away from zero.
+/// `wide(v)` is v; `narrow(v)` and `keep(v)` are clamped to 31 and 51 bits; `shift(v, n)` is v / 2^n; `product(a, b,
+/// n)` is a b / 2^n; `quotient(a, b, n)` is 2^n a / b, clamped to 31 bits. Results are rounded to nearest, halves away
+/// from zero.
 pub(super) fn operation(name: &str) -> Option<fn(&[f64]) -> f64> {
     Some(match name {
         "wide" => |v| v[0],
@@ -16,10 +17,10 @@ pub(super) fn operation(name: &str) -> Option<fn(&[f64]) -> f64> {
     })
 }
 
-/// What 32 bits hold, the same on both sides of zero.
+/// Range of 32 bits, symmetric about zero.
 const NARROW: f64 = 2_147_483_647.0;
 
-/// What is kept of a state in 64 bits, which leaves room for a sum.
+/// Range of a state in 64 bits, with a margin for a sum.
 pub(crate) const KEPT: f64 = 2_251_799_813_685_248.0;
 
 fn shifted(v: i64, n: f64) -> f64 {
@@ -43,14 +44,14 @@ mod tests {
     }
 
     #[test]
-    fn halves_go_away_from_zero_on_both_sides() {
+    fn halves_are_rounded_away_from_zero() {
         assert_eq!([5.0, -5.0, 6.0, -7.0].map(|v| of("shift", &[v, 1.0])), [3.0, -3.0, 3.0, -4.0]);
         assert_eq!([7.0, -7.0].map(|v| of("quotient", &[v, 2.0, 0.0])), [4.0, -4.0]);
         assert_eq!(of("product", &[NARROW, -NARROW, 31.0]), -2_147_483_646.0);
     }
 
     #[test]
-    fn what_is_divided_by_nothing_is_as_far_as_can_be() {
+    fn a_division_by_zero_gives_the_limit() {
         assert_eq!([1.0, -1.0, 0.0].map(|v| of("quotient", &[v, 0.0, 3.0])), [NARROW, -NARROW, 0.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Programs: a step in words that every language of the target machines has.
+//! Programs: a small language for steps, whose operations exist in every target language.
 //!
 //! ```text
 //! // What the play of threshold r holds back.
@@ -14,14 +14,17 @@
 //!     return z;
 //! }
 //! ```
-//! A block has fields (its state), constants, and functions. Numbers are real or whole; a parameter is real unless it says
-//! `whole` or names the block whose state it is. There are no early returns, no recursion, no names that hide others; a function may
-//! return two numbers. Conditions change nothing. `let t = copy(x);` copies a state, `let t = zero(x);` makes one of zeros, `[0.0; n]` is room for n numbers;
-//! `real(i)` and `whole(v)` convert, the latter a number that is not negative, towards zero; `epsilon`, `least` and `most` are those of the
-//! precision at hand. Some languages look at both sides of `&&` and `||`. A comment before a function or a step goes with it into every language.
+//! A block has fields (its state), constants, and functions. A parameter is a real number, an integer (`whole`), or the
+//! state of a block, given by the name of the block. There are no early returns, no recursion, and no shadowed names. A
+//! function returns up to two numbers. Conditions have no side effects. `let t = copy(x);` copies a state, `let t =
+//! zero(x);` makes one of zeros, `[0.0; n]` is an array of n numbers. `real(i)` converts an integer; `whole(v)`
+//! truncates a number that is not negative. `epsilon`, `least` and `most` are those of the precision in use. Some
+//! target languages evaluate both sides of `&&` and `||`. A comment before a function or a statement is printed in
+//! every language.
 //!
-//! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in either precision, and
-//! printed by [`crate::export`]. It is the same arithmetic in the same order everywhere, so that all give the same bits.
+//! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in single or double
+//! precision, and printed by the export. The order of the arithmetic is the same everywhere, so results are
+//! bit-identical.
 
 mod counted;
 mod read;
@@ -36,18 +39,18 @@ pub use tree::{Argument, Expr, Function, Limit, Op, Place, Statement, ValueType}
 
 use crate::error::Error;
 
-/// A part of a program: a state, constants, and what it does.
+/// A part of a program: a state, constants, and functions.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Block {
-    /// As functions name the type of its state.
+    /// Name, also of the type of its state.
     pub name: String,
-    /// What it is, in a line or two.
+    /// Description in one or two lines.
     pub about: String,
     /// The state, in order.
     pub fields: Vec<Field>,
-    /// Numbers that never change.
+    /// Constants.
     pub constants: Vec<Constant>,
-    /// Numbers that stand for themselves, as lengths do.
+    /// Integers that are inserted as literals, for example lengths.
     pub counts: Vec<(String, usize)>,
     /// The functions.
     pub text: String,
@@ -56,31 +59,31 @@ pub struct Block {
 /// A part of a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// As functions name it.
+    /// Name.
     pub name: String,
-    /// What it begins with.
+    /// Value at rest.
     pub holds: FieldValue,
 }
 
-/// What a field holds at rest.
+/// The value of a field at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FieldValue {
     /// One number.
     Number(f64),
-    /// Several.
+    /// An array.
     Numbers(Vec<f64>),
-    /// The state of the block of this name.
+    /// The state of the block with this name.
     Block(String),
 }
 
-/// A constant or a table of them.
+/// A constant or a table of constants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constant {
-    /// As functions name it.
+    /// Name.
     pub name: String,
-    /// The numbers.
+    /// Values.
     pub values: Vec<f64>,
-    /// Whether it is a table, even of one.
+    /// True for a table, even one of one number.
     pub table: bool,
 }
 
@@ -90,17 +93,17 @@ impl Block {
         Block { name: name.into(), about: about.into(), ..Block::default() }
     }
 
-    /// With one more number in its state.
+    /// Adds a number to the state.
     pub fn number(self, name: &str, at_rest: f64) -> Self {
         self.field(name, FieldValue::Number(at_rest))
     }
 
-    /// With several more numbers in its state; none are no field.
+    /// Adds an array to the state; an empty array adds nothing.
     pub fn numbers(self, name: &str, at_rest: Vec<f64>) -> Self {
         if at_rest.is_empty() { self } else { self.field(name, FieldValue::Numbers(at_rest)) }
     }
 
-    /// With the state of another block in its own.
+    /// Adds the state of another block to the state.
     pub fn part(self, name: &str, block: &str) -> Self {
         self.field(name, FieldValue::Block(block.into()))
     }
@@ -110,13 +113,13 @@ impl Block {
         self
     }
 
-    /// With a constant.
+    /// Adds a constant.
     pub fn constant(mut self, name: &str, value: f64) -> Self {
         self.constants.push(Constant { name: name.into(), values: vec![value], table: false });
         self
     }
 
-    /// With a table of constants; none are no table.
+    /// Adds a table of constants; an empty table adds nothing.
     pub fn table(mut self, name: &str, values: &[f64]) -> Self {
         if !values.is_empty() {
             self.constants.push(Constant { name: name.into(), values: values.to_vec(), table: true });
@@ -124,33 +127,33 @@ impl Block {
         self
     }
 
-    /// With a whole number that functions know by name.
+    /// Adds a named integer.
     pub fn count(mut self, name: &str, value: usize) -> Self {
         self.counts.push((name.into(), value));
         self
     }
 
-    /// With functions.
+    /// Adds functions.
     pub fn text(mut self, text: &str) -> Self {
         self.text += text;
         self
     }
 }
 
-/// Blocks and what they do together.
+/// Blocks and their functions.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Program {
-    /// The blocks, each after those it holds.
+    /// The blocks, each after its parts.
     pub blocks: Vec<Block>,
     /// The functions, each after those it calls.
     pub functions: Vec<Function>,
 }
 
 impl Program {
-    /// Reads the functions of blocks that stand in the order of use.
+    /// Reads the functions of `blocks`, which must be in the order of use.
     ///
     /// # Errors
-    /// [`Error::Content`] with the function and the place, where a text is not in the language.
+    /// [`Error::Content`] with the function and the position if a text is not in the language.
     pub fn new(blocks: Vec<Block>) -> Result<Self, Error> {
         let mut program = Program::default();
         for block in blocks {
@@ -162,7 +165,7 @@ impl Program {
     /// Adds a block.
     ///
     /// # Errors
-    /// As [`Program::new`].
+    /// The errors of [`Program::new`].
     pub fn add(&mut self, block: Block) -> Result<(), Error> {
         let text = block.text.clone();
         self.blocks.push(block);
@@ -172,27 +175,27 @@ impl Program {
     /// Adds functions to the last block.
     ///
     /// # Errors
-    /// As [`Program::new`].
+    /// The errors of [`Program::new`].
     pub fn extend(&mut self, text: &str) -> Result<(), Error> {
         read::functions(self, text)
     }
 
-    /// The block of this name.
+    /// The block with this name.
     pub fn block(&self, name: &str) -> Option<&Block> {
         self.blocks.iter().find(|b| b.name == name)
     }
 
-    /// The function of this name.
+    /// The function with this name.
     pub fn function(&self, name: &str) -> Option<&Function> {
         self.functions.iter().find(|f| f.name == name)
     }
 
-    /// Numbers in the state of the block of this name.
+    /// Length of the state of the block with this name.
     pub fn order(&self, block: &str) -> usize {
         self.block(block).map_or(0, |b| b.fields.iter().map(|f| self.length(&f.holds)).sum())
     }
 
-    /// Numbers in a field.
+    /// Length of a field.
     fn length(&self, holds: &FieldValue) -> usize {
         match holds {
             FieldValue::Number(_) => 1,
@@ -201,11 +204,11 @@ impl Program {
         }
     }
 
-    /// How far into something what is at `path` of it begins, and what it is.
+    /// Offset and type of the field at `path`, in a value of type `kind`.
     fn within(&self, mut kind: ValueType, path: &[String]) -> Result<(usize, ValueType), String> {
         let mut before = 0;
         for name in path {
-            let ValueType::Part(block) = &kind else { return Err(format!("`{name}` is no field")) };
+            let ValueType::Part(block) = &kind else { return Err(format!("`{name}` is not a field")) };
             let fields = self.block(block).map_or(&[][..], |b| &b.fields);
             let Some(k) = fields.iter().position(|f| f.name == *name) else {
                 return Err(format!("block `{block}` has no field `{name}`"));
@@ -220,21 +223,18 @@ impl Program {
         Ok((before, kind))
     }
 
-    /// The state of the block of this name at rest, as one vector.
+    /// The state at rest of the block with this name, as one vector.
     pub fn at_rest(&self, block: &str) -> Vec<f64> {
         let fields = self.block(block).map_or(&[][..], |b| &b.fields);
-        fields.iter().flat_map(|f| self.held(&f.holds)).collect()
-    }
-
-    fn held(&self, holds: &FieldValue) -> Vec<f64> {
-        match holds {
+        let values = |field: &Field| match &field.holds {
             FieldValue::Number(value) => vec![*value],
             FieldValue::Numbers(values) => values.clone(),
             FieldValue::Block(name) => self.at_rest(name),
-        }
+        };
+        fields.iter().flat_map(values).collect()
     }
 
-    /// Leaves out functions that none of `kept` needs, and constants that none of those reads.
+    /// Removes all functions except `kept` and those they call, and all constants that these do not read.
     pub fn keep(&mut self, kept: &[&str]) {
         let mut needed: Vec<String> = kept.iter().map(|name| (*name).to_owned()).collect();
         for function in self.functions.iter().rev() {
@@ -267,49 +267,50 @@ mod tests {
         block.constant("gain", 4.0).table("r", &[1.0, 10.0, 100.0]).count("n", 3).text(text)
     }
 
-    /// What `f` of a block gives for these numbers.
-    fn gives(text: &str, numbers: &[f64]) -> Vec<f64> {
+    /// The results of function `f` of a block for these arguments.
+    fn call(text: &str, numbers: &[f64]) -> Vec<f64> {
         let program = Program::new(vec![block(text)]).unwrap();
         Machine::new(&program, "b", false).call("f", numbers).unwrap()
     }
 
     #[test]
-    fn steps_do_what_they_say() {
-        assert_eq!(gives("fn f(u) { return 2.0 + 3.0 * u - 8.0 / 4.0 / 2.0; }", &[5.0]), [16.0]);
-        assert_eq!(gives("fn f(u) { return -u * 2.0 - -1.0; }", &[3.0]), [-5.0]);
-        assert_eq!(gives("fn f(u) { let s = u; for k in 0..n { s = s * 2.0 + r[k]; } return s; }", &[1.0]), [132.0]);
-        assert_eq!(
-            gives("fn f(u) { let s = u; for k in 0..n down { s = s * 2.0 + r[k]; } return s; }", &[1.0]),
-            [429.0]
-        );
-        assert_eq!(
-            gives("fn f(u) { let k = 0; while k < n && real(k) < u { k += 1; } return real(k * 10 % 7); }", &[2.0]),
-            [6.0]
-        );
+    fn statements_and_expressions_give_the_right_values() {
         let choice =
             "fn f(u) { let z = 0.0; if u < 1.0 || u > 9.0 { z = 1.0; } else if u == 5.0 { z = 2.0; } return z; }";
-        assert_eq!([0.0, 5.0, 6.0, 10.0].map(|u| gives(choice, &[u])[0]), [1.0, 2.0, 0.0, 1.0]);
-        assert_eq!(gives("fn g(u) { return u, gain; } fn f(u) { let a, b = g(u); return b, a; }", &[7.0]), [4.0, 7.0]);
         let room = "fn f(x: b, u) { let t = copy(x); let z = zero(x); let s = [0.0; n]; t.room[1] = u; s[2] = t.room[1] + x.room[1]; return s[2], z.room[2]; }";
-        assert_eq!(gives(room, &[7.0]), [9.0, 0.0]);
+        for (text, u, result) in [
+            ("fn f(u) { return 2.0 + 3.0 * u - 8.0 / 4.0 / 2.0; }", 5.0, &[16.0][..]),
+            ("fn f(u) { return -u * 2.0 - -1.0; }", 3.0, &[-5.0]),
+            ("fn f(u) { let s = u; for k in 0..n { s = s * 2.0 + r[k]; } return s; }", 1.0, &[132.0]),
+            ("fn f(u) { let s = u; for k in 0..n down { s = s * 2.0 + r[k]; } return s; }", 1.0, &[429.0]),
+            ("fn f(u) { let k = 0; while k < n && real(k) < u { k += 1; } return real(k * 10 % 7); }", 2.0, &[6.0]),
+            ("fn g(u) { return u, gain; } fn f(u) { let a, b = g(u); return b, a; }", 7.0, &[4.0, 7.0]),
+            (choice, 0.0, &[1.0]),
+            (choice, 5.0, &[2.0]),
+            (choice, 6.0, &[0.0]),
+            (choice, 10.0, &[1.0]),
+            (room, 7.0, &[9.0, 0.0]),
+        ] {
+            assert_eq!(call(text, &[u]), result, "{text}");
+        }
     }
 
     #[test]
-    fn what_is_not_in_the_language_is_refused_with_the_reason() {
+    fn errors_about_a_text_state_the_reason() {
         for (text, reason) in [
             ("fn f(u) { return v; }", "`v` is not known"),
             ("fn f(u) { return g(u); }", "no function `g`"),
             ("fn f(u) { let u = 1.0; return u; }", "hides"),
-            ("fn f(u) { let k = 1; return u + k; }", "whole number to one that is not"),
+            ("fn f(u) { let k = 1; return u + k; }", "mixes an integer and a real number"),
             ("fn f(u) { return r; }", "is a table"),
             ("fn f(x: b) { return x.first; }", "no field `first`"),
             ("fn f(x: c) { return 1.0; }", "no block `c`"),
             ("fn f(u) { let a, b = f(u); return a; }", "no function `f`"),
-            ("fn f(u) { return u, u, u; }", "two numbers are the most"),
-            ("fn g(x: b) { x.last = 1.0; } fn f(x: b) { return g(x); }", "gives nothing"),
-            ("fn f(u) { return 1.0; } fn f(u) { return 2.0; }", "another one of that name"),
+            ("fn f(u) { return u, u, u; }", "at most two numbers"),
+            ("fn g(x: b) { x.last = 1.0; } fn f(x: b) { return g(x); }", "returns nothing"),
+            ("fn f(u) { return 1.0; } fn f(u) { return 2.0; }", "already a function with this name"),
             ("fn f(u) { return 1.0 }", "`;` is missing"),
-            ("fn f(u) { return u # 2.0; }", "no sign `#`"),
+            ("fn f(u) { return u # 2.0; }", "unknown character `#`"),
         ] {
             let error = Program::new(vec![block(text)]).unwrap_err().to_string();
             assert!(error.contains(reason), "{text}: {error}");
@@ -317,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn counting_beyond_what_there_is_is_an_error_and_no_panic() {
+    fn an_index_out_of_range_is_an_error_and_does_not_panic() {
         for text in [
             "fn f(u) { return r[whole(u)]; }",
             "fn f(u) { let k = whole(u); return r[k - 4]; }",
@@ -333,20 +334,18 @@ mod tests {
     }
 
     #[test]
-    fn a_call_within_a_call_of_the_same_function_and_a_name_that_comes_again_are_kept_apart() {
+    fn nested_calls_of_a_function_and_reused_names_do_not_interfere() {
         let text = "
             fn g(a, b) { let t = a * 10.0; return t + b; }
             fn f(u) { let s = 0.0; for k in 0..2 { let t = g(g(1.0, 2.0), g(u, s)); s = t; } if s > 0.0 { let t = 1; s += real(t); } return s; }";
         // 10 (10 + 2) + 10 u + s, twice, and 1.
-        assert_eq!(gives(text, &[3.0]), [301.0]);
+        assert_eq!(call(text, &[3.0]), [301.0]);
     }
 
     #[test]
-    fn a_watched_machine_knows_the_largest_of_what_was_reached_and_goes_on_from_its_state() {
-        let program = Program::new(vec![block(
-            "fn f(x: b, u) { x.last += u; if u > 9.0 { x.last = 0.0; } return -x.last * gain; }",
-        )])
-        .unwrap();
+    fn a_watched_machine_records_the_largest_values_and_keeps_its_state() {
+        let text = "fn f(x: b, u) { x.last += u; if u > 9.0 { x.last = 0.0; } return -x.last * gain; }";
+        let program = Program::new(vec![block(text)]).unwrap();
         let mut machine = Machine::new(&program, "b", false);
         machine.call("f", &[1.0]).unwrap();
         let mut machine = machine.watched();
@@ -359,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_are_what_differences_near() {
+    fn slopes_agree_with_finite_differences() {
         let text = "
             fn h(v, c) { let w = v / (c + v * v); if w > 0.1 { w = w * w; } return w; }
             fn f(x: b, u) {
@@ -381,11 +380,9 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_needs_is_left_out() {
-        let mut program = Program::new(vec![block(
-            "fn a(u) { return u * gain; } fn g(u) { return u; } fn f(u) { return g(u) + r[1]; }",
-        )])
-        .unwrap();
+    fn unused_functions_and_constants_are_removed() {
+        let text = "fn a(u) { return u * gain; } fn g(u) { return u; } fn f(u) { return g(u) + r[1]; }";
+        let mut program = Program::new(vec![block(text)]).unwrap();
         program.keep(&["f"]);
         assert_eq!(program.functions.iter().map(|f| &*f.name).collect::<Vec<_>>(), ["g", "f"]);
         assert_eq!(program.blocks[0].constants.iter().map(|c| &*c.name).collect::<Vec<_>>(), ["r"]);

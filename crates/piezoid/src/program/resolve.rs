@@ -1,4 +1,4 @@
-//! A program with its names looked up: closures over cells, one for every number that it keeps.
+//! A program with resolved names: closures over cells, one cell per stored number.
 
 use super::run::{Work, wrong};
 use super::{Expr, Function, Machine, Op, Place, Statement, ValueType, counted};
@@ -6,22 +6,23 @@ use crate::error::Error;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// What a step, an expression or a condition does.
+/// A statement, an expression or a condition, ready to run.
 type Closure<'p, T = f64> = Box<dyn Fn(&mut Work) -> T + 'p>;
 
-/// A function. As there is no recursion, its cells are its own.
+/// A function with its own cells: there is no recursion.
 #[derive(Clone)]
 pub(super) struct ResolvedFunction<'p> {
     pub(super) run: Rc<dyn Fn(&mut Work) + 'p>,
-    /// The first of the cells of its parameters, and of what it returns.
+    /// First cell of its parameters, and of its returned values.
     pub(super) takes: usize,
     pub(super) gives: usize,
 }
 
-/// A machine while the names in its program are looked up.
+/// A machine while the names of its program are resolved.
 pub(super) struct Resolver<'p> {
     pub(super) machine: Machine<'p>,
-    /// The cell of each name of the function at hand; of a state and of room it holds where they begin.
+    /// Cell and type of each name of the present function. For a state or an array the cell contains its first
+    /// position.
     pub(super) names: HashMap<&'p str, (usize, ValueType)>,
 }
 
@@ -45,14 +46,14 @@ impl<'p> Resolver<'p> {
         self.machine.ready.push(ResolvedFunction { run, takes, gives });
     }
 
-    /// Cells for so many numbers.
+    /// Allocates `n` cells; returns the first.
     fn room(&mut self, n: usize) -> usize {
         let at = self.machine.work.cells.len();
         self.machine.work.cells.resize(at + n, 0.0);
         at
     }
 
-    /// The cell of a new name, and `n` more behind it, where it begins.
+    /// Allocates a cell for a new name, which contains the position of the `n` cells after it.
     fn name(&mut self, name: &'p str, kind: ValueType, n: usize) -> usize {
         let at = self.room(1 + n);
         self.machine.work.cells[at] = (at + 1) as f64;
@@ -60,7 +61,7 @@ impl<'p> Resolver<'p> {
         at
     }
 
-    /// Steps, and whether nothing is wrong after them.
+    /// Statements; the closure returns true if there was no error.
     fn steps(&mut self, steps: &'p [Statement]) -> Closure<'p, bool> {
         let steps: Vec<Closure<()>> = steps.iter().map(|step| later(self.step(step))).collect();
         Box::new(move |w| {
@@ -141,12 +142,12 @@ impl<'p> Resolver<'p> {
         })
     }
 
-    /// A call, and the first cell of what it gives.
+    /// A call, and the first cell of its results.
     fn call(&mut self, name: &str, arguments: &'p [Expr]) -> Result<(Closure<'p, ()>, usize), Error> {
         let (function, ResolvedFunction { run, takes, gives }) = self.machine.ready(name)?;
         let given = function.takes.iter().zip(arguments).map(|(takes, argument)| self.of(&takes.kind, argument));
         let given = given.collect::<Result<Vec<_>, Error>>()?;
-        // All are known before one is handed over, which may take the same function.
+        // All arguments are evaluated before one is passed, because an argument may call the same function.
         let room = self.room(given.len());
         let call = move |w: &mut Work| {
             for (k, value) in given.iter().enumerate() {
@@ -158,7 +159,7 @@ impl<'p> Resolver<'p> {
         Ok((Box::new(call), gives))
     }
 
-    /// A number of this kind, or where a state of this kind begins.
+    /// A number of type `kind`, or the position of a state of this type.
     fn of(&mut self, kind: &ValueType, expr: &'p Expr) -> Result<Closure<'p>, Error> {
         let (value, known): (Closure, ValueType) = match expr {
             Expr::Part(place) => {
@@ -167,10 +168,10 @@ impl<'p> Resolver<'p> {
             }
             expr => self.value(expr)?,
         };
-        if known == *kind { Ok(value) } else { wrong(format!("{expr:?} is {known:?} where {kind:?} is wanted")) }
+        if known == *kind { Ok(value) } else { wrong(format!("{expr:?} is {known:?}, not {kind:?}")) }
     }
 
-    /// A number, and of which kind.
+    /// A number and its type.
     fn value(&mut self, expr: &'p Expr) -> Result<(Closure<'p>, ValueType), Error> {
         let (value, kind) = self.computed(expr)?;
         let at = self.machine.work.cells.len();
@@ -201,20 +202,20 @@ impl<'p> Resolver<'p> {
                 let values = constant.map_or(&[][..], |c| &c.values);
                 then(index, move |w, k| match values.get(k as usize) {
                     Some(v) => w.round(*v),
-                    None => w.fail(format!("`{name}` has no number {k}")),
+                    None => w.fail(format!("`{name}` has no element {k}")),
                 })
             }
             Expr::At(place) => {
                 let place = self.place(place)?;
                 Box::new(move |w| place(w).map_or(f64::NAN, |at| w.cells[at]))
             }
-            Expr::Part(_) => return wrong("a state is no number".into()),
+            Expr::Part(_) => return wrong("a state is not a number".into()),
             Expr::Call(name, arguments) if name == "real" => self.of(&ValueType::Integer, &arguments[0])?,
             Expr::Call(name, arguments) if name == "whole" => {
                 let value = self.of(&ValueType::Real, &arguments[0])?;
                 let whole = then(value, |w, v| {
                     let fits = (0.0..1e9).contains(&v);
-                    if fits { v.trunc() } else { w.fail(format!("{v} is taken for a whole number")) }
+                    if fits { v.trunc() } else { w.fail(format!("{v} cannot be converted to an integer")) }
                 });
                 return Ok((whole, ValueType::Integer));
             }
@@ -249,7 +250,7 @@ impl<'p> Resolver<'p> {
     }
 
     fn holds(&mut self, expr: &'p Expr) -> Result<Closure<'p, bool>, Error> {
-        let Expr::Binary(op, left, right) = expr else { return wrong(format!("{expr:?} neither holds nor not")) };
+        let Expr::Binary(op, left, right) = expr else { return wrong(format!("{expr:?} is not a condition")) };
         if matches!(op, Op::And | Op::Or) {
             let (left, right, enough) = (self.holds(left)?, self.holds(right)?, *op == Op::Or);
             return Ok(Box::new(move |w| if left(w) == enough { enough } else { right(w) }));
@@ -263,7 +264,7 @@ impl<'p> Resolver<'p> {
             Op::AtLeast => f64::ge,
             Op::Equal => f64::eq,
             Op::Unequal => f64::ne,
-            _ => return wrong(format!("{op:?} of {kind:?} neither holds nor not")),
+            _ => return wrong(format!("{op:?} of {kind:?} is not a condition")),
         };
         Ok(both(a, b, move |w, a, b| {
             w.counts.comparisons += counts;
@@ -271,7 +272,7 @@ impl<'p> Resolver<'p> {
         }))
     }
 
-    /// The cell of the root of a place, how far from where that begins is what is meant, and what it is.
+    /// The cell of the root of a place, the offset of the place, and its type.
     fn meant(&self, place: &Place) -> Result<(usize, usize, ValueType), Error> {
         let Some((begins, kind)) = self.names.get(place.root.as_str()) else {
             return wrong(format!("`{}` has no value yet", place.root));
@@ -280,7 +281,7 @@ impl<'p> Resolver<'p> {
         Ok((*begins, before, kind))
     }
 
-    /// The cell of a number, if there is one of its index.
+    /// The cell of a number, if its index is in range.
     fn place(&mut self, place: &'p Place) -> Result<Closure<'p, Option<usize>>, Error> {
         Ok(match (self.meant(place)?, &place.index) {
             ((at, _, ValueType::Real | ValueType::Integer), None) if place.path.is_empty() => {
@@ -292,17 +293,17 @@ impl<'p> Resolver<'p> {
                 Box::new(move |w| {
                     let k = index(w) as usize;
                     if k >= n {
-                        w.fail(format!("`{}` has no number {k}", place.root));
+                        w.fail(format!("`{}` has no element {k}", place.root));
                     }
                     (k < n).then(|| w.cells[begins] as usize + before + k)
                 })
             }
-            _ => return wrong(format!("`{}` is no number there", place.root)),
+            _ => return wrong(format!("`{}` is not a number", place.root)),
         })
     }
 }
 
-/// What is wrong is told when it is reached.
+/// An error is reported only when the statement is run.
 fn later<'p, T: Default + 'p>(act: Result<Closure<'p, T>, Error>) -> Closure<'p, T> {
     act.unwrap_or_else(|error| {
         Box::new(move |w| {

@@ -1,11 +1,11 @@
-//! Running a program here, number by number: what it gives in either precision, and what it takes.
+//! Running a program in single or double precision, with counts of its operations.
 
 use super::resolve::{ResolvedFunction, Resolver};
 use super::{Expr, Function, Op, Program, ValueType};
 use crate::error::Error;
 use std::collections::HashMap;
 
-/// A program at work.
+/// An interpreter of a program with a state.
 ///
 /// ```
 /// use piezoid::program::{Block, Machine, Program};
@@ -24,40 +24,42 @@ pub struct Machine<'p> {
     pub(super) work: Work,
     /// The functions, in the order of the program.
     pub(super) ready: Vec<ResolvedFunction<'p>>,
-    /// What it has taken so far.
+    /// Operations so far.
     pub counts: Counts,
-    /// Of a machine that is watched, the cells of the largest size of what each expression gave, below 0 before there is one.
+    /// In a watched machine, the cell with the largest absolute value of each expression; negative before the first
+    /// value.
     pub(super) largest: Option<HashMap<*const Expr, usize>>,
 }
 
-/// Operations.
+/// Numbers of operations.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Sums and differences of real numbers.
     pub sums: usize,
-    /// Products.
+    /// Multiplications.
     pub products: usize,
-    /// Quotients.
+    /// Divisions.
     pub quotients: usize,
     /// Comparisons.
     pub comparisons: usize,
 }
 
 impl Counts {
-    /// All together.
+    /// Number of all operations.
     pub fn total(&self) -> usize {
         self.sums + self.products + self.quotients + self.comparisons
     }
 }
 
-/// What a machine works on.
+/// The memory of a machine.
 #[derive(Debug, Clone)]
 pub(super) struct Work {
-    /// The state, then what functions keep. Whole numbers stand here too, exact below 2^53, and so does where a state begins.
+    /// The state, then the variables of functions. Integers and positions of states are stored here too, exact below
+    /// 2^53.
     pub(super) cells: Vec<f64>,
     pub(super) single: bool,
     pub(super) counts: Counts,
-    /// What went wrong first. From then on no step is taken.
+    /// The first error. After it no statement is run.
     pub(super) wrong: Option<Error>,
 }
 
@@ -66,20 +68,20 @@ impl Work {
         if self.single { f64::from(v as f32) } else { v }
     }
 
-    /// Two real numbers joined.
+    /// A binary operation on real numbers.
     pub(super) fn real(&mut self, op: Op, a: f64, b: f64) -> f64 {
         let (count, v) = match op {
             Op::Add => (&mut self.counts.sums, a + b),
             Op::Subtract => (&mut self.counts.sums, a - b),
             Op::Multiply => (&mut self.counts.products, a * b),
             Op::Divide => (&mut self.counts.quotients, a / b),
-            _ => return self.fail(format!("{op:?} of real numbers is no number")),
+            _ => return self.fail(format!("{op:?} of real numbers is not a number")),
         };
         *count += 1;
         self.round(v)
     }
 
-    /// Two whole numbers joined.
+    /// A binary operation on integers.
     pub(super) fn whole(&mut self, op: Op, a: f64, b: f64) -> f64 {
         let v = match op {
             Op::Add => a + b,
@@ -90,7 +92,7 @@ impl Work {
             _ => f64::NAN,
         };
         let fits = (0.0..1.0 / f64::EPSILON).contains(&v);
-        if fits { v } else { self.fail(format!("{op:?} of {a} and {b} is no whole number")) }
+        if fits { v } else { self.fail(format!("{op:?} of {a} and {b} is not an integer in range")) }
     }
 
     pub(super) fn fail(&mut self, what: String) -> f64 {
@@ -100,7 +102,7 @@ impl Work {
 }
 
 impl<'p> Machine<'p> {
-    /// With the state of `block` at rest; in single precision, every result is rounded to it.
+    /// A machine with the state of `block` at rest. If `single`, every result is rounded to single precision.
     pub fn new(program: &'p Program, block: &str, single: bool) -> Self {
         let mut work = Work { cells: Vec::new(), single, counts: Counts::default(), wrong: None };
         work.cells = program.at_rest(block).into_iter().map(|v| work.round(v)).collect();
@@ -115,13 +117,14 @@ impl<'p> Machine<'p> {
         resolver.machine
     }
 
-    /// The same, which from now on knows the [`largest`](Self::largest) of what each expression gave.
+    /// The same machine, which from now on records the [`largest`](Self::largest) value of each expression.
     pub fn watched(mut self) -> Self {
         self.work.cells.truncate(self.program.order(&self.block));
         Machine { ready: Vec::new(), largest: Some(HashMap::new()), ..self }.resolved()
     }
 
-    /// The largest size of what this expression of the program gave while the machine was watched, if it was reached.
+    /// The largest absolute value of this expression of the program since [`watched`](Self::watched), if it was
+    /// evaluated.
     pub fn largest(&self, expr: &Expr) -> Option<f64> {
         let at = self.largest.as_ref()?.get(&std::ptr::from_ref(expr))?;
         Some(self.work.cells[*at]).filter(|v| *v >= 0.0)
@@ -132,11 +135,11 @@ impl<'p> Machine<'p> {
         &mut self.work.cells[..self.program.order(&self.block)]
     }
 
-    /// What the function called `name` gives for these numbers; of its parameters that are states, all are the machine's.
+    /// Calls the function `name` with `numbers` as real arguments; the state of the machine is passed for states.
     ///
     /// # Errors
-    /// [`Error::Content`] where there is no such function, it takes what is no real number and no state of the machine, or it counts
-    /// beyond what there is.
+    /// [`Error::Content`] if there is no such function, if it takes an integer, an array or the state of another block,
+    /// or if an index is out of range.
     pub fn call(&mut self, name: &str, numbers: &[f64]) -> Result<Vec<f64>, Error> {
         let (function, ResolvedFunction { run, takes, gives }) = self.ready(name)?;
         let mut numbers = numbers.iter();
@@ -144,7 +147,9 @@ impl<'p> Machine<'p> {
             self.work.cells[takes + k] = match &parameter.kind {
                 ValueType::Real => self.work.round(numbers.next().copied().unwrap_or(f64::NAN)),
                 ValueType::Part(block) if *block == self.block => 0.0,
-                kind => return wrong(format!("`{name}` takes {kind:?} as `{}`, which is not at hand", parameter.name)),
+                kind => {
+                    return wrong(format!("`{name}` takes {kind:?} as `{}`, which is not available", parameter.name));
+                }
             };
         }
         self.work.counts = self.counts;
@@ -156,10 +161,9 @@ impl<'p> Machine<'p> {
         }
     }
 
-    /// The function of this name, if its names are looked up.
+    /// The function with this name, if it is resolved.
     pub(super) fn ready(&self, name: &str) -> Result<(&'p Function, ResolvedFunction<'p>), Error> {
-        let known = self.program.functions.iter().zip(&self.ready).find(|(function, _)| function.name == name);
-        match known {
+        match self.program.functions.iter().zip(&self.ready).find(|(function, _)| function.name == name) {
             Some((function, ready)) => Ok((function, ready.clone())),
             None => wrong(format!("there is no function `{name}`")),
         }

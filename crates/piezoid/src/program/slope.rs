@@ -1,31 +1,32 @@
-//! Differentiating a program: beside every number that depends on the input goes its slope.
+//! Differentiation of a program: every number that depends on the input gets a slope.
 //!
 //! ```text
 //! (a + b)' = a' + b'    (a b)' = a' b + a b'    (a / b)' = (a' - (a / b) b') / b    f(a)' = f_derivative(a) a'
 //! ```
-//! The rules, and the order of the arithmetic, are those of the numbers that laws of hysteresis run on here. A function `f` for which there
-//! is an `f_derivative` is not looked into; where that takes a `value`, it is f(a), which need not be worked out again. Comparisons see the
-//! values alone: where there is a kink the slope is that of the side taken.
+//! The rules and the order of the arithmetic are those of the dual numbers of the hysteresis laws. A function `f` with
+//! an `f_derivative` is not differentiated itself; a parameter `value` of the derivative is f(a), so that it need not
+//! be computed twice. Comparisons use only the values: at a kink the slope is that of the selected side.
 //!
-//! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. It does not do: states that are copied on the way.
+//! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. It does not do: functions that copy
+//! states.
 
 use super::{Argument, Expr, Function, Op, Place, Program, Statement, ValueType};
 use crate::error::Error;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What the slope of `name` is called.
+/// Name of the slope of `name`.
 fn slope_of(name: &str) -> String {
     format!("{name}_slope")
 }
 
-/// What the derivative of `name` is called, where it is given.
+/// Name of the given derivative of `name`.
 fn derivative_of(name: &str) -> String {
     format!("{name}_derivative")
 }
 
 impl Program {
-    /// Adds `name_slope` beside the function `name`, and what it needs: each state and number it takes is followed by its slope, and so
-    /// is what it returns.
+    /// Adds the function `name_slope` to the function `name`, and what it needs. Each state and number that it takes or
+    /// returns is followed by its slope.
     ///
     /// ```
     /// use piezoid::program::{Block, Machine, Program};
@@ -37,7 +38,7 @@ impl Program {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Content`] where there is no such function, and where it copies states.
+    /// [`Error::Content`] if there is no such function, or if it copies states.
     pub fn slope(&mut self, name: &str) -> Result<(), Error> {
         let unknown = || Error::Content(format!("program: there is no function `{name}`"));
         let root = self.function(name).ok_or_else(unknown)?;
@@ -60,22 +61,22 @@ impl Program {
         Ok(())
     }
 
-    /// Whether `name` is not looked into.
+    /// True if the derivative of `name` is given.
     fn known(&self, name: &str) -> bool {
         self.function(&derivative_of(name)).is_some()
     }
 }
 
-/// What depends on the input.
+/// The parts of a program that depend on the input.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Dependent {
-    /// Of each function that is given something that does: which parameters.
+    /// For each function with dependent arguments, the dependent parameters.
     takes: BTreeMap<String, Vec<bool>>,
-    /// Names in functions: (function, name).
+    /// Variables: (function, name).
     names: BTreeSet<(String, String)>,
     /// Fields of states: (block, field).
     fields: BTreeSet<(String, String)>,
-    /// Functions that return what does.
+    /// Functions with dependent results.
     returns: BTreeSet<String>,
 }
 
@@ -106,7 +107,7 @@ impl Dependent {
         }
     }
 
-    /// Whether `expr` depends on the input; what functions in it are given is noted.
+    /// True if `expr` depends on the input. Records dependent arguments of the functions in it.
     fn expr(&mut self, program: &Program, function: &Function, expr: &Expr) -> bool {
         match expr {
             Expr::Variable(name, whole) => !whole && self.names.contains(&(function.name.clone(), name.clone())),
@@ -136,7 +137,7 @@ impl Dependent {
     }
 }
 
-/// The block and field that a place in a state means.
+/// Block and field of a place in a state.
 fn field(program: &Program, function: &Function, place: &Place) -> Option<(String, String)> {
     let parameter = function.takes.iter().find(|p| p.name == place.root)?;
     let (last, path) = place.path.split_last()?;
@@ -146,7 +147,7 @@ fn field(program: &Program, function: &Function, place: &Place) -> Option<(Strin
     }
 }
 
-/// A function, being written with slopes.
+/// Writes a function with slopes.
 struct Slopes<'p> {
     program: &'p Program,
     moving: &'p Dependent,
@@ -172,7 +173,7 @@ impl Slopes<'_> {
         let about = vec![format!("As {}, with slopes beside what moves.", self.function.name)];
         let block = self.function.block;
         let mut function = Function { block, about, name: slope_of(&self.function.name), takes, steps, returns };
-        while function.forgets_what_nobody_reads() {}
+        while function.remove_unread() {}
         Ok(function)
     }
 
@@ -180,7 +181,7 @@ impl Slopes<'_> {
         self.moving.names.contains(&(self.function.name.clone(), name.into()))
     }
 
-    /// Whether a call has a slope, or changes a state that may.
+    /// True if a call has a slope, or may change a state with one.
     fn moves_along(&self, name: &str, arguments: &[Expr]) -> bool {
         let known = self.moving.takes.contains_key(name);
         known && (self.moving.returns.contains(name) || arguments.iter().any(|a| matches!(a, Expr::Part(_))))
@@ -211,7 +212,7 @@ impl Slopes<'_> {
                     };
                     let (value, slope) = self.dual(expr, &mut out)?;
                     if moves {
-                        // The slope first: it may need the value that was.
+                        // The slope first: it may need the old value.
                         let beside = Place { root: slope_of(&place.root), ..place.clone() };
                         out.push(Statement::Set(beside, slope.unwrap_or(Expr::Real(0.0))));
                     }
@@ -229,7 +230,7 @@ impl Slopes<'_> {
                 }
                 Statement::While(holds, steps) => out.push(Statement::While(holds.clone(), self.steps(steps)?)),
                 Statement::Copy { name, .. } => {
-                    let what = format!("program: `{name}` is a copied state, and has no slope");
+                    let what = format!("program: `{name}` is a copied state and has no slope");
                     return Err(Error::Content(what));
                 }
             }
@@ -237,7 +238,7 @@ impl Slopes<'_> {
         Ok(out)
     }
 
-    /// `expr` as something that may stand twice.
+    /// `expr` in a form that can be used twice: a variable if it is not one already.
     fn once(&mut self, expr: Expr, out: &mut Vec<Statement>) -> Expr {
         if !matches!(expr, Expr::Negative(_) | Expr::Binary(..) | Expr::Call(..)) {
             return expr;
@@ -252,7 +253,7 @@ impl Slopes<'_> {
         format!("part_{}", self.temporaries)
     }
 
-    /// The value and the slope, if there is one; what stands in both goes into `out`.
+    /// The value and, if any, the slope; common parts are added to `out`.
     fn dual(&mut self, expr: &Expr, out: &mut Vec<Statement>) -> Result<(Expr, Option<Expr>), Error> {
         Ok(match expr {
             Expr::Variable(name, false) if self.moves(name) => {

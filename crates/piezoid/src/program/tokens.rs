@@ -1,8 +1,8 @@
-//! The words of a program: names, numbers, signs, comments.
+//! The tokens of a program: names, numbers, signs, comments.
 
 use crate::error::Error;
 
-/// A word.
+/// A token.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Token {
     Name(String),
@@ -12,45 +12,45 @@ pub(super) enum Token {
     Note(String),
 }
 
-/// Longer signs first, so that `<=` is not `<`.
+/// Longer signs first, so that `<=` is not read as `<`.
 const SIGNS: [&str; 28] = [
     "..", "+=", "-=", "*=", "/=", "<=", ">=", "==", "!=", "&&", "||", "(", ")", "{", "}", "[", "]", ",", ";", ":", "=",
     "+", "-", "*", "/", "%", "<", ">",
 ];
 
-/// The words of a text, in order.
+/// The tokens of a text, in order.
 pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Error> {
-    let mut words = Vec::new();
+    let mut tokens = Vec::new();
     let mut rest = text.trim_start();
     while let Some(first) = rest.chars().next() {
         let length = |ends: &dyn Fn(char) -> bool| rest.find(|c| !ends(c)).unwrap_or(rest.len());
         let taken = if let Some(note) = rest.strip_prefix("//") {
             let note = note.lines().next().unwrap_or_default();
-            words.push(Token::Note(note.trim().into()));
+            tokens.push(Token::Note(note.trim().into()));
             2 + note.len()
         } else if first.is_ascii_alphabetic() {
             let n = length(&|c| c.is_ascii_alphanumeric() || c == '_');
-            words.push(Token::Name(rest[..n].into()));
+            tokens.push(Token::Name(rest[..n].into()));
             n
         } else if first.is_ascii_digit() {
             let (number, n) = number(rest)?;
-            words.push(number);
+            tokens.push(number);
             n
         } else if rest.starts_with('.') && !rest.starts_with("..") {
-            words.push(Token::Sign("."));
+            tokens.push(Token::Sign("."));
             1
         } else if let Some(sign) = SIGNS.iter().find(|sign| rest.starts_with(**sign)) {
-            words.push(Token::Sign(sign));
+            tokens.push(Token::Sign(sign));
             sign.len()
         } else {
-            return Err(Error::Content(format!("a program has no sign `{first}`")));
+            return Err(Error::Content(format!("program: unknown character `{first}`")));
         };
         rest = rest[taken..].trim_start();
     }
-    Ok(words)
+    Ok(tokens)
 }
 
-/// The number that `text` begins with and how long it is: real where it has a point or an exponent.
+/// The number at the start of `text` and its length; it is real if it has a point or an exponent.
 fn number(text: &str) -> Result<(Token, usize), Error> {
     let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let mut n = digits(text);
@@ -62,7 +62,7 @@ fn number(text: &str) -> Result<(Token, usize), Error> {
         let sign = usize::from(exponent.starts_with(['-', '+']));
         n += 1 + sign + digits(&exponent[sign..]);
     }
-    let bad = || Error::Content(format!("`{}` in a program is no number", &text[..n]));
+    let bad = || Error::Content(format!("program: `{}` is not a number", &text[..n]));
     let number = if n == whole {
         Token::Integer(text[..n].parse().map_err(|_| bad())?)
     } else {

@@ -1,43 +1,43 @@
-//! What a function is made of: steps, expressions, places.
+//! The parts of a function: statements, expressions, places.
 
-/// What a name stands for.
+/// Type of a name.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ValueType {
     /// A real number.
     Real,
-    /// A whole number, not negative.
+    /// An integer that is not negative.
     Integer,
-    /// The state of the block of this name.
+    /// The state of the block with this name.
     Part(String),
-    /// Room for so many numbers.
+    /// An array of this length.
     Array(usize),
 }
 
 /// A function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
-    /// The block whose constants it reads.
+    /// Number of the block whose constants it reads.
     pub block: usize,
-    /// What it does, as its comment says.
+    /// Its comment, line by line.
     pub about: Vec<String>,
-    /// Its name, one of its kind in a program.
+    /// Name, unique in a program.
     pub name: String,
-    /// What it is given.
+    /// Parameters.
     pub takes: Vec<Argument>,
-    /// What it does.
+    /// Statements.
     pub steps: Vec<Statement>,
-    /// What it returns.
+    /// Returned values.
     pub returns: Vec<Expr>,
 }
 
 /// A parameter of a function.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Argument {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// What it is.
+    /// Type.
     pub kind: ValueType,
-    /// Whether the function changes it, as it may a state.
+    /// True if it is a state that the function changes.
     pub changed: bool,
 }
 
@@ -46,93 +46,93 @@ pub struct Argument {
 pub enum Statement {
     /// A comment.
     Note(String),
-    /// New names for what an expression gives.
+    /// New variables with the values of an expression.
     Let(Vec<String>, Expr),
-    /// A new state: a copy of that at the place, or zeros.
+    /// A new state: a copy of another one, or zeros.
     Copy {
-        /// Its name.
+        /// Name of the new state.
         name: String,
-        /// Of what.
+        /// The other state.
         of: Place,
         /// Its block.
         block: String,
-        /// Whether it is zeros instead.
+        /// True for zeros.
         zero: bool,
     },
-    /// Room for so many numbers, all zero.
+    /// A new array of zeros with this length.
     Array(String, usize),
-    /// A new value for what has a name.
+    /// A new value for a variable, a field or an element.
     Set(Place, Expr),
-    /// A call for what it changes.
+    /// A call without a result, for its changes of a state.
     Do(Expr),
-    /// One way or the other.
+    /// Condition, statements if it holds, statements otherwise.
     If(Expr, Vec<Statement>, Vec<Statement>),
-    /// Once for each whole number from the first to below the second, or back down.
+    /// A loop over integers.
     For {
-        /// The whole number.
+        /// Name of the integer.
         name: String,
-        /// The first.
+        /// First integer.
         from: Expr,
-        /// One more than the last.
+        /// One more than the last integer.
         to: Expr,
-        /// Whether from the last to the first.
+        /// True if it runs from the last to the first.
         down: bool,
-        /// What is done.
+        /// Statements.
         steps: Vec<Statement>,
     },
-    /// As long as it holds.
+    /// A loop while the condition holds.
     While(Expr, Vec<Statement>),
 }
 
-/// Where a number or a state stands: a name, or the field of a state, or what is counted off in one.
+/// Place of a number or a state: a name, a field of a state, or an element of an array.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
-    /// A name.
+    /// Name.
     pub root: String,
-    /// A field of it, and a field of that.
+    /// Field, field of this field, and so on.
     pub path: Vec<String>,
-    /// The number of what is meant there.
+    /// Index of the element.
     pub index: Option<Box<Expr>>,
 }
 
-/// What gives a number.
+/// An expression.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expr {
     /// A real number.
     Real(f64),
-    /// A whole number.
+    /// An integer.
     Integer(usize),
-    /// A property of the numbers at hand.
+    /// A property of the precision.
     Limit(Limit),
-    /// A variable; whether it is whole.
+    /// A variable; true for an integer.
     Variable(String, bool),
-    /// A constant of a block, or that of this number in a table.
+    /// A constant of a block: block number, name, index in a table.
     Constant(usize, String, Option<Box<Expr>>),
-    /// A number in a state or room.
+    /// A field of a state or an element of an array.
     At(Place),
     /// A state, as an argument.
     Part(Place),
-    /// What a function gives.
+    /// A function call.
     Call(String, Vec<Expr>),
-    /// Its negative.
+    /// A change of sign.
     Negative(Box<Expr>),
-    /// Two together.
+    /// A binary operation.
     Binary(Op, Box<Expr>, Box<Expr>),
 }
 
-/// A property of the precision at hand.
+/// A property of the precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
-    /// From 1 to the next number.
+    /// Distance from 1 to the next number.
     Epsilon,
-    /// The least positive number that is not subnormal.
+    /// Smallest positive number that is not subnormal.
     Least,
-    /// The largest number.
+    /// Largest number.
     Most,
 }
 
 impl Limit {
-    /// Its value in single or double precision.
+    /// Value in single or double precision.
     pub fn value(self, single: bool) -> f64 {
         match (self, single) {
             (Limit::Epsilon, true) => f32::EPSILON.into(),
@@ -145,9 +145,9 @@ impl Limit {
     }
 }
 
-/// What joins two.
+/// A binary operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "named as they are read")]
+#[expect(missing_docs, reason = "the names say it")]
 pub enum Op {
     Add,
     Subtract,
@@ -165,7 +165,7 @@ pub enum Op {
 }
 
 impl Op {
-    /// How tightly it binds.
+    /// Precedence: a higher one binds tighter.
     pub fn binds(self) -> u8 {
         match self {
             Op::Or => 1,
@@ -178,7 +178,7 @@ impl Op {
 }
 
 impl Expr {
-    /// Whether it is a whole number.
+    /// True if the value is an integer.
     pub fn whole(&self) -> bool {
         match self {
             Expr::Integer(_) | Expr::Variable(_, true) => true,
@@ -190,7 +190,7 @@ impl Expr {
 }
 
 impl Function {
-    /// Whether it gives the variable of this name another value later.
+    /// True if a statement assigns a new value to the variable `name`.
     pub fn changes(&self, name: &str) -> bool {
         let mut changes = false;
         let mut look = |step: &Statement| {
@@ -200,8 +200,8 @@ impl Function {
         changes
     }
 
-    /// Leaves out names that are never read, if what they stand for changes nothing. Returns whether there were any.
-    pub(super) fn forgets_what_nobody_reads(&mut self) -> bool {
+    /// Removes variables that are never read and whose values have no side effects. Returns true if there were any.
+    pub(super) fn remove_unread(&mut self) -> bool {
         let mut read = Vec::new();
         self.expressions(&mut |expr| match expr {
             Expr::Variable(name, _) => read.push(name.clone()),
@@ -217,10 +217,10 @@ impl Function {
             Statement::Array(name, _) => !read.contains(name),
             _ => false,
         };
-        forget(&mut self.steps, &idle)
+        remove(&mut self.steps, &idle)
     }
 
-    /// Hands the name of every function it calls to `see`.
+    /// Passes the name of every function it calls to `see`.
     pub fn calls(&self, see: &mut impl FnMut(&str)) {
         self.expressions(&mut |expr| {
             if let Expr::Call(name, _) = expr {
@@ -229,22 +229,22 @@ impl Function {
         });
     }
 
-    /// Hands every expression in it to `see`, the whole before its parts.
+    /// Passes every expression to `see`, a parent before its parts.
     pub fn expressions(&self, see: &mut impl FnMut(&Expr)) {
         self.steps.iter().for_each(|step| step.expressions(see));
         self.returns.iter().for_each(|expr| expr.all(see));
     }
 }
 
-/// Leaves out steps that are `idle`, however deep. Returns whether there were any.
-fn forget(steps: &mut Vec<Statement>, idle: &impl Fn(&Statement) -> bool) -> bool {
+/// Removes `idle` statements at all levels. Returns true if there were any.
+fn remove(steps: &mut Vec<Statement>, idle: &impl Fn(&Statement) -> bool) -> bool {
     let before = steps.len();
     steps.retain(|step| !idle(step));
     let mut any = steps.len() < before;
     for step in steps {
         match step {
-            Statement::If(_, yes, no) => any |= forget(yes, idle) | forget(no, idle),
-            Statement::For { steps, .. } | Statement::While(_, steps) => any |= forget(steps, idle),
+            Statement::If(_, yes, no) => any |= remove(yes, idle) | remove(no, idle),
+            Statement::For { steps, .. } | Statement::While(_, steps) => any |= remove(steps, idle),
             _ => {}
         }
     }
@@ -253,30 +253,23 @@ fn forget(steps: &mut Vec<Statement>, idle: &impl Fn(&Statement) -> bool) -> boo
 
 impl Statement {
     fn expressions(&self, see: &mut impl FnMut(&Expr)) {
-        match self {
+        self.all(&mut |step| match step {
             Statement::Note(_) | Statement::Copy { .. } | Statement::Array(..) => {}
-            Statement::Let(_, expr) | Statement::Do(expr) => expr.all(see),
             Statement::Set(place, expr) => {
                 place.index.iter().for_each(|index| index.all(see));
                 expr.all(see);
             }
-            Statement::If(holds, yes, no) => {
-                holds.all(see);
-                yes.iter().chain(no).for_each(|step| step.expressions(see));
-            }
-            Statement::For { from, to, steps, .. } => {
+            Statement::For { from, to, .. } => {
                 from.all(see);
                 to.all(see);
-                steps.iter().for_each(|step| step.expressions(see));
             }
-            Statement::While(holds, steps) => {
-                holds.all(see);
-                steps.iter().for_each(|step| step.expressions(see));
+            Statement::Let(_, expr) | Statement::Do(expr) | Statement::If(expr, ..) | Statement::While(expr, _) => {
+                expr.all(see);
             }
-        }
+        });
     }
 
-    /// Hands this step and all within it to `see`.
+    /// Passes this statement and all statements in it to `see`.
     pub fn all<'s>(&'s self, see: &mut impl FnMut(&'s Statement)) {
         see(self);
         match self {
@@ -288,14 +281,14 @@ impl Statement {
 }
 
 impl Expr {
-    /// Whether no function in it is given a state, which it might change.
+    /// True if no function in it has a state as an argument, which it might change.
     fn changes_nothing(&self) -> bool {
         let mut states = 0;
         self.all(&mut |expr| states += usize::from(matches!(expr, Expr::Part(_))));
         states == 0
     }
 
-    /// Hands this expression and all its parts to `see`.
+    /// Passes this expression and all its parts to `see`.
     pub fn all(&self, see: &mut impl FnMut(&Expr)) {
         see(self);
         match self {

@@ -1,6 +1,6 @@
-//! Straight lines over what must not be fitted, for what can leave no samples out.
+//! Interpolation over masked samples, for methods that cannot omit samples.
 
-/// `y` with a straight line over each stretch that is not `usable`, and a level one where nothing usable bounds it.
+/// `y` interpolated linearly over samples that are not `usable`, constant at the ends of the record.
 pub(crate) fn bridged(y: &[f64], usable: &[bool]) -> Vec<f64> {
     let mut y = y.to_vec();
     let mut before = None;
@@ -22,7 +22,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_join_what_is_usable_and_the_ends_are_level() {
+    fn masked_samples_are_interpolated_and_the_ends_are_constant() {
         let (y, no) = ([9.0, 9.0, 1.0, 9.0, 9.0, 4.0, 5.0, 9.0], false);
         let usable = [no, no, true, no, no, true, true, no];
         assert_eq!(bridged(&y, &usable), [1.0, 1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0]);

@@ -1,8 +1,8 @@
 //! Drift: a slow trend of the output that the input does not explain.
 //!
-//! The part that the input does not explain is averaged over blocks of whole periods. Creep after a change of the input
-//! goes with the logarithm of time, so of what it does from the middle of the first of ten blocks to the middle of the
-//! last it does a fifth in the second half; a drift does half. Both at once cannot be told apart.
+//! The part of the output not explained by the input is averaged over ten blocks of whole periods. Creep after a step
+//! of the input grows with the logarithm of time: from the middle of the first block to the middle of the last one, 1/5
+//! of it occurs in the second half. Of a drift 1/2 occurs there. The sum of creep and drift cannot be separated.
 
 use super::explained::by_input;
 use super::{Defect, Finding};
@@ -11,29 +11,29 @@ use crate::record::Record;
 use crate::series::{ends, mean};
 use crate::waveform::dominant_frequency;
 
-/// The smallest drift worth a word, over the range of the output.
+/// The smallest reported drift, relative to the range of the output.
 const SMALLEST: f64 = 0.03;
 
-/// Up to here a trend that slows down may be creep, over the range of the output.
+/// A smaller trend that slows down may be creep, relative to the range of the output.
 const CREEP: f64 = 0.06;
 
-/// Share of the trend in the second half, below which it slows down.
+/// A trend slows down if a smaller share of it is in the second half.
 const SLOWS: f64 = 0.35;
 
-/// A trend must exceed the scatter of the blocks so many times.
+/// A trend must exceed the standard deviation of the blocks by this factor.
 const CLEAR: f64 = 6.0;
 
-/// Inputs that explain the output, and the ridge of that explanation.
+/// Lags and ridge of the regression on the input.
 const LAGS: std::ops::Range<isize> = 0..16;
 const RIDGE: f64 = 1e-3;
 
-/// Blocks, and the fewest that show a trend.
+/// Number of blocks, and the minimum number for a trend.
 const BLOCKS: (usize, usize) = (10, 4);
 
 pub(super) fn drift(record: &Record) -> Option<Finding> {
     let n = record.len();
     let period = dominant_frequency(record.u(), record.ts()).map_or(1.0, |hz| 1.0 / (hz * record.ts()));
-    // Whole periods a block, however the period falls between samples.
+    // Whole periods per block; the period need not be a whole number of samples.
     let periods = (n as f64 / BLOCKS.0 as f64 / period).max(1.0).floor();
     let blocks = (n as f64 / (periods * period)).floor() as usize;
     if blocks < BLOCKS.1 {
@@ -41,8 +41,8 @@ pub(super) fn drift(record: &Record) -> Option<Finding> {
     }
     let end = |k: usize| ((k as f64 * periods * period).round() as usize).min(n);
     let explained = by_input(record.u(), record.y(), LAGS, RIDGE);
-    let left: Vec<f64> = record.y().iter().zip(&explained).map(|(y, e)| y - e).collect();
-    let means: Vec<f64> = (0..blocks).map(|k| mean(&left[end(k)..end(k + 1)])).collect();
+    let residual: Vec<f64> = record.y().iter().zip(&explained).map(|(y, e)| y - e).collect();
+    let means: Vec<f64> = (0..blocks).map(|k| mean(&residual[end(k)..end(k + 1)])).collect();
     let (first, middle, last) = (means[0], means[blocks / 2], means[blocks - 1]);
     let (total, second_half) = (last - first, last - 0.5 * (middle + means[(blocks - 1) / 2]));
     let bends: Vec<f64> = means.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0).collect();
@@ -55,9 +55,9 @@ pub(super) fn drift(record: &Record) -> Option<Finding> {
     }
     let unit = &record.units().y;
     let seconds = (blocks - 1) as f64 * periods * period * record.ts();
-    let kind = if slows { "it slows down, as creep does" } else { "it does not slow down, as creep would" };
+    let kind = if slows { "it slows down like creep" } else { "it does not slow down like creep" };
     let text = format!(
-        "the output drifts by {} {unit} in {} s ({} % of peak-to-peak), which the input does not explain; {kind}",
+        "the output drifts by {} {unit} in {} s ({} % of peak-to-peak), not explained by the input; {kind}",
         short(total),
         short(seconds),
         short(100.0 * share)

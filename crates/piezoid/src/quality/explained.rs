@@ -1,17 +1,17 @@
-//! What the input explains of a series at once, without a model of it.
+//! The part of a series that a regression on the input explains, without a model.
 //!
 //! ```text
 //! x_t = c + d t + sum over lags j of g_j u_{t-j} + r_t
 //! ```
-//! by least squares with some ridge: neighbouring inputs are nearly the same, and large weights of either sign would make
-//! sharp things of transients. A few lags do not follow a resonance to its end; what they leave of it is smooth.
+//! by least squares with a ridge. Neighbouring inputs are nearly equal; without the ridge, large weights of both signs
+//! would turn transients into spikes. A few lags do not cover the decay of a resonance; its residual is smooth.
 
 use crate::series::mean;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// The part of `x` that goes with `u` at these lags, as far as both are known; before and after, the input is taken to have
-/// stood. The trend and the constant are fitted beside it and not given back. `ridge` is over the mean square of the input.
+/// The part of `x` that is explained by `u` at these lags. Before and after the record the input is assumed constant.
+/// The constant and the trend are fitted but not returned. `ridge` is relative to the mean square of the input.
 pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> Vec<f64> {
     let (middle, level, n) = (mean(u), mean(x), u.len());
     let last = n as isize - 1;
@@ -51,14 +51,14 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn weights_at_their_lags_are_explained_whatever_the_trend() {
+    fn a_sum_of_lagged_inputs_is_explained_independently_of_the_trend() {
         let u = crate::excitation::Prbs::default().samples(1.0, 400).unwrap();
         let part = |t: usize| 2.0 * u[t - 1] - 0.5 * u[t - 3];
         let x: Vec<f64> = (0..400).map(|t| 7.0 + 0.01 * t as f64 + if t > 2 { part(t) } else { 0.0 }).collect();
         let explained = by_input(&u, &x, 0..5, 1e-9);
-        let wanted: Vec<f64> = (3..400).map(part).collect();
-        let shift = mean(&wanted) - mean(&explained[3..]);
+        let expected: Vec<f64> = (3..400).map(part).collect();
+        let shift = mean(&expected) - mean(&explained[3..]);
         let explained: Vec<f64> = explained[3..].iter().map(|e| e + shift).collect();
-        assert_close(&explained, &wanted, 0.0, 0.1);
+        assert_close(&explained, &expected, 0.0, 0.1);
     }
 }

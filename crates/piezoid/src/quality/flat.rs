@@ -1,7 +1,8 @@
-//! Stretches where one of the two signals stands and the other does not.
+//! Intervals in which one of the two signals is constant and the other is not.
 //!
-//! A peak passed smoothly stays within a quarter of a small height for half of the time that it stays within that height;
-//! a peak cut off stays there nearly all of the time. That tells a limit from a peak, with noise and without.
+//! Consider the time for which a signal is within a small height below its maximum. At a smooth peak it spends half of
+//! this time within a quarter of the height, at a limit nearly all of it. This distinguishes limits from peaks, with
+//! and without noise.
 
 use super::runs::{quantile, resolution, runs};
 use super::{Defect, Finding, places};
@@ -10,23 +11,22 @@ use crate::record::Record;
 use crate::series::ends;
 use std::ops::Range;
 
-/// Height below an extreme that is looked at, over the range.
+/// Height below an extreme, relative to the range.
 const TOP: f64 = 0.01;
 
-/// Share of a stretch near the extreme from which the peak counts as cut off.
+/// A peak is cut off if a larger share of this time is within a quarter of the height.
 const CUT: f64 = 0.8;
 
-/// How far the other signal must have moved meanwhile, over its range.
+/// The other signal must move by this share of its range.
 const MOVED: f64 = 0.02;
 
-/// The shortest stretch that is told [samples].
+/// Minimum length of a reported interval [samples].
 const SHORTEST: usize = 8;
 
-/// The longest delay between input and output [samples]: what happens in the last moments of a stretch has not reached the
-/// output yet.
+/// Maximum delay between input and output [samples]: the last inputs of an interval do not act on the output yet.
 const DELAY: usize = 5;
 
-/// The output stands at an extreme while the input moves.
+/// The output is constant at an extreme while the input moves.
 pub(super) fn saturated(record: &Record) -> Option<Finding> {
     let (u, y) = (record.u(), record.y());
     let mut cut: Vec<Range<usize>> = Vec::new();
@@ -49,7 +49,7 @@ pub(super) fn saturated(record: &Record) -> Option<Finding> {
     (!cut.is_empty()).then(|| Finding {
         defect: Defect::SaturatedOutput,
         text: format!(
-            "the output is saturated: it stands {} while the input moves, in {}",
+            "the output is saturated: it is constant {} while the input moves, in {}",
             match cut.len() {
                 1 => format!("at {} {unit}", short(high)),
                 _ => format!("at or between {} and {} {unit}", short(low), short(high)),
@@ -60,10 +60,10 @@ pub(super) fn saturated(record: &Record) -> Option<Finding> {
     })
 }
 
-/// The samples of fast movements at exactly the top of `sign` y, reached and left in large steps, where they cannot be
-/// smooth peaks: three in a row, as a peak leaves three samples within one step of the sensor only where the next is no more
-/// than three steps away; or more of them than half of all that is near, of many values. One such peak is enough while the
-/// input moves.
+/// The samples at exactly the maximum of `sign` y if they are reached and left in large steps and cannot be smooth
+/// peaks. The criteria: three samples in a row (at a smooth peak with three samples within one sensor step, the next
+/// sample is at most three steps away), or more such samples than half of the many different values nearby. While the
+/// input moves one such peak is enough.
 fn capped(u: &[f64], y: &[f64], sign: f64) -> Vec<Range<usize>> {
     let (low, high) = ends(y.iter().map(|y| sign * y));
     let step = resolution(y);
@@ -75,23 +75,23 @@ fn capped(u: &[f64], y: &[f64], sign: f64) -> Vec<Range<usize>> {
     let peaks: Vec<Range<usize>> = top.iter().filter(sudden).cloned().collect();
     let moves =
         |run: &Range<usize>| u[run.clone()].windows(2).all(|w| w[0] != w[1]) && moved(u, run.clone()) > 0.5 * MOVED;
-    // What has settled at its top leaves it when the input moves, and not before.
-    let stands = |run: &Range<usize>| {
+    // A settled output leaves its maximum only after the input moves.
+    let held = |run: &Range<usize>| {
         let before = run.end.saturating_sub(DELAY + 1);
         u[before..u.len().min(run.end + 1)].windows(2).all(|w| w[0] == w[1])
     };
     let long: Vec<Range<usize>> = peaks.iter().filter(|run| run.len() >= 3).cloned().collect();
-    let left = long.iter().filter(|run| moves(run) || stands(run)).count();
+    let suspicious = long.iter().filter(|run| moves(run) || held(run)).count();
     let mut near: Vec<f64> =
         y.iter().copied().filter(|y| sign * y > high - 0.1 * (high - low) && !at_top(*y)).collect();
     let below = near.len();
     near.sort_by(f64::total_cmp);
     near.dedup();
     let crowded = near.len() >= 10 && peaks.len() >= 10 && 2 * peaks.iter().map(Range::len).sum::<usize>() > below;
-    if near.len() >= 3 && (crowded || left >= 3 || long.iter().any(moves)) { top } else { Vec::new() }
+    if near.len() >= 3 && (crowded || suspicious >= 3 || long.iter().any(moves)) { top } else { Vec::new() }
 }
 
-/// The input stands at an extreme while the output goes on and comes back, nearly every time.
+/// The input is constant at an extreme while the output still moves and returns, nearly every time.
 pub(super) fn clipped(record: &Record) -> Option<Finding> {
     let (u, y) = (record.u(), record.y());
     let (low, high) = ends(y.iter().copied());
@@ -101,24 +101,23 @@ pub(super) fn clipped(record: &Record) -> Option<Finding> {
         let long = stands.into_iter().filter(|run| run.len() >= SHORTEST && slides_in(u, run));
         all.extend(long.map(|run| (arches(y, &run, sign * (output_sign(u, y)), MOVED * (high - low)), run)));
     }
-    let arched: Vec<Range<usize>> = all.iter().filter(|(arched, _)| *arched).map(|(_, run)| run.clone()).collect();
+    let mut arched: Vec<Range<usize>> = all.iter().filter(|(arched, _)| *arched).map(|(_, run)| run.clone()).collect();
     if arched.len() < 2 || (arched.len() as f64) < CUT * all.len() as f64 {
         return None;
     }
-    let mut arched = arched;
     arched.sort_by_key(|run| run.start);
     let text = format!(
-        "the recorded input is clipped: it stands at its extreme while the output goes on and comes back, in {}",
+        "the recorded input is clipped: it is constant at its extreme while the output still moves, in {}",
         places(&arched, record.ts())
     );
     Some(Finding { defect: Defect::ClippedInput, samples: arched, text })
 }
 
-/// The output repeats to the bit while the input moves, away from its extremes.
+/// The output repeats exactly while the input moves, away from its extremes.
 pub(super) fn frozen(record: &Record) -> Option<Finding> {
     let (u, y) = (record.u(), record.y());
     let (low, high) = ends(y.iter().copied());
-    // Near a peak of the output, which may stand while a fast input moves, one step of the sensor hides this much.
+    // Near a peak of the output, the input may move by this share while the output stays within one sensor step.
     let hidden = 4.0 * (resolution(y) / (high - low)).sqrt();
     let stands = |t: usize| t > 0 && y[t] == y[t - 1];
     let near = |run: &Range<usize>| (y[run.start] - low).min(high - y[run.start]) < TOP * (high - low);
@@ -134,7 +133,7 @@ pub(super) fn frozen(record: &Record) -> Option<Finding> {
     (!frozen.is_empty()).then(|| Finding {
         defect: Defect::FrozenOutput,
         text: format!(
-            "the output is frozen: it repeats to the last digit while the input moves, in {}",
+            "the output is frozen: its values repeat exactly while the input moves, in {}",
             places(&frozen, record.ts())
         ),
         samples: frozen,
@@ -147,14 +146,14 @@ pub(super) fn missing(record: &Record) -> Option<Finding> {
     let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
     let still = steps.iter().filter(|d| **d == 0.0).count();
     let usual = quantile(steps.clone(), 0.99);
-    // A jump must be rare: what steps often is made of steps.
+    // Jumps must be rare: an input with many jumps is a staircase.
     let jumps: Vec<usize> = (0..steps.len()).filter(|&t| steps[t] > 8.0 * usual).map(|t| t + 1).collect();
     let (low, high) = ends(u.iter().copied());
     let large = jumps.iter().all(|&t| steps[t - 1] > MOVED * (high - low));
     if jumps.is_empty() || jumps.len() > 3 || 10 * still > steps.len() || !large {
         return None;
     }
-    // A turn may be among what is lost: the hysteresis is known again once the input has been as high and as low as before.
+    // A reversal may be lost: the hysteresis state is known again when the input has covered its earlier range.
     let again = |t: usize| {
         let ((low, high), slack) = (ends(u[..t].iter().copied()), MOVED * (high - low));
         let up = u[t..].iter().position(|u| *u >= high - slack);
@@ -164,14 +163,14 @@ pub(super) fn missing(record: &Record) -> Option<Finding> {
     let ranges: Vec<Range<usize>> = jumps.iter().map(|&t| t..again(t).min(y.len())).collect();
     let places = places(&jumps.iter().map(|&t| t..t + 1).collect::<Vec<_>>(), record.ts());
     let text = format!(
-        "rows seem to be missing: the input, smooth elsewhere, jumps by {} {} at {places}: split the record there",
+        "rows seem to be missing: the otherwise smooth input jumps by {} {} at {places}: split the record there",
         short(jumps.iter().fold(0.0, |m: f64, &t| m.max(steps[t - 1]))),
         record.units().u
     );
     Some(Finding { defect: Defect::MissingRows, samples: ranges, text })
 }
 
-/// The stretches where `sign` x is at its top as only a limit keeps it there.
+/// The intervals in which `sign` x is at a limit.
 fn cut_off(x: &[f64], sign: f64) -> Vec<Range<usize>> {
     let (low, high) = ends(x.iter().map(|x| sign * x));
     let range = high - low;
@@ -187,14 +186,14 @@ fn cut_off(x: &[f64], sign: f64) -> Vec<Range<usize>> {
     flat.collect()
 }
 
-/// How far `u` moves over a run, over its range.
+/// Movement of `u` during a run, relative to its range.
 fn moved(u: &[f64], run: Range<usize>) -> f64 {
     let (low, high) = ends(u.iter().copied());
     let (lowest, highest) = ends(u[run.start..run.end.max(run.start + 1)].iter().copied());
     (highest - lowest) / (high - low)
 }
 
-/// Whether `u` comes to the run no faster than it moved just before: a wave cut off, not a step.
+/// True if `u` reaches the run no faster than it moved before: a clipped wave, not a step.
 fn slides_in(u: &[f64], run: &Range<usize>) -> bool {
     run.start >= 3 && {
         let (last, before) = (u[run.start] - u[run.start - 1], u[run.start - 1] - u[run.start - 2]);
@@ -202,7 +201,7 @@ fn slides_in(u: &[f64], run: &Range<usize>) -> bool {
     }
 }
 
-/// Whether `sign` y rises over the run by more than `height` above both of its ends, and highest near its middle.
+/// True if `sign` y exceeds both ends of the run by more than `height`, with its maximum near the middle.
 fn arches(y: &[f64], run: &Range<usize>, sign: f64, height: f64) -> bool {
     let part: Vec<f64> = y[run.clone()].iter().map(|y| sign * y).collect();
     let (k, peak) = part.iter().enumerate().fold((0, f64::MIN), |m, (k, y)| if *y > m.1 { (k, *y) } else { m });
@@ -210,7 +209,7 @@ fn arches(y: &[f64], run: &Range<usize>, sign: f64, height: f64) -> bool {
     (0.3..=0.7).contains(&middle) && peak - part[0] > height && peak - part[part.len() - 1] > height
 }
 
-/// 1 where the output rises with the input, -1 where it falls.
+/// 1 if the output increases with the input, -1 if it decreases.
 fn output_sign(u: &[f64], y: &[f64]) -> f64 {
     let (mu, my) = (crate::series::mean(u), crate::series::mean(y));
     u.iter().zip(y).map(|(u, y)| (u - mu) * (y - my)).sum::<f64>().signum()

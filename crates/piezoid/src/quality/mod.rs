@@ -1,19 +1,19 @@
-//! What is wrong with a record, before anybody fits it.
+//! Defects of a record, found before identification.
 //!
-//! | defect | how it is told | what follows |
+//! | defect | criterion | consequence |
 //! |---|---|---|
-//! | too short, constant input, constant output | counted | refused |
-//! | saturated output | y stays at its extreme while u moves | masked |
-//! | clipped input | y arches while u stays at its extreme | masked |
-//! | wild values | far beyond all others, while the input is not | masked |
-//! | outliers | one sample off its neighbours beyond all that is usual there (Hampel) | masked |
-//! | frozen output | y repeats to the bit while u moves | masked |
-//! | missing rows | a smooth u jumps | masked from there until u has been as high and as low as before |
-//! | drift | what u does not explain moves, and does not slow down as creep does | told |
-//! | poor excitation | u has no power in the band that is needed | told |
+//! | too short, constant input, constant output | number of samples, range | error |
+//! | saturated output | y is constant at its extreme while u moves | masked |
+//! | clipped input | y has an arc while u is constant at its extreme | masked |
+//! | wild values | y is far outside the range of all other samples, u is not | masked |
+//! | outliers | one sample differs from its neighbours by more than usual (Hampel) | masked |
+//! | frozen output | y repeats exactly while u moves | masked |
+//! | missing rows | a smooth u jumps | masked until u has again covered its earlier range |
+//! | drift | the part of y not explained by u has a trend that does not slow down like creep | reported |
+//! | poor excitation | u has no power in the required band | reported |
 //!
-//! Rows that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. A spike of less than 1 % of
-//! peak-to-peak, a drift as small as creep, and a clipped square wave look like sound data, and pass.
+//! Samples that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. It does not detect:
+//! spikes below 1 % of peak-to-peak, drift as small as creep, a clipped square wave.
 //!
 //! Reference: Pearson 2002, Outliers in process modeling and identification, doi:10.1109/87.974338 (Hampel's rule).
 
@@ -35,93 +35,88 @@ use crate::series::ends;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Share of the input's power below which a band counts as not excited.
+/// A band with less than this share of the input's power counts as not excited.
 const DARK: f64 = 1e-4;
 
-/// What can be wrong with a record.
+/// A kind of defect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Defect {
-    /// Fewer samples than are needed.
+    /// Fewer samples than required.
     TooShort,
-    /// The input never moves.
+    /// The input is constant.
     ConstantInput,
-    /// The output never moves.
+    /// The output is constant.
     ConstantOutput,
-    /// The output stays at its extreme although the input moves.
+    /// The output is constant at its extreme while the input moves.
     SaturatedOutput,
-    /// The recorded input stays at its extreme although the output says it went on.
+    /// The recorded input is constant at its extreme while the output still moves.
     ClippedInput,
-    /// Single samples of the output far off their neighbours.
+    /// Single samples of the output far from their neighbours.
     Outliers,
-    /// The output repeats to the bit although the input moves.
+    /// The output repeats exactly while the input moves.
     FrozenOutput,
-    /// A smooth input jumps: rows are missing there.
+    /// A smooth input jumps: rows are missing.
     MissingRows,
-    /// A slow trend of the output that the input does not explain.
+    /// A slow trend of the output not explained by the input.
     Drift,
-    /// The input has no power in the band that is needed.
+    /// The input has no power in the required band.
     PoorExcitation,
 }
 
 impl Defect {
-    /// Whether nothing can be identified from such a record.
+    /// True if nothing can be identified from such a record.
     pub(crate) fn is_fatal(self) -> bool {
         matches!(self, Defect::TooShort | Defect::ConstantInput | Defect::ConstantOutput)
     }
 }
 
-/// One thing that is wrong with a record.
+/// A defect of a record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Finding {
-    /// Which.
+    /// Kind of defect.
     pub defect: Defect,
-    /// Where, each range from its first sample up to, not including, its last; all of it if nowhere in particular.
+    /// Affected samples; empty for the whole record.
     pub samples: Vec<Range<usize>>,
-    /// What is wrong, with its numbers, and what follows.
+    /// Description with numbers.
     pub text: String,
 }
 
-/// What a record is needed for.
+/// Requirements on a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Need {
-    /// The fewest samples that are enough.
+    /// Minimum number of samples.
     pub samples: usize,
-    /// The frequencies that the input must excite [Hz], where that is known.
+    /// Band that the input must excite [Hz], if known.
     pub band_hz: Option<(f64, f64)>,
 }
 
 impl Default for Need {
-    /// 16 samples, of any frequency.
+    /// 16 samples, any band.
     fn default() -> Self {
         Need { samples: 16, band_hz: None }
     }
 }
 
-/// What is wrong with a record, and which of its samples may be fitted.
+/// The defects of a record and its usable samples.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Inspection {
-    /// What was found; nothing in a sound record.
+    /// Defects; empty for a valid record.
     pub findings: Vec<Finding>,
-    /// For each sample, whether it may be fitted.
+    /// For each sample, true if it may be fitted.
     pub usable: Vec<bool>,
 }
 
 impl Inspection {
-    /// Refuses what nothing can be identified from.
-    ///
-    /// # Errors
-    /// [`Error::Unidentifiable`] with the first fatal finding, or when no sample is usable.
+    /// Returns an error if nothing can be identified from the record. [`Error::Unidentifiable`] with the first fatal
+    /// finding, or if no sample is usable.
     pub(crate) fn sound(&self) -> Result<(), Error> {
-        let what = || "a model".to_string();
-        match self.findings.iter().find(|f| f.defect.is_fatal()) {
-            Some(finding) => Err(Error::Unidentifiable { what: what(), because: finding.text.clone() }),
-            None if !self.usable.contains(&true) => Err(Error::Unidentifiable {
-                what: what(),
-                because: "no sample of the record is sound: measure again".into(),
-            }),
-            None => Ok(()),
-        }
+        let because = match self.findings.iter().find(|f| f.defect.is_fatal()) {
+            Some(finding) => finding.text.clone(),
+            None if !self.usable.contains(&true) => "no sample of the record is valid: measure again".into(),
+            None => return Ok(()),
+        };
+        Err(Error::Unidentifiable { what: "a model".into(), because })
     }
 
     /// Adds a finding and masks its samples.
@@ -132,14 +127,14 @@ impl Inspection {
         self.findings.extend(finding);
     }
 
-    /// Samples that must not be fitted.
+    /// Number of samples that must not be fitted.
     #[cfg(test)]
     pub(crate) fn masked(&self) -> usize {
         self.usable.iter().filter(|usable| !**usable).count()
     }
 }
 
-/// Looks a record over.
+/// Finds the defects of a record.
 pub(crate) fn inspect(record: &Record, need: &Need) -> Inspection {
     let mut seen = Inspection { findings: Vec::new(), usable: vec![true; record.len()] };
     seen.findings.extend(unfit(record, need));
@@ -157,47 +152,36 @@ pub(crate) fn inspect(record: &Record, need: &Need) -> Inspection {
     seen
 }
 
-/// What makes a record no record to identify from.
+/// A fatal defect, if there is one.
 fn unfit(record: &Record, need: &Need) -> Option<Finding> {
     let (n, units) = (record.len(), record.units());
-    let fatal = |defect, text| Some(Finding { defect, samples: Vec::new(), text });
     let still = |x: &[f64]| ends(x.iter().copied()).0 == ends(x.iter().copied()).1;
-    if n < need.samples {
-        return fatal(
-            Defect::TooShort,
-            format!("the record has {n} samples, but at least {} are needed: record longer", need.samples),
-        );
-    }
-    if still(record.u()) {
-        let text = format!(
-            "the input is constant at {} {} over all {n} samples: drive the actuator with a sine or a PRBS",
-            round(record.u()[0]),
-            units.u
-        );
-        return fatal(Defect::ConstantInput, text);
-    }
-    if still(record.y()) {
-        let text = format!(
-            "the output is constant at {} {} over all {n} samples: is the sensor connected, and the column the right one?",
-            round(record.y()[0]),
-            units.y
-        );
-        return fatal(Defect::ConstantOutput, text);
-    }
-    None
+    let (defect, text) = if n < need.samples {
+        let text = format!("the record has {n} samples, but at least {} are needed: record longer", need.samples);
+        (Defect::TooShort, text)
+    } else if still(record.u()) {
+        let at = format!("the input is constant at {} {} over all {n} samples", round(record.u()[0]), units.u);
+        (Defect::ConstantInput, format!("{at}: drive the actuator with a sine or a PRBS"))
+    } else if still(record.y()) {
+        let at = format!("the output is constant at {} {} over all {n} samples", round(record.y()[0]), units.y);
+        (Defect::ConstantOutput, format!("{at}: check the connection of the sensor and the selected column"))
+    } else {
+        return None;
+    };
+    Some(Finding { defect, samples: Vec::new(), text })
 }
 
-/// Half an octave to either side of a frequency [Hz]: the band that shows a resonance there.
+/// The band of half an octave on both sides of a frequency [Hz], which shows a resonance there.
 pub(crate) fn around(hz: f64) -> (f64, f64) {
     (hz / 2f64.sqrt(), hz * 2f64.sqrt())
 }
 
-/// Whether an input, sampled every `ts` [s], has power worth the name in a band [Hz].
+/// True if an input, with sampling period `ts` [s], has significant power in a band [Hz].
 pub(crate) fn excites(u: &[f64], ts: f64, band: (f64, f64)) -> bool {
     share(u, ts, band) > DARK
 }
 
-/// The share of the input's power in a band [Hz]; 0 where it does not move.
+/// The share of the input's power in a band [Hz]; 0 for a constant input.
 fn share(u: &[f64], ts: f64, (low, high): (f64, f64)) -> f64 {
     let spectrum = power(u);
     let bin = 1.0 / (u.len() as f64 * ts);
@@ -206,12 +190,12 @@ fn share(u: &[f64], ts: f64, (low, high): (f64, f64)) -> f64 {
     if all > 0.0 { band / all } else { 0.0 }
 }
 
-/// Says that the input leaves the band unexcited, if it does.
+/// A finding if the input does not excite the band [Hz].
 fn dark(record: &Record, (low, high): (f64, f64)) -> Option<Finding> {
     let share = share(record.u(), record.ts(), (low, high));
     let text = format!(
-        "the input has {} % of its power from {} to {} Hz, so nothing there can be identified from it: add a record that excites \
-         this band, a PRBS or a multisine",
+        "the input has {} % of its power from {} to {} Hz, so nothing can be identified in this band: add a record that \
+         excites it, for example a PRBS or a multisine",
         round(100.0 * share),
         round(low),
         round(high)
@@ -219,7 +203,7 @@ fn dark(record: &Record, (low, high): (f64, f64)) -> Option<Finding> {
     (share <= DARK).then_some(Finding { defect: Defect::PoorExcitation, samples: Vec::new(), text })
 }
 
-/// "12 samples, from 0.15 s to 0.1555 s", of ranges in order.
+/// Number and times of the samples in sorted ranges, for example "12 samples (from 0.15 s to 0.1555 s)".
 fn places(ranges: &[Range<usize>], ts: f64) -> String {
     let count: usize = ranges.iter().map(|r| r.len()).sum();
     let at = |k: usize| round(k as f64 * ts);
@@ -228,11 +212,10 @@ fn places(ranges: &[Range<usize>], ts: f64) -> String {
     match (ranges.len(), count) {
         (1, 1) => format!("{count} {noun} (at {} s)", at(first.start)),
         (1, _) => format!("{count} {noun} (from {} s to {} s)", at(first.start), at(first.end - 1)),
-        (many, _) => format!(
-            "{count} {noun} in {many} places (the first at {} s, the last at {} s)",
-            at(first.start),
-            at(last.start)
-        ),
+        (many, _) => {
+            let (first, last) = (at(first.start), at(last.start));
+            format!("{count} {noun} in {many} places (the first at {first} s, the last at {last} s)")
+        }
     }
 }
 

@@ -1,8 +1,8 @@
-//! Runs of samples that have something in common.
+//! Runs of samples, and statistics of samples.
 
 use std::ops::Range;
 
-/// The runs of samples from 0 up to `n` that are `so`, gaps of up to `gap` samples closed.
+/// The runs of samples from 0 up to `n` for which `so` holds; gaps of up to `gap` samples are closed.
 pub(super) fn runs(n: usize, gap: usize, so: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for t in (0..n).filter(|t| so(*t)) {
@@ -14,13 +14,13 @@ pub(super) fn runs(n: usize, gap: usize, so: impl Fn(usize) -> bool) -> Vec<Rang
     runs
 }
 
-/// The smallest step between neighbours that is not zero: the resolution of what recorded them, or less.
+/// The smallest non-zero step between neighbours: the resolution of the sensor or less.
 pub(super) fn resolution(x: &[f64]) -> f64 {
     let steps = x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
     steps.fold(f64::INFINITY, f64::min)
 }
 
-/// The value below which a share of `x` lies; 0 of none.
+/// The quantile of `x` at `share`; 0 if `x` is empty.
 pub(super) fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
     let k = (share * x.len() as f64) as usize;
     match x.len() {
@@ -41,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_count_from_below() {
+    fn quantiles_are_counted_from_the_smallest() {
         let x = vec![4.0, 1.0, 3.0, 2.0];
         assert_eq!((quantile(x.clone(), 0.0), quantile(x.clone(), 0.5), quantile(x, 1.0)), (1.0, 3.0, 4.0));
     }

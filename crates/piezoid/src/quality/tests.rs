@@ -37,25 +37,18 @@ fn found(record: &Record) -> Vec<Defect> {
     inspect(record, &Need::default()).findings.iter().map(|f| f.defect).collect()
 }
 
-/// Records of every kind that are rich enough to hide a defect in.
+/// Valid records of several plants and excitations.
 fn sound() -> Vec<(String, Record)> {
-    let named = |plant: &'static str, name: &str, amplitude| {
-        (
-            format!("{plant} {name}"),
-            measured(plant, drive(crate::excitation::Excitation::find(name).unwrap(), amplitude)),
-        )
+    let excitations = [("prbs", 1.0), ("sine", 28.0), ("rising-sine", 28.0), ("staircase", 28.0), ("triangle", 28.0)];
+    let record = |plant: &str, (name, amplitude): (&str, f64)| {
+        let u = drive(crate::excitation::Excitation::find(name).unwrap(), amplitude);
+        (format!("{plant} {name}"), measured(plant, u))
     };
-    ["paper", "pl140", "pl112"]
-        .iter()
-        .flat_map(|plant| {
-            [("prbs", 1.0), ("sine", 28.0), ("rising-sine", 28.0), ("staircase", 28.0), ("triangle", 28.0)]
-                .map(|(e, a)| named(plant, e, a))
-        })
-        .collect()
+    ["paper", "pl140", "pl112"].iter().flat_map(|plant| excitations.map(|e| record(plant, e))).collect()
 }
 
 #[test]
-fn no_excitation_on_any_plant_raises_a_false_alarm_and_a_clipped_sensor_does() {
+fn only_a_clipped_sensor_is_reported_for_all_excitations_and_plants() {
     let mut alarms = Vec::new();
     for plant in PLANTS {
         for excitation in EXCITATIONS {
@@ -65,10 +58,8 @@ fn no_excitation_on_any_plant_raises_a_false_alarm_and_a_clipped_sensor_does() {
                 let defects = found(&measured(plant.name, u));
                 let right = if clipped > 0 { defects == [Defect::SaturatedOutput] } else { defects.is_empty() };
                 if !right {
-                    alarms.push(format!(
-                        "{} {} {amplitude} V: {defects:?}, {clipped} clipped",
-                        plant.name, excitation.name
-                    ));
+                    let record = format!("{} {} {amplitude} V", plant.name, excitation.name);
+                    alarms.push(format!("{record}: {defects:?}, {clipped} clipped"));
                 }
             }
         }
@@ -77,11 +68,11 @@ fn no_excitation_on_any_plant_raises_a_false_alarm_and_a_clipped_sensor_does() {
 }
 
 #[test]
-fn spikes_are_found_where_they_are_and_nowhere_else() {
+fn exactly_the_spikes_are_masked() {
     for (name, record) in sound() {
         let (low, high) = ends(record.y().iter().copied());
         let spiked = |t: usize| [700, 1111, 2503].contains(&t);
-        // In a PRBS on a fast plant every sample jumps by half of the range.
+        // With a PRBS and a fast plant every sample jumps by half of the range.
         let size = if name == "pl112 prbs" { 0.9 } else { 0.15 } * (high - low);
         let bad = with(&record, |t, y| if spiked(t) { y + size } else { y });
         let seen = inspect(&bad, &Need::default());
@@ -112,17 +103,17 @@ fn a_saturated_output_is_masked_at_its_limit_with_noise_and_without() {
 }
 
 #[test]
-fn a_clipped_input_is_told_where_the_output_goes_on() {
+fn a_clipped_input_is_reported_if_the_output_still_moves() {
     let whole = sine(28.0, 7.0, 4000);
     let record = measured("pl140", whole.clone());
     let clipped = Record::new(TS, whole.iter().map(|u| u.min(24.0)).collect(), record.y().to_vec()).unwrap();
     assert_eq!(found(&clipped), [Defect::ClippedInput]);
-    // The same input, if the actuator saw it clipped, is sound.
+    // If the actuator itself is driven by the clipped input, the record is valid.
     assert_eq!(found(&measured("pl140", whole.iter().map(|u| u.min(24.0)).collect())), []);
 }
 
 #[test]
-fn a_frozen_output_and_missing_rows_are_told_with_their_place() {
+fn a_frozen_output_and_missing_rows_are_reported_with_their_times() {
     let record = measured("pl140", sine(28.0, 7.0, 4000));
     let frozen = with(&record, |t, y| if (1000..1050).contains(&t) { record.y()[1000] } else { y });
     let seen = inspect(&frozen, &Need::default());
@@ -137,7 +128,7 @@ fn a_frozen_output_and_missing_rows_are_told_with_their_place() {
 }
 
 #[test]
-fn a_drift_is_told_and_creep_is_not() {
+fn a_drift_is_reported_and_creep_is_not() {
     for (name, record) in sound() {
         let (low, high) = ends(record.y().iter().copied());
         let n = record.len() as f64;
@@ -152,7 +143,7 @@ fn a_drift_is_told_and_creep_is_not() {
 }
 
 #[test]
-fn what_nothing_can_be_identified_from_is_refused_in_words() {
+fn a_record_with_a_fatal_defect_is_an_error() {
     let refused = |u: Vec<f64>, y: Vec<f64>| {
         inspect(&Record::new(TS, u, y).unwrap(), &Need::default()).sound().unwrap_err().to_string()
     };
@@ -164,7 +155,7 @@ fn what_nothing_can_be_identified_from_is_refused_in_words() {
 }
 
 #[test]
-fn a_band_without_power_is_told() {
+fn a_band_without_power_is_reported() {
     let need = Need { band_hz: Some((100.0, 200.0)), ..Need::default() };
     let slow = inspect(&measured("pl140", sine(28.0, 7.0, 4000)), &need);
     assert_eq!(slow.findings[0].defect, Defect::PoorExcitation);
@@ -174,19 +165,15 @@ fn a_band_without_power_is_told() {
 }
 
 #[test]
-fn noise_alone_is_no_outlier() {
+fn noise_has_no_outliers() {
     let mut state = 1u64;
-    // Sums of twelve uniform numbers: close to normal.
-    let mut noise = || {
-        (0..12)
-            .map(|_| {
-                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-            })
-            .sum::<f64>()
+    let mut uniform = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     };
     let u = sine(28.0, 7.0, 40_000);
-    let y = u.iter().map(|u| 33.0 * u + 30.0 * noise()).collect();
+    // Sums of twelve uniform numbers are nearly normal.
+    let y = u.iter().map(|u| 33.0 * u + 30.0 * (0..12).map(|_| uniform()).sum::<f64>()).collect();
     assert_eq!(found(&Record::new(TS, u, y).unwrap()), []);
 }
 

@@ -1,18 +1,18 @@
-//! Wild values: what broken telegrams, error codes and overflows leave in the output.
+//! Wild values in the output: transmission errors, error codes, overflows.
 //!
-//! The core of a series is all but its lowest and its highest hundredth, and whatever joins that without a gap wider than the
-//! core is by then. What lies beyond such a gap is wild, unless the input has the like of it. Where the core does not move nothing
-//! is wild.
+//! The core of a series is all samples between its 1 % and 99 % quantiles, extended by the other samples up to the
+//! first gap that is wider than the core. Samples outside the core are wild, unless the input has such samples too. If
+//! the core is constant, no sample is wild.
 
 use super::runs::{quantile, runs};
 use super::{Defect, Finding, bridged, places};
 use crate::number::short;
 use crate::record::Record;
 
-/// Share of the samples on either side that need not belong to the core.
+/// Share of the samples on each side outside the initial core.
 const BEYOND: f64 = 0.01;
 
-/// The wild values of the output, and the record with straight lines in their place, to look at further.
+/// The wild values of the output, and the record with interpolated values in their place.
 pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
     let y = record.y();
     let (Some((low, high)), true) = (core(y), calm(record.u())) else { return (None, None) };
@@ -24,7 +24,7 @@ pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
     let wildest = beyond.fold(low, |m, &y| if (y - low).abs() > (m - low).abs() { y } else { m });
     let unit = &record.units().y;
     let text = format!(
-        "the output has outliers: {} as wild as {} {unit}, where all others lie between {} and {} {unit}",
+        "the output has outliers: {}, up to {} {unit}, while all other samples are between {} and {} {unit}",
         places(&samples, record.ts()),
         short(wildest),
         short(low),
@@ -34,16 +34,16 @@ pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
     (Some(finding), Some(tame.with_units(record.units().clone())))
 }
 
-/// Whether nothing of a series is wild.
+/// True if a series has no wild values.
 fn calm(x: &[f64]) -> bool {
     core(x).is_some_and(|(low, high)| x.iter().all(|x| (low..=high).contains(x)))
 }
 
-/// The ends of the core; none where it does not move.
+/// The range of the core; `None` if it is constant.
 fn core(x: &[f64]) -> Option<(f64, f64)> {
     let (mut low, mut high) = (quantile(x.to_vec(), BEYOND), quantile(x.to_vec(), 1.0 - BEYOND));
     let mut beyond: Vec<f64> = x.iter().copied().filter(|x| !(low..=high).contains(x)).collect();
-    // The nearest first.
+    // The nearest samples first.
     beyond.sort_by(|a, b| (a - a.clamp(low, high)).abs().total_cmp(&(b - b.clamp(low, high)).abs()));
     for x in beyond {
         if x - high > high - low || low - x > high - low {

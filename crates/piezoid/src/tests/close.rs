@@ -1,10 +1,10 @@
-//! How close numbers are to numbers.
+//! Comparison of numbers with tolerances.
 
 /// Asserts `|a - b| <= atol + rtol |b|` element by element, naming the worst one.
 #[track_caller]
 pub(crate) fn assert_close(what: &str, a: &[f64], b: &[f64], rtol: f64, atol: f64) {
     assert_eq!(a.len(), b.len(), "{what}: lengths differ");
-    // NaN is close to nothing, so it counts as the worst.
+    // NaN is not close to any number: it is the worst.
     let excess = |i: usize| match (a[i] - b[i]).abs() - atol - rtol * b[i].abs() {
         excess if excess.is_nan() => f64::INFINITY,
         excess => excess,

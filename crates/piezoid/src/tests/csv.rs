@@ -1,4 +1,4 @@
-//! CSV files from outside: measured ones, written ones, and bytes that are no CSV at all.
+//! CSV files: measured, written, and arbitrary bytes.
 
 use crate::formats::{ColumnSelection, Table};
 use crate::{Error, Record};
@@ -9,7 +9,7 @@ fn record(bytes: &[u8]) -> Result<Record, Error> {
 }
 
 #[test]
-fn the_measured_model_file_is_read_whole() {
+fn the_measured_model_file_is_read_completely() {
     let Some(bytes) = super::measured_data::measured("picma-p885/model_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts()), (8027, 0.005));
@@ -28,8 +28,8 @@ fn the_reference_of_the_measured_test_file_is_not_its_output() {
     assert_eq!((reference.y()[1], reference.units().y.as_str()), (0.628215, "um"));
 }
 
-/// Everything that is asked of a table; no answer may be a panic, and no refusal without words.
-fn ask(bytes: &[u8]) {
+/// All queries of a table: none may panic, and every error has a message.
+fn query_all(bytes: &[u8]) {
     let table = match Table::parse(bytes) {
         Ok(table) => table,
         Err(error) => return assert!(error.to_string().len() > 20),
@@ -42,8 +42,8 @@ fn ask(bytes: &[u8]) {
         ColumnSelection { output_col: first, ts: Some(f64::NAN), ..ColumnSelection::default() },
     ];
     for selection in &selections {
-        for refused in [table.record(selection).err(), table.input(selection).err()].into_iter().flatten() {
-            let message = refused.to_string();
+        for error in [table.record(selection).err(), table.input(selection).err()].into_iter().flatten() {
+            let message = error.to_string();
             assert!((20..2000).contains(&message.len()), "{message}");
         }
     }
@@ -51,10 +51,10 @@ fn ask(bytes: &[u8]) {
 
 const VALID: &str = "# rig\nt_s,u_V,y_um,note\n0.000,1.5,-2e-3,\"a, b\"\n0.005,2.5,1e2,\n0.010,-3,0.25,x\n";
 
-/// A header, perhaps, and below it what files are made of, in any order.
+/// An optional header, then typical characters of files in any order.
 const SOUP: &str = "(t_s,u_V,y_um\n|t;u_V;y_m\r\n|u_V\ty_\r)?[-+0-9.,;\t\n\r\"#einaf _tuVyms\u{b5}]{0,120}";
 
-/// Replaces, inserts or deletes at these places.
+/// Replaces, inserts or deletes bytes at these places.
 fn mutated(valid: &[u8], edits: &[(u8, usize, u8)]) -> Vec<u8> {
     let mut bytes = valid.to_vec();
     for (kind, place, byte) in edits {
@@ -78,22 +78,22 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        ask(&bytes);
+        query_all(&bytes);
     }
 
     #[test]
     fn text_that_resembles_a_csv_never_panics(text in SOUP) {
-        ask(text.as_bytes());
+        query_all(text.as_bytes());
     }
 
     #[test]
     fn a_damaged_file_never_panics(edits in prop::collection::vec((any::<u8>(), any::<usize>(), any::<u8>()), 1..8)) {
-        ask(&mutated(VALID.as_bytes(), &edits));
-        ask(&mutated(VALID.replace(',', ";").replace('.', ",").replace('\n', "\r\n").as_bytes(), &edits));
+        query_all(&mutated(VALID.as_bytes(), &edits));
+        query_all(&mutated(VALID.replace(',', ";").replace('.', ",").replace('\n', "\r\n").as_bytes(), &edits));
     }
 
     #[test]
-    fn what_is_written_is_read_back_to_the_bit(
+    fn a_written_file_is_read_back_bit_identically(
         samples in prop::collection::vec((finite(), finite()), 2..60),
         ts in prop_oneof![1e-9..1e6f64, (1u32..100_000, 0i32..9).prop_map(|(m, e)| f64::from(m) / 10f64.powi(e))],
     ) {

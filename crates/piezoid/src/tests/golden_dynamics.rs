@@ -1,35 +1,32 @@
-//! Output error and modes against the numbers of scipy; `golden/*.py` write them.
+//! Output error and modes compared with scipy; `golden/*.py` write the numbers.
 
 use super::close::assert_close;
-use super::golden::{numbers, rows, text};
+use super::golden::{number, numbers, rows, text};
 use crate::Record;
 use crate::linear::{ModalFit, Orders, OutputError, Refinement};
 use crate::progress::silent;
 use serde_json::Value;
 
-fn number(row: &Value, key: &str) -> f64 {
-    row[key].as_f64().expect("a number")
-}
-
 #[test]
-fn the_least_output_error_is_that_of_scipys_least_squares_with_free_pasts_and_offsets() {
+fn the_output_error_is_that_of_scipy_with_free_pasts_and_offsets() {
     let rows = rows(include_str!("../../tests/golden/output_error.json"));
     assert_eq!(rows.len(), 4);
     for row in &rows {
         let name = text(row, "name");
-        let given = row["records"].as_array().expect("records");
+        let list = row["records"].as_array().expect("records");
         let record = |r: &Value| Record::new(1.0, numbers(r, "u"), numbers(r, "y")).expect("a record");
-        let records: Vec<Record> = given.iter().map(record).collect();
-        let how = Refinement { weights: given.iter().map(|r| number(r, "weight")).collect(), ..Refinement::default() };
+        let records: Vec<Record> = list.iter().map(record).collect();
+        let settings =
+            Refinement { weights: list.iter().map(|r| number(r, "weight")).collect(), ..Refinement::default() };
         let (a, b) = (numbers(row, "a"), numbers(row, "b"));
         let orders = Orders { na: a.len(), nb: b.len(), delay: number(row, "delay") as usize };
-        let found = OutputError::fit(&records, orders, &how, &mut silent).expect("a block that scipy finds");
-        // Both end where a step would gain less than 1e-12 of the cost: the parameters there are good to its root.
+        let found = OutputError::fit(&records, orders, &settings, &mut silent).expect("a block that scipy finds");
+        // Both end when a step changes the cost by less than 1e-12; the parameters are accurate to its square root.
         assert_close(name, &[found.minimum.cost], &[number(row, "cost")], 1e-9, 0.0);
         assert_close(name, found.arx.a(), &a, 1e-6, 1e-6);
         assert_close(name, &found.arx.b()[orders.delay..], &b, 1e-6, 1e-6);
         assert_close(name, &found.offsets, &numbers(row, "offsets"), 0.0, 1e-6);
-        // The noise is white, which scipy's inverse of J'J takes for granted and ours has to find out.
+        // The noise is white: scipy's inverse of J'J assumes it, our covariance estimates it.
         let variance = number(row, "cost") / found.freedom as f64;
         let theirs: Vec<f64> = numbers(row, "inverse_of_jj").iter().map(|c| (c * variance).sqrt()).collect();
         let d = orders.parameters();
@@ -39,7 +36,7 @@ fn the_least_output_error_is_that_of_scipys_least_squares_with_free_pasts_and_of
 }
 
 #[test]
-fn modes_that_scipy_runs_late_are_found_again() {
+fn modes_and_delay_simulated_by_scipy_are_found() {
     let rows = rows(include_str!("../../tests/golden/modes.json"));
     assert_eq!(rows.len(), 5);
     for row in &rows {

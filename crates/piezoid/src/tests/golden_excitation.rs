@@ -1,13 +1,10 @@
-//! Excitations against the numbers of scipy; `golden/*.py` writes them.
+//! Excitations compared with scipy; `golden/*.py` write the numbers.
 
+use super::close::assert_close;
+use super::golden::{number, numbers, rows, text};
 use crate::excitation::{Chirp, Prbs};
-use serde_json::Value;
 
-fn rows(json: &str) -> Vec<Value> {
-    serde_json::from_str(json).expect("the golden file is a list")
-}
-
-/// The bits of a PRBS of 1 V, written as scipy's script writes them.
+/// The bits of a PRBS of 1 V, in the format of scipy's script.
 fn bits(prbs: &Prbs, n: usize) -> String {
     let u = prbs.samples(1.0, n).expect("a sequence that scipy makes");
     u.iter().map(|v| if *v > 0.0 { '1' } else { '0' }).collect()
@@ -35,17 +32,14 @@ fn prbs_is_scipys_max_len_seq() {
 #[test]
 fn chirp_is_scipys_chirp() {
     for row in rows(include_str!("../../tests/golden/chirp.json")) {
-        let number = |name: &str| row[name].as_f64().expect("a number");
-        let expected: Vec<f64> = row["u"].as_array().expect("samples").iter().filter_map(Value::as_f64).collect();
+        let expected = numbers(&row, "u");
         let chirp = Chirp {
-            frequency_start: number("start"),
-            frequency_end: number("end"),
+            frequency_start: number(&row, "start"),
+            frequency_end: number(&row, "end"),
             logarithmic: row["method"] != "linear",
             ..Chirp::default()
         };
         let u = chirp.samples(5e-4, expected.len()).expect("a sweep that scipy makes");
-        for (t, (ours, theirs)) in u.iter().zip(&expected).enumerate() {
-            assert!((ours - theirs).abs() < 1e-10, "{} at sample {t}: {ours} is not {theirs}", row["method"]);
-        }
+        assert_close(text(&row, "method"), &u, &expected, 0.0, 1e-10);
     }
 }

@@ -1,7 +1,7 @@
-//! The linear block and its fits against the numbers of scipy and numpy; `golden/*.py` write them.
+//! The linear block and its fits compared with scipy and numpy; `golden/*.py` write the numbers.
 
 use super::close::assert_close;
-use super::golden::{numbers, rows, text};
+use super::golden::{number, numbers, rows, text};
 use crate::linear::{self, Arx, Orders};
 use crate::optimize::{least_absolute, swarm};
 use crate::progress::silent;
@@ -10,23 +10,21 @@ use serde_json::Value;
 
 const RTOL: f64 = 1e-12;
 
-/// Asserts `|a - b| <= rtol max |b|`: for series that pass through zero, where what is lost by rounding at one sample
-/// is a share of the terms that were added, not of their sum.
+/// Asserts `|a - b| <= rtol max |b|`, for series that pass through zero: their rounding error is relative to the terms,
+/// not to the sum.
 #[track_caller]
 fn assert_close_in_norm(what: &str, a: &[f64], b: &[f64], rtol: f64) {
     let largest = b.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     assert_close(what, a, b, 0.0, rtol * largest);
 }
 
-/// The block of scipy's `a` and `b`: scipy writes a[0] y_t + a[1] y_{t-1} + ... = ..., equation (1) has the feedback on
+/// The block of scipy's `a` and `b`. scipy writes a[0] y_t + a[1] y_{t-1} + ... = ...; equation (1) has the feedback on
 /// the other side.
 fn block(row: &Value, ts: f64) -> Arx {
     let a = numbers(row, "a");
     assert_eq!(a[0], 1.0);
     Arx::new(ts, a[1..].iter().map(|a| -a).collect(), numbers(row, "b")).expect("a block that scipy runs")
 }
-
-// Runs pass through zero, so they are compared in norm: an output near zero is the difference of two that are not.
 
 #[test]
 fn a_free_run_is_scipys_lfilter() {
@@ -59,7 +57,7 @@ fn a_prediction_is_two_moving_averages_of_scipys() {
 }
 
 #[test]
-fn the_inverse_is_scipys_lfilter_with_its_roles_changed_and_exists_where_that_is_stable() {
+fn the_inverse_is_scipys_lfilter_with_a_and_b_exchanged() {
     let rows = rows(include_str!("../../tests/golden/lfilter.json"));
     assert_eq!(rows.iter().filter(|row| row["inverse"].is_array()).count(), 9);
     for row in &rows {
@@ -79,11 +77,11 @@ fn the_frequency_response_is_scipys_freqz() {
     let rows = rows(include_str!("../../tests/golden/freqz.json"));
     assert_eq!(rows.len(), 10);
     for row in &rows {
-        let (arx, name) = (block(row, ts(row)), text(row, "name"));
+        let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
         let ours: Vec<_> = numbers(row, "hz").into_iter().map(|hz| arx.response(hz)).collect();
         let gain: Vec<f64> = ours.iter().map(|r| r.gain).collect();
         assert_close(name, &gain, &numbers(row, "gain"), RTOL, 0.0);
-        // An angle is compared round the circle, in radians: half a turn ahead is half a turn behind.
+        // Angles are compared modulo 2 pi.
         let phase = numbers(row, "phase");
         let apart: Vec<f64> = ours.iter().zip(&phase).map(|(r, phase)| 2.0 * ((r.phase - phase) / 2.0).sin()).collect();
         assert_close(name, &apart, &vec![0.0; apart.len()], 0.0, RTOL);
@@ -97,11 +95,11 @@ fn poles_and_zeros_are_numpys_roots() {
     }
 }
 
-/// Its characteristic polynomial is z^4 - 0.1 z^2 + 0.6: its roots come in pairs z, -z, of equal modulus.
+/// The characteristic polynomial is z^4 - 0.1 z^2 + 0.6; its roots are pairs z, -z of equal modulus.
 const EVEN: &str = "only even powers";
 
 #[test]
-fn polynomials_of_even_powers_have_their_roots() {
+fn the_roots_of_polynomials_in_even_powers_are_found() {
     let rows = rows(include_str!("../../tests/golden/freqz.json"));
     compare_poles_and_zeros(rows.iter().find(|row| row["name"] == EVEN).expect("the row"));
     let unstable = Arx::new(1.0, vec![0.0, 0.0, 0.0, -2.0], vec![1.0]).expect("a block");
@@ -112,18 +110,18 @@ fn polynomials_of_even_powers_have_their_roots() {
 
 #[track_caller]
 fn compare_poles_and_zeros(row: &Value) {
-    let (arx, name) = (block(row, ts(row)), text(row, "name"));
+    let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
     let poles = arx.poles();
     let of = |what: &dyn Fn(&linear::Pole) -> f64| poles.iter().map(what).collect::<Vec<f64>>();
     assert_close(name, &of(&|p| p.hz), &numbers(row, "pole_hz"), RTOL, 0.0);
-    // A damping ratio is the real part of ln z over |ln z|, and passes through zero: its rounding is a share of 1.
+    // A damping ratio passes through zero: its rounding error is relative to 1.
     assert_close(name, &of(&|p| p.damping), &numbers(row, "pole_damping"), 0.0, RTOL);
     let zeros: Vec<[f64; 2]> = arx.zeros().iter().map(|z| [z.re, z.im]).collect();
     let moduli = |of: &[[f64; 2]]| of.iter().map(|z| z[0].hypot(z[1])).collect::<Vec<f64>>();
     let mut theirs = pairs(&row["zeros"]);
     assert_close(name, &moduli(&zeros), &moduli(&theirs), RTOL, 0.0);
-    // Rounding decides the order of zeros of one modulus, so each is looked for; within a share of that modulus, since
-    // the real part of a zero on the imaginary axis is rounding.
+    // Rounding determines the order of zeros of equal modulus, so each one is searched, within a tolerance relative to
+    // the modulus.
     for [re, im] in zeros {
         let near = |z: &[f64; 2]| (z[0] - re).hypot(z[1] - im) <= RTOL * re.hypot(im);
         let found = theirs.iter().position(near);
@@ -133,24 +131,23 @@ fn compare_poles_and_zeros(row: &Value) {
 }
 
 #[test]
-fn least_squares_is_scipys_lstsq_with_a_constant_a_record() {
+fn least_squares_is_scipys_lstsq_with_one_constant_per_record() {
     let rows = rows(include_str!("../../tests/golden/lstsq.json"));
     assert_eq!(rows.len(), 9);
     for row in &rows {
         let name = text(row, "name");
         let records: Vec<Record> = row["records"].as_array().expect("records").iter().map(record).collect();
-        let whole = |key: &str| row[key].as_u64().expect("a whole number") as usize;
-        let orders = Orders { na: whole("na"), nb: whole("nb"), delay: whole("delay") };
+        let integer = |key: &str| row[key].as_u64().expect("an integer") as usize;
+        let orders = Orders { na: integer("na"), nb: integer("nb"), delay: integer("delay") };
         let estimator = linear::Estimator::find("least-squares").expect("it is in the list");
-        let fit = estimator
-            .fit(&records, orders, &swarm::SwarmSettings::default(), &mut silent)
-            .expect("a fit that scipy makes");
-        // Each group in the norm of its own: units change b and the offsets, not a. Scaled columns keep the condition
-        // below 100, so both solvers are good to a few 1e-14.
+        let settings = swarm::SwarmSettings::default();
+        let fit = estimator.fit(&records, orders, &settings, &mut silent).expect("a fit that scipy makes");
+        // Each group is compared in its own norm: units change b and offsets, not a. The condition is below 100, so
+        // both solvers are accurate to a few 1e-14.
         assert_close_in_norm(name, fit.arx.a(), &numbers(row, "a"), RTOL);
         assert_close_in_norm(name, &fit.arx.b()[orders.delay..], &numbers(row, "b"), RTOL);
         assert_eq!(fit.arx.delay(), orders.delay, "{name}");
-        // An offset is what is left of outputs that are larger: in their norm.
+        // An offset is a difference of outputs, so the tolerance is relative to the outputs.
         let largest = records.iter().flat_map(|r| r.y()).fold(0.0f64, |m, y| m.max(y.abs()));
         assert_close(name, &fit.offsets, &numbers(row, "offsets"), 0.0, RTOL * largest);
     }
@@ -162,17 +159,13 @@ fn the_least_absolute_cost_is_that_of_scipys_linear_program() {
     assert_eq!(rows.len(), 5);
     for row in &rows {
         let dimension = row["dimension"].as_u64().expect("dimension") as usize;
-        let cost = row["cost"].as_f64().expect("cost");
+        let cost = number(row, "cost");
         let fit = least_absolute(&numbers(row, "rows"), dimension).expect("an optimum that scipy finds");
-        // An interior-point method ends near the vertex that the simplex method ends on: 1e-8, not 1e-12.
+        // The interior-point method ends near the vertex of the simplex method: 1e-8, not 1e-12.
         assert_close(text(row, "name"), &[fit.cost, fit.bound], &[cost, cost], 1e-8, 0.0);
-        // Below the optimum there is nothing but rounding.
+        // Only rounding may be below the optimum.
         assert!(fit.cost >= cost * (1.0 - RTOL), "{}: {} is below {cost}", row["name"], fit.cost);
     }
-}
-
-fn ts(row: &Value) -> f64 {
-    row["ts"].as_f64().expect("ts")
 }
 
 fn record(value: &Value) -> Record {

@@ -1,4 +1,4 @@
-//! Hysteresis operators against their definitions, run with numpy and scipy; `golden/operators.py` writes the numbers.
+//! Hysteresis operators compared with their definitions in numpy and scipy; `golden/operators.py` writes the numbers.
 
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
@@ -14,7 +14,7 @@ fn operators_are_their_definitions() {
         let block = load(row["params"].clone(), 5e-4).expect("parameters that make sense");
         let (u, z) = (numbers(row, "u"), numbers(row, "z"));
         let largest = z.iter().fold(0.0f64, |m, z| m.max(z.abs()));
-        // Sums are exact but for rounding, equations but for the solver of scipy; Tellinen's integrals are a table.
+        // Sums are exact except for rounding, equations except for scipy's solver; Tellinen's integrals are tabulated.
         let tolerance = match name {
             "prandtl-ishlinskii" | "stop" | "krasnoselskii-pokrovskii" => 1e-13,
             "tellinen" => 3e-6,

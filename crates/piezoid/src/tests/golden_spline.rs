@@ -1,11 +1,11 @@
-//! Splines against the numbers of scipy; `golden/cubic_spline.py` writes them.
+//! Splines compared with scipy; `golden/cubic_spline.py` writes the numbers.
 
 use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::spline::Spline;
 
-/// Relative to the value, plus as much of the largest knot: a curve that passes through zero adds terms of the size of
-/// its knots there, and their rounding stays.
+/// Relative to the value, plus the same share of the largest knot: near zero, the rounding error is relative to the
+/// knots.
 const TOLERANCE: f64 = 1e-12;
 
 #[track_caller]
@@ -32,7 +32,7 @@ fn a_spline_passes_through_its_knots() {
         let (x, y) = (numbers(&row, "x"), numbers(&row, "y"));
         let spline = Spline::new(&x, &y).expect("knots that scipy takes");
         let at_knots: Vec<f64> = x.iter().map(|&x| spline.at(x)).collect();
-        // Every knot but the last opens a piece, whose value there is the knot's to the bit.
+        // Every knot except the last is the start of a piece, whose value there is exact.
         let last = x.len() - 1;
         assert_eq!(at_knots[..last], y[..last], "{}", row["name"]);
         assert_close_beside_knots(text(&row, "name"), &at_knots[last..], &y[last..], &y);

@@ -1,4 +1,4 @@
-//! What the two ways of identification do with measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
+//! Both methods of identification on measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
 
 use crate::formats::{ColumnSelection, Table};
 use crate::hammerstein::Identified;
@@ -24,7 +24,7 @@ fn joint() -> IdentifyOptions {
     IdentifyOptions { seed: 0, ..IdentifyOptions::default() }
 }
 
-/// Identified the paper's way from the first half of the model file, and the whole file.
+/// The model of the paper's method from the first half of the model file, and the whole file.
 fn identified() -> Option<(Identified, Record)> {
     let whole = record("picma-p885/model_1Hz.csv")?;
     let first = whole.part(START, HALF).expect("a first half");
@@ -41,7 +41,7 @@ fn two_branches_from_half_a_record_predict_the_other_half_within_4_percent() {
     let validation = found.model.validate(&second).expect("figures");
     assert_eq!(validation.metrics.n, second.len());
     assert!(validation.metrics.nrmse_percent <= 4.0, "{:?}", validation.metrics);
-    // It must beat the floor: without the two branches a gain and an offset leave 21 %.
+    // The baseline: without the two branches, the error of a gain and an offset is 21 %.
     let plain = IdentifyOptions { operator: "proportional".into(), ..paper() };
     let first = whole.part(START, HALF).expect("a first half");
     let plain = identify(&[first], &plain).expect("a model");
@@ -50,7 +50,7 @@ fn two_branches_from_half_a_record_predict_the_other_half_within_4_percent() {
 }
 
 #[test]
-fn one_frequency_leaves_a_pure_gain_and_the_reason_says_so() {
+fn one_frequency_gives_a_pure_gain_and_the_reason() {
     let Some((found, _)) = identified() else { return };
     let linear = found.model.linear();
     assert_eq!((linear.a().len(), linear.b().len()), (0, 1));
@@ -60,7 +60,7 @@ fn one_frequency_leaves_a_pure_gain_and_the_reason_says_so() {
 }
 
 #[test]
-fn a_growing_amplitude_is_beyond_two_branches_and_the_remarks_say_why() {
+fn a_rising_amplitude_exceeds_two_branches_and_gives_a_remark() {
     let Some((found, whole)) = identified() else { return };
     let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
     let growing = growing.part(START, f64::INFINITY).expect("what follows the transient");
@@ -68,14 +68,14 @@ fn a_growing_amplitude_is_beyond_two_branches_and_the_remarks_say_why() {
     let validation = found.model.validate_with(&growing, &free).expect("figures");
     assert!(validation.metrics.nrmse_percent > 10.0, "{:?}", validation.metrics);
     assert!(validation.remarks.iter().any(|r| r.contains("minor loops")), "{:?}", validation.remarks);
-    // On the loop it was made from there is nothing to remark.
+    // There is no remark for the identified loop.
     let second = whole.part(HALF, f64::INFINITY).expect("a second half");
     let same = found.model.validate(&second).expect("figures");
     assert_eq!(same.remarks, Vec::<String>::new());
 }
 
 #[test]
-fn a_joint_model_foretells_the_other_half_of_a_wandering_amplitude_within_1_7_percent() {
+fn a_joint_model_predicts_the_other_half_of_a_varying_amplitude_within_1_7_percent() {
     let Some(whole) = record("picma-p885/model_1Hz.csv") else { return };
     let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
     let half = 0.5 * growing.duration();
@@ -83,18 +83,19 @@ fn a_joint_model_foretells_the_other_half_of_a_wandering_amplitude_within_1_7_pe
         [whole.part(START, f64::INFINITY), growing.part(START, half)].map(|part| part.expect("a part"));
     let found = identify(&[steady, first], &joint()).expect("a model");
     let second = growing.part(half, f64::INFINITY).expect("a second half");
-    // Cut in motion: what the ceramic went through before, the second half does not say.
+    // Cut in motion: the second half does not contain the history of the ceramic.
     let free = ValidateOptions { skip: START, offset: Offset::Free };
-    let left = found.model.validate_with(&second, &free).expect("figures").metrics.nrmse_percent;
-    assert!(left <= 1.7, "{left} % as {}", found.model.hysteresis().operator().name);
+    let nrmse = found.model.validate_with(&second, &free).expect("figures").metrics.nrmse_percent;
+    assert!(nrmse <= 1.7, "{nrmse} % with {}", found.model.hysteresis().operator().name);
 }
 
 #[test]
-fn an_operator_that_never_forgets_is_not_taken_for_one_that_foretells() {
-    // Seeds 0 and 4 sent bouc-wen where it forgets within 40 periods: as good on what was held out, 15 % in free run.
+fn an_operator_with_long_memory_is_judged_by_its_free_run() {
+    // With seeds 0 and 4 the swarm found a bouc-wen with a memory of 40 periods: as good on held-out data, 15 % in free
+    // run.
     let Some(whole) = record("picma-p885/model_1Hz.csv") else { return };
     let first = whole.part(START, HALF).expect("a first half");
-    for seed in 0..5 {
+    for seed in [0, 4] {
         let options = IdentifyOptions { operator: "bouc-wen".into(), seed, ..IdentifyOptions::default() };
         let found = identify(std::slice::from_ref(&first), &options).expect("a model");
         let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };

@@ -1,10 +1,10 @@
-//! What several tests share.
+//! Measured files for several tests.
 
 use super::skipped::skipped;
 use std::path::PathBuf;
 
-/// A measured file, such as `picma-p885/model_1Hz.csv`, from `PIEZOID_DATA` or else `../shared/data` beside the
-/// workspace. Where it is absent, says so; in CI, fails.
+/// A measured file, such as `picma-p885/model_1Hz.csv`, from `PIEZOID_DATA` or from `../shared/data` beside the
+/// workspace. If it is missing, the test is reported as skipped, and fails in CI.
 #[track_caller]
 pub(crate) fn measured(name: &str) -> Option<Vec<u8>> {
     let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));

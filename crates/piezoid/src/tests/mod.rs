@@ -1,6 +1,6 @@
-//! What modules do together, against numbers that were made elsewhere, measured data, and random cases.
+//! Tests across modules: against reference numbers, measured data, and random cases.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may panic
 
 mod close;
 mod csv;

@@ -1,4 +1,4 @@
-//! What inspection says of measured records: sound ones, and the same with a defect in them.
+//! Inspection of measured records, with and without defects.
 
 use crate::Record;
 use crate::formats::{ColumnSelection, Table};

@@ -1,4 +1,4 @@
-//! The vector files, which every language is held against: this library gives their numbers to the bit.
+//! The vector files, the reference of every language: this library reproduces them bit-identically.
 
 use crate::compensation::{Causal, FeedForwardSettings};
 use crate::hysteresis::OPERATORS;
@@ -22,7 +22,7 @@ fn every_operator_gives_the_numbers_of_its_vector_file() {
         assert_eq!(model.simulate(&of("step", "inputs")), of("step", "outputs"), "{name}");
         if !vectors["ff_step"].is_null() {
             let causal = Causal::new(&model, FeedForwardSettings::default(), 0).unwrap();
-            assert_eq!(causal.simulate(&of("ff_step", "inputs")), of("ff_step", "outputs"), "{name} backwards");
+            assert_eq!(causal.simulate(&of("ff_step", "inputs")), of("ff_step", "outputs"), "{name} inverse");
         }
     }
 }

@@ -1,10 +1,11 @@
-//! The linear block that comes closest to a record in free run, whatever it takes.
+//! The linear block with the smallest free-run error of a record.
 //!
-//! Least squares on the equation error is quick and exact where there is no noise. Noise, or samples taken often, bend it:
-//! where it leaves much, output error looks again, with enough b for a delay. What is left is counted from a tenth of
-//! the record on, from the settled block at its first input, about an offset and, where the record may drift, a line.
+//! Least squares on the equation error is fast, and exact without noise. It is biased by noise or by a high sampling
+//! rate: if its residual is large, output error is tried too, with enough b coefficients for a delay. The residual is
+//! computed from a tenth of the record on, from the block settled at its first input, without an offset and, if the
+//! record may drift, without a line.
 //!
-//! Not here: delays of more than [`DELAY`] samples in noise.
+//! Not here: delays of more than [`DELAY`] samples with noise.
 
 use crate::linear::{self, Arx, Orders, Refinement};
 use crate::optimize::{levenberg_marquardt, swarm};
@@ -18,50 +19,50 @@ const ORDERS: [usize; 5] = [2, 4, 6, 8, 12];
 /// Orders tried by output error.
 const NOISY: [usize; 4] = [2, 4, 6, 8];
 
-/// Delay that output error has b for [samples].
+/// Delay that the b coefficients of output error cover [samples].
 const DELAY: usize = 8;
 
-/// Samples that tell output error enough.
+/// Maximum number of samples for output error.
 const ENOUGH: usize = 16_384;
 
-/// Steps that come close enough.
+/// Steps and tolerance of a sufficient search.
 const ROUGH: levenberg_marquardt::SearchSettings =
     levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
-/// A record, and what of it counts.
+/// A record with its usable samples.
 pub(super) struct MaskedRecord {
     pub(super) record: Record,
-    /// The samples that count.
+    /// True for samples that count.
     pub(super) usable: Vec<bool>,
     /// The first sample that counts.
     pub(super) start: usize,
-    /// Whether a line is taken off what is left.
+    /// True if a line is subtracted from the residual.
     pub(super) drifts: bool,
 }
 
-/// The free run of a block from where the record counts on.
+/// The free run of a block from `start`.
 pub(super) struct ClosestFit {
-    /// It, with its offset [output unit].
+    /// The free run with its offset [output unit].
     pub(super) simulated: Vec<f64>,
-    /// What it leaves, zero where samples do not count [output unit].
+    /// The residuals, zero for samples that do not count [output unit].
     pub(super) errors: Vec<f64>,
-    /// The rms of that where they do.
-    pub(super) left: f64,
+    /// Rms of the residuals that count.
+    pub(super) rms: f64,
 }
 
 impl MaskedRecord {
-    /// The block that leaves least; output error is asked where least squares leaves more than `enough`.
+    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds `enough`.
     pub(super) fn closest(&self, enough: f64) -> Option<ClosestFit> {
-        let least = |blocks: &mut dyn Iterator<Item = Arx>| {
-            blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.left.total_cmp(&b.left))
+        let best = |blocks: &mut dyn Iterator<Item = Arx>| {
+            blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.rms.total_cmp(&b.rms))
         };
         let plain = Orders { na: 0, nb: 2, delay: 0 };
-        let quick = least(&mut ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|o| self.least_squares(o)));
+        let quick = best(&mut ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|o| self.least_squares(o)));
         match quick {
-            Some(quick) if quick.left <= enough => Some(quick),
+            Some(quick) if quick.rms <= enough => Some(quick),
             quick => {
-                let careful = least(&mut NOISY.into_iter().filter_map(|n| self.output_error(n)));
-                quick.into_iter().chain(careful).min_by(|a, b| a.left.total_cmp(&b.left))
+                let careful = best(&mut NOISY.into_iter().filter_map(|n| self.output_error(n)));
+                quick.into_iter().chain(careful).min_by(|a, b| a.rms.total_cmp(&b.rms))
             }
         }
     }
@@ -73,11 +74,10 @@ impl MaskedRecord {
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
-        let (record, end) = (&self.record, self.record.len().min(ENOUGH));
-        let part = Record::new(record.ts(), record.u()[..end].to_vec(), record.y()[..end].to_vec()).ok()?;
+        let part = self.record.slice(0..self.record.len().min(ENOUGH)).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
-        let how = Refinement { search: ROUGH, ..Refinement::default() };
-        Some(linear::OutputError::fit(&[part], orders, &how, &mut silent).ok()?.arx)
+        let settings = Refinement { search: ROUGH, ..Refinement::default() };
+        Some(linear::OutputError::fit(&[part], orders, &settings, &mut silent).ok()?.arx)
     }
 
     fn run(&self, arx: &Arx) -> Option<ClosestFit> {
@@ -96,12 +96,12 @@ impl MaskedRecord {
             .map(|t| if usable[t] { y[t] - simulated[t] - offset - rise * (t as f64 - middle) } else { 0.0 })
             .collect();
         simulated.iter_mut().for_each(|s| *s += offset);
-        let left = (errors.iter().map(|e| e * e).sum::<f64>() / counted.len() as f64).sqrt();
-        left.is_finite().then_some(ClosestFit { simulated, errors, left })
+        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / counted.len() as f64).sqrt();
+        rms.is_finite().then_some(ClosestFit { simulated, errors, rms })
     }
 }
 
-/// The offset of pairs of time about the middle and value, and their rise where they `drift`.
+/// The offset of pairs (time about the middle, value), and their slope if they `drift`.
 fn line(pairs: &[(f64, f64)], drift: bool) -> (f64, f64) {
     let n = pairs.len() as f64;
     let (t, e) = pairs.iter().fold((0.0, 0.0), |(t, e), pair| (t + pair.0 / n, e + pair.1 / n));
@@ -116,17 +116,13 @@ fn line(pairs: &[(f64, f64)], drift: bool) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::testing::assert_close;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use crate::testing::{assert_close, noise};
 
-    /// A resonance that is sampled often, 7 samples late, with noise of 0.3 and a spike that is masked.
+    /// A resonance at a high sampling rate, delayed by 7 samples, with noise of 0.3 and a masked spike.
     fn noisy() -> MaskedRecord {
         let u = Prbs { order: 12, offset: 5.0, ..Prbs::default() }.samples(2e-5, 4000).unwrap();
         let block = Arx::new(2e-5, vec![1.95, -0.966], [vec![0.0; 7], vec![0.02, 0.02]].concat()).unwrap();
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-        let noise = (0..4000).map(|_| StandardNormal.sample(&mut random)).map(|e: f64| 0.3 * e);
-        let mut y: Vec<f64> = block.simulate(&u).iter().zip(noise).map(|(y, e)| y + e).collect();
+        let mut y: Vec<f64> = block.simulate(&u).iter().zip(noise(1, 4000)).map(|(y, e)| y + 0.3 * e).collect();
         y[2000] += 100.0;
         let mut usable = vec![true; 4000];
         usable[2000] = false;
@@ -134,23 +130,18 @@ mod tests {
     }
 
     #[test]
-    fn output_error_leaves_the_noise_where_least_squares_leaves_more() {
-        let mut judged = noisy();
-        judged.record = bridge(&judged);
-        let (quick, careful) = (judged.closest(f64::INFINITY).unwrap(), judged.closest(0.0).unwrap());
-        assert_close(&[careful.left], &[0.3], 0.03, 0.0);
-        assert!(quick.left > 1.3 * careful.left, "{} {}", quick.left, careful.left);
+    fn the_residual_of_output_error_is_the_noise_and_that_of_least_squares_is_larger() {
+        let mut masked = noisy();
+        let y = crate::quality::bridged(masked.record.y(), &masked.usable);
+        masked.record = Record::new(2e-5, masked.record.u().to_vec(), y).unwrap();
+        let (quick, careful) = (masked.closest(f64::INFINITY).unwrap(), masked.closest(0.0).unwrap());
+        assert_close(&[careful.rms], &[0.3], 0.03, 0.0);
+        assert!(quick.rms > 1.3 * careful.rms, "{} {}", quick.rms, careful.rms);
         assert_eq!((careful.errors.len(), careful.errors[1600]), (3600, 0.0));
     }
 
-    fn bridge(judged: &MaskedRecord) -> Record {
-        let record = &judged.record;
-        let y = crate::quality::bridged(record.y(), &judged.usable);
-        Record::new(record.ts(), record.u().to_vec(), y).unwrap()
-    }
-
     #[test]
-    fn a_line_is_taken_off_where_it_may_be() {
+    fn a_line_is_subtracted_if_the_record_may_drift() {
         let pairs: Vec<(f64, f64)> = (-5..=7).map(|t| (f64::from(t), 3.0 + 0.5 * f64::from(t))).collect();
         let (offset, rise) = line(&pairs, true);
         assert_close(&[offset, rise], &[3.0, 0.5], 1e-12, 0.0);

@@ -1,10 +1,10 @@
 //! The error by frequency and by amplitude.
 //!
-//! An input that goes to and fro (a sine, also one that grows or sweeps; steps up and down) is cut into its cycles, from one
-//! lower turning point to the next; each counts at one over its length and at half its height. Any other input (a PRBS, a
-//! multisine) is looked at through its spectrum: rms of error and output in each band that the input excites. Frequencies
-//! are gathered in the third-octave bands of IEC 61260, 10^((n - 1/2)/10) to 10^((n + 1/2)/10) Hz; amplitudes likewise in
-//! fifths of a decade. The edges are the same for every record, so records merge.
+//! A periodic or oscillating input (a sine, also rising or swept; steps up and down) is split into cycles, from one
+//! lower reversal to the next. The frequency of a cycle is one over its duration, its amplitude half its height. Any
+//! other input (a PRBS, a multisine) is analysed by its spectrum: rms of error and output in each excited band.
+//! Frequencies are grouped in the third-octave bands of IEC 61260, 10^((n - 1/2)/10) to 10^((n + 1/2)/10) Hz,
+//! amplitudes in fifths of a decade. The edges are the same for every record, so bins of several records can be merged.
 
 use super::ComparedRun;
 use crate::fourier::power;
@@ -12,16 +12,16 @@ use crate::series::{ends, mean, scatter};
 use crate::waveform::Cycle;
 use serde::Serialize;
 
-/// Bands of frequency a decade.
+/// Frequency bands per decade.
 const BY_FREQUENCY: f64 = 10.0;
 
-/// Bands of amplitude a decade.
+/// Amplitude bands per decade.
 const BY_AMPLITUDE: f64 = 5.0;
 
 /// Share of the input's power from which a band counts as excited.
 const EXCITED: f64 = 1e-4;
 
-/// Where the figures of a bin come from. The two are never merged.
+/// Source of the figures of a bin. Different sources are never merged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
@@ -34,7 +34,7 @@ pub enum Source {
 /// The error within a range of frequency or amplitude.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Bin {
-    /// Where its content lies on average [Hz or input unit].
+    /// Mean frequency or amplitude of its content [Hz or input unit].
     pub at: f64,
     /// Lower edge [Hz or input unit].
     pub low: f64,
@@ -42,15 +42,15 @@ pub struct Bin {
     pub high: f64,
     /// Cycles, or the spectrum.
     pub source: Source,
-    /// Cycles in it; 0 from a spectrum.
+    /// Number of cycles; 0 for a spectrum.
     pub cycles: usize,
-    /// Samples in it; of a spectrum those of the record.
+    /// Number of samples; for a spectrum that of the record.
     pub n: usize,
-    /// Rms error; of a spectrum that within the band [output unit].
+    /// Rms error; for a spectrum within the band [output unit].
     pub rmse: f64,
-    /// Rms of the output about the mean of each cycle; of a spectrum that within the band [output unit].
+    /// Rms of the output about the mean of each cycle; for a spectrum within the band [output unit].
     pub std: f64,
-    /// Peak-to-peak of the output, the mean over its cycles; of a spectrum that of the record [output unit].
+    /// Mean peak-to-peak of the output over the cycles; for a spectrum that of the record [output unit].
     pub peak_to_peak: f64,
     /// 100 rmse / std.
     pub nrmse_percent: f64,
@@ -59,9 +59,9 @@ pub struct Bin {
 }
 
 impl Bin {
-    /// A bin as one of `a_decade`, of content at `at`.
-    fn new(at: f64, a_decade: f64, source: Source, n: usize, [rmse, std, peak_to_peak]: [f64; 3]) -> Self {
-        let edge = |k: f64| 10f64.powf(((at.log10() * a_decade).round() + k) / a_decade);
+    /// The bin of content at `at`, with `per_decade` bins per decade.
+    fn new(at: f64, per_decade: f64, source: Source, n: usize, [rmse, std, peak_to_peak]: [f64; 3]) -> Self {
+        let edge = |k: f64| 10f64.powf(((at.log10() * per_decade).round() + k) / per_decade);
         let cycles = usize::from(source == Source::Cycles);
         let (low, high) = (edge(-0.5), edge(0.5));
         Bin { at, low, high, source, cycles, n, rmse, std, peak_to_peak, nrmse_percent: 0.0, rms_pp_percent: 0.0 }
@@ -73,7 +73,7 @@ impl Bin {
         Bin { nrmse_percent, rms_pp_percent: 100.0 * self.rmse / self.peak_to_peak, ..self }
     }
 
-    /// Two of the same edges as one: squares and heights are averaged over samples.
+    /// Merges two bins with the same edges: squares and heights are averaged over samples.
     fn pooled(self, other: &Bin) -> Self {
         let (a, b) = (self.n as f64, other.n as f64);
         let mix = |x: f64, y: f64| (a * x + b * y) / (a + b);
@@ -89,17 +89,16 @@ impl Bin {
         };
         pooled.rated()
     }
-}
 
-impl Bin {
-    /// The bins of several records, or cycles, with those of the same edges and source made one; from low to high, those of
-    /// cycles first.
+    /// Merges the bins of several records or cycles with the same edges and source; sorted from low to high, cycles
+    /// first.
     ///
     /// ```
     /// use piezoid::{Record, System, hammerstein::Model, hysteresis::Proportional, linear::Arx, validation::Bin};
     /// let gain = std::sync::Arc::new(Proportional::new(1e-3, 1.0)?);
     /// let model = Model::new(gain, Arx::gain(1e-3, 33.0)?, 0.0)?;
-    /// let sine = |hz: f64| (0..3000).map(|t| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin()).collect::<Vec<_>>();
+    /// let wave = |hz: f64, t: i32| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin();
+    /// let sine = |hz: f64| (0..3000).map(|t| wave(hz, t)).collect::<Vec<_>>();
     /// let seen = [4.0, 4.1, 20.0].map(|hz| {
     ///     let y = sine(hz).iter().map(|u| 33.0 * u + 1.0).collect();
     ///     model.validate(&Record::new(1e-3, sine(hz), y)?)
@@ -123,12 +122,12 @@ impl Bin {
     }
 }
 
-/// The number n of the band of a frequency [Hz].
+/// The band number n of a frequency [Hz].
 pub(super) fn band(hz: f64) -> f64 {
     (hz.log10() * BY_FREQUENCY).round()
 }
 
-/// Whether two cycles fall into the same bins of frequency and amplitude.
+/// True if two cycles belong to the same bins of frequency and amplitude.
 pub(super) fn alike(a: &Cycle, b: &Cycle) -> bool {
     let bin = |c: &Cycle| (band(c.hz), (c.amplitude.log10() * BY_AMPLITUDE).round());
     bin(a) == bin(b)
@@ -142,21 +141,16 @@ pub(super) fn by_amplitude(run: &ComparedRun) -> Vec<Bin> {
     by_cycle(run, |c| c.amplitude, BY_AMPLITUDE)
 }
 
-fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, a_decade: f64) -> Vec<Bin> {
+fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, per_decade: f64) -> Vec<Bin> {
     let one = |cycle: &Cycle| {
-        // The turning point at its end is the first sample of the next.
+        // The reversal at its end is the first sample of the next cycle.
         let samples = cycle.samples.start..cycle.samples.end - 1;
         let (y, simulated) = (&run.record.y()[samples.clone()], &run.simulated[samples]);
         let n = y.len() as f64;
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
         let (low, high) = ends(y.iter().copied());
-        Bin::new(
-            at(cycle),
-            a_decade,
-            Source::Cycles,
-            y.len(),
-            [(squares / n).sqrt(), (scatter(y) / n).sqrt(), high - low],
-        )
+        let figures = [(squares / n).sqrt(), (scatter(y) / n).sqrt(), high - low];
+        Bin::new(at(cycle), per_decade, Source::Cycles, y.len(), figures)
     };
     Bin::merged(&run.cycles.iter().map(one).collect::<Vec<_>>())
 }
@@ -167,7 +161,7 @@ fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     if errors.iter().any(|e| !e.is_finite()) {
         return Vec::new();
     }
-    // The error keeps its mean: what is left of it belongs to no band.
+    // The mean of the error belongs to no band.
     let middle = mean(&errors);
     let centred: Vec<f64> = errors.iter().map(|e| e - middle).collect();
     let [input, output, error] = [record.u(), record.y(), &centred].map(power);
@@ -199,26 +193,26 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
-    /// A gain of 10 tried on an output that differs from it as told.
-    fn tried(u: Vec<f64>, y: impl Fn(usize, f64) -> f64) -> Validation {
-        let model =
-            Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), Arx::gain(TS, 10.0).unwrap(), 0.0).unwrap();
+    /// A gain of 10 validated on the output `y(t, 10 u)`.
+    fn validated(u: Vec<f64>, y: impl Fn(usize, f64) -> f64) -> Validation {
+        let gain = Arc::new(Proportional::new(TS, 1.0).unwrap());
+        let model = Model::new(gain, Arx::gain(TS, 10.0).unwrap(), 0.0).unwrap();
         let y = u.iter().enumerate().map(|(t, u)| y(t, 10.0 * u)).collect();
         model.validate(&Record::new(TS, u, y).unwrap()).unwrap()
     }
 
     #[test]
-    fn an_error_of_one_percent_is_one_percent_at_every_frequency_of_a_sweep_and_every_amplitude() {
+    fn a_relative_error_is_the_same_at_every_frequency_and_amplitude() {
         let sweep = Chirp { amplitude: 5.0, frequency_start: 2.0, frequency_end: 60.0, ..Chirp::default() };
-        let seen = tried(sweep.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
+        let seen = validated(sweep.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
         assert!(seen.by_frequency.len() > 10, "{}", seen.by_frequency.len());
         for bin in &seen.by_frequency {
             assert!((bin.low..bin.high).contains(&bin.at), "{bin:?}");
-            // Discrete peaks are not quite met at 60 Hz.
+            // At 60 Hz the samples miss the exact peaks.
             assert_close(&[bin.nrmse_percent], &[1.0 / 1.01], 0.05, 0.0);
         }
         let rising = RisingSine { amplitude: 30.0, frequency: 5.0, ..RisingSine::default() };
-        let seen = tried(rising.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
+        let seen = validated(rising.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
         assert!(seen.by_amplitude.len() >= 5 && seen.by_frequency.len() == 1, "{:?}", seen.by_amplitude);
         for bin in &seen.by_amplitude {
             assert_close(&[bin.rms_pp_percent], &[1.0 / 1.01 / 8f64.sqrt()], 0.1, 0.0);
@@ -226,11 +220,11 @@ mod tests {
     }
 
     #[test]
-    fn an_error_at_one_frequency_of_a_multisine_shows_there_alone() {
+    fn an_error_at_one_frequency_of_a_multisine_is_in_one_bin() {
         let wide =
             Multisine { amplitude: 5.0, frequency_low: 2.0, frequency_high: 200.0, seed: 5, ..Multisine::default() };
         let hum = |t: usize| (std::f64::consts::TAU * 50.0 * t as f64 * TS).sin();
-        let seen = tried(wide.samples(TS, 20_000).unwrap(), |t, y| y + hum(t));
+        let seen = validated(wide.samples(TS, 20_000).unwrap(), |t, y| y + hum(t));
         assert!(seen.by_amplitude.is_empty() && seen.loops.is_empty());
         let loudest = seen.by_frequency.iter().max_by(|a, b| a.rmse.total_cmp(&b.rmse)).unwrap();
         assert!((loudest.low..loudest.high).contains(&50.0));
@@ -242,14 +236,14 @@ mod tests {
     }
 
     #[test]
-    fn merging_weighs_by_samples_and_keeps_cycles_and_spectra_apart() {
+    fn merging_weights_by_samples_and_keeps_sources_separate() {
         let sine = |n| Sine { amplitude: 5.0, frequency: 10.0, ..Sine::default() }.samples(TS, n).unwrap();
-        let (short, long) = (tried(sine(1000), |_, y| y + 2.0), tried(sine(3000), |_, y| y + 1.0));
+        let (short, long) = (validated(sine(1000), |_, y| y + 2.0), validated(sine(3000), |_, y| y + 1.0));
         let (a, b) = (short.by_frequency[0], long.by_frequency[0]);
         let both = Bin::merged([&a, &b]);
-        let wanted = ((a.n as f64 * 4.0 + b.n as f64) / (a.n + b.n) as f64).sqrt();
+        let expected = ((a.n as f64 * 4.0 + b.n as f64) / (a.n + b.n) as f64).sqrt();
         assert_eq!((both.len(), both[0].cycles), (1, a.cycles + b.cycles));
-        assert_close(&[both[0].rmse, both[0].peak_to_peak], &[wanted, 100.0], 1e-9, 0.0);
+        assert_close(&[both[0].rmse, both[0].peak_to_peak], &[expected, 100.0], 1e-9, 0.0);
         assert_eq!(Bin::merged([&a, &Bin { source: Source::Spectrum, ..b }]).len(), 2);
     }
 }

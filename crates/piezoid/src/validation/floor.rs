@@ -1,11 +1,11 @@
-//! What the sensor leaves by itself: the scatter of y between repetitions of the same input.
+//! The noise floor: the scatter of y between repetitions of the same input.
 //!
 //! ```text
 //! sigma^2 = sum over periods k and phases j of (y_kj - drift_kj - mean over k)^2 / (p (K - 1))
 //! ```
-//! with p samples in each of K periods, and the drift a line from the mean of each period to that of the next. No model of the
-//! same input, however good, leaves less than sigma. What repeats with the input (hum locked to it, a systematic error
-//! of the sensor) is not noise here.
+//! with p samples in each of K periods, and the drift a line between the means of consecutive periods. No model can
+//! have an rms error below sigma. Effects that repeat with the input (hum locked to it, a systematic sensor error) are
+//! not noise here.
 //!
 //! Reference: Pintelon & Schoukens 2012, System Identification: A Frequency Domain Approach, doi:10.1002/9781118287422.
 
@@ -14,15 +14,15 @@ use crate::series::{ends, mean};
 use crate::waveform::period;
 use serde::Serialize;
 
-/// The fewest samples in a period that tell a scatter.
+/// Minimum number of samples per period.
 const SHORTEST: usize = 8;
 
-/// The noise floor of a record whose input repeats.
+/// The noise floor of a record with periodic input.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Floor {
     /// Period of the input [samples].
     pub period: usize,
-    /// Periods compared.
+    /// Number of periods compared.
     pub periods: usize,
     /// Standard deviation of y between periods [output unit].
     pub rms: f64,
@@ -33,7 +33,7 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// Of a record, beside the rms error of a model; none where the input does not repeat.
+    /// The noise floor of a record, and the rms error of a model over it; `None` if the input is not periodic.
     pub(super) fn of(record: &Record, rmse: f64) -> Option<Self> {
         let Repeated { period, periods, noise, .. } = Repeated::of(record)?;
         let (low, high) = ends(record.y().iter().copied());
@@ -42,23 +42,23 @@ impl Floor {
     }
 }
 
-/// The output of an input that repeats.
+/// The mean period of a record with periodic input.
 #[derive(Debug)]
 pub(super) struct Repeated {
     /// Samples in a period.
     pub(super) period: usize,
-    /// Periods compared.
+    /// Number of periods compared.
     pub(super) periods: usize,
-    /// One period of the input, the last.
+    /// The last period of the input.
     pub(super) u: Vec<f64>,
-    /// The mean period of the output, drift taken off.
+    /// The mean period of the output without drift.
     pub(super) y: Vec<f64>,
-    /// Standard deviation about it [output unit].
+    /// Standard deviation about the mean period [output unit].
     pub(super) noise: f64,
 }
 
 impl Repeated {
-    /// Of the last whole periods; of three or more without the first, which may hold a transient.
+    /// From the last complete periods; with three or more, without the first, which may contain a transient.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let p = period(record.u()).filter(|p| *p >= SHORTEST)?;
         let all = record.len() / p;
@@ -88,7 +88,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn the_floor_of_a_twin_is_its_sensors_noise_creep_and_drift_or_not() {
+    fn the_noise_floor_of_a_twin_is_its_sensor_noise_with_or_without_drift() {
         let spec = (Preset::find("pl140").unwrap().spec)();
         let sine = Sine { amplitude: 28.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 8000).unwrap();
         let prbs = Prbs { order: 9, ..Prbs::default() }.samples(5e-4, 511 * 5).unwrap();
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn an_input_that_does_not_repeat_has_none() {
+    fn a_record_without_periodic_input_has_no_floor() {
         let u = Prbs::default().samples(5e-4, 2047).unwrap();
         assert_eq!(Floor::of(&Record::new(5e-4, u.clone(), u).unwrap(), 1.0), None);
     }

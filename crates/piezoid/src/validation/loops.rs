@@ -1,9 +1,9 @@
-//! Loops, as measured and as the model has them: width, area, closure and slopes of y over u.
+//! Loops of record and model: width, area, closure and slopes of y over u.
 //!
-//! A cycle goes from one lower turning point of the input up to the upper one and back down to the next lower. Its width is
-//! the distance of its two branches at mid input, over its height; its area is that between the branches, positive where
-//! the ascending one lies below; its closure is how far y at its end is from y at its beginning, over its height:
-//! creep, drift and growing amplitudes keep loops open. Cycles alike in frequency and amplitude are averaged.
+//! A cycle runs from one lower reversal of the input to the upper one and back to the next lower one. Its width is the
+//! distance of its branches at mid input over its height. Its area is positive if the ascending branch is below. Its
+//! closure is the difference of y between end and start over its height: creep, drift and rising amplitudes keep loops
+//! open. Cycles of similar frequency and amplitude are averaged.
 
 use super::ComparedRun;
 use super::bins::{alike, band};
@@ -12,41 +12,41 @@ use crate::waveform::{Cycle, reversals};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
-/// Part of the input's height after a turn whose slope is that of the reversal.
+/// Part of the input's height after a reversal from which its slope is computed.
 const AFTER_REVERSAL: f64 = 0.15;
 
-/// The share of its range that an output must come back by to have turned.
+/// Share of its range by which an output must return to count as a reversal.
 const REVERSAL: f64 = 0.02;
 
 /// The shape of a loop of y over u.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopShape {
-    /// 100 distance of the branches at mid input / height; negative where the ascending branch lies above.
+    /// 100 distance of the branches at mid input / height; negative if the ascending branch is above.
     pub width_percent: f64,
-    /// Area [input unit x output unit]; negative where the loop is run through the other way round.
+    /// Area [input unit x output unit]; negative if the loop is inverted.
     pub area: f64,
-    /// 100 (y at its end - y at its beginning) / height.
+    /// 100 (y at its end - y at its start) / height.
     pub closure_percent: f64,
-    /// Slope of the line through all points, by least squares [output unit / input unit].
+    /// Least-squares slope of all points [output unit / input unit].
     pub slope: f64,
-    /// Slope just after a turn, the mean of both ends; none where steps leave no points there [output unit / input unit].
+    /// Mean slope just after both reversals; `None` if steps have no points there [output unit / input unit].
     pub slope_after_turn: Option<f64>,
-    /// Turns of the output in a cycle: 2, and more where it rings.
+    /// Reversals of the output per cycle: 2, more if it rings.
     pub reversals: f64,
 }
 
-/// The loops of cycles alike: measured beside the model.
+/// The mean loops of similar cycles, measured and modelled.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoopComparison {
-    /// Frequency, the mean [Hz].
+    /// Mean frequency [Hz].
     pub hz: f64,
-    /// Half the height of the input, the mean [input unit].
+    /// Mean of half the input's height [input unit].
     pub amplitude: f64,
-    /// Cycles averaged.
+    /// Number of cycles averaged.
     pub cycles: usize,
-    /// As measured, a cycle.
+    /// Measured loop.
     pub measured: LoopShape,
-    /// As the model has it, a cycle.
+    /// Loop of the model.
     pub model: LoopShape,
 }
 
@@ -84,7 +84,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
     let height = high - low;
     let middle = 0.5 * (u[peak] + u[start].max(u[end]));
     let gap = at(u, y, peak..=end, middle) - at(u, y, start..=peak, middle);
-    // Closed by a line from its end to its beginning, as an open path has no area.
+    // Closed by a line from its end to its start, because an open path has no area.
     let closing = 0.5 * (y[start] + y[end]) * (u[start] - u[end]);
     let area: f64 =
         closing + x.windows(2).zip(part.windows(2)).map(|(u, y)| 0.5 * (y[0] + y[1]) * (u[1] - u[0])).sum::<f64>();
@@ -95,12 +95,13 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
         let (u, y): (Vec<f64>, Vec<f64>) = points.iter().map(|&t| (u[t], y[t])).unzip();
         (points.len() >= 3).then(|| slope(&u, &y)).filter(|s| s.is_finite())
     };
-    // The output turns late: a quarter more on either side holds three turns of a cycle, of which one is a neighbour's.
+    // The output is delayed: with a quarter more on either side there are three reversals, one of them of a
+    // neighbouring cycle.
     let quarter = (end - start) / 4;
     let around = &y[start.saturating_sub(quarter)..(end + quarter + 1).min(y.len())];
     LoopShape {
         width_percent: 100.0 * gap / height,
-        // The integral of y du is the area below the ascending branch less that below the descending one.
+        // The integral of y du is the area below the ascending branch less the one below the descending branch.
         area: -area,
         closure_percent: 100.0 * (y[end] - y[start]) / height,
         slope: slope(x, part),
@@ -109,7 +110,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
     }
 }
 
-/// The value of `y` where `u` first passes `level` within a part of the record, which it does between two samples.
+/// The value of `y`, interpolated, where `u` first passes `level` in a part of the record.
 fn at(u: &[f64], y: &[f64], part: RangeInclusive<usize>, level: f64) -> f64 {
     let (start, end) = part.into_inner();
     let passes = |t: &usize| (u[*t] - level) * (u[*t + 1] - level) <= 0.0 && u[*t] != u[*t + 1];
@@ -117,7 +118,7 @@ fn at(u: &[f64], y: &[f64], part: RangeInclusive<usize>, level: f64) -> f64 {
     crossing.map_or(f64::NAN, |t| y[t] + (y[t + 1] - y[t]) * (level - u[t]) / (u[t + 1] - u[t]))
 }
 
-/// The slope of y over u, by least squares.
+/// The least-squares slope of y over u.
 fn slope(u: &[f64], y: &[f64]) -> f64 {
     let (mu, my) = (mean(u), mean(y));
     let (mut uu, mut uy) = (0.0, 0.0);
@@ -157,13 +158,13 @@ mod tests {
     }
 
     #[test]
-    fn an_ellipse_has_the_width_and_area_of_an_ellipse_and_the_model_its_own() {
+    fn the_width_and_area_of_an_ellipse_are_exact() {
         let wave =
             |lag: f64| (0..4000).map(|t| 10.0 * (TAU * 5.0 * f64::from(t) * TS - lag).sin()).collect::<Vec<f64>>();
         let found = loops_of(wave(0.0), wave(0.2), &wave(0.0));
         assert_eq!((found.len(), found[0].cycles), (1, 9));
         let LoopComparison { hz, amplitude, measured, model, .. } = found[0];
-        // y lags u by 0.2 rad: at mid input the branches stand 2 x 10 sin 0.2 apart, and the area is pi 10 10 sin 0.2.
+        // y lags u by 0.2 rad: the branches are 2 x 10 sin 0.2 apart at mid input, and the area is pi 10 10 sin 0.2.
         let width = 100.0 * 0.2f64.sin();
         assert_close(&[hz, amplitude, measured.width_percent], &[5.0, 10.0, width], 1e-3, 0.0);
         assert_close(&[measured.area, measured.slope], &[PI * 100.0 * 0.2f64.sin(), 0.2f64.cos()], 1e-3, 0.0);
@@ -173,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drift_keeps_loops_open_and_ringing_turns_more_often() {
+    fn drift_opens_loops_and_ringing_adds_reversals() {
         let u: Vec<f64> = (0..4000).map(|t| 10.0 * (TAU * 5.0 * f64::from(t) * TS).sin()).collect();
         let drifting: Vec<f64> = u.iter().enumerate().map(|(t, u)| u + 1e-3 * t as f64).collect();
         let ringing: Vec<f64> = u.iter().enumerate().map(|(t, u)| u + 3.0 * (0.2 * t as f64).sin()).collect();

@@ -1,12 +1,12 @@
-//! The figures of a free run: errors over a whole record, or over several.
+//! Error figures of a free run over one or several records.
 
 use crate::series::{ends, scatter};
 use serde::Serialize;
 
-/// How far a model is from a record, in the record's unit.
+/// Errors of a model on a record, in the record's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Samples compared.
+    /// Number of samples compared.
     pub n: usize,
     /// Mean squared error [unit^2].
     pub mse: f64,
@@ -27,7 +27,7 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// How far `simulated` is from `y`, which is as long and not empty.
+    /// The errors of `simulated` against `y`, of the same length and not empty.
     ///
     /// ```
     /// let m = piezoid::validation::Metrics::of(&[0.0, 2.0], &[0.0, 1.0]);
@@ -42,8 +42,9 @@ impl Metrics {
         Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
     }
 
-    /// All records as one: squared errors and variances (about each record's own mean, since offsets between records
-    /// would flatter) are pooled; peak-to-peak and the largest error are the largest of any.
+    /// All records together. Squared errors and variances are pooled; the variances are about each record's own mean,
+    /// because offsets between records would improve the relative errors. Peak-to-peak and largest error are the
+    /// maximum of all records.
     pub fn total(records: &[Metrics]) -> Self {
         let n: usize = records.iter().map(|m| m.n).sum();
         let pooled = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(|m| m.n as f64 * f(m)).sum::<f64>() / n as f64;
@@ -69,7 +70,7 @@ impl Metrics {
     }
 }
 
-/// The larger of two, or the one that is no number: an error that does not exist must not look small.
+/// The larger of two, or NaN if one is NaN: an undefined error must not look small.
 fn larger(m: f64, e: f64) -> f64 {
     if e > m || e.is_nan() { e } else { m }
 }
@@ -80,7 +81,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn a_total_of_one_is_that_one_and_offsets_between_records_do_not_flatter() {
+    fn offsets_between_records_do_not_improve_the_total() {
         let y: Vec<f64> = (0..100).map(|t| f64::from(t % 10)).collect();
         let shifted: Vec<f64> = y.iter().map(|y| y + 1000.0).collect();
         let off = |y: &[f64]| y.iter().map(|y| y + 0.5).collect::<Vec<_>>();

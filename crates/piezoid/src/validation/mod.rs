@@ -1,11 +1,12 @@
-//! Proof on data the model has not seen: free run, never one step ahead.
+//! Validation: free run on data that was not used for identification, never one step ahead.
 //!
-//! The model sees the input alone. What happened before the record no input tells: of three beginnings (settled at the
-//! first input, at rest before it, in motion as in the record) the free run takes the one that its input makes likely,
-//! unless another leaves clearly less of the first tenth of the record, and says which. The first `skip` seconds are left out of the figures. Beside the figures of a whole record stand those by frequency and by amplitude ([`Bin`]), the
-//! loops as measured and as the model has them ([`LoopComparison`]), whether what is left is noise ([`Whiteness`]), how much of it
-//! the sensor itself leaves ([`Floor`]), and in words what the model was never shown and what the record cannot tell.
-//! [`small_signal`] asks a record, without any model, whether it is linear.
+//! The model uses only the input. The input does not determine what happened before the record: of three initial
+//! conditions (settled at the first input, at rest, in motion as in the record) the free run uses the most likely one
+//! for its input, unless another has a clearly smaller error in the first tenth of the record; the result states which.
+//! The first `skip` seconds are left out of the figures. Further results: errors by frequency and amplitude ([`Bin`]),
+//! loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise floor ([`Floor`]), remarks
+//! on extrapolation, and what the record does not test. [`Linearity`] tests whether a record is linear, without a
+//! model.
 //!
 //! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
 
@@ -35,75 +36,74 @@ use crate::system::System;
 use crate::waveform::cycles;
 use serde::{Deserialize, Serialize};
 
-/// What is done with the mean error of a record.
+/// Treatment of the mean error of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Offset {
-    /// It counts: the offset is the model's own.
+    /// It is kept: the offset is the model's own.
     #[default]
     Kept,
-    /// It is taken off first: sensors drift.
+    /// It is subtracted first, because sensors drift.
     Free,
 }
 
-const OFFSETS: OptionKind = OptionKind::Choice(&[
-    ("kept", "the model's own"),
-    ("free", "the one that fits each record best, since sensors drift"),
-]);
+const OFFSETS: OptionKind =
+    OptionKind::Choice(&[("kept", "the model's own"), ("free", "estimated for each record, because sensors drift")]);
 
 options! {
-    /// How to compare a model with a record.
+    /// Options of the comparison of a model with a record.
     #[derive(Copy)]
     pub struct ValidateOptions {
-        /// Time at the start of each record that does not count.
+        /// Time at the start of each record that is left out.
         skip: f64 = 0.0, OptionRow::not_negative("s");
-        /// Which offset the model has.
+        /// Offset of the model.
         offset: Offset = Offset::Kept, OptionRow::new(OFFSETS);
     }
 }
 
-/// A free run beside its record.
+/// A free run compared with its record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
-    /// The figures.
+    /// Error figures of the whole record.
     pub metrics: Metrics,
-    /// The free run over the whole record, with the mean error added where the offset is free [record's unit].
+    /// The free run over the whole record, with the mean error added if the offset is free [record's unit].
     pub simulated: Vec<f64>,
-    /// First sample that counts.
+    /// First sample of the figures.
     pub start: usize,
-    /// What the actuator is taken to have done before the record.
+    /// Initial condition of the free run.
     pub initial_condition: InitialCondition,
-    /// The mean error that was taken off, where the offset is free [record's unit].
+    /// The subtracted mean error, if the offset is free [record's unit].
     pub taken_off: Option<f64>,
-    /// The error by frequency: of cycles where the input goes to and fro, of spectra where it does not.
+    /// The error by frequency: of cycles if the input oscillates, otherwise of spectra.
     pub by_frequency: Vec<Bin>,
-    /// The error by the amplitude of the cycles; empty where the input does not go to and fro.
+    /// The error by amplitude of the cycles; empty if the input does not oscillate.
     pub by_amplitude: Vec<Bin>,
-    /// The loops; empty where the input does not go to and fro.
+    /// The loops; empty if the input does not oscillate.
     pub loops: Vec<LoopComparison>,
-    /// Whether what is left is noise; none where nothing is left or the record is too short to tell.
+    /// Tests of the residuals; `None` if there are none, or the record is too short.
     pub whiteness: Option<Whiteness>,
-    /// What the sensor leaves by itself; none where the input does not repeat.
+    /// The noise floor; `None` if the input is not periodic.
     pub floor: Option<Floor>,
-    /// What the reader of the figures should know.
+    /// Remarks on the figures.
     pub remarks: Vec<String>,
-    /// What this record cannot tell about the model, however good the figures are.
+    /// Properties of the model that this record does not test.
     pub not_covered: Vec<String>,
 }
 
 impl Model {
-    /// The free run of this model beside a record that it has not seen, with its own offset.
+    /// Compares the free run of this model with a validation record, with the model's offset.
     ///
     /// # Errors
-    /// As [`validate`].
+    /// The errors of [`Model::validate_with`].
     pub fn validate(&self, record: &Record) -> Result<Validation, Error> {
         self.validate_with(record, &ValidateOptions::default())
     }
 
-    /// Runs the model free over `record` and compares.
+    /// Compares the free run of this model with `record`.
     ///
     /// # Errors
-    /// Refuses a record of another sampling period, of units that cannot be converted, or shorter than `skip`.
+    /// Returns an error if the sampling period differs, the units cannot be converted, or the record is shorter than
+    /// `skip`.
     pub fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
         Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
         if record.units().u != self.units().u {
@@ -127,11 +127,8 @@ impl Model {
             taken_off = Some(mean);
         }
         let counted = record.part(options.skip, f64::INFINITY)?;
-        let run = ComparedRun {
-            record: &counted,
-            simulated: &simulated[start..],
-            cycles: &cycles(counted.u(), counted.ts()),
-        };
+        let cycles = cycles(counted.u(), counted.ts());
+        let run = ComparedRun { record: &counted, simulated: &simulated[start..], cycles: &cycles };
         let metrics = Metrics::of(counted.y(), run.simulated);
         let loops = loops::loops(&run);
         Ok(Validation {
@@ -151,7 +148,7 @@ impl Model {
     }
 }
 
-/// The part of a record that counts, the free run over it, and its cycles.
+/// The part of a record that counts, its free run and its cycles.
 #[derive(Debug, Clone, Copy)]
 struct ComparedRun<'a> {
     record: &'a Record,

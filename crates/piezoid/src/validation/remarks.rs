@@ -1,4 +1,4 @@
-//! What the reader of the figures should know: what the model was never shown, and what the record cannot tell.
+//! Remarks on the figures: where the model extrapolates, and what the record does not test.
 
 use super::{LoopComparison, Metrics};
 use crate::hammerstein::{Domain, Model};
@@ -8,51 +8,48 @@ use crate::record::Record;
 use crate::series::ends;
 use crate::waveform::dominant_frequency;
 
-/// Share of the identified range that an input must come back by to have turned, and stay off its ends to have turned
-/// inside the loop.
+/// Share of the identified range by which an input must return to count as a reversal, and stay off the ends to count
+/// as an inner reversal.
 const INSIDE: f64 = 0.05;
 
-/// How far beyond a rate or frequency an input may go, over it.
+/// Relative excess of a rate or frequency without a remark.
 const BEYOND: f64 = 0.1;
 
-/// The same of the band of an input: a growing amplitude widens its line.
+/// The same for the band of an input: a rising amplitude widens its line.
 const BESIDE: f64 = 0.25;
 
-/// How far beyond the means of the identified records that of an input may lie, over the identified range. Inputs that
-/// sweep the same range in other ways differ by less; farther off, creep and inner loops are about levels where the
-/// identified ones only passed.
+/// How far the mean of an input may be from those of the identified records without a remark, over the identified
+/// range. Inputs with another waveform over the same range differ by less; farther away, creep and inner loops occur at
+/// levels that the identified records only passed.
 const ASIDE: f64 = 0.2;
 
-/// Share of the identified range below which an input says little about hysteresis.
+/// Share of the identified range below which an input does not test the hysteresis.
 const SMALL: f64 = 0.2;
 
-/// Width of the model's loop below which it is hardly open [% of its height].
+/// Width of the model's loop below which it does not test the hysteresis [% of its height].
 const CLOSED: f64 = 1.0;
 
-/// What about this record is beyond what the model, or the figures, can do.
+/// Remarks where the record exceeds the range of the model or of the figures.
 pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics) -> Vec<String> {
     let mut remarks: Vec<String> = match (metrics.mse.is_finite(), metrics.nrmse_percent.is_finite()) {
-        (false, _) => vec![
-            "the error is beyond what numbers can hold: figures that do not exist are - in tables and null in JSON"
-                .into(),
-        ],
-        (true, false) => vec![
-            "the output does not change, so its error has no share of it: that is - in tables and null in JSON".into(),
-        ],
+        (false, _) => vec!["the error overflows: undefined figures are - in tables and null in JSON".into()],
+        (true, false) => {
+            vec!["the output is constant, so relative errors are undefined (- in tables, null in JSON)".into()]
+        }
         (true, true) => Vec::new(),
     };
     remarks.extend(range(model, record));
     let frequency = at_frequency(model, record);
-    let told = frequency.is_some();
+    let reported = frequency.is_some();
     remarks.extend(frequency);
     remarks.extend(inner_reversals_of(model, record));
-    remarks.extend(model.identified().map_or_else(Vec::new, |domain| beyond(model, domain, record, told)));
+    remarks.extend(model.identified().map_or_else(Vec::new, |domain| beyond(model, domain, record, reported)));
     let fatal = |f: &crate::quality::Finding| f.defect.is_fatal();
     remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(|f| !fatal(f)).map(|f| f.text));
     remarks
 }
 
-/// The input leaves the range that the model was identified on.
+/// A remark if the input exceeds the identified range.
 fn range(model: &Model, record: &Record) -> Option<String> {
     let unit = &model.units().u;
     let (low, high) = identified_range(model)?;
@@ -60,7 +57,8 @@ fn range(model: &Model, record: &Record) -> Option<String> {
     let slack = 0.01 * (high - low);
     (lowest < low - slack || highest > high + slack).then(|| {
         format!(
-            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: beyond that it extrapolates",
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
+             range it extrapolates",
             short(lowest),
             short(highest),
             short(low),
@@ -73,13 +71,14 @@ fn identified_range(model: &Model) -> Option<(f64, f64)> {
     model.hysteresis().range().or_else(|| model.identified().map(|d| (d.u[0], d.u[1])))
 }
 
-/// The input goes to and fro at a frequency that the hysteresis block was not identified at.
+/// A remark if the input oscillates at a frequency outside those of the hysteresis block.
 fn at_frequency(model: &Model, record: &Record) -> Option<String> {
     let (slowest, fastest) = model.hysteresis().frequencies()?;
     let hz = dominant_frequency(record.u(), record.ts())?;
     (!((1.0 - BEYOND) * slowest..=(1.0 + BEYOND) * fastest).contains(&hz)).then(|| {
         format!(
-            "the input goes to and fro at {} Hz, but the model was identified from {} to {} Hz: beyond that it extrapolates",
+            "the input oscillates at {} Hz, but the model was identified from {} to {} Hz: outside this range it \
+             extrapolates",
             short(hz),
             short(slowest),
             short(fastest)
@@ -87,32 +86,34 @@ fn at_frequency(model: &Model, record: &Record) -> Option<String> {
     })
 }
 
-/// The input turns inside the loop, and the block has no loops there.
+/// A remark if the input has inner reversals and the block has no minor loops.
 fn inner_reversals_of(model: &Model, record: &Record) -> Option<String> {
     let (low, high) = model.hysteresis().range()?;
     let operator = model.hysteresis().operator();
     let reversals = inner_reversals(record.u(), low, high);
     (reversals > 0 && !operator.minor_loops).then(|| {
         format!(
-            "the input turns {reversals} times inside the identified range, and the {} block has no minor loops: at each such turn it \
-             jumps to the other branch of the full loop instead of following a smaller one",
+            "the input has {reversals} reversals inside the identified range, but the {} block has no minor loops: at \
+             each of them it jumps to the other branch of the major loop",
             operator.name
         )
     })
 }
 
-/// Frequencies (unless `told`), rates and means of the input that the model was not identified on.
-fn beyond(model: &Model, domain: &Domain, record: &Record, told: bool) -> Vec<String> {
+/// Remarks on frequencies (unless `reported`), rates and means outside the identified data.
+fn beyond(model: &Model, domain: &Domain, record: &Record, reported: bool) -> Vec<String> {
     let unit = &model.units().u;
     let seen = Domain::of_input(record.u(), record.ts());
     let mut beyond = Vec::new();
+    // The frequency resolution of a record is one over its duration.
+    let resolution = 1.0 / record.duration();
     if let Some(([low, high], [slowest, fastest])) = seen.hz.zip(domain.hz)
-        && !told
-        // A record shows frequencies to one over its length.
-        && (high > (1.0 + BESIDE) * fastest + 1.0 / record.duration() || low < (1.0 - BESIDE) * slowest - 1.0 / record.duration())
+        && !reported
+        && (high > (1.0 + BESIDE) * fastest + resolution || low < (1.0 - BESIDE) * slowest - resolution)
     {
         beyond.push(format!(
-            "the input has its power from {} to {} Hz, but the model was identified from {} to {} Hz: beyond that it extrapolates",
+            "the input has power from {} to {} Hz, but the model was identified from {} to {} Hz: outside this range \
+             it extrapolates",
             short(low),
             short(high),
             short(slowest),
@@ -121,7 +122,8 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, told: bool) -> Vec<St
     }
     if seen.slew > (1.0 + BEYOND) * domain.slew {
         beyond.push(format!(
-            "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: beyond that it extrapolates",
+            "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: above this rate \
+             it extrapolates",
             short(seen.slew),
             short(domain.slew)
         ));
@@ -133,14 +135,15 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, told: bool) -> Vec<St
             (low, high) => format!("from {low} to {high}"),
         };
         beyond.push(format!(
-            "the input has a mean of {} {unit}, but the model was identified at {identified} {unit}: about another bias it extrapolates",
+            "the input has a mean of {} {unit}, but the model was identified at {identified} {unit}: at another bias \
+             it extrapolates",
             short(seen.mean[0])
         ));
     }
     beyond
 }
 
-/// What this record cannot tell about the model.
+/// Properties of the model that this record does not test.
 pub(super) fn not_covered(model: &Model, record: &Record, loops: &[LoopComparison]) -> Vec<String> {
     let mut not_covered = Vec::new();
     if let Some(pole) = model.linear().resonance()
@@ -157,10 +160,8 @@ pub(super) fn not_covered(model: &Model, record: &Record, loops: &[LoopCompariso
     let share = identified_range(model).map(|(low, high)| (highest - lowest) / (high - low));
     let widest = loops.iter().map(|l| l.model.width_percent.abs()).reduce(f64::max);
     match (share, widest) {
-        (Some(share), _) if curved && share < SMALL => not_covered.push(format!(
-            "the hysteresis: the input covers {} % of the range that the model was identified on",
-            short(100.0 * share)
-        )),
+        (Some(share), _) if curved && share < SMALL => not_covered
+            .push(format!("the hysteresis: the input covers {} % of the identified range", short(100.0 * share))),
         (_, Some(width)) if curved && width < CLOSED => {
             not_covered.push(format!("the hysteresis: at this amplitude the model's loop is {} % wide", short(width)))
         }
@@ -169,7 +170,7 @@ pub(super) fn not_covered(model: &Model, record: &Record, loops: &[LoopCompariso
     not_covered
 }
 
-/// Turns of `u` that lie inside the range from `low` to `high`, away from its ends.
+/// Number of reversals of `u` inside the range from `low` to `high`, away from its ends.
 fn inner_reversals(u: &[f64], low: f64, high: f64) -> usize {
     let margin = INSIDE * (high - low);
     let (mut extreme, mut trend, mut reversals) = (u[0], 0.0, 0);
@@ -196,7 +197,7 @@ mod tests {
     const TS: f64 = 5e-4;
 
     #[test]
-    fn turns_are_counted_inside_the_range_only() {
+    fn only_reversals_inside_the_range_are_counted() {
         let full: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.1).sin()).collect();
         assert_eq!(inner_reversals(&full, -1.0, 1.0), 0);
         let half: Vec<f64> = full.iter().map(|u| 0.5 * u).collect();
@@ -207,56 +208,50 @@ mod tests {
         (0..4000).map(|t| bias + height * (TAU * hz * f64::from(t) * TS).sin()).collect()
     }
 
-    fn said(model: &Model, u: Vec<f64>) -> (Vec<String>, Vec<String>) {
+    fn remarks_of(model: &Model, u: Vec<f64>) -> (Vec<String>, Vec<String>) {
         let y = model.simulate(&u);
         let seen = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
         (seen.remarks, seen.not_covered)
     }
 
     #[test]
-    fn amplitude_frequency_rate_and_bias_beyond_the_data_are_told_and_what_lies_within_is_not() {
+    fn amplitude_frequency_rate_and_bias_outside_the_identified_data_are_remarked() {
         let gain = Arc::new(Proportional::new(TS, 1.0).unwrap());
         let model = Model::new(gain, Arx::gain(TS, 33.0).unwrap(), 0.0).unwrap();
-        assert_eq!(
-            said(&model, sine(0.0, 90.0, 300.0)).0,
-            Vec::<String>::new(),
-            "a model that does not say has no limits"
-        );
+        let without_domain = remarks_of(&model, sine(0.0, 90.0, 300.0)).0;
+        assert_eq!(without_domain, Vec::<String>::new(), "a model without domain has no limits");
         let record = |u: Vec<f64>| Record::new(TS, u.clone(), u).unwrap();
         let domain = Domain::of(&[record(sine(0.0, 20.0, 5.0)), record(sine(0.0, 1.0, 200.0))]).unwrap();
         let model = model.with_identified(domain);
         for within in [sine(0.0, 20.0, 5.0), sine(0.0, 1.0, 200.0), sine(0.5, 15.0, 10.0), sine(7.0, 10.0, 5.0)] {
-            assert_eq!(said(&model, within).0, Vec::<String>::new());
+            assert_eq!(remarks_of(&model, within).0, Vec::<String>::new());
         }
         for (u, says) in [
-            (
-                sine(0.0, 25.0, 5.0),
-                "the input runs from -25.00 to 25.00 V, but the model was identified from -20.00 to 20.00 V",
-            ),
-            (sine(0.0, 0.5, 300.0), "its power from 300.0 to 300.0 Hz, but the model was identified from 5.0"),
+            (sine(0.0, 25.0, 5.0), "from -25.00 to 25.00 V, but the model was identified from -20.00 to 20.00 V"),
+            (sine(0.0, 0.5, 300.0), "power from 300.0 to 300.0 Hz, but the model was identified from 5.0"),
             (sine(0.0, 20.0, 50.0), "the input changes by up to 6"),
             (sine(9.0, 10.0, 5.0), "the input has a mean of 9.000 V, but the model was identified at"),
         ] {
-            let remarks = said(&model, u).0;
+            let remarks = remarks_of(&model, u).0;
             assert!(remarks.len() == 1 && remarks[0].contains(says), "{says}: {remarks:?}");
         }
     }
 
     #[test]
-    fn what_a_record_cannot_tell_is_told() {
+    fn what_a_record_does_not_test_is_reported() {
         let beam = Arx::new(TS, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
         for o in OPERATORS {
             let model = Model::new((o.example)(TS).unwrap(), beam.clone(), 0.0).unwrap();
-            let large = said(&model, sine(0.0, 28.0, 5.0)).1;
+            let large = remarks_of(&model, sine(0.0, 28.0, 5.0)).1;
             assert!(large.len() == 1 && large[0].contains("the resonance at 146.7 Hz"), "{}: {large:?}", o.name);
-            let small = said(&model, sine(0.0, 2.0, 140.0)).1;
+            let small = remarks_of(&model, sine(0.0, 2.0, 140.0)).1;
             assert_eq!(small.len(), usize::from(o.name != "proportional"), "{}: {small:?}", o.name);
             assert!(small.iter().all(|s| s.contains("the hysteresis: the input covers")), "{small:?}");
         }
     }
 
     #[test]
-    fn what_is_wrong_with_a_record_is_remarked() {
+    fn defects_of_a_record_are_remarked() {
         let gain = Arc::new(Proportional::new(TS, 1.0).unwrap());
         let model = Model::new(gain, Arx::gain(TS, 33.0).unwrap(), 0.0).unwrap();
         let u = sine(0.0, 20.0, 5.0);

@@ -1,12 +1,13 @@
-//! Whether what a linear block leaves of a record is noise, where no repetition tells.
+//! Test whether the residuals of a linear block are noise, for records without periodic input.
 //!
-//! It is taken for noise when
-//! - at least half of it is white: sigma^2 = mean of (e_t - 2 e_{t-1} + e_{t-2})^2 / 6, which nothing smooth adds to, and
-//! - it goes neither with the input nor with what bent blocks would leave: square and cube of the free run and plays of
-//!   two widths (`hysteresis/play.rs`), less what is linear in the free run and its slope.
+//! They are noise if
+//! - at least half of them is white: sigma^2 = mean of (e_t - 2 e_{t-1} + e_{t-2})^2 / 6, to which smooth signals add
+//!   nothing, and
+//! - they correlate neither with the input nor with the residuals of nonlinear blocks: square and cube of the free run,
+//!   and plays of two widths (`hysteresis/play.rs`), without their part that is linear in the free run and its slope.
 //!
-//! Hum and drift of a sensor that has no white noise are not told from distortion. Coloured noise tells less than white:
-//! n of its samples are worth n / (1 + 2 sum r_k^2) in a mean square (Bartlett 1946, doi:10.2307/2983611).
+//! Hum and drift of a sensor without white noise are not distinguished from distortion. Coloured noise has fewer
+//! independent samples than white noise: n / (1 + 2 sum r_k^2) for a mean square (Bartlett 1946, doi:10.2307/2983611).
 
 use super::Whiteness;
 use crate::series::mean;
@@ -14,28 +15,30 @@ use crate::series::mean;
 /// Share of the rms that must be white.
 const WHITE: f64 = 0.5;
 
-/// Correlation up to which what is left is apart from a signal: a hundredth of its power.
+/// Correlation up to which residuals count as uncorrelated with a signal: a hundredth of its power.
 const APART: f64 = 0.1;
 
 /// Half widths of the plays, over half of the peak-to-peak.
 const PLAYS: [f64; 2] = [0.1, 0.3];
 
-/// How many independent samples `errors` are worth, if they are noise; `u` is the input and `simulated` the free run.
+/// Number of independent samples in `errors`, if they are noise; `u` is the input and `simulated` the free run.
 pub(super) fn independent(u: &[f64], simulated: &[f64], errors: &[f64]) -> Option<f64> {
     let own = Whiteness::of(u, errors)?;
     let squares: f64 = errors.iter().map(|e| e * e).sum();
     let rough = errors.windows(3).map(|e| (e[0] - 2.0 * e[1] + e[2]).powi(2)).sum::<f64>() / 6.0;
-    let residual_noise =
+    let uncorrelated =
         |w: &Whiteness| w.cross_correlation.iter().all(|c| c.abs() <= w.cross_correlation_bound.max(APART));
     let is_noise = rough >= WHITE * WHITE * squares
-        && residual_noise(&own)
-        && bent(simulated).iter().all(|bent| Whiteness::of(bent, errors).is_some_and(|w| residual_noise(&w)));
+        && uncorrelated(&own)
+        && nonlinear(simulated)
+            .iter()
+            .all(|nonlinear| Whiteness::of(nonlinear, errors).is_some_and(|w| uncorrelated(&w)));
     let colour = 1.0 + 2.0 * own.autocorrelation.iter().map(|r| r * r).sum::<f64>();
     is_noise.then_some(errors.len() as f64 / colour)
 }
 
-/// What bent blocks would leave.
-fn bent(simulated: &[f64]) -> Vec<Vec<f64>> {
+/// Residuals that nonlinear blocks would have.
+fn nonlinear(simulated: &[f64]) -> Vec<Vec<f64>> {
     let middle = mean(simulated);
     let s: Vec<f64> = simulated.iter().map(|s| s - middle).collect();
     let reach = s.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
@@ -52,7 +55,7 @@ fn bent(simulated: &[f64]) -> Vec<Vec<f64>> {
     powers.into_iter().chain(plays).map(remainder).collect()
 }
 
-/// What of `x` does not go with `s`.
+/// The part of `x` uncorrelated with `s`.
 fn without(x: &[f64], s: &[f64]) -> Vec<f64> {
     let (level, middle) = (mean(x), mean(s));
     let (both, own) = x
@@ -67,8 +70,7 @@ fn without(x: &[f64], s: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use rand::SeedableRng;
-    use rand_distr::{Distribution, StandardNormal};
+    use crate::testing::noise;
 
     /// A low-passed PRBS, and noise.
     fn signals() -> (Vec<f64>, Vec<f64>, Vec<f64>) {
@@ -78,12 +80,11 @@ mod tests {
             Some(*s)
         };
         let s = u.iter().scan(0.0, low_pass).collect();
-        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
-        (u, s, (0..4000).map(|_| StandardNormal.sample(&mut random)).collect())
+        (u, s, noise(5, 4000))
     }
 
     #[test]
-    fn white_noise_counts_in_full_and_hum_beneath_it_takes_some() {
+    fn all_samples_of_white_noise_are_independent_and_fewer_with_hum() {
         let (u, s, noise) = signals();
         let n = independent(&u, &s, &noise).unwrap();
         assert!((3600.0..=4000.0).contains(&n), "{n}");
@@ -93,10 +94,10 @@ mod tests {
     }
 
     #[test]
-    fn a_square_a_cube_a_play_and_a_forgotten_lag_are_no_noise() {
+    fn nonlinear_residuals_and_a_missing_delay_are_not_noise() {
         let (u, s, noise) = signals();
         let late = std::iter::repeat_n(0.0, 9).chain(u.iter().copied()).take(4000).collect();
-        for structure in bent(&s).into_iter().chain([late]) {
+        for structure in nonlinear(&s).into_iter().chain([late]) {
             let size = (structure.iter().map(|x| x * x).sum::<f64>() / 4000.0).sqrt();
             let e: Vec<f64> = noise.iter().zip(&structure).map(|(e, x)| e + 0.5 * x / size).collect();
             assert_eq!(independent(&u, &s, &e), None);

@@ -1,15 +1,15 @@
-//! The band that an input fills.
+//! The frequency band of an input.
 
 use crate::fourier::plain_power;
 
-/// Share of the power on either side that does not count.
+/// Share of the power below and above the band.
 const TAIL: f64 = 0.01;
 
-/// Bins over which a line may leak that much on its two sides together.
+/// Number of bins over which a line may leak this share.
 const LEAK: usize = 20;
 
-/// The frequencies [Hz] between which `x`, sampled every `ts` [s], has all but a hundredth of its power at either end; the
-/// same number twice where a line is all there is. `None` where `x` does not move.
+/// The frequency band [Hz] of `x`, with sampling period `ts` [s], without 1 % of the power below and 1 % above. For a
+/// single line both limits are equal. `None` if `x` is constant.
 pub(crate) fn band(x: &[f64], ts: f64) -> Option<(f64, f64)> {
     let power = plain_power(x);
     let all: f64 = power.iter().sum();

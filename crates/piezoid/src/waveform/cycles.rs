@@ -1,33 +1,33 @@
-//! The cycles of an input: from one lower turning point to the next.
+//! The cycles of an input, from one minimum to the next.
 
 use crate::series::ends;
 use std::ops::Range;
 
-/// The share of its range that an input must come back by to have turned.
+/// A reversal counts when the input has moved back by this share of its range.
 const REVERSAL: f64 = 0.02;
 
-/// Bend of the logarithm of length or height over three cycles, up to which an input goes to and fro: in the middle of
-/// all. Sweeps and growing amplitudes have none; the bits of a PRBS and the peaks of a multisine of random phases have
-/// more. With Schroeder's phases a multisine is a sweep.
+/// Upper limit of a regular input for the median second difference, over three cycles, of the logarithm of duration or
+/// amplitude. It is 0 for sweeps and for rising amplitudes. PRBS and multisines with random phases exceed it. A
+/// multisine with Schroeder phases is a sweep.
 const REGULAR: f64 = 0.35;
 
-/// One movement up and back.
+/// A movement up and down.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cycle {
-    /// From the lower turning point up to, and including, the next.
+    /// From one minimum to the next, both included.
     pub(crate) samples: Range<usize>,
-    /// The upper turning point.
+    /// The maximum.
     pub(crate) peak: usize,
-    /// Half the height of the input [input unit].
+    /// Half of peak-to-peak [input unit].
     pub(crate) amplitude: f64,
-    /// One over its length [Hz].
+    /// Frequency [Hz].
     pub(crate) hz: f64,
 }
 
-/// The whole cycles of `u`, sampled every `ts` [s]; none where it does not go to and fro regularly.
+/// The complete cycles of `u`, with sampling period `ts` [s]; empty if `u` is not regular.
 pub(crate) fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
     let reversals = reversals(u, REVERSAL);
-    // A lower turning point is lower than the upper one that follows.
+    // The first reversal is skipped if it is a maximum.
     let first = usize::from(reversals.len() > 1 && u[reversals[0]] > u[reversals[1]]);
     let found: Vec<Cycle> = reversals[first.min(reversals.len())..]
         .windows(3)
@@ -38,29 +38,30 @@ pub(crate) fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
             Cycle { samples: w[0]..w[2] + 1, peak: w[1], amplitude: 0.5 * (high - low), hz }
         })
         .collect();
-    let middle = |of: fn(&Cycle) -> f64| {
+    let median = |of: fn(&Cycle) -> f64| {
         let bend = |w: &[Cycle]| (of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).ln().abs();
         let mut bends: Vec<f64> = found.windows(3).map(bend).collect();
         bends.sort_by(f64::total_cmp);
         bends.get(bends.len() / 2).copied().unwrap_or(0.0)
     };
-    let regular = middle(|c| c.hz) < REGULAR && middle(|c| c.amplitude) < REGULAR;
+    let regular = median(|c| c.hz) < REGULAR && median(|c| c.amplitude) < REGULAR;
     if regular { found } else { Vec::new() }
 }
 
-/// The samples at which `x` turns: its extremes between movements of more than a `share` of its range. Of an extreme that
-/// is held, the sample in the middle. Either end of the record counts where it is an extreme of all.
+/// The reversals of `x`: the samples of its extremes between movements of more than a `share` of its range. For a held
+/// extreme, its middle sample. The first and the last extreme of the record count if they are near a limit of the
+/// range.
 pub(crate) fn reversals(x: &[f64], share: f64) -> Vec<usize> {
     let (low, high) = ends(x.iter().copied());
     let guard = share * (high - low);
     let outermost = |x: f64| (x - low).min(high - x) < 0.5 * guard;
     let mut reversals = Vec::new();
-    // The direction, and where the extreme of it was met first and last.
+    // The direction, and the first and the last sample of the present extreme.
     let (mut trend, mut first, mut last) = (0.0, 0, 0);
     for (t, &now) in x.iter().enumerate() {
         let beyond = (now - x[first]) * trend;
         if trend == 0.0 {
-            // Not yet under way.
+            // No movement yet.
             if (now - x[0]).abs() > guard {
                 reversals.extend(outermost(x[0]).then_some(0));
                 (trend, first, last) = ((now - x[0]).signum(), t, t);
@@ -86,17 +87,16 @@ mod tests {
     const TS: f64 = 5e-4;
 
     #[test]
-    fn a_sine_has_its_cycles_from_valley_to_valley() {
+    fn the_cycles_of_a_sine_start_at_its_minima() {
         let u = Sine { amplitude: 3.0, frequency: 5.0, ..Sine::default() }.samples(TS, 2000).unwrap();
         let cycles = cycles(&u, TS);
         assert_eq!(cycles.iter().map(|c| c.samples.start).collect::<Vec<_>>(), [300, 700, 1100, 1500]);
-        assert!(
-            cycles.iter().all(|c| c.hz == 5.0 && (c.amplitude - 3.0).abs() < 1e-9 && c.peak == c.samples.start + 200)
-        );
+        let right = |c: &Cycle| c.hz == 5.0 && (c.amplitude - 3.0).abs() < 1e-9 && c.peak == c.samples.start + 200;
+        assert!(cycles.iter().all(right));
     }
 
     #[test]
-    fn amplitudes_grow_in_a_rising_sine_and_frequencies_in_a_sweep() {
+    fn rising_sines_and_sweeps_have_cycles() {
         let rising = RisingSine { amplitude: 3.0, frequency: 5.0, ..RisingSine::default() }.samples(TS, 8000).unwrap();
         let amplitudes: Vec<f64> = cycles(&rising, TS).iter().map(|c| c.amplitude).collect();
         assert!(amplitudes.len() > 15 && amplitudes.is_sorted(), "{amplitudes:?}");
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_no_turns_and_broadband_inputs_have_no_cycles() {
+    fn steps_are_not_reversals_and_broadband_inputs_have_no_cycles() {
         let steps = Staircase { amplitude: 3.0, frequency: 5.0, ..Staircase::default() }.samples(TS, 2000).unwrap();
         assert_eq!(cycles(&steps, TS).len(), 4);
         assert!(cycles(&Prbs::default().samples(TS, 2047).unwrap(), TS).is_empty());

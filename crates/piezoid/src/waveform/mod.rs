@@ -1,4 +1,4 @@
-//! What an input does: how fast it goes to and fro, when it repeats, where its cycles begin, and which band it fills.
+//! Properties of an input: dominant frequency, period, cycles, and frequency band.
 
 mod band;
 mod cycles;
@@ -12,12 +12,12 @@ pub use repetition::period;
 
 use crate::series::ends;
 
-/// The frequency at which `u` goes to and fro about its mid-value [Hz], sampled every `ts` [s]: the mean over whole
-/// periods, told by its crossings. `None` where there is no whole period.
+/// The frequency at which `u` crosses its mid-value upwards [Hz], averaged over whole periods; `ts` is the sampling
+/// period [s]. `None` if there is no whole period.
 pub(crate) fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
     let (low, high) = ends(u.iter().copied());
     let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
-    // A crossing upwards counts once the input has been clearly below; its time is interpolated.
+    // A crossing counts only after the input was clearly below; its time is interpolated.
     let mut armed = false;
     let mut crossings = Vec::new();
     for (t, w) in u.windows(2).enumerate() {

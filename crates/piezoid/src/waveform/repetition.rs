@@ -1,16 +1,17 @@
-//! The period after which an input repeats.
+//! The period of an input.
 
 use crate::fourier::forward;
 use crate::series::{mean, scatter};
 use nalgebra::Complex;
 
-/// The rms of what differs between repetitions, over that of the input, up to which they are the same input.
+/// Largest rms difference between repetitions, relative to the rms of the input.
 const SAME: f64 = 1e-3;
 
-/// The same measure that a lag must exceed before a repetition is looked for: else a slow input would repeat at once.
+/// A period is searched only after a lag with a larger relative rms difference, because a slow input resembles itself
+/// at small lags.
 const OTHER: f64 = 0.5;
 
-/// Samples after which `u` repeats, all through; `None` where it does not do so at least once.
+/// The period of `u` [samples], if the whole input repeats at least once.
 pub fn period(u: &[f64]) -> Option<usize> {
     let (n, middle) = (u.len(), mean(u));
     let variance = scatter(u) / n as f64;
@@ -19,14 +20,13 @@ pub fn period(u: &[f64]) -> Option<usize> {
     }
     let centred: Vec<f64> = u.iter().map(|u| u - middle).collect();
     let products = products(&centred);
-    // Sums of squares from the first sample on.
-    let squares: Vec<f64> = std::iter::once(0.0)
-        .chain(centred.iter().scan(0.0, |sum, c| {
-            *sum += c * c;
-            Some(*sum)
-        }))
-        .collect();
-    // The mean square of what differs at a lag, over twice the variance that it is for strangers.
+    // Cumulative sums of squares.
+    let mut squares = vec![0.0];
+    squares.extend(centred.iter().scan(0.0, |sum, c| {
+        *sum += c * c;
+        Some(*sum)
+    }));
+    // The mean square difference at a lag, relative to that of uncorrelated inputs.
     let differs = |p: usize| {
         let energy = squares[n - p] + squares[n] - squares[p] - 2.0 * products[p];
         energy / ((n - p) as f64 * 2.0 * variance)
@@ -36,7 +36,7 @@ pub fn period(u: &[f64]) -> Option<usize> {
         let energy: f64 = centred[p..].iter().zip(&centred).map(|(a, b)| (a - b) * (a - b)).sum();
         energy / ((n - p) as f64 * variance)
     };
-    // Transforms round: what they let through is looked at again.
+    // The transform has rounding errors: candidates are checked exactly.
     (start..=n / 2)
         .filter(|&p| differs(p) < 4.0 * SAME * SAME && differs(p) <= differs(p - 1))
         .find(|&p| exact(p) < SAME * SAME && (p + 1 > n / 2 || exact(p) <= exact(p + 1)))
@@ -62,7 +62,7 @@ mod tests {
     use crate::excitation::{Chirp, Multisine, Prbs, RisingSine, Sine};
 
     #[test]
-    fn what_repeats_is_found_to_the_sample() {
+    fn the_period_is_exact() {
         let prbs = Prbs { order: 8, ..Prbs::default() };
         assert_eq!(period(&prbs.samples(5e-4, 1000).unwrap()), Some(255));
         let sine = Sine { amplitude: 3.0, frequency: 5.0, ..Sine::default() };
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_repeat_has_no_period() {
+    fn inputs_that_do_not_repeat_have_no_period() {
         let once = Prbs { order: 11, ..Prbs::default() }.samples(5e-4, 2047).unwrap();
         let rising =
             RisingSine { amplitude: 3.0, frequency: 5.0, ..RisingSine::default() }.samples(5e-4, 2000).unwrap();

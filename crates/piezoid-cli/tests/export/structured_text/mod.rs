@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Value {
     Real(f64),
-    Whole(i64),
+    ExportedProgram(i64),
     Truth(bool),
     Array(Vec<Value>),
     /// Of this type.

@@ -6,7 +6,7 @@ use super::{Access, Expr, Given, Library, Path, Step, Unit, Value};
 enum Word {
     Name(String),
     Real(f64),
-    Whole(i64),
+    ExportedProgram(i64),
     Sign(String),
 }
 
@@ -37,7 +37,7 @@ fn words(text: &str) -> Vec<Word> {
                 n = rest[..n].match_indices('-').find(|(k, _)| !rest[..*k].ends_with('E')).map_or(n, |(k, _)| k);
                 words.push(Word::Real(rest[..n].parse().unwrap()));
             } else {
-                words.push(Word::Whole(rest[..n].parse().unwrap()));
+                words.push(Word::ExportedProgram(rest[..n].parse().unwrap()));
             }
             n
         } else {
@@ -147,7 +147,7 @@ impl Reader<'_> {
                 assert!(self.library.single);
                 Value::Real(0.0)
             }
-            "dint" => Value::Whole(0),
+            "dint" => Value::ExportedProgram(0),
             "bool" => Value::Truth(false),
             "array" => {
                 for word in ["[", "..", "]", "of"] {
@@ -156,7 +156,7 @@ impl Reader<'_> {
                     }
                     self.expect(word);
                 }
-                let Word::Whole(last) = self.words[self.at - 3] else { panic!("an array without end") };
+                let Word::ExportedProgram(last) = self.words[self.at - 3] else { panic!("an array without end") };
                 Value::Array(vec![self.kind(); 1 + last as usize])
             }
             name => self.library.instance(name),
@@ -212,7 +212,7 @@ impl Reader<'_> {
             let from = self.expr(1);
             self.expect("to");
             let to = self.expr(1);
-            let by = if self.pass("by") { self.expr(1) } else { Expr::Constant(Value::Whole(1)) };
+            let by = if self.pass("by") { self.expr(1) } else { Expr::Constant(Value::ExportedProgram(1)) };
             self.expect("do");
             let steps = self.steps();
             self.expect("end_for");
@@ -309,9 +309,9 @@ impl Reader<'_> {
                 self.at += 1;
                 Expr::Constant(Value::Real(self.library.round(value)))
             }
-            Word::Whole(value) => {
+            Word::ExportedProgram(value) => {
                 self.at += 1;
-                Expr::Constant(Value::Whole(value))
+                Expr::Constant(Value::ExportedProgram(value))
             }
             Word::Name(name) if name == "true" || name == "false" => {
                 self.at += 1;

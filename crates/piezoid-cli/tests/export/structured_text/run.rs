@@ -28,12 +28,12 @@ impl Library {
                 }
                 Step::For(name, ends, steps) => {
                     let [from, to, by] = ends.each_ref().map(|end| match self.value(end, room) {
-                        Value::Whole(value) => value,
+                        Value::ExportedProgram(value) => value,
                         other => panic!("a loop to {other:?}"),
                     });
                     let mut k = from;
                     while (by > 0 && k <= to) || (by < 0 && k >= to) {
-                        room.insert(name.clone(), Value::Whole(k)).unwrap();
+                        room.insert(name.clone(), Value::ExportedProgram(k)).unwrap();
                         self.run(steps, room);
                         k += by;
                     }
@@ -52,7 +52,7 @@ impl Library {
         let mut index = |access: &Access| match access {
             Access::Field(_) => None,
             Access::Index(expr) => Some(match self.value(expr, room) {
-                Value::Whole(k) => usize::try_from(k).unwrap(),
+                Value::ExportedProgram(k) => usize::try_from(k).unwrap(),
                 other => panic!("{other:?} counts nothing off"),
             }),
         };
@@ -90,7 +90,7 @@ impl Library {
             }
             Expr::Negative(inner) => match self.value(inner, room) {
                 Value::Real(v) => Value::Real(-v),
-                Value::Whole(v) => Value::Whole(-v),
+                Value::ExportedProgram(v) => Value::ExportedProgram(-v),
                 other => panic!("-{other:?}"),
             },
             Expr::Binary(sign, left, right) => {
@@ -104,8 +104,8 @@ impl Library {
     fn call(&self, name: &str, given: &[Given], room: &mut Room) -> Value {
         if let ("trunc" | "dint_to_lreal" | "dint_to_real", [Given::Next(value)]) = (name, given) {
             return match (name, self.value(value, room)) {
-                ("trunc", Value::Real(v)) => Value::Whole(v as i64),
-                ("dint_to_lreal" | "dint_to_real", Value::Whole(v)) => Value::Real(self.round(v as f64)),
+                ("trunc", Value::Real(v)) => Value::ExportedProgram(v as i64),
+                ("dint_to_lreal" | "dint_to_real", Value::ExportedProgram(v)) => Value::Real(self.round(v as f64)),
                 (name, value) => panic!("{name} of {value:?}"),
             };
         }
@@ -145,7 +145,7 @@ impl Library {
     }
 
     fn joined(&self, sign: &str, left: &Value, right: &Value) -> Value {
-        use Value::{Real, Truth, Whole};
+        use Value::{ExportedProgram, Real, Truth};
         match (sign, left, right) {
             ("and", Truth(a), Truth(b)) => Truth(*a && *b),
             ("or", Truth(a), Truth(b)) => Truth(*a || *b),
@@ -153,13 +153,13 @@ impl Library {
             ("-", Real(a), Real(b)) => Real(self.round(a - b)),
             ("*", Real(a), Real(b)) => Real(self.round(a * b)),
             ("/", Real(a), Real(b)) => Real(self.round(a / b)),
-            ("+", Whole(a), Whole(b)) => Whole(a + b),
-            ("-", Whole(a), Whole(b)) => Whole(a - b),
-            ("*", Whole(a), Whole(b)) => Whole(a * b),
-            ("/", Whole(a), Whole(b)) => Whole(a / b),
-            ("mod", Whole(a), Whole(b)) => Whole(a % b),
+            ("+", ExportedProgram(a), ExportedProgram(b)) => ExportedProgram(a + b),
+            ("-", ExportedProgram(a), ExportedProgram(b)) => ExportedProgram(a - b),
+            ("*", ExportedProgram(a), ExportedProgram(b)) => ExportedProgram(a * b),
+            ("/", ExportedProgram(a), ExportedProgram(b)) => ExportedProgram(a / b),
+            ("mod", ExportedProgram(a), ExportedProgram(b)) => ExportedProgram(a % b),
             (_, Real(a), Real(b)) => Truth(holds(sign, a, b)),
-            (_, Whole(a), Whole(b)) => Truth(holds(sign, a, b)),
+            (_, ExportedProgram(a), ExportedProgram(b)) => Truth(holds(sign, a, b)),
             _ => panic!("{left:?} {sign} {right:?}"),
         }
     }

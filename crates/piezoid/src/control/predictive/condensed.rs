@@ -11,6 +11,7 @@
 //! Reference: D. Goldfarb, A. Idnani, Math. Program. 27, 1 (1983), DOI 10.1007/BF02591962. It does not do: equalities
 //! other than low = high; an H that is not positive definite.
 
+use crate::series::dot;
 use nalgebra::{Cholesky, DMatrix};
 
 /// Violation of a row by rounding, relative to the size of the limited values.
@@ -239,10 +240,6 @@ fn named(bound: f64) -> (usize, f64) {
 
 fn by_rows(m: &DMatrix<f64>) -> Vec<f64> {
     m.transpose().as_slice().to_vec()
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@
 
 mod condensed;
 mod horizon;
+#[cfg(feature = "clarabel")]
 mod interior;
 mod kalman;
 mod limits;
@@ -39,11 +40,12 @@ use crate::error::{Error, finite};
 use crate::hammerstein::Model;
 use crate::linear::Arx;
 use crate::number::short;
+use crate::series::dot;
 use crate::system::System;
-use condensed::{SolveResult, dot};
+use condensed::SolveResult;
 use horizon::Horizon;
 use kalman::Observer;
-use nalgebra::{DVector, DVectorView, DVectorViewMut};
+use nalgebra::{DVectorView, DVectorViewMut};
 use realisation::Realisation;
 use state::{Parts, StateLayout};
 use std::sync::Arc;
@@ -223,6 +225,7 @@ impl Predictive {
         self.limit(&mut parts, ends);
         let ended = match self.settings.solver {
             Solver::ActiveSet => self.horizon.program.solve(parts.z, parts.low, parts.high, parts.scratch),
+            #[cfg(feature = "clarabel")]
             Solver::InteriorPoint => self.interior(&mut parts),
         };
         let u = self.voltage(&parts, free, ends);
@@ -287,8 +290,9 @@ impl Predictive {
     }
 
     /// Solves the program with the interior-point method.
+    #[cfg(feature = "clarabel")]
     fn interior(&self, parts: &mut Parts<'_>) -> SolveResult {
-        let g = &self.horizon.program.h * DVector::from_column_slice(parts.z);
+        let g = &self.horizon.program.h * nalgebra::DVector::from_column_slice(parts.z);
         let found = interior::solve(&self.horizon.program, g.as_slice(), parts.low, parts.high);
         found.iter().for_each(|z| parts.z.copy_from_slice(z));
         SolveResult { changes: 0, solved: found.is_some() }

@@ -13,6 +13,7 @@ pub enum Solver {
     /// A dual active-set method on the condensed program, without allocation.
     ActiveSet,
     /// Clarabel's interior-point method, as the reference solution.
+    #[cfg(feature = "clarabel")]
     InteriorPoint,
 }
 

@@ -98,7 +98,7 @@ fn without_limits_the_moves_minimise_their_cost() {
             columns[(n + k + 1, k)] = -0.1;
         }
     }
-    let target = DVector::from_fn(2 * n, |t, _| if t < n { (r[t + 1] - 1.5) * scale } else { 0.0 });
+    let target = nalgebra::DVector::from_fn(2 * n, |t, _| if t < n { (r[t + 1] - 1.5) * scale } else { 0.0 });
     let known = columns.svd(true, true).solve(&target, 1e-14).unwrap();
     assert!(plan.solved && plan.changes == 0);
     assert_close(&plan.z, known.as_slice(), 0.0, 1e-9);

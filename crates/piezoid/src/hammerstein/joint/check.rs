@@ -1,7 +1,7 @@
-//! Whether a model tells anything of its records, and they of it.
+//! Checks of the fit: model and records must explain each other.
 //!
-//! Errors are shares of the rms of y about its mean: at 1 a constant does as well. A model that leaves that much of what was
-//! held out is refused. Noise, too, leaves much of a record: a share tells that something is wrong, not what.
+//! Errors are relative to the rms of y about its mean: at 1 a constant is as good. A model with such a held-out error
+//! is an error. A large error of one record gives a note: its cause may be noise.
 
 use super::refine::Fitted;
 use super::runs::TrainingRecord;
@@ -10,31 +10,31 @@ use crate::number::short;
 use crate::series::mean;
 use crate::waveform::reversals;
 
-/// Share of a record from which that is told, and share of what was held out from which there is no model.
+/// Residual share from which a record gets a note, and held-out share from which there is no model.
 const MUCH: f64 = 0.3;
 const ALL: f64 = 0.98;
 
-/// Samples a parameter of the hysteresis below which that is told.
+/// Samples per hysteresis parameter below which there is a note.
 const FEW: usize = 5;
 
-/// How far an input must turn back, over its range, to begin a loop.
+/// Distance of an input after a reversal, over its range, from which it starts a loop.
 const BACK: f64 = 0.05;
 
-/// What is to be said.
+/// The notes.
 ///
 /// # Errors
-/// Refuses a model that foretells nothing of what was held out.
+/// [`Error::Unidentifiable`] if the model does not predict the held-out data.
 pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<String>, Error> {
-    let share = |(run, left): (&TrainingRecord, &f64)| 100.0 * (left / run.power()).sqrt();
-    let shares: Vec<f64> = runs.iter().zip(&fitted.left).map(share).collect();
+    let share = |(run, residual): (&TrainingRecord, &f64)| 100.0 * (residual / run.power()).sqrt();
+    let shares: Vec<f64> = runs.iter().zip(&fitted.residuals).map(share).collect();
     let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
     let power = mean(&large_signal.iter().map(|run| run.power()).collect::<Vec<_>>());
     let held_out = fitted.held_out.rms_pp() / power.sqrt();
     if held_out.is_nan() || held_out > ALL {
         let each = runs.iter().zip(&shares).map(|(run, share)| format!("{} {} %", run.name, short(*share)));
         let because = format!(
-            "what was held out is foretold no better than by a constant (left of the rms of each: {}): does the output follow \
-             the input, and with the same sign in all records?",
+            "the held-out data are predicted no better than by a constant (residual over rms: {}): check that the \
+             output depends on the input, with the same sign in all records",
             each.collect::<Vec<_>>().join(", ")
         );
         return Err(Error::Unidentifiable { what: "a model".into(), because });
@@ -43,8 +43,8 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     for (run, share) in runs.iter().zip(&shares).filter(|(_, share)| **share > 100.0 * MUCH) {
         let (name, share) = (&run.name, short(*share));
         notes.push(format!(
-            "{name}: the model leaves {share} % of the rms of its output: too much noise, rows that are missing, or another \
-             sign, column or actuator than in the other records; look at it, or leave it out"
+            "{name}: the residual is {share} % of the output's rms: check for noise, missing rows, and the same sign, \
+             column and actuator as in the other records, or leave the record out"
         ));
     }
     let estimate = &fitted.estimate;
@@ -52,22 +52,22 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     let samples = large_signal.iter().flat_map(|run| &run.usable).filter(|usable| **usable).count();
     if samples < FEW * parameters {
         notes.push(format!(
-            "{samples} samples of rich records are few for {parameters} parameters of the hysteresis: record longer, or ask for \
+            "{samples} large-signal samples are few for {parameters} hysteresis parameters: record longer, or use \
              fewer elements"
         ));
     }
-    // An end of a record is no turn.
+    // The ends of a record are not reversals.
     let inner =
         |run: &&TrainingRecord| reversals(run.record.u(), BACK).into_iter().any(|t| t > 0 && t + 1 < run.record.len());
     if !large_signal.iter().any(inner) {
-        notes
-            .push("the input of no rich record turns back, so nothing tells the hysteresis: record whole loops".into());
+        let note = "no large-signal input has a reversal, so the hysteresis cannot be identified: record full loops";
+        notes.push(note.into());
     }
     for (k, run) in large_signal.iter().enumerate() {
         let same = |other: &&&TrainingRecord| other.record.u() == run.record.u() && other.record.y() == run.record.y();
         if let Some(twin) = large_signal[..k].iter().find(same) {
             notes.push(format!(
-                "{} and {} are the same: what is held out of one is foretold by the other; give it once",
+                "{} and {} are the same, so the held-out error would be too small: give the record once",
                 twin.name, run.name
             ));
         }

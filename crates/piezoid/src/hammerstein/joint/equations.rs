@@ -1,6 +1,7 @@
-//! Normal equations, with what belongs to a single record eliminated.
+//! Normal equations, with the coefficients of single records eliminated.
 //!
-//! A record's own coefficients v (state of creep, state of G, constant) are the best for any parameters x:
+//! A record's own coefficients v (initial state of creep, initial state of G, constant) are optimal for any parameters
+//! x:
 //!
 //! ```text
 //! | Hxx Hxv | |x|   |gx|
@@ -14,11 +15,12 @@ use super::products::Segment;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// How far from settled creep may begin, over the peak-to-peak of y, and the error it is weighed against.
+/// Expected distance of creep from settled at the start, over the peak-to-peak of y, and the error it is weighted
+/// against.
 const CREPT: f64 = 0.03;
 const ERROR: f64 = 0.003;
 
-/// Sums of squares in the weights and the steps of the other parameters.
+/// Sums of squares as functions of the weights and of the steps of the other parameters.
 #[derive(Debug, Clone)]
 pub(super) struct ReducedEquations {
     pub(super) h: DMatrix<f64>,
@@ -28,8 +30,8 @@ pub(super) struct ReducedEquations {
 }
 
 impl ReducedEquations {
-    /// The sum of squares that `x` leaves.
-    pub(super) fn left(&self, x: &DVector<f64>) -> f64 {
+    /// The sum of squares at `x`.
+    pub(super) fn residual(&self, x: &DVector<f64>) -> f64 {
         (self.yy + x.dot(&(&self.h * x - &self.g * 2.0))).max(0.0)
     }
 
@@ -45,7 +47,7 @@ impl ReducedEquations {
     }
 }
 
-/// The equations of a run, and the way back to its own coefficients: v = v0 - V x.
+/// The equations of a run, and its own coefficients: v = v0 - V x.
 #[derive(Debug, Clone)]
 pub(super) struct RecordEquations {
     pub(super) run: usize,
@@ -55,13 +57,13 @@ pub(super) struct RecordEquations {
 }
 
 impl RecordEquations {
-    /// Of some stretches of one run.
+    /// The equations of some segments of one run.
     fn of(estimate: &Estimate, layout: &ColumnLayout, parts: &[&Segment]) -> Self {
         let (p, m, y) = (layout.parameters(), layout.own(), layout.columns());
         let gram = parts[1..].iter().fold(parts[0].gram.clone(), |sum, part| sum + &part.gram);
         let samples = parts.iter().map(|part| part.samples).sum();
         let mut own = gram.view((p, p), (m, m)).into_owned();
-        // The square of one sample of the constant's column, and of what a unit of creep's state is in y.
+        // The square of one sample of the constant's column, and of the effect of a unit of creep's state on y.
         let constant = layout.constant - p;
         let one = own[(constant, constant)] / f64::max(samples, 1.0);
         let doubt = (ERROR / CREPT * estimate.linear.dc_gain()).powi(2) * one;
@@ -84,13 +86,13 @@ impl RecordEquations {
         RecordEquations { run: parts[0].run, normal, carried, carried_y }
     }
 
-    /// The run's own coefficients where the parameters are `x`.
+    /// The run's own coefficients for the parameters `x`.
     pub(super) fn own(&self, x: &DVector<f64>) -> Vec<f64> {
         (&self.carried_y - &self.carried * x).iter().copied().collect()
     }
 }
 
-/// The equations of each run over the stretches that are `taken`, and their sum.
+/// The equations of each run over the `taken` segments, and their sum.
 pub(super) fn equations(
     estimate: &Estimate,
     segments: &[Segment],
@@ -113,7 +115,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn elimination_gives_what_all_equations_together_give() {
+    fn elimination_gives_the_solution_of_all_equations() {
         let estimate = estimate("prandtl-ishlinskii", 3);
         let layout = ColumnLayout::of(&estimate);
         let (p, m) = (layout.parameters(), layout.own());
@@ -121,7 +123,7 @@ mod tests {
         let (normal, each) = equations(&estimate, &segments, |_| true);
         let x = normal.h.clone().cholesky().unwrap().solve(&normal.g);
 
-        // All unknowns at once: the parameters, then what belongs to the first run, then to the second.
+        // All unknowns: the parameters, then the coefficients of the first run, then of the second.
         let (mut h, mut g) = (DMatrix::<f64>::zeros(p + 2 * m, p + 2 * m), DVector::<f64>::zeros(p + 2 * m));
         for part in &segments {
             let place = |k: usize| if k < p { k } else { k + part.run * m };
@@ -136,11 +138,11 @@ mod tests {
             assert_close(&run.own(&x), &all.as_slice()[p + k * m..][..m], 1e-6, 1e-7);
         }
         let yy: f64 = segments.iter().map(|part| part.gram[(p + m, p + m)]).sum();
-        assert_close(&[normal.left(&x)], &[yy - g.dot(&all)], 1e-6, 0.0);
+        assert_close(&[normal.residual(&x)], &[yy - g.dot(&all)], 1e-6, 0.0);
     }
 
     #[test]
-    fn only_the_stretches_taken_count() {
+    fn only_the_taken_segments_count() {
         let estimate = estimate("prandtl-ishlinskii", 3);
         let layout = ColumnLayout::of(&estimate);
         let [one, other] = [segment(&layout, 0, Some(0), 1), segment(&layout, 0, Some(1), 2)];

@@ -1,4 +1,4 @@
-//! What the joint way has found so far: every parameter of a model, before it is one.
+//! The current estimate of the joint method: every parameter of a model.
 
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
@@ -21,7 +21,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// An estimate whose weights are not known yet.
+    /// An estimate with unknown weights.
     pub(super) fn new(driver: Option<DriverModel>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
         Estimate { driver, weights: vec![0.0; basis.len()], basis, lags, linear }
     }
@@ -30,7 +30,8 @@ impl Estimate {
         self.linear.ts()
     }
 
-    /// The estimate with the parameters `x`, in the order of [`ColumnLayout`]; none where G is unstable or they make no sense.
+    /// The estimate with the parameters `x`, in the order of [`ColumnLayout`]; `None` if G is unstable or they are not
+    /// valid.
     pub(super) fn moved(&self, x: &[f64]) -> Option<Self> {
         let layout = ColumnLayout::of(self);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
@@ -46,10 +47,10 @@ impl Estimate {
         Some(Estimate { driver: self.driver, basis, weights: x[layout.weights].to_vec(), lags, linear })
     }
 
-    /// The model, with this constant in its output.
+    /// The model, with this output offset.
     pub(super) fn model(&self, offset: f64) -> Result<Model, Error> {
         let hysteresis = self.basis.operator(&self.weights)?;
-        // Lags that were found to add nothing are left out.
+        // Lags without gain are left out.
         let lags = self.lags.iter().copied().filter(|lag| lag.gain != 0.0).collect();
         Model::driven(self.driver, hysteresis, self.linear.clone(), offset)?.with_creep(Creep::new(self.ts(), lags)?)
     }
@@ -68,7 +69,7 @@ pub(super) struct Responses<'a> {
 }
 
 impl<'a> Responses<'a> {
-    /// The responses before the first sample of a run, its past being what it is.
+    /// The responses before the first sample of a run, after its past.
     pub(super) fn before(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
         let u = run.record.u();
         let mut responses = Responses::settled(estimate, u[0]);
@@ -95,12 +96,12 @@ impl<'a> Responses<'a> {
         responses
     }
 
-    /// The responses now.
-    pub(super) fn now(&self) -> &[f64] {
+    /// The current responses.
+    pub(super) fn current(&self) -> &[f64] {
         &self.phi
     }
 
-    /// One sample.
+    /// Advances by one sample.
     pub(super) fn next(&mut self, u: f64) -> &[f64] {
         let Some(driver) = self.driver else {
             self.basis.step(&mut self.x, u, &mut self.phi);

@@ -1,4 +1,4 @@
-//! Errors of what was held out, and what they tell.
+//! Held-out errors and their comparison.
 
 use super::equations::{ReducedEquations, equations};
 use super::estimate::Estimate;
@@ -9,23 +9,23 @@ use crate::series::{mean, scatter};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Weights of smoothness tried, from rough to smooth.
+/// Smoothness weights tried, from rough to smooth.
 const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
-/// By how much a simpler one may be worse, in rms, however uncertain the difference.
+/// Ratio of rms up to which a simpler model is accepted, even if the difference is uncertain.
 const WORSE: f64 = 1.05;
 
-/// Mean squared error over squared peak-to-peak that is rounding, as records without noise leave it.
+/// Mean squared error over squared peak-to-peak that is rounding, for records without noise.
 const ROUNDING: f64 = 1e-14;
 
-/// Errors of the parts that were held out in turn, each fitted on all others.
+/// Held-out errors of the folds, each predicted by a fit to all others.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeldOut {
-    /// Smoothness.
+    /// Smoothness weight.
     pub(super) lambda: f64,
-    /// Of each fold, the mean squared error over the squared peak-to-peak of its records.
+    /// For each fold, the mean squared error over the squared peak-to-peak of its records.
     pub(super) folds: Vec<f64>,
-    /// The parameters found without each fold.
+    /// The parameters fitted without each fold.
     pub(super) without: Vec<DVector<f64>>,
 }
 
@@ -35,20 +35,20 @@ impl HeldOut {
         mean(&self.folds).sqrt()
     }
 
-    /// Whether this is as good as `best`: no worse, fold by fold and in proportion, than one standard error allows, and over
-    /// all folds by no more than is worth a simpler model.
+    /// True if this is as good as `best`: worse by at most one standard error over the folds, as a ratio, and by at
+    /// most the factor accepted for a simpler model.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
         let ratio = |(e, best): (&f64, &f64)| 0.5 * ((e + ROUNDING) / (best + ROUNDING)).ln();
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
-        let apart = ((self.rms_pp().powi(2) + ROUNDING) / (best.rms_pp().powi(2) + ROUNDING)).sqrt();
-        mean(&ratios) <= error && apart <= WORSE
+        let ratio = ((self.rms_pp().powi(2) + ROUNDING) / (best.rms_pp().powi(2) + ROUNDING)).sqrt();
+        mean(&ratios) <= error && ratio <= WORSE
     }
 }
 
-/// The held-out errors for the smoothest that is as good as the best, or for a smoothness that is `fixed`. Only `free`
-/// parameters are fitted anew without a fold.
+/// The held-out errors of the smoothest fit that is as good as the best, or for a `fixed` smoothness. Without a fold
+/// only the `free` parameters are fitted again.
 pub(super) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,
@@ -71,13 +71,13 @@ pub(super) fn cross_validate(
             .filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0)
             .map(|s| equations(estimate, std::slice::from_ref(s), |_| true).0)
             .collect();
-        // From smooth to rough, each starting from the signs found before.
-        let mut positive = vec![true; prior.now().len()];
+        // From smooth to rough, each starting from the previous signs.
+        let mut positive = vec![true; prior.current().len()];
         let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, free, &mut positive) {
-            None => (f64::INFINITY, prior.now().clone()),
+            None => (f64::INFINITY, prior.current().clone()),
             Some(x) => {
                 let steps = prior.steps(&x);
-                (mean(&tests.iter().map(|test| test.left(&steps) / test.samples).collect::<Vec<_>>()), x)
+                (mean(&tests.iter().map(|test| test.residual(&steps) / test.samples).collect::<Vec<_>>()), x)
             }
         };
         let mut errors: Vec<_> = lambdas.iter().rev().map(error).collect();
@@ -98,17 +98,16 @@ pub(super) fn cross_validate(
 
 #[cfg(test)]
 mod tests {
-    use super::super::products::products;
-    use super::super::runs::of;
-    use super::super::testing::estimate;
+    use super::super::{products::products, runs::of, testing::estimate};
     use super::*;
     use crate::record::Record;
+    use crate::series::dot;
     use crate::system::System;
     use crate::testing::assert_close;
 
-    /// A gain and an offset a record is all there is: what a line through the other records leaves.
+    /// With only a gain and one offset per record, the error is that of a line through the other records.
     #[test]
-    fn what_is_held_out_is_foretold_by_a_refit_to_all_others() {
+    fn held_out_data_are_predicted_by_a_refit_to_all_others() {
         let wave = |k: usize, t: usize| 30.0 * (0.03 * (k + 1) as f64 * t as f64).sin();
         let records: Vec<Record> = (0..3)
             .map(|k| {
@@ -136,7 +135,6 @@ mod tests {
                 (about_mean(&filtered), about_mean(r.y()), run.scale * run.scale)
             })
             .collect();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let explicit: Vec<f64> = (0..3)
             .map(|k| {
                 let others = || parts.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, part)| part);
@@ -150,11 +148,11 @@ mod tests {
     }
 
     #[test]
-    fn the_simplest_as_good_is_within_its_error_and_five_percent() {
+    fn as_good_means_within_one_standard_error_and_five_percent() {
         let of = |folds: &[f64]| HeldOut { lambda: 0.0, folds: folds.to_vec(), without: Vec::new() };
         let best = of(&[1.0, 1.0, 1.0]);
-        assert!(of(&[1.08, 0.97, 1.02]).is_as_good_as(&best), "now better, now worse");
+        assert!(of(&[1.08, 0.97, 1.02]).is_as_good_as(&best), "better and worse by turns");
         assert!(!of(&[1.03, 1.03, 1.03]).is_as_good_as(&best), "worse every time");
-        assert!(!of(&[2.0, 0.6, 1.0]).is_as_good_as(&best), "worse by more than is worth it");
+        assert!(!of(&[2.0, 0.6, 1.0]).is_as_good_as(&best), "worse by more than the limit");
     }
 }

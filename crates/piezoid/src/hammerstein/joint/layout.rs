@@ -1,28 +1,28 @@
-//! Which column of the linearised error belongs to which parameter.
+//! The columns of the linearised error and their parameters.
 
 use super::estimate::Estimate;
 use std::ops::Range;
 
-/// The columns: those of the parameters, then those of a record's own past and constant.
+/// The columns: first the parameters, then the record's own coefficients.
 #[derive(Debug, Clone)]
 pub(super) struct ColumnLayout {
     /// Weights of the hysteresis.
     pub(super) weights: Range<usize>,
     /// Gains of creep.
     pub(super) gains: Range<usize>,
-    /// ShapeParameter of the hysteresis.
+    /// Shape parameters of the hysteresis.
     pub(super) shape: Range<usize>,
     /// a1, a2, ...
     pub(super) a: Range<usize>,
-    /// b from the first that is not a delay.
+    /// b after the delay.
     pub(super) b: Range<usize>,
-    /// A record's own: the state its creep began in.
+    /// A record's own: the initial state of creep.
     pub(super) crept: Range<usize>,
-    /// The state its G began in.
+    /// The initial state of G.
     pub(super) state: Range<usize>,
-    /// The constant in its output.
+    /// The offset of its output.
     pub(super) constant: usize,
-    /// The trend of its output, where it drifts.
+    /// The trend of its output, if it drifts.
     pub(super) trend: usize,
 }
 
@@ -58,7 +58,7 @@ impl ColumnLayout {
         self.columns() - self.parameters()
     }
 
-    /// Number of columns; y stands behind the last.
+    /// Number of columns; y follows the last.
     pub(super) fn columns(&self) -> usize {
         self.trend + 1
     }

@@ -1,17 +1,18 @@
-//! Identification of all parts together, without inverting any.
+//! The joint method: identification of all parts together, without inverting any.
 //!
 //! ```text
 //! y = G(q) C(q) sum_k w_k phi_k[u; p] + c
 //! ```
-//! For given G, creep C and shape p the weights w come from a convex least squares on the filtered responses, with
-//! smoothness and signs as physics has them; all together are then refined by Gauss-Newton on the free-run error, with exact
-//! derivatives. Each record has an offset, a state its G and its creep began in, and a past; errors count over the
-//! peak-to-peak of their record, so that all are heard. Parts that are held out in turn choose the smoothness, the
-//! structure of G where small-signal records do not, and, among operators, the simplest that foretells as well as the best.
+//! For given G, creep C and shape p, the weights w are the solution of a convex least-squares problem on the filtered
+//! responses, with smoothness and physical signs. Then all parameters are refined by Gauss-Newton on the free-run
+//! error, with exact derivatives. Each record has an offset, initial states of G and creep, and a past; errors are
+//! relative to the peak-to-peak of their record, so all records count. Held-out parts determine the smoothness, the
+//! structure of G if there are no small-signal records, and the operator: the simplest that predicts as well as the
+//! best.
 //!
-//! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by over-parametrised and
-//! iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017, DOI
-//! 10.1016/j.automatica.2017.06.044 (a survey). It does not do: hysteresis inside the loop of the dynamics.
+//! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by
+//! over-parametrised and iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017,
+//! DOI 10.1016/j.automatica.2017.06.044 (a survey). Not here: hysteresis inside the feedback of the dynamics.
 
 mod check;
 mod dynamics;
@@ -46,7 +47,7 @@ use crate::hysteresis::{BasisDesign, Operator};
 use crate::number::short;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
-use crate::series::{ends, mean, scatter};
+use crate::series::{dot, ends, mean, scatter};
 use crate::system::System;
 use dynamics::{creep_pole, slowest_observable};
 use estimate::{Estimate, Responses};
@@ -55,31 +56,31 @@ use refine::{Fitted, refine};
 use runs::TrainingRecord;
 use solve::FreeParameters;
 
-/// The shortest time constant of creep [samples], and the longest over the longest record.
+/// Shortest time constant of creep [samples], and longest over the duration of the longest record.
 const QUICKEST: f64 = 10.0;
 const SLOWEST: f64 = 1.0;
 
-/// The most thresholds, levels or knots.
+/// Maximum number of thresholds, levels or knots.
 const MOST: usize = 1000;
 
-/// The most that a lag of creep adds in ceramics, as a share.
+/// Largest gain of a creep lag in ceramics.
 const CREEPS: f64 = 0.1;
 
-/// How to identify jointly.
+/// Options of the joint method.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct JointOptions {
-    /// Name of the hysteresis operator. Of several, which commas separate, and of all (`auto`) the simplest is taken that
-    /// foretells held-out parts as well as the best.
+    /// Name of the hysteresis operator. Of several (separated by commas), or of all (`auto`), the simplest is selected
+    /// that predicts held-out data as well as the best.
     pub operator: String,
-    /// Order of the linear block; none has it chosen.
+    /// Order of the linear block; `None` selects it.
     pub order: Option<usize>,
-    /// Thresholds, levels or knots of the operator; none takes its own number.
+    /// Thresholds, levels or knots of the operator; `None` is the operator's default.
     pub elements: Option<usize>,
-    /// Whether creep is looked for.
+    /// True to identify creep.
     pub creep: bool,
-    /// The driver, where it is known.
+    /// The driver; `None` if it is unknown.
     pub driver: Option<DriverModel>,
-    /// Seed of the swarm that looks for the shape of operators.
+    /// Seed of the swarm that searches the shape of operators.
     pub seed: u64,
 }
 
@@ -89,12 +90,12 @@ impl Default for JointOptions {
     }
 }
 
-/// Identifies all parts together: `small` are small-signal records (a PRBS), `large_signal` those that exercise the hysteresis. The
-/// first list may be empty.
+/// Identifies all parts together. `small` are small-signal records (a PRBS) and may be empty; `large_signal` exercise
+/// the hysteresis.
 ///
 /// # Errors
-/// Records of different sampling periods, or of units that cannot be converted; no rich record, or one nothing can be
-/// identified from; an operator that is not known; [`Error::Cancelled`].
+/// Returns an error if sampling periods differ, units cannot be converted, there is no usable record, or an operator is
+/// unknown; [`Error::Cancelled`].
 pub(crate) fn identify_joint(
     small: &[Record],
     large_signal: &[Record],
@@ -108,15 +109,15 @@ pub(crate) fn identify_joint(
     let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
     let (small, large_signal) = (convert(small)?, convert(large_signal)?);
     let Some(first) = large_signal.first().or(small.first()) else {
-        let remedy = "give a small-signal record, a rich one, or both".into();
+        let remedy = "give small-signal records, large-signal records, or both".into();
         return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
     };
     let (ts, mut notes) = (first.ts(), Vec::new());
-    // Without any other, small-signal records are all there is to find hysteresis from.
-    let (beside, large_signal) =
+    // Without large-signal records, the hysteresis is identified from the small-signal records.
+    let (small_beside, large_signal) =
         if large_signal.is_empty() { (&[][..], small.clone()) } else { (&small[..], large_signal) };
     let candidates = trials::candidates(&settings.operator, &large_signal, small.is_empty(), &mut notes)?;
-    let mut runs = runs::of(beside, &large_signal, &mut notes)?;
+    let mut runs = runs::of(small_beside, &large_signal, &mut notes)?;
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let lags = if settings.creep { ladder(QUICKEST * ts, SLOWEST * longest) } else { Vec::new() };
     let faster = if settings.driver.is_some() { ts / DriverModel::SUBSTEPS as f64 } else { ts };
@@ -125,28 +126,29 @@ pub(crate) fn identify_joint(
     let design = BasisDesign { ts: faster, range, elements: settings.elements, frequencies };
 
     let total = candidates.len() + 1;
-    let mut watch_at = |done: usize, what: &str| -> Result<(), Error> {
+    let mut report = |done: usize, what: &str| -> Result<(), Error> {
         match progress(Stage { what, done, total }).is_break() {
             true => Err(Error::Cancelled { what: what.into(), done, total }),
             false => Ok(()),
         }
     };
-    let mut watch = |_| watch_at(0, "linear block");
+    let mut watch = |_| report(0, "linear block");
     watch(0)?;
     let bridged =
         |run: &TrainingRecord| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
     let bridged = runs.iter().map(bridged).collect::<Result<Vec<_>, Error>>()?;
     let (linear, reason) = match small.is_empty() {
-        false => structure::from_small_signal(&bridged[..small.len()], &bridged[beside.len()..], settings, &lags)?,
+        false => {
+            structure::from_small_signal(&bridged[..small.len()], &bridged[small_beside.len()..], settings, &lags)?
+        }
         true => structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &mut watch)?,
     };
     notes.push(format!("linear block: {reason}"));
 
     let mut trials: Vec<(OperatorTrial, Option<Fitted>)> = Vec::new();
     for (done, row) in candidates.iter().enumerate() {
-        let mut watch = |_| watch_at(done + 1, row.name);
-        let fitted = fit(row, &design, &linear, &lags, settings, &mut runs, &mut watch);
-        let trial = match fitted {
+        let mut watch = |_| report(done + 1, row.name);
+        let trial = match fit(row, &design, &linear, &lags, settings, &mut runs, &mut watch) {
             Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
             Err(why) if candidates.len() == 1 => return Err(why),
             Err(why) => (OperatorTrial::refused(row, why.to_string()), None),
@@ -166,13 +168,13 @@ pub(crate) fn identify_joint(
     let parameters = uncertainty::parameters(&fitted);
     notes.extend(parameters.iter().filter(|p| p.is_unknown()).map(|p| {
         let (value, error) = (short(p.value), short(p.error));
-        format!("{} is {value} with a standard error of {error}: these records do not tell it", p.name)
+        format!("{} = {value} with a standard error of {error}: these records do not determine it", p.name)
     }));
     notes.extend(model.creep().lags().iter().filter(|lag| lag.gain > CREEPS).map(|lag| {
         let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));
         format!(
-            "creep of {tau} s adds {percent} %, more than ceramics creep: it stands for a lag of driver, mechanics or sensor that the \
-             linear block does not have"
+            "creep of {tau} s adds {percent} %, more than creep of ceramics: it may represent a lag of driver, \
+             mechanics or sensor that is missing in the linear block"
         )
     }));
     notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)));
@@ -180,7 +182,7 @@ pub(crate) fn identify_joint(
     Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
 }
 
-/// Fits one operator, from where it stands and from where a swarm sends it.
+/// Fits one operator from its initial shape and from the best shape of a swarm.
 fn fit(
     row: &Operator,
     design: &BasisDesign,
@@ -192,32 +194,33 @@ fn fit(
 ) -> Result<Fitted, Error> {
     let start = Estimate::new(settings.driver, (row.basis)(design)?, lags.to_vec(), linear.clone());
     watch(0)?;
-    let elsewhere = search::search(&start, runs, settings.seed)?;
+    let by_swarm = search::search(&start, runs, settings.seed)?;
     let here = refine(start, runs, FreeParameters::All, watch)?;
-    let Some(elsewhere) = elsewhere else { return Ok(here) };
-    let there = refine(elsewhere, runs, FreeParameters::All, watch)?;
+    let Some(by_swarm) = by_swarm else { return Ok(here) };
+    let there = refine(by_swarm, runs, FreeParameters::All, watch)?;
     Ok(better(here, there, runs))
 }
 
-/// How near each other two fits are in what was held out, for their free runs to decide.
+/// Ratio of held-out errors above which the free runs decide between two fits.
 const ALIKE: f64 = 0.95;
 
-/// The fit that foretells held-out parts better; where both do so alike, the one that runs free better. An operator that hardly forgets
-/// foretells what is held out, since what came before is known there, and is of no use to whoever does not know it.
+/// The fit with the smaller held-out error; if both are similar, the one with the better free run. An operator with
+/// long memory predicts held-out data well, because their past is known there, but is useless where the past is
+/// unknown.
 fn better(here: Fitted, there: Fitted, runs: &[TrainingRecord]) -> Fitted {
     let [a, b] = [&here, &there].map(|fitted| fitted.held_out.rms_pp());
     let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there, runs) < free_run(&here, runs) };
     if there_is { there } else { here }
 }
 
-/// Mean square, over the squared heights of the records, of what the model leaves of them in free run, each with a constant of its own.
+/// Mean squared free-run error over the squared peak-to-peak of the records, each with its own offset.
 fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
-    runs.iter().map(|run| (run.scale * left_of(run, &model).1).powi(2)).sum()
+    runs.iter().map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).sum()
 }
 
-/// What a free run of the model leaves of a record: its mean, and the rms about it.
-fn left_of(run: &TrainingRecord, model: &Model) -> (f64, f64) {
+/// Mean of the free-run error of a record, and its rms about that mean.
+fn free_run_residual(run: &TrainingRecord, model: &Model) -> (f64, f64) {
     let (u, y) = (run.record.u(), run.record.y());
     let simulated = model.resume(&mut model.before(u, InitialCondition::of(u)[0]), u);
     let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
@@ -225,17 +228,17 @@ fn left_of(run: &TrainingRecord, model: &Model) -> (f64, f64) {
     (mean(&errors), (scatter(&errors) / errors.len() as f64).sqrt())
 }
 
-/// Lags a decade apart.
+/// Lags one decade apart.
 fn ladder(from: f64, to: f64) -> Vec<Lag> {
     let rungs = std::iter::successors(Some(from), |tau| Some(10.0 * tau)).take_while(|tau| *tau <= to);
     rungs.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()
 }
 
-/// A lag is slow where the longest record is shorter than so many of its time constants.
+/// A lag is slow if the longest record is shorter than this number of its time constants.
 const SLOW: f64 = 20.0;
 
-/// The constant in the output of the model: the middle one of all records, whose sensors may have drifted. Where the fit cannot tell
-/// constant and state of a slow lag apart, it is what the free run asks for.
+/// The offset of the model: the median over all records, because sensors drift. If the fit cannot separate the offset
+/// from the state of a slow lag, the free run determines it.
 fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, unit: &str) -> f64 {
     let estimate = &fitted.estimate;
     let layout = ColumnLayout::of(estimate);
@@ -244,9 +247,9 @@ fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, uni
     let free = estimate.model(0.0).ok().filter(|_| slow);
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
-        let first = products::dot(Responses::before(estimate, run).now(), &estimate.weights);
+        let first = dot(Responses::before(estimate, run).current(), &estimate.weights);
         let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
-        let Some((mean, rms)) = free.as_ref().map(|model| left_of(run, model)) else { return fits };
+        let Some((mean, rms)) = free.as_ref().map(|model| free_run_residual(run, model)) else { return fits };
         if (mean - fits).abs() > rms { mean } else { fits }
     };
     let mut offsets: Vec<f64> = runs.iter().zip(&fitted.own).map(of).collect();
@@ -255,8 +258,8 @@ fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, uni
     let height = runs.iter().map(|run| run.scale.recip()).fold(0.0, f64::max);
     if high - low > 0.02 * height {
         notes.push(format!(
-            "the records stand off one another by up to {} {unit}, {} % of the largest height: sensors drift, or the past of a record was another; \
-             the model has the middle offset",
+            "the offsets of the records differ by up to {} {unit}, {} % of the largest height: the sensor drifts, or \
+             the initial conditions differ; the model uses the median offset",
             short(high - low),
             short(100.0 * (high - low) / height)
         ));

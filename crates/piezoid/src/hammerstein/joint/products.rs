@@ -1,44 +1,45 @@
-//! The free-run error, linearised in every parameter at once, and the products of its columns.
+//! The free-run error, linearised in all parameters, and the products of its columns.
 //!
-//! With zc the hidden variable behind creep, L_i the lags of creep and G = B/A:
+//! With zc the hidden variable after creep, L_i the lags of creep and G = B/A:
 //!
 //! ```text
-//! y = G zc + what the past left + c
-//! dy/dw_k = G C phi_k    dy/dg_i = G L_i z    dy/dp_j = G C dz/dp_j    dy/da_i = q^-i y/A    dy/db_j = q^-j zc/A
+//! y = G zc + response to the past + c
+//! dy/dw_k = G C phi_k   dy/dg_i = G L_i z   dy/dp_j = G C dz/dp_j   dy/da_i = q^-i y/A   dy/db_j = q^-j zc/A
 //! ```
-//! All are exact. What a record's own past left is linear as well: q^-i/A for the state of G, G exp(-t/tau_i) for that of
-//! creep. Columns are produced a sample at a time and multiplied a block at a time, so no record is too long.
+//! All are exact. The response to a record's past is linear as well: q^-i/A for the state of G, G exp(-t/tau_i) for
+//! that of creep. Columns are computed sample by sample and multiplied in blocks, so records may have any length.
 
 use super::estimate::{Estimate, Responses};
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
 use super::signals::{AllPole, Ladder, LinearFilter};
 use crate::driver::DriverModel;
+use crate::series::dot;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// Rows of a block.
+/// Rows per block.
 const BLOCK: usize = 256;
 
-/// Rich rows that are kept of all runs; of more, neighbours tell the same.
+/// Maximum number of large-signal rows kept of all runs: neighbouring rows have similar information.
 const ROWS: usize = 40_000;
 
-/// Products of the columns with one another and with y, over a stretch of a run.
+/// Products of the columns with each other and with y, over a segment of a run.
 #[derive(Debug, Clone)]
 pub(super) struct Segment {
     /// Index of the run.
     pub(super) run: usize,
-    /// The fold it is held out in; none is always trained on.
+    /// The fold it is held out in; `None` is never held out.
     pub(super) fold: Option<usize>,
-    /// Whether what it leaves then counts: that of rich records does.
+    /// True if its held-out error counts, as for large-signal records.
     pub(super) judged: bool,
     /// All columns, then y.
     pub(super) gram: DMatrix<f64>,
-    /// Samples that count, whether or not they were kept.
+    /// Number of usable samples, kept or not.
     pub(super) samples: f64,
 }
 
-/// The products of each stretch of each run. `own` are the runs' own coefficients as last found; none are needed at first.
+/// The products of each segment of each run. `own` are the last own coefficients of the runs; empty at first.
 pub(super) fn products(estimate: &Estimate, runs: &[TrainingRecord], own: &[Vec<f64>]) -> Vec<Segment> {
     let large_signal: usize = runs.iter().filter(|r| r.large_signal).map(|r| r.record.len()).sum();
     let thin = large_signal.div_ceil(ROWS).max(1);
@@ -67,7 +68,7 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
             let row = column.as_mut_slice();
             columns.step(t, u[t], row);
             if counts && kept(t, thin) {
-                // From a level of its own, which would else drown what moves.
+                // Relative to the level, to avoid cancellation.
                 row[size - 1] = y[t] - run.level;
                 row.iter_mut().for_each(|v| *v *= weight);
                 filled += 1;
@@ -83,7 +84,7 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
     run.segments.iter().map(segment).collect()
 }
 
-/// Whether row `t` is kept: one in `thin`, at places that follow no period.
+/// True if row `t` is kept: one of every `thin` rows, at non-periodic places.
 fn kept(t: usize, thin: usize) -> bool {
     let golden = ((t / thin) as f64 * 0.618_033_988_749_895).fract();
     t % thin == (golden * thin as f64) as usize
@@ -95,20 +96,20 @@ struct RunColumns<'a> {
     layout: &'a ColumnLayout,
     own: &'a [f64],
     responses: Responses<'a>,
-    /// The responses before the first sample: z counts from there.
+    /// The responses before the first sample, the origin of z.
     first: Vec<f64>,
     slopes: Vec<Vec<f64>>,
     rates: Vec<f64>,
     lags: Vec<f64>,
-    fading: Vec<f64>,
+    decaying: Vec<f64>,
     ladder: Ladder,
     filter: LinearFilter<'a>,
-    /// What enters the filter: responses and slopes behind creep, lags, fading lags.
+    /// Inputs of the filter: responses and derivatives after creep, lags, decaying lags.
     entering: Vec<f64>,
     y_by_a: AllPole<'a>,
     zc_by_a: AllPole<'a>,
     impulse_by_a: AllPole<'a>,
-    /// By how much the trend rises a sample.
+    /// Slope of the trend per sample.
     trend: f64,
 }
 
@@ -122,7 +123,7 @@ impl<'a> RunColumns<'a> {
         let behind_creep = layout.weights.len() + slopes.len();
         let width = behind_creep + 2 * rates.len();
         RunColumns {
-            first: responses.now().to_vec(),
+            first: responses.current().to_vec(),
             ladder: Ladder::new(&rates, &gains, behind_creep),
             filter: LinearFilter::new(a, b, width),
             entering: vec![0.0; width],
@@ -131,7 +132,7 @@ impl<'a> RunColumns<'a> {
             impulse_by_a: AllPole::new(a, layout.state.len()),
             trend: if run.drifts { (run.record.len() as f64).recip() } else { 0.0 },
             lags: vec![0.0; rates.len()],
-            fading: vec![1.0; rates.len()],
+            decaying: vec![1.0; rates.len()],
             estimate,
             layout,
             own,
@@ -143,7 +144,7 @@ impl<'a> RunColumns<'a> {
 
     fn step(&mut self, t: usize, u: f64, row: &mut [f64]) {
         let (layout, n) = (self.layout, self.rates.len());
-        let phi = if t == 0 { self.responses.now() } else { self.responses.next(u) };
+        let phi = if t == 0 { self.responses.current() } else { self.responses.next(u) };
         let (behind_creep, lagging) = self.entering.split_at_mut(layout.weights.len() + self.slopes.len());
         let (responses, sloped) = behind_creep.split_at_mut(layout.weights.len());
         for ((v, phi), first) in responses.iter_mut().zip(phi).zip(&self.first) {
@@ -153,16 +154,16 @@ impl<'a> RunColumns<'a> {
             *v = slope[t];
         }
         let z = dot(responses, &self.estimate.weights);
-        for ((lag, fading), rate) in self.lags.iter_mut().zip(&mut self.fading).zip(&self.rates) {
+        for ((lag, decaying), rate) in self.lags.iter_mut().zip(&mut self.decaying).zip(&self.rates) {
             *lag += rate * (z - *lag);
-            *fading *= 1.0 - rate;
+            *decaying *= 1.0 - rate;
         }
         self.ladder.step(behind_creep);
         lagging[..n].copy_from_slice(&self.lags);
-        lagging[n..].copy_from_slice(&self.fading);
-        // The state of creep is the first of a run's own coefficients.
-        let left = dot(&self.fading, self.own);
-        let zc = dot(&self.entering[layout.weights.clone()], &self.estimate.weights) + left;
+        lagging[n..].copy_from_slice(&self.decaying);
+        // The state of creep comes first in a run's own coefficients.
+        let from_creep = dot(&self.decaying, self.own);
+        let zc = dot(&self.entering[layout.weights.clone()], &self.estimate.weights) + from_creep;
         self.zc_by_a.step(zc);
         self.impulse_by_a.step(f64::from(u8::from(t == 0)));
 
@@ -179,17 +180,17 @@ impl<'a> RunColumns<'a> {
         row[layout.state.clone()].copy_from_slice(&self.impulse_by_a.past()[..layout.state.len()]);
         row[layout.constant] = 1.0;
         row[layout.trend] = self.trend * t as f64;
-        // q^-1 y/A: what is entered now is read at the next sample.
+        // q^-1 y/A: entered now, read at the next sample.
         let from_past = dot(&row[layout.crept.start..layout.constant], self.own);
         self.y_by_a.step(dot(out_responses, &self.estimate.weights) + from_past);
     }
 }
 
-/// dz/dp_j along a run, counted from its first sample.
+/// dz/dp_j along a run, relative to its first sample.
 fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
     let u = run.record.u();
     let steps = if estimate.driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
-    // The inputs the hysteresis block sees; the first stands for the way there from rest.
+    // The inputs of the hysteresis block; the first one is the path from rest.
     let (mut v, mut seen) = (u[0], vec![u[0]]);
     for &u in run.past.iter().chain(u) {
         for _ in 0..steps {
@@ -204,16 +205,11 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
             let mean = |k: usize| 0.5 * (slope[k - 1] + slope[k]) / steps as f64;
             if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
         };
-        // z counts from where it is before the first sample, not from a mean.
+        // z is relative to its value before the first sample, not to a mean.
         let first = slope[(run.past.len() + 1) * steps];
         (0..u.len()).map(|t| if t == 0 { 0.0 } else { at(t) - first }).collect()
     };
     (0..estimate.basis.shape().len()).map(of).collect()
-}
-
-/// a'b.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
@@ -227,7 +223,7 @@ mod tests {
 
     const TS: f64 = 5e-4;
 
-    /// An estimate of everything: weights, shapes off their kinks, creep, dynamics with a delay.
+    /// A full estimate: weights, shapes off their kinks, creep, dynamics with a delay.
     fn estimate(row: &Operator, driver: Option<DriverModel>) -> Estimate {
         let ts = if driver.is_some() { TS / DriverModel::SUBSTEPS as f64 } else { TS };
         let design = BasisDesign { ts, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![5.0, 20.0] };
@@ -240,13 +236,13 @@ mod tests {
         Estimate { weights, ..Estimate::new(driver, basis, lags, linear) }
     }
 
-    /// The free run, a sample at a time, as the law says it.
+    /// The free run by the law, sample by sample.
     fn free_run(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Vec<f64> {
         let layout = ColumnLayout::of(estimate);
         let own_of = |column: usize| own[column - layout.parameters()];
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let mut responses = Responses::before(estimate, run);
-        let first = dot(responses.now(), &estimate.weights);
+        let first = dot(responses.current(), &estimate.weights);
         let mut lags: Vec<f64> = vec![0.0; estimate.lags.len()];
         let mut began: Vec<f64> = layout.crept.clone().map(own_of).collect();
         let (mut zc, mut y): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -273,7 +269,7 @@ mod tests {
     #[test]
     fn every_column_is_the_derivative_of_the_free_run() {
         let wander = |t: usize| 17.0 * (0.05 * t as f64).sin() + 11.0 * (0.173 * t as f64).sin();
-        // From rest, and a record that begins in motion.
+        // One record from rest, and one in motion.
         let records = [0, 20].map(|from| {
             let u: Vec<f64> = (from..from + 250).map(wander).collect();
             Record::new(TS, u.clone(), u).unwrap()
@@ -282,7 +278,7 @@ mod tests {
         for (row, driver) in OPERATORS.iter().flat_map(|row| [(row, None), (row, Some(driver))]) {
             let estimate = estimate(row, driver);
             let layout = ColumnLayout::of(&estimate);
-            let x = super::super::solve::Prior::of(&estimate).now().as_slice().to_vec();
+            let x = super::super::solve::Prior::of(&estimate).current().as_slice().to_vec();
             let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
             for (record, moving) in records.iter().zip([false, true]) {
                 let run = TrainingRecord::new(record, "record", true, vec![true; record.len()]).unwrap();
@@ -317,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn products_count_from_the_level_and_leave_out_what_must_not_be_fitted() {
+    fn products_are_relative_to_the_level_and_exclude_unusable_samples() {
         let estimate = estimate(OPERATORS[0], None);
         let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin()).collect();
         let sums = |offset: f64, spike: f64| {

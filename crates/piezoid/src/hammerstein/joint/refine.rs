@@ -1,6 +1,7 @@
-//! All parts together: Gauss-Newton on the free-run error, damped where a step would not lower it (Levenberg and Marquardt).
+//! Refinement of all parts: Gauss-Newton on the free-run error, with the damping of Levenberg and Marquardt if a step
+//! does not lower it.
 //!
-//! First the weights alone, then with the gains of creep, then everything.
+//! First only the weights, then also the gains of creep, then all parameters.
 
 use super::dynamics::{creep_pole, slowest_observable};
 use super::equations::{RecordEquations, ReducedEquations, equations};
@@ -13,37 +14,37 @@ use crate::error::Error;
 use crate::series::mean;
 use nalgebra::DVector;
 
-/// How short steps are held at first.
+/// Initial damping.
 const DAMPING: f64 = 1e-6;
 
-/// Steps at most, and tries to find one that lowers the cost.
+/// Maximum number of steps, and of tries per step.
 const STEPS: usize = 14;
 const TRIES: usize = 8;
 
-/// The step from which smoothness and the weights of the two kinds of records stand.
+/// The step from which smoothness and record weights are fixed.
 const SETTLED: usize = 3;
 
-/// Fall of the cost, relative, below which no further step is made.
+/// Relative decrease of the cost below which the search ends.
 const ENOUGH: f64 = 1e-3;
 
-/// How much heavier small-signal samples may become than rich ones.
+/// Maximum weight of small-signal samples over large-signal ones.
 const HEAVIEST: f64 = 30.0;
 
-/// Told each step; an error ends the work.
+/// Called before each step; an error ends the work.
 pub(super) type StepCallback<'a> = &'a mut dyn FnMut(usize) -> Result<(), Error>;
 
 /// A fitted estimate.
 #[derive(Debug)]
 pub(super) struct Fitted {
     pub(super) estimate: Estimate,
-    /// State of creep, state of G and constant of each run.
+    /// Initial states and constant of each run.
     pub(super) own: Vec<Vec<f64>>,
     pub(super) held_out: HeldOut,
-    /// Of each run, the mean squared error over the squared peak-to-peak.
-    pub(super) left: Vec<f64>,
+    /// For each run, the mean squared error over the squared peak-to-peak.
+    pub(super) residuals: Vec<f64>,
 }
 
-/// An estimate and the equations there.
+/// An estimate and its equations.
 struct Iterate {
     estimate: Estimate,
     prior: Prior,
@@ -59,16 +60,16 @@ impl Iterate {
         Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each }
     }
 
-    /// Where all parameters stand, as the equations take them.
-    fn here(&self) -> DVector<f64> {
-        self.prior.steps(self.prior.now())
+    /// The current parameters as the unknowns of the equations.
+    fn unknowns(&self) -> DVector<f64> {
+        self.prior.steps(self.prior.current())
     }
 
     fn cost(&self, lambda: f64) -> f64 {
-        self.normal.left(&self.here()) + self.prior.penalty(&self.normal, lambda, self.prior.now())
+        self.normal.residual(&self.unknowns()) + self.prior.penalty(&self.normal, lambda, self.prior.current())
     }
 
-    /// What the equations foretell of what is held out in turn.
+    /// The held-out errors by the linearised equations.
     fn held_out(&self, free: FreeParameters, lambda: Option<f64>) -> HeldOut {
         cross_validate(&self.estimate, &self.prior, &self.segments, DAMPING, free, lambda)
     }
@@ -79,18 +80,19 @@ impl Iterate {
         self.each.iter().map(|run| run.own(&steps)).collect()
     }
 
-    /// Of each run, the mean squared error over the squared peak-to-peak.
-    fn left(&self, runs: &[TrainingRecord]) -> Vec<f64> {
-        let here = self.here();
-        let of = |run: &RecordEquations| run.normal.left(&here) / run.normal.samples / runs[run.run].heavier.powi(2);
+    /// For each run, the mean squared error over the squared peak-to-peak.
+    fn residuals(&self, runs: &[TrainingRecord]) -> Vec<f64> {
+        let unknowns = self.unknowns();
+        let of =
+            |run: &RecordEquations| run.normal.residual(&unknowns) / run.normal.samples / runs[run.run].heavier.powi(2);
         self.each.iter().map(of).collect()
     }
 }
 
-/// Fits the parameters that are `free` from `start` on, whose weights need not be known.
+/// Fits the `free` parameters from `start`; its weights need not be known.
 ///
 /// # Errors
-/// What `watch`, which is told each step, returns.
+/// The errors of `watch`, which is called before each step.
 pub(super) fn refine(
     start: Estimate,
     runs: &mut [TrainingRecord],
@@ -115,26 +117,26 @@ pub(super) fn refine(
             if now == free {
                 break;
             }
-            // Nothing to gain yet; more is freed next.
+            // No decrease yet; more parameters are free in the next step.
             damping = DAMPING;
             continue;
         };
         let fall = 1.0 - next.cost(lambda) / cost;
         point = next;
-        if step + 1 < SETTLED && weigh(runs, &point.left(runs)) {
-            let own = point.own(point.prior.now());
+        if step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
+            let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own);
         }
         if step > SETTLED && fall < ENOUGH {
             break;
         }
     }
-    let (own, held_out) = (point.own(point.prior.now()), point.held_out(free, Some(lambda)));
-    let left = point.left(runs);
-    Ok(Fitted { estimate: point.estimate, own, held_out, left })
+    let (own, held_out) = (point.own(point.prior.current()), point.held_out(free, Some(lambda)));
+    let residuals = point.residuals(runs);
+    Ok(Fitted { estimate: point.estimate, own, held_out, residuals })
 }
 
-/// The next point, of lower cost; none where none is found.
+/// The next point with lower cost, if one is found.
 fn lower(
     point: &Iterate,
     runs: &[TrainingRecord],
@@ -144,7 +146,7 @@ fn lower(
     free: FreeParameters,
 ) -> Option<Iterate> {
     let slowest = slowest_observable(runs.iter().map(|run| run.record));
-    let (mut positive, mut harder) = (vec![true; point.prior.now().len()], 2.0);
+    let (mut positive, mut harder) = (vec![true; point.prior.current().len()], 2.0);
     for _ in 0..TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
         let moved = point.estimate.moved(x.as_slice());
@@ -155,19 +157,18 @@ fn lower(
                 return Some(next);
             }
         }
-        // Nielsen's rule: each failure makes the next step shorter than the last one did.
+        // Nielsen's rule: the damping grows faster with each failure.
         *damping *= harder;
         harder *= 2.0;
     }
     None
 }
 
-/// Gives both kinds of records the weight that what they leave asks for; whether that changed anything.
-fn weigh(runs: &mut [TrainingRecord], left: &[f64]) -> bool {
+/// Weights the two kinds of records by their residuals; returns true if that changes anything.
+fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> bool {
     let of = |large_signal: bool| {
-        mean(
-            &runs.iter().zip(left).filter(|(r, _)| r.large_signal == large_signal).map(|(_, l)| *l).collect::<Vec<_>>(),
-        )
+        let kind = runs.iter().zip(residuals).filter(|(run, _)| run.large_signal == large_signal);
+        mean(&kind.map(|(_, residual)| *residual).collect::<Vec<_>>())
     };
     let heavier = (of(true) / of(false)).sqrt().clamp(1.0, HEAVIEST);
     if !heavier.is_finite() {

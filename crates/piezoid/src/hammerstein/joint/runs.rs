@@ -1,4 +1,4 @@
-//! Records as the joint way sees them: with a past, a scale, and parts that are held out in turn.
+//! Records of the joint method: with a past, a scale, and parts that are held out in turn.
 
 use crate::error::Error;
 use crate::hammerstein::paper::called;
@@ -7,42 +7,42 @@ use crate::record::Record;
 use crate::series::{ends, scatter};
 use crate::waveform::{in_motion, inputs_before};
 
-/// Stretches a record is cut into when parts of it are held out.
+/// Number of segments of a record whose parts are held out.
 const STRETCHES: usize = 10;
 
-/// Groups of held-out parts.
+/// Number of folds.
 pub(super) const FOLDS: usize = 5;
 
-/// How far the inputs of a record may run beyond those of the others, over the range of all, for the others to tell what
-/// it will do.
+/// How far the inputs of a record may exceed those of the others, over the range of all, if the others are to predict
+/// it.
 const COVERED: f64 = 0.02;
 
-/// A record.
+/// A record with what the fit needs.
 #[derive(Debug, Clone)]
 pub(super) struct TrainingRecord<'a> {
     pub(super) record: &'a Record,
-    /// What users call it.
+    /// Its name in messages.
     pub(super) name: String,
-    /// Whether it exercises the hysteresis; else it is a small-signal record.
+    /// True if it exercises the hysteresis; false for a small-signal record.
     pub(super) large_signal: bool,
-    /// The inputs it is taken to have had before; none if it came from rest and settled.
+    /// The assumed inputs before the record; empty if it started settled.
     pub(super) past: Vec<f64>,
-    /// 1 / peak-to-peak of y: what its errors are multiplied by.
+    /// 1 / peak-to-peak of y, the factor of its errors.
     pub(super) scale: f64,
-    /// The middle of y, from which it is counted.
+    /// The middle of y, its origin.
     pub(super) level: f64,
-    /// Whether its output drifts, and so may have a trend.
+    /// True if its output drifts; then it has a trend.
     pub(super) drifts: bool,
-    /// And by how much more its kind counts.
+    /// Weight of its kind.
     pub(super) heavier: f64,
-    /// Samples that may be fitted.
+    /// True for samples that are fitted.
     pub(super) usable: Vec<bool>,
-    /// Where stretches end, and the fold each belongs to; none is always trained on.
+    /// End of each segment, and its fold; `None` is never held out.
     pub(super) segments: Vec<(usize, Option<usize>)>,
 }
 
 impl<'a> TrainingRecord<'a> {
-    /// None where what is usable of the output never moves.
+    /// `None` if the usable part of the output is constant.
     pub(super) fn new(record: &'a Record, name: &str, large_signal: bool, usable: Vec<bool>) -> Option<Self> {
         let (low, high) = ends(sound(record.y(), &usable));
         (low < high).then(|| TrainingRecord {
@@ -65,28 +65,30 @@ impl<'a> TrainingRecord<'a> {
         self.scale.powi(2) * scatter(&y) / y.len() as f64
     }
 
-    /// The output with straight lines over what must not be fitted, for what can leave no samples out.
+    /// The output with unusable samples interpolated.
     pub(super) fn bridged(&self) -> Vec<f64> {
         bridged(self.record.y(), &self.usable)
     }
 }
 
-/// What is usable of a series.
+/// The usable samples of a series.
 fn sound<'s>(x: &'s [f64], usable: &'s [bool]) -> impl Iterator<Item = f64> + 's {
     x.iter().zip(usable).filter(|(_, usable)| **usable).map(|(x, _)| *x)
 }
 
-/// All records, with what is held out in turn; `notes` are told what is wrong with them.
+/// All records, with their folds; adds their defects to `notes`.
 ///
 /// # Errors
-/// Refuses a record nothing can be identified from.
+/// Returns an error if nothing can be identified from a record.
 pub(super) fn of<'a>(
     small: &'a [Record],
     large_signal: &'a [Record],
     notes: &mut Vec<String>,
 ) -> Result<Vec<TrainingRecord<'a>>, Error> {
     let mut runs = Vec::new();
-    for (kind, records, is_rich) in [("small-signal record", small, false), ("rich record", large_signal, true)] {
+    for (kind, records, is_large) in
+        [("small-signal record", small, false), ("large-signal record", large_signal, true)]
+    {
         for (k, record) in records.iter().enumerate() {
             let (seen, name) = (inspect(record, &Need::default()), called(kind, k, records.len()));
             let refused = |because: String| Error::Unidentifiable {
@@ -99,8 +101,8 @@ pub(super) fn of<'a>(
             }
             notes.extend(seen.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
             let drifts = seen.findings.iter().any(|finding| finding.defect == Defect::Drift);
-            let run = TrainingRecord::new(record, &name, is_rich, seen.usable);
-            let still = || refused("what is sound of the output never moves: measure again".into());
+            let run = TrainingRecord::new(record, &name, is_large, seen.usable);
+            let still = || refused("the valid samples of the output are constant: measure again".into());
             runs.push(TrainingRecord { drifts, ..run.ok_or_else(still)? });
         }
     }
@@ -108,22 +110,22 @@ pub(super) fn of<'a>(
     Ok(runs)
 }
 
-/// Says what is held out in turn: whole rich records where at least three can be foretold by the others, else stretches
-/// of each. With it goes a stretch of each small-signal record, which nobody is judged by, so that what is known from these alone
-/// has an error too.
+/// Assigns the folds: whole large-signal records if the others can predict at least three of them, otherwise segments
+/// of each. Each fold also has a segment of each small-signal record. Its error does not count, but the parameters
+/// determined by these records alone get an uncertainty too.
 fn fold(runs: &mut [TrainingRecord]) {
     let range = |run: &TrainingRecord| ends(run.record.u().iter().copied());
     let large_signal: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].large_signal).collect();
     let (low, high) = ends(large_signal.iter().flat_map(|&k| <[f64; 2]>::from(range(&runs[k]))));
     let slack = COVERED * (high - low);
-    let foretold = |&k: &usize| {
+    let predictable = |&k: &usize| {
         let (others_low, others_high) = ends(
             large_signal.iter().filter(|&&other| other != k).flat_map(|&other| <[f64; 2]>::from(range(&runs[other]))),
         );
         let (low, high) = range(&runs[k]);
         low >= others_low - slack && high <= others_high + slack
     };
-    let whole: Vec<usize> = large_signal.iter().copied().filter(foretold).collect();
+    let whole: Vec<usize> = large_signal.iter().copied().filter(predictable).collect();
     if whole.len() >= 3 {
         for (fold, k) in whole.into_iter().enumerate() {
             let n = runs[k].record.len();

@@ -1,7 +1,7 @@
-//! Where a problem is not convex: a swarm over the shape of the operator, on a part of the data.
+//! A swarm over the shape of the operator, where the problem is not convex, on part of the data.
 //!
-//! For each shape the weights are the best there are, so the swarm moves in one dimension a shape parameter. What it
-//! finds is only where refinement starts from.
+//! For each shape the weights are optimal, so the swarm has one dimension per shape parameter. Its result is only the
+//! start of the refinement.
 
 use super::equations::equations;
 use super::estimate::Estimate;
@@ -14,17 +14,17 @@ use crate::optimize::{Bounds, swarm};
 use crate::progress::silent;
 use crate::record::Record;
 
-/// Samples the swarm looks at, of all runs together.
+/// Number of samples for the swarm, of all runs together.
 const SAMPLES: usize = 10_000;
 
-/// The most shape parameters a swarm is sent to find.
+/// Maximum number of shape parameters for a swarm.
 const MOST: usize = 6;
 
 /// Particles and iterations.
 const PARTICLES: usize = 12;
 const ITERATIONS: usize = 12;
 
-/// The estimate, its weights not known yet, with the best shape a swarm finds; none where there is nothing to search.
+/// The estimate with the best shape of a swarm and unknown weights; `None` if there is nothing to search.
 pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) -> Result<Option<Estimate>, Error> {
     let shape = estimate.basis.shape();
     if shape.is_empty() || shape.len() > MOST {
@@ -32,12 +32,9 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     }
     let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
     let each = SAMPLES / large_signal.len().max(1);
-    // The ends: amplitudes that rise are largest there.
+    // The ends, where rising amplitudes are largest.
     let from = |run: &TrainingRecord| run.record.len().saturating_sub(each);
-    let end = |run: &&TrainingRecord| {
-        let (record, from) = (run.record, from(run));
-        Record::new(record.ts(), record.u()[from..].to_vec(), record.y()[from..].to_vec())
-    };
+    let end = |run: &&TrainingRecord| run.record.slice(from(run)..run.record.len());
     let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
     let part = |(part, run): (_, &&TrainingRecord)| {
         let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
@@ -54,9 +51,9 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
         let Some(estimate) = at(x) else { return f64::INFINITY };
         let (normal, _) = equations(&estimate, &products(&estimate, &parts, &[]), |_| true);
         let prior = Prior::of(&estimate);
-        let mut positive = vec![true; prior.now().len()];
+        let mut positive = vec![true; prior.current().len()];
         match prior.solve(&normal, 1e-6, 1e-6, FreeParameters::Weights, &mut positive) {
-            Some(x) => normal.left(&prior.steps(&x)),
+            Some(x) => normal.residual(&prior.steps(&x)),
             None => f64::INFINITY,
         }
     };
@@ -72,7 +69,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     Ok(at(&found.x))
 }
 
-/// The shape parameter at a share of its domain, by ratio where that is positive.
+/// The shape parameter at a share of its domain, on a logarithmic scale if that is positive.
 fn from_unit(shape: &ShapeParameter, share: f64) -> f64 {
     if shape.low > 0.0 {
         shape.low * (shape.high / shape.low).powf(share)

@@ -1,4 +1,4 @@
-//! LTI blocks on many signals at once.
+//! Linear blocks on many signals in parallel.
 
 use multiversion::multiversion;
 
@@ -6,7 +6,7 @@ use multiversion::multiversion;
 pub(super) struct Ladder {
     /// 1 - exp(-Ts / tau), and gain, of the lags that have one.
     lags: Vec<(f64, f64)>,
-    /// The lags of all signals, one lag after the other.
+    /// The states of all signals, one lag after the other.
     x: Vec<f64>,
 }
 
@@ -16,7 +16,7 @@ impl Ladder {
         Ladder { x: vec![0.0; width * lags.len()], lags }
     }
 
-    /// Adds to each signal of `v` what creeps after it.
+    /// Adds its creep to each signal of `v`.
     pub(super) fn step(&mut self, v: &mut [f64]) {
         for (x, &(rate, _)) in self.x.chunks_exact_mut(v.len()).zip(&self.lags) {
             follow(x, rate, v);
@@ -32,7 +32,7 @@ pub(super) struct LinearFilter<'a> {
     a: &'a [f64],
     b: &'a [f64],
     width: usize,
-    /// Rings of the last inputs and outputs, one vector a coefficient.
+    /// Ring buffers of the last inputs and outputs, one vector per coefficient.
     inputs: Vec<f64>,
     outputs: Vec<f64>,
     out: Vec<f64>,
@@ -71,7 +71,7 @@ pub(super) struct AllPole<'a> {
 }
 
 impl<'a> AllPole<'a> {
-    /// Remembers the last `length` outputs.
+    /// Stores the last `length` outputs.
     pub(super) fn new(a: &'a [f64], length: usize) -> Self {
         AllPole { a, past: vec![0.0; length.max(a.len()).max(1)] }
     }
@@ -113,7 +113,7 @@ mod tests {
     use crate::testing::assert_close;
 
     #[test]
-    fn many_signals_at_once_are_each_as_alone() {
+    fn parallel_signals_are_those_of_single_runs() {
         let arx = Arx::new(1e-3, vec![1.5, -0.7, 0.1], vec![0.0, 0.3, 0.2]).unwrap();
         let lags = vec![Lag { tau_s: 0.02, gain: 0.1 }, Lag { tau_s: 0.3, gain: 0.0 }, Lag { tau_s: 1.0, gain: 0.3 }];
         let creep = Creep::new(1e-3, lags.clone()).unwrap();
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn an_all_pole_block_remembers_its_outputs() {
+    fn an_all_pole_block_stores_its_outputs() {
         let mut block = AllPole::new(&[0.5], 3);
         [1.0, 0.0, 0.0].iter().for_each(|&v| block.step(v));
         assert_eq!(block.past(), [0.25, 0.5, 1.0]);

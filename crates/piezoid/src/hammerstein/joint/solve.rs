@@ -1,11 +1,11 @@
-//! One step: regularised, sign-constrained least squares in all parameters at once.
+//! One step: regularised, sign-constrained least squares in all parameters.
 //!
 //! ```text
-//! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 where physics asks for it,  g_i >= 0
+//! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 if physics requires it,  g_i >= 0
 //! ```
-//! D takes second differences of neighbouring weights; S is the mean size of the weights' columns, so lambda has no unit.
-//! A lag of creep tends to the gain of the quicker one before it, the quickest to no more than is usual.
-//! A factor may stand in G or in w alike: the static gain of G is held, and w carries it.
+//! D takes second differences of neighbouring weights. S is the mean size of the weights' columns, so lambda has no
+//! unit. The gain of a creep lag is drawn to that of the next faster lag, the fastest to a usual value. The static gain
+//! of G is fixed, because G and w can share any factor.
 
 use super::equations::ReducedEquations;
 use super::estimate::Estimate;
@@ -14,19 +14,19 @@ use crate::creep::Lag;
 use crate::optimize::non_negative;
 use nalgebra::{DMatrix, DVector};
 
-/// How firmly weights stay where they are, against ties between them.
+/// Weight that keeps undetermined weights at their values.
 const RIDGE: f64 = 1e-12;
 
-/// The time constant from which lags are creep [s], and at least so many samples; quicker ones are dynamics of another kind.
+/// Minimum time constant of creep [s], and minimum in samples; faster lags are other dynamics.
 const SLOW: f64 = 0.04;
 const SAMPLES: f64 = 15.0;
 
-/// How firmly the gain of a lag is held to that of the quicker one before it, over the mean size of their columns: the
-/// logarithmic law has them alike, and records are too short to tell the slowest. No firmer than to the most that is usual.
+/// Weight that draws the gain of a lag to that of the next faster one, over the mean size of their columns, up to the
+/// usual gain: by the logarithmic law they are equal, and records are too short for the slowest.
 const ALIKE: f64 = 0.03;
 const USUAL: f64 = 0.03;
 
-/// Which parameters move.
+/// The free parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FreeParameters {
     /// The weights.
@@ -37,20 +37,20 @@ pub(super) enum FreeParameters {
     All,
 }
 
-/// What is known of the parameters beside the data.
+/// Knowledge about the parameters in addition to the data.
 #[derive(Debug)]
 pub(super) struct Prior {
     layout: ColumnLayout,
-    /// Where all parameters stand.
-    now: DVector<f64>,
+    /// The current parameters.
+    current: DVector<f64>,
     /// D'D.
     smooth: DMatrix<f64>,
-    /// Which must not be negative.
+    /// True for parameters that must not be negative.
     signed: Vec<bool>,
     /// The derivative of ln(static gain of G).
     gain: DVector<f64>,
-    /// Lags that are free: those too quick to count as creep, and the first that does, where G is a gain and they are all the
-    /// dynamics there is.
+    /// Number of free lags: those too fast for creep, and the first creep lag, if G is a gain and the lags are all
+    /// dynamics.
     quick: usize,
 }
 
@@ -79,30 +79,30 @@ impl Prior {
         gain.rows_range_mut(layout.b.clone()).fill(1.0 / fed_forward);
         let quick = |lag: &&Lag| lag.tau_s < SLOW.max(SAMPLES * estimate.ts());
         let quick = if a.is_empty() { estimate.lags.iter().filter(quick).count() + 1 } else { 0 };
-        Prior { now: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain, quick }
+        Prior { current: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain, quick }
     }
 
-    /// Where all parameters stand.
-    pub(super) fn now(&self) -> &DVector<f64> {
-        &self.now
+    /// The current parameters.
+    pub(super) fn current(&self) -> &DVector<f64> {
+        &self.current
     }
 
-    /// `x` as the equations take it: the weights, and the steps of the others.
+    /// `x` as unknowns of the equations: the weights, and the steps of the others.
     pub(super) fn steps(&self, x: &DVector<f64>) -> DVector<f64> {
-        let mut steps = x - &self.now;
+        let mut steps = x - &self.current;
         steps.rows_range_mut(self.layout.weights.clone()).copy_from(&x.rows_range(self.layout.weights.clone()));
         steps
     }
 
-    /// What roughness costs at `x`.
+    /// The roughness penalty at `x`.
     pub(super) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
         let w = x.rows_range(self.layout.weights.clone());
         self.size(normal) * lambda * w.dot(&(&self.smooth * w))
     }
 
-    /// The parameters that solve `normal`, only the `free` ones moving; `damping` holds the steps of the others than
-    /// weights short. `positive` says which are guessed to be positive, and is left as found. `None` where the equations have
-    /// no solution.
+    /// The solution of `normal`, with only the `free` parameters moving. `damping` limits the steps of all but the
+    /// weights. `positive` guesses which parameters are positive, and is updated. `None` if the equations have no
+    /// solution.
     pub(super) fn solve(
         &self,
         normal: &ReducedEquations,
@@ -119,19 +119,19 @@ impl Prior {
         for k in 0..layout.parameters() {
             let stiff = if k < weights { size * RIDGE + 1e-14 * h[(k, k)] } else { damping * h[(k, k)] };
             h[(k, k)] += stiff + f64::MIN_POSITIVE;
-            // Weights are solved for themselves, the others for their steps.
-            g[k] += if k < weights { stiff * self.now[k] } else { 0.0 };
+            // Unknowns are the weights themselves and the steps of the others.
+            g[k] += if k < weights { stiff * self.current[k] } else { 0.0 };
         }
-        // Gains enter by their steps, but are wanted themselves: they must not be negative.
+        // Gains enter by their steps, but must not be negative: solve for the gains themselves.
         for k in layout.gains.clone() {
-            g.axpy(self.now[k], &normal.h.column(k), 1.0);
-            g[k] += (h[(k, k)] - normal.h[(k, k)]) * self.now[k];
+            g.axpy(self.current[k], &normal.h.column(k), 1.0);
+            g[k] += (h[(k, k)] - normal.h[(k, k)]) * self.current[k];
         }
         let gains = layout.gains.clone();
         let alike = ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64;
         for k in gains.clone().skip(self.quick) {
             h[(k, k)] += alike;
-            g[k] += alike * self.now[if k == gains.start { k } else { k - 1 }].min(USUAL);
+            g[k] += alike * self.current[if k == gains.start { k } else { k - 1 }].min(USUAL);
         }
         let held = self.hold_static_gain(&mut h, &mut g);
 
@@ -141,10 +141,10 @@ impl Prior {
             FreeParameters::All => layout.parameters(),
         };
         if free == FreeParameters::Weights {
-            layout.gains.clone().for_each(|k| g.axpy(-self.now[k], &h.column(k), 1.0));
+            layout.gains.clone().for_each(|k| g.axpy(-self.current[k], &h.column(k), 1.0));
         }
         let moving: Vec<usize> = (0..end).filter(|k| held.as_ref().is_none_or(|held| held.0 != *k)).collect();
-        // Columns of equal size, for the sake of the factorisation.
+        // Columns of equal size, for the factorisation.
         let unit: Vec<f64> = moving.iter().map(|&k| h[(k, k)].sqrt().recip()).collect();
         let n = moving.len();
         let scaled: Vec<f64> =
@@ -153,19 +153,19 @@ impl Prior {
         let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
         let solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
 
-        let mut x = self.now.clone();
+        let mut x = self.current.clone();
         for ((&k, solved), unit) in moving.iter().zip(solved).zip(unit) {
-            x[k] = solved * unit + if k < layout.gains.end { 0.0 } else { self.now[k] };
+            x[k] = solved * unit + if k < layout.gains.end { 0.0 } else { self.current[k] };
         }
         if let Some((held, ratios)) = held {
-            let steps: f64 = (layout.shape.end..end).map(|k| ratios[k] * (x[k] - self.now[k])).sum();
-            x[held] = self.now[held] - steps;
+            let steps: f64 = (layout.shape.end..end).map(|k| ratios[k] * (x[k] - self.current[k])).sum();
+            x[held] = self.current[held] - steps;
         }
         Some(x)
     }
 
-    /// Takes one b out of the equations, which follows from the others since the static gain of G stays: its index, and by
-    /// how much it falls when another parameter rises. None where G has no parameters.
+    /// Eliminates one b from the equations, because the static gain of G is fixed: its index, and its decrease per
+    /// increase of each other parameter. `None` if G has no parameters.
     fn hold_static_gain(&self, h: &mut DMatrix<f64>, g: &mut DVector<f64>) -> Option<(usize, DVector<f64>)> {
         let held = self.layout.b.clone().max_by(|&j, &k| self.gain[j].abs().total_cmp(&self.gain[k].abs()))?;
         let mut ratios = &self.gain / self.gain[held];
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_weight_that_is_freed_or_held_at_zero_would_lower_the_cost() {
+    fn the_weights_satisfy_the_optimality_conditions() {
         let estimate = estimate("prandtl-ishlinskii", 12);
         let layout = ColumnLayout::of(&estimate);
         let mut held = 0;
@@ -200,8 +200,8 @@ mod tests {
             let prior = Prior::of(&estimate);
             let mut positive = vec![true; layout.parameters()];
             let x = prior.solve(&normal, lambda, 1e-6, FreeParameters::Weights, &mut positive).unwrap();
-            // Of nothing but the weights: all else stays where it stands.
-            assert_eq!(x.rows_range(layout.weights.end..), prior.now().rows_range(layout.weights.end..));
+            // Only the weights move.
+            assert_eq!(x.rows_range(layout.weights.end..), prior.current().rows_range(layout.weights.end..));
             let w = x.rows_range(layout.weights.clone()).into_owned();
             let n = w.len();
             let smooth = &prior.smooth * (lambda * prior.size(&normal));
@@ -221,14 +221,14 @@ mod tests {
     }
 
     #[test]
-    fn the_static_gain_of_the_linear_block_stays() {
+    fn the_static_gain_of_the_linear_block_is_fixed() {
         let estimate = estimate("prandtl-ishlinskii", 4);
         let layout = ColumnLayout::of(&estimate);
         let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 5)], |_| true);
         let prior = Prior::of(&estimate);
         let mut positive = vec![true; layout.parameters()];
         let x = prior.solve(&normal, 0.0, 1e-3, FreeParameters::All, &mut positive).unwrap();
-        let steps = &x - prior.now();
+        let steps = &x - prior.current();
         let moved = steps.rows_range(layout.a.start..layout.b.end).amax();
         assert!(moved > 1e-9 && prior.gain.dot(&steps).abs() < 1e-9 * moved.max(1.0), "{steps}");
     }

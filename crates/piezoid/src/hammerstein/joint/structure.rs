@@ -1,16 +1,15 @@
-//! The linear block to start from, and how many parameters it may have.
+//! The initial linear block and its number of parameters.
 //!
-//! Small-signal records tell it by themselves: order and delay are chosen on them. Rich records alone tell it only behind the
-//! hysteresis: a coarse Preisach grid stands in for that, its z takes the place of the input, and each structure, from a pure
-//! gain on, is refined together with it. Records that hold few frequencies tell few coefficients: a block of order n needs
-//! n + 1 of them. The simplest structure is taken that foretells held-out parts as well as the best.
+//! Small-signal records determine order and delay directly. With large-signal records alone, a coarse Preisach grid
+//! represents the hysteresis, its z replaces the input, and each structure, from a pure gain on, is refined together
+//! with it. Records with few frequencies determine few coefficients: a block of order n needs n + 1 frequencies. The
+//! simplest structure is selected that predicts held-out data as well as the best.
 
 use super::JointOptions;
 use super::dynamics::{
-    Dynamics, NOTHING, creep_pole, dynamics, slowest_observable, slowest_pole, with_slow_lags_limited,
+    Dynamics, SAME_COST, creep_pole, dynamics, slowest_observable, slowest_pole, with_slow_lags_limited,
 };
 use super::estimate::{Estimate, Responses};
-use super::products::dot;
 use super::refine::{Fitted, StepCallback, refine};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
@@ -25,23 +24,23 @@ use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::silent;
 use crate::record::Record;
-use crate::series::scatter;
+use crate::series::{dot, scatter};
 use crate::system::System;
 use crate::waveform::dominant_frequency;
 use std::sync::Arc;
 
-/// The highest order tried, and the longest delay of small-signal records [samples].
+/// Highest order tried, and longest delay of small-signal records [samples].
 const ORDER: usize = 8;
 const DELAY: usize = 3;
 
-/// How much more of the input an output must hold some samples later, to count as late.
+/// Ratio of delayed to direct gain from which the output counts as delayed.
 const CLEARLY: f64 = 1.5;
 
-/// Rows of the grid that stands in for the hysteresis.
+/// Rows of the grid that represents the hysteresis.
 const COARSE: usize = 12;
 
-/// The linear block of small-signal records, and why it is this one. Its gain has the sign of that of the rich records:
-/// hysteresis that jumps at reversals may turn small signals round.
+/// The linear block from small-signal records, and the reason. Its gain has the sign of the large-signal records:
+/// hysteresis with jumps at reversals may invert small signals.
 pub(super) fn from_small_signal(
     small: &[Record],
     large_signal: &[Record],
@@ -50,21 +49,21 @@ pub(super) fn from_small_signal(
 ) -> Result<(Arx, String), Error> {
     let (linear, reason) = select_on_small_signal(small, settings, lags)?;
     let linear = with_slow_lags_limited(linear, slowest_observable(small.iter().chain(large_signal)))?;
-    let turned = linear.proportional(0.0, large_signal)?.0 < 0.0;
-    Ok((if turned { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
+    let inverted = linear.proportional(0.0, large_signal)?.0 < 0.0;
+    Ok((if inverted { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
 }
 
 fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
     let slowest = slowest_pole(settings, lags);
     require_excitation(small, 1)?;
-    let seen: Vec<Record> = small.iter().map(|record| behind(record, settings)).collect::<Result<_, _>>()?;
+    let driven: Vec<Record> = small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
     let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
     if let Some(n) = settings.order {
         require_excitation(small, n)?;
-        return of_order(&seen, n);
+        return of_order(&driven, n);
     }
     let found = select(
-        &seen,
+        &driven,
         &OrderSearch { order: most, delay: DELAY, parallel: true, ..OrderSearch::default() },
         &mut silent,
     )?;
@@ -72,47 +71,48 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
     }
-    // A slow lag of the linear block is creep, which has a block of its own.
+    // A slow lag of the linear block is creep, which has its own block.
     let chosen = &found.candidates[found.chosen];
     let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= 1.1 * chosen.held_out);
     match near.min_by_key(|c| (c.orders.na, std::cmp::Reverse(c.orders.delay))) {
         None => Ok((found.fit.arx, found.reason)),
         Some(near) => {
-            let fit = refine_alone(&seen, &near.arx, &Refinement::default(), &mut silent)?;
+            let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut silent)?;
             let (n, delay) = (near.orders.na, near.orders.delay);
             Ok((fit.arx, format!("order {n} with delay {delay}; {}, but has a lag as slow as creep", found.reason)))
         }
     }
 }
 
-/// The block of order `n`, with the delay that leaves least.
+/// The block of order `n`, with the best delay.
 fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let of = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut silent);
     let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
-    // The longest delay that costs nothing.
-    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= NOTHING * least);
+    // The longest delay at the same cost.
+    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= SAME_COST * least);
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
-    let reason = format!("order {n} as asked, with the delay of {} that leaves least", chosen.orders.delay);
+    let delay = chosen.orders.delay;
+    let reason = format!("order {n} as specified, with delay {delay}, which gives the smallest residual");
     let predicted =
         Estimator::find("least-squares")?.fit(records, Orders::of(n), &swarm::SwarmSettings::default(), &mut silent);
     let doubt = predicted.ok().and_then(|fit| fit.order_too_low(records)).unwrap_or_default();
     Ok((chosen.arx, reason + &doubt))
 }
 
-/// The record with its input as it arrives behind the driver.
-fn behind(record: &Record, settings: &JointOptions) -> Result<Record, Error> {
+/// The record with the driver's output as its input.
+fn behind_driver(record: &Record, settings: &JointOptions) -> Result<Record, Error> {
     if settings.driver.is_none() {
         return Ok(record.clone());
     }
     let ts = record.ts();
-    let nothing = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
-    let alone = Model::driven(settings.driver, nothing, Arx::gain(ts, 1.0)?, 0.0)?;
+    let unit = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
+    let alone = Model::driven(settings.driver, unit, Arx::gain(ts, 1.0)?, 0.0)?;
     let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
     Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
 }
 
-/// The linear block of rich records alone, and why it is this one.
+/// The linear block from large-signal records alone, and the reason.
 pub(super) fn from_large_signal(
     large_signal: &[Record],
     runs: &mut [TrainingRecord],
@@ -127,31 +127,28 @@ pub(super) fn from_large_signal(
         Ok(Estimate::new(settings.driver, (Operator::find("preisach")?.basis)(&coarse)?, lags.to_vec(), linear))
     };
     let (gain, first) = start_gain(large_signal)?;
-    let late = |d: usize, next: f64| {
-        Arx::new(
-            ts,
-            Vec::new(),
-            [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat(),
-        )
+    let delayed_gain = |d: usize, next: f64| {
+        let b = [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat();
+        Arx::new(ts, Vec::new(), b)
     };
-    let plain = refine(start(late(first, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
-    let waits = delay(&hidden(&plain, runs)?);
+    let plain = refine(start(delayed_gain(first, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
+    let best_delay = delay(&hidden(&plain, runs)?);
     let delayed = |d: usize| if d == 0 { "a gain".into() } else { format!("a gain with a delay of {d} samples") };
     let mut tried: Vec<(String, Fitted)> = vec![(delayed(first), plain)];
     if settings.order.unwrap_or(0) == 0 {
-        if waits > first {
-            let fit = refine(start(late(waits, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
-            tried.push((delayed(waits), fit));
+        if best_delay > first {
+            let fit = refine(start(delayed_gain(best_delay, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
+            tried.push((delayed(best_delay), fit));
         }
-        let from = waits.saturating_sub(1);
-        let fit = refine(start(late(from, 0.5)?)?, runs, FreeParameters::All, watch)?;
-        // What a share beyond 0 or 1 does is no delay.
+        let from = best_delay.saturating_sub(1);
+        let fit = refine(start(delayed_gain(from, 0.5)?)?, runs, FreeParameters::All, watch)?;
+        // A share outside 0 to 1 is not a delay.
         if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
             tried.push((format!("a gain with a delay between {from} and {} samples", from + 1), fit));
         }
     }
 
-    // Dynamics, found from the z of what is best so far, as far as the records can tell them.
+    // Dynamics that the records determine, from the z of the best structure so far.
     let orders = match settings.order {
         Some(n) => n..=n,
         None => 1..=lines(large_signal).len().saturating_sub(1).min(ORDER),
@@ -169,7 +166,7 @@ pub(super) fn from_large_signal(
             Err(_) => {}
         }
     }
-    // Of those left with the same order, the one that left least with its creep.
+    // For each remaining order, the one with the smallest cost.
     found.sort_by(|p, q| p.arx.a().len().cmp(&q.arx.a().len()).then(p.cost.total_cmp(&q.cost)));
     found.dedup_by_key(|one| one.arx.a().len());
     let mut left_out = Vec::new();
@@ -185,20 +182,20 @@ pub(super) fn from_large_signal(
     let best = tried.iter().map(|t| &t.1.held_out).min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
     let as_good = |t: &(String, Fitted)| best.as_ref().is_none_or(|best| t.1.held_out.is_as_good_as(best));
     let (chosen, why) = match settings.order {
-        Some(n) if n > 0 => (tried.len() - 1, "the order asked for is taken"),
-        _ => (tried.iter().position(as_good).unwrap_or(0), "the simplest as good as the best is taken"),
+        Some(n) if n > 0 => (tried.len() - 1, "the specified order is used"),
+        _ => (tried.iter().position(as_good).unwrap_or(0), "the simplest that is as good as the best is selected"),
     };
-    let left = |(name, fit): &(String, Fitted)| format!("{name} leaves {} %", short(100.0 * fit.held_out.rms_pp()));
-    let listed: Vec<String> = tried.iter().map(left).collect();
-    let creeps = |(n, hz): &(usize, f64)| format!("; order {n} is left out, its lag at {} Hz is creep", short(*hz));
+    let error = |(name, fit): &(String, Fitted)| format!("{name} {} %", short(100.0 * fit.held_out.rms_pp()));
+    let listed: Vec<String> = tried.iter().map(error).collect();
+    let creeps = |(n, hz): &(usize, f64)| format!("; order {n} is excluded: its lag at {} Hz is creep", short(*hz));
     let left_out: String = left_out.iter().map(creeps).collect();
     let (name, fitted) = tried.swap_remove(chosen);
-    let reason = format!("{name}: of peak-to-peak held out, {}{left_out}; {why}", listed.join(", "));
+    let reason = format!("{name}: held-out error, rms/pp: {}{left_out}; {why}", listed.join(", "));
     Ok((fitted.estimate.linear, reason))
 }
 
-/// The gain to start from, and the delay with it [samples]: the sign of the slowest record, since near a resonance the output
-/// opposes the input, at the delay where that clearly goes with its input: one that acts a sample late says nothing at once.
+/// The initial gain and its delay [samples]. The sign is that of the slowest record, because near a resonance the
+/// output opposes the input. The delay is the one at which the output clearly correlates with the input.
 fn start_gain(large_signal: &[Record]) -> Result<(f64, usize), Error> {
     let hz = |record: &&Record| dominant_frequency(record.u(), record.ts()).unwrap_or(0.0);
     let slowest = large_signal.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&large_signal[0]);
@@ -206,22 +203,22 @@ fn start_gain(large_signal: &[Record]) -> Result<(f64, usize), Error> {
         let (u, y) = (&slowest.u()[..slowest.len() - d], &slowest.y()[d..]);
         Ok(affine(&[Record::new(slowest.ts(), u.to_vec(), y.to_vec())?])?.0)
     };
-    let at_once = lagged(0)?;
+    let direct = lagged(0)?;
     let later = (1..=DELAY.min(slowest.len() / 4)).map(|d| Ok((lagged(d)?, d))).collect::<Result<Vec<_>, Error>>()?;
     let strongest = later.into_iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
-    match strongest.filter(|(gain, _)| gain.abs() > CLEARLY * at_once.abs()) {
+    match strongest.filter(|(gain, _)| gain.abs() > CLEARLY * direct.abs()) {
         Some(late) => Ok(late),
-        None => Ok((affine(large_signal)?.0.copysign(at_once), 0)),
+        None => Ok((affine(large_signal)?.0.copysign(direct), 0)),
     }
 }
 
-/// The runs with z behind creep, from zero at the first sample, in the place of u, and without their drift.
+/// The runs with z after creep, relative to the first sample, in place of u, and without their drift.
 fn hidden(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Record>, Error> {
     let estimate = &fitted.estimate;
     let creep = Creep::new(estimate.ts(), estimate.lags.clone())?;
     let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
         let mut responses = Responses::before(estimate, run);
-        let first = dot(responses.now(), &estimate.weights);
+        let first = dot(responses.current(), &estimate.weights);
         let later = run.record.u()[1..].iter().map(|&u| dot(responses.next(u), &estimate.weights) - first);
         let z: Vec<f64> = std::iter::once(0.0).chain(later).collect();
         let rise = own.last().filter(|_| run.drifts).map_or(0.0, |trend| trend / z.len() as f64);
@@ -231,10 +228,10 @@ fn hidden(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Record>, Error
     runs.iter().zip(&fitted.own).map(of).collect()
 }
 
-/// The delay [samples] with which a gain leaves least, up to a tenth of the shortest record.
+/// The delay [samples] with the smallest residual of a gain, up to a tenth of the shortest record.
 fn delay(hidden: &[Record]) -> usize {
     let longest = hidden.iter().map(|r| r.len() / 10).min().unwrap_or(0).min(256);
-    let left = |d: usize| -> f64 {
+    let residual = |d: usize| -> f64 {
         let of = |r: &Record| {
             let (z, y) = (&r.u()[..r.len() - d], &r.y()[d..]);
             let (mz, my) = (crate::series::mean(z), crate::series::mean(y));
@@ -243,11 +240,11 @@ fn delay(hidden: &[Record]) -> usize {
         };
         hidden.iter().map(of).sum()
     };
-    let (mut best, mut least) = (0, left(0));
-    // Downhill from no delay: beyond the first minimum lies the next period.
-    while best < longest && left(best + 1) < least {
+    let (mut best, mut least) = (0, residual(0));
+    // Only up to the first minimum: after it comes the next period.
+    while best < longest && residual(best + 1) < least {
         best += 1;
-        least = left(best);
+        least = residual(best);
     }
     best
 }

@@ -1,4 +1,4 @@
-//! Equations the tests of this module solve.
+//! Equations for the tests of this module.
 
 use super::estimate::Estimate;
 use super::layout::ColumnLayout;
@@ -10,7 +10,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// An estimate of an operator of so many elements, behind a block of first order; of a proportional one, behind a gain.
+/// An estimate of an operator with this number of elements, with a block of first order; of `proportional`, with a
+/// gain.
 pub(super) fn estimate(name: &str, elements: usize) -> Estimate {
     let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(elements), frequencies: Vec::new() };
     let a = if name == "proportional" { Vec::new() } else { vec![0.6] };

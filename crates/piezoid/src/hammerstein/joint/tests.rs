@@ -1,4 +1,4 @@
-//! The joint way on plants that are known to the last coefficient.
+//! The joint method on plants with known coefficients.
 
 use super::*;
 use crate::excitation::{Prbs, RisingSine};
@@ -11,7 +11,7 @@ use crate::testing::assert_close;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-/// Prandtl and Ishlinskii's operator behind a resonance at 60 Hz, sampled every `ts` [s], `delay` samples late.
+/// Prandtl-Ishlinskii operator with a resonance at 60 Hz, sampled every `ts` [s] and delayed by `delay` samples.
 fn plant(ts: f64, delay: usize) -> Model {
     let (radius, angle) = ((-0.1 * TAU * 60.0 * ts).exp(), TAU * 60.0 * ts * 0.99f64.sqrt());
     let a = vec![2.0 * radius * angle.cos(), -radius * radius];
@@ -21,7 +21,7 @@ fn plant(ts: f64, delay: usize) -> Model {
     Model::new(block, Arx::new(ts, a, b).unwrap(), 0.3).unwrap()
 }
 
-/// What the plant answers, this far off its own offset.
+/// A record of the plant with this additional offset.
 fn record(plant: &Model, u: Vec<f64>, offset: f64) -> Record {
     let y = plant.simulate(&u).iter().map(|y| y + offset).collect();
     Record::new(plant.ts(), u, y).unwrap()
@@ -32,7 +32,7 @@ fn prbs(plant: &Model) -> Record {
     record(plant, u, 0.0)
 }
 
-/// Rising sines of these frequencies [Hz], over `seconds`, each with an offset of its own.
+/// Rising sines of these frequencies [Hz] over `seconds`, each with its own offset.
 fn large_signal(plant: &Model, seconds: f64, hz_and_offset: &[(f64, f64)]) -> Vec<Record> {
     let of = |&(frequency, offset): &(f64, f64)| {
         let sine = RisingSine { amplitude: 30.0, frequency, ..RisingSine::default() };
@@ -49,8 +49,8 @@ fn identified(small: &[Record], large_signal: &[Record], settings: &JointOptions
     identify_joint(small, large_signal, settings, &mut silent).unwrap()
 }
 
-/// The largest error on an input nobody has seen, over the peak-to-peak, about its mean.
-fn off(model: &Model, plant: &Model) -> f64 {
+/// Range of the error on validation data, over the peak-to-peak.
+fn error(model: &Model, plant: &Model) -> f64 {
     let n = (0.4 / plant.ts()) as usize;
     let u: Vec<f64> =
         (0..n).map(|t| t as f64 * plant.ts()).map(|s| 27.0 * (TAU * 7.0 * s).sin() * (TAU * 1.7 * s).cos()).collect();
@@ -69,12 +69,12 @@ fn order_and_delay_are_those_of_the_plant() {
         let (linear, reason) = (found.model.linear(), &found.linear.reason);
         assert_eq!((linear.a().len(), linear.delay()), (2, delay), "{reason}");
         assert_close(linear.a(), plant.linear().a(), 1e-4, 0.0);
-        assert!(off(&found.model, &plant) < 1e-4, "{}", off(&found.model, &plant));
+        assert!(error(&found.model, &plant) < 1e-4, "{}", error(&found.model, &plant));
     }
 }
 
 #[test]
-fn of_operators_that_are_named_those_alone_are_tried_and_the_better_is_taken() {
+fn only_named_operators_are_tried_and_the_better_one_is_selected() {
     let plant = plant(5e-4, 1);
     let large_signal = large_signal(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
     let found = identified(&[prbs(&plant)], &large_signal, &named("bouc-wen, prandtl-ishlinskii"));
@@ -86,29 +86,29 @@ fn of_operators_that_are_named_those_alone_are_tried_and_the_better_is_taken() {
 }
 
 #[test]
-fn an_order_that_is_asked_for_and_too_low_is_told_of() {
+fn a_specified_order_that_is_too_low_is_noted() {
     let plant = plant(5e-4, 1);
     let large_signal = large_signal(&plant, 0.8, &[(11.0, 0.0), (29.0, 0.0)]);
-    for (order, is_told) in [(1, true), (2, false)] {
+    for (order, is_noted) in [(1, true), (2, false)] {
         let settings = JointOptions { order: Some(order), ..named("prandtl-ishlinskii") };
         let notes = identified(&[prbs(&plant)], &large_signal, &settings).notes;
-        assert_eq!(notes.iter().any(|note| note.contains("is too low")), is_told, "{notes:?}");
+        assert_eq!(notes.iter().any(|note| note.contains("is too low")), is_noted, "{notes:?}");
     }
 }
 
 #[test]
-fn each_record_has_an_offset_of_its_own_however_large_and_the_model_the_middle_one() {
+fn each_record_has_its_own_offset_and_the_model_the_median() {
     let plant = plant(5e-4, 1);
     let large_signal = large_signal(&plant, 0.4, &[(11.0, -1e6), (29.0, 5.0), (61.0, 1e9)]);
     let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
-    assert!(off(&found.model, &plant) < 1e-4, "{}", off(&found.model, &plant));
-    // Of 0, -1e6, 5 and 1e9 beside the plant's own.
+    assert!(error(&found.model, &plant) < 1e-4, "{}", error(&found.model, &plant));
+    // Median of 0, -1e6, 5 and 1e9, plus the plant's own.
     assert!((found.model.offset() - 5.3).abs() < 1e-2, "{}", found.model.offset());
-    assert!(found.notes.iter().any(|note| note.contains("stand off one another")), "{:?}", found.notes);
+    assert!(found.notes.iter().any(|note| note.contains("offsets of the records differ")), "{:?}", found.notes);
 }
 
 #[test]
-fn a_record_that_begins_in_motion_and_one_that_drifts_tell_as_much() {
+fn records_that_start_in_motion_or_drift_are_as_good() {
     let plant = plant(5e-4, 1);
     let moving = |hz: f64| {
         let u: Vec<f64> = (0..2000).map(|t| 30.0 * (TAU * hz * 5e-4 * f64::from(t)).sin()).collect();
@@ -123,25 +123,25 @@ fn a_record_that_begins_in_motion_and_one_that_drifts_tell_as_much() {
     let moved = [&still[..], &[moving(10.0), moving(40.0)]].concat();
     for (large_signal, says) in [(moved, None), (still.iter().map(drifting).collect(), Some("drifts by"))] {
         let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
-        assert!(off(&found.model, &plant) < 1e-3, "{says:?}: {}", off(&found.model, &plant));
+        assert!(error(&found.model, &plant) < 1e-3, "{says:?}: {}", error(&found.model, &plant));
         assert!(says.is_none_or(|says| found.notes.iter().any(|note| note.contains(says))), "{:?}", found.notes);
     }
 }
 
 #[test]
-fn another_sampling_period_changes_nothing_of_what_is_found() {
+fn the_result_does_not_depend_on_the_sampling_period() {
     for (ts, seconds) in [(2e-3, 1.2), (5e-4, 0.4), (1e-4, 0.2)] {
         let plant = plant(ts, 1);
         let large_signal = large_signal(&plant, seconds, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
         let found = identified(&[prbs(&plant)], &large_signal, &named("prandtl-ishlinskii"));
         let resonance = found.model.linear().resonance().unwrap();
         assert_close(&[resonance.hz, resonance.damping], &[60.0, 0.1], 1e-3, 0.0);
-        assert!(off(&found.model, &plant) < 1e-4, "{ts} s: {}", off(&found.model, &plant));
+        assert!(error(&found.model, &plant) < 1e-4, "{ts} s: {}", error(&found.model, &plant));
     }
 }
 
 #[test]
-fn work_that_is_cancelled_ends_there_whatever_it_was_doing() {
+fn a_cancelled_identification_ends_at_every_stage() {
     let plant = plant(5e-4, 1);
     let (small, large_signal) = ([prbs(&plant)], large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
     for small in [&small[..], &[]] {
@@ -167,7 +167,7 @@ fn work_that_is_cancelled_ends_there_whatever_it_was_doing() {
 }
 
 #[test]
-fn one_thread_and_two_find_the_same_to_the_bit() {
+fn the_result_is_bit_identical_for_one_and_two_threads() {
     let plant = plant(5e-4, 1);
     let large_signal = large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
     let on = |threads: usize| {
@@ -178,36 +178,36 @@ fn one_thread_and_two_find_the_same_to_the_bit() {
 }
 
 #[test]
-fn records_that_tell_nothing_are_refused_or_told_of() {
+fn unsuitable_records_are_errors_or_noted() {
     let plant = plant(5e-4, 1);
-    let sound = large_signal(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
+    let good = large_signal(&plant, 0.4, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]);
     let with = |r: &Record, of: &dyn Fn(usize, f64) -> f64| {
         let y = r.y().iter().enumerate().map(|(t, y)| of(t, *y)).collect();
         Record::new(r.ts(), r.u().to_vec(), y).unwrap()
     };
     let small = [prbs(&plant)];
     let settings = named("prandtl-ishlinskii");
-    // Numbers that have nothing to do with the input.
-    let unrelated: Vec<Record> = sound.iter().map(|r| with(r, &|t, _| ((t * t) as f64 * 0.618_034).fract())).collect();
+    // Numbers unrelated to the input.
+    let unrelated: Vec<Record> = good.iter().map(|r| with(r, &|t, _| ((t * t) as f64 * 0.618_034).fract())).collect();
     let message = identify_joint(&small, &unrelated, &settings, &mut silent).unwrap_err().to_string();
-    assert!(message.contains("no better than by a constant") && message.contains("rich record 2"), "{message}");
+    assert!(message.contains("no better than by a constant") && message.contains("large-signal record 2"), "{message}");
 
     let noisy = with(&small[0], &|t, _| ((t * t) as f64 * 0.618_034).fract());
-    let twins = [&sound[..], &sound[..1]].concat();
+    let twins = [&good[..], &good[..1]].concat();
     for (small, large_signal, says) in [
-        (vec![noisy], sound.clone(), "small-signal record: the model leaves"),
-        (small.to_vec(), twins, "rich record 1 and rich record 4 are the same"),
-        (small.to_vec(), cut(&sound[..1], 30), "few for"),
-        (small.to_vec(), cut(&sound[..1], 30), "turns back"),
+        (vec![noisy], good.clone(), "small-signal record: the residual is"),
+        (small.to_vec(), twins, "large-signal record 1 and large-signal record 4 are the same"),
+        (small.to_vec(), cut(&good[..1], 30), "few for"),
+        (small.to_vec(), cut(&good[..1], 30), "has a reversal"),
     ] {
         let notes = identified(&small, &large_signal, &settings).notes;
         assert!(notes.iter().any(|note| note.contains(says)), "{says}: {notes:?}");
     }
-    let notes = identified(&small, &sound, &settings).notes;
+    let notes = identified(&small, &good, &settings).notes;
     assert_eq!(notes.len(), 1, "{notes:?}");
 }
 
 /// The first samples of each record.
 fn cut(records: &[Record], n: usize) -> Vec<Record> {
-    records.iter().map(|r| Record::new(r.ts(), r.u()[..n].to_vec(), r.y()[..n].to_vec()).unwrap()).collect()
+    records.iter().map(|r| r.slice(0..n).unwrap()).collect()
 }

@@ -1,4 +1,4 @@
-//! Which operators are tried, and which is taken.
+//! The operators tried, and the choice among them.
 
 use super::refine::Fitted;
 use crate::error::Error;
@@ -9,34 +9,35 @@ use crate::series::ends;
 use crate::waveform::reversals;
 use serde::Serialize;
 
-/// Share of the inputs' range by which a turn must stay off its ends to begin a minor loop, and how many such turns show
-/// what minor loops do.
+/// Distance from the ends of the range, as its share, from which a reversal starts a minor loop; and the number of such
+/// reversals that show minor loops.
 const INSIDE: f64 = 0.1;
 const ENOUGH: usize = 8;
 
-/// What became of one operator.
+/// The result of one operator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OperatorTrial {
     /// The operator.
     pub operator: &'static str,
-    /// Weights and shape parameters.
+    /// Number of weights and shape parameters.
     pub parameters: usize,
-    /// Rms error over peak-to-peak of what was held out, in percent, each part foretold by a fit to all others; infinite where
-    /// nothing came out.
+    /// Held-out rms error over peak-to-peak [%], each fold predicted by a fit to all others; infinite if the fit
+    /// failed.
     pub held_out_percent: f64,
-    /// Whether that is as good as the best, within its uncertainty.
+    /// True if it is as good as the best, within its uncertainty.
     pub as_good: bool,
-    /// `taken`, `as good`, `refused`, or nothing.
+    /// `taken`, `as good`, `refused`, or empty.
     pub verdict: &'static str,
     /// The shape parameters by name.
     pub shape: Vec<(&'static str, f64)>,
-    /// Why nothing came out, if so.
+    /// Why the fit failed, if it did.
     pub refused: Option<String>,
 }
 
-/// The operators to try: those that are named, or of all what the records allow. Where the records hold no minor loops, nothing in them tells operators apart that differ there; then
-/// of all only those are tried that do what measured ceramics do: follow minor loops, and wipe them out. And where rich
-/// records stand `alone`, rate belongs to the linear block they tell, for nothing tells the two apart.
+/// The operators to try: those named, or with `auto` those that suit the records. Without minor loops in the records,
+/// operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe out minor
+/// loops, as measured ceramics do. If large-signal records stand `alone`, rate-dependent operators are left out: their
+/// dynamics cannot be separated from the linear block.
 pub(super) fn candidates(
     name: &str,
     large_signal: &[Record],
@@ -57,57 +58,59 @@ pub(super) fn candidates(
         return Ok(all().collect());
     }
     notes.push(
-        "the records hold no minor loops, so what the model makes of smaller amplitudes is a guess; tried were only operators \
-         that wipe out minor loops, as measured ceramics do: add a sine whose amplitude rises"
+        "the records have no minor loops, so smaller amplitudes are extrapolated; only operators with the wiping-out \
+         property were tried, as for measured ceramics: add a rising sine"
             .into(),
     );
     Ok(all().filter(|o| o.minor_loops && o.wipes_out).collect())
 }
 
-/// Of those that are as good as the best the one with the fewest parameters, and all of them as they are told.
+/// Selects the operator with the fewest parameters of those as good as the best; returns its fit and all trials.
 pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fitted, Vec<OperatorTrial>), Error> {
-    let (mut told, mut fitted): (Vec<OperatorTrial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
+    let (mut trials, mut fitted): (Vec<OperatorTrial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
     let found = fitted.iter().flatten().map(|fitted| &fitted.held_out);
     let best = found.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
-    for (trial, fitted) in told.iter_mut().zip(&fitted) {
+    for (trial, fitted) in trials.iter_mut().zip(&fitted) {
         trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
         if trial.as_good {
             trial.verdict = "as good";
         }
     }
-    let good = (0..told.len()).filter(|&k| told[k].as_good);
-    let chosen = good.min_by_key(|&k| told[k].parameters).and_then(|k| Some((k, fitted[k].take()?)));
+    let good = (0..trials.len()).filter(|&k| trials[k].as_good);
+    let chosen = good.min_by_key(|&k| trials[k].parameters).and_then(|k| Some((k, fitted[k].take()?)));
     let Some((k, fitted)) = chosen else {
-        let each = told.iter().map(|trial| {
+        let each = trials.iter().map(|trial| {
             let why = trial.refused.as_deref();
-            let why = why.unwrap_or("its equations have no solution: are units and columns the right ones?");
+            let why = why.unwrap_or("its equations have no solution: check units and columns");
             format!("{}: {why}", trial.operator)
         });
         let because = each.collect::<Vec<_>>().join("; ");
         return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
     };
-    told[k].verdict = "taken";
-    Ok((fitted, told))
+    trials[k].verdict = "taken";
+    Ok((fitted, trials))
 }
 
-/// Why the operator that was taken was; none where no other was tried.
+/// The reason for the selected operator; `None` if only one was tried.
 pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
     let by_error = |p: &&OperatorTrial, q: &&OperatorTrial| p.held_out_percent.total_cmp(&q.held_out_percent);
     let (best, taken) = (trials.iter().min_by(by_error)?, trials.iter().find(|t| t.verdict == "taken")?);
     let next = trials.iter().filter(|t| !t.as_good && t.refused.is_none()).min_by(by_error);
-    let (name, left) = (taken.operator, short(taken.held_out_percent));
+    let (name, error) = (taken.operator, short(taken.held_out_percent));
     let simplest = match (best.operator == name, trials.iter().filter(|t| t.as_good).count()) {
-        (true, 1) => format!("{name} leaves least of what was held out, {left} % of peak-to-peak"),
+        (true, 1) => format!("{name} has the smallest held-out error, {error} % rms/pp"),
         (true, _) => {
-            format!("{name} leaves least of what was held out, {left} % of peak-to-peak, and is the simplest as good")
+            format!("{name} has the smallest held-out error, {error} % rms/pp, and is the simplest of its equals")
         }
-        (false, _) => format!(
-            "{name} leaves {left} % of what was held out, as good as the {} % of {} within their uncertainty, and is simpler",
-            short(best.held_out_percent),
-            best.operator
-        ),
+        (false, _) => {
+            let (least, best) = (short(best.held_out_percent), best.operator);
+            format!(
+                "{name} has a held-out error of {error} %, equal to the {least} % of {best} within uncertainty, and is \
+                 simpler"
+            )
+        }
     };
-    let then = next.map(|next| format!("; next comes {} with {} %", next.operator, short(next.held_out_percent)));
+    let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.held_out_percent)));
     (trials.len() > 1).then(|| simplest + &then.unwrap_or_default())
 }
 

@@ -1,10 +1,10 @@
-//! How far the parameters are known, by the jackknife: each fold is left out in turn, and what the parameters then are tells
-//! how much they owe to it.
+//! Uncertainty of the parameters by the jackknife: each fold is left out in turn, and the change of the parameters
+//! shows how much they depend on it.
 //!
 //! ```text
 //! error^2 = (F - 1) / F  sum over folds of (value without the fold - mean of these)^2
 //! ```
-//! It needs no assumption about the residuals, and counts the errors of the model as well as noise.
+//! It needs no assumption about the residuals, and includes model errors as well as noise.
 //!
 //! B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462.
 
@@ -16,10 +16,10 @@ use serde::Serialize;
 /// Error over value from which a parameter counts as not identified.
 const UNKNOWN: f64 = 0.5;
 
-/// A parameter an engineer asks for.
+/// A physical parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedParameter {
-    /// What it is, with its unit.
+    /// Its name, with the unit.
     pub name: String,
     /// Its value.
     pub value: f64,
@@ -28,13 +28,13 @@ pub struct FittedParameter {
 }
 
 impl FittedParameter {
-    /// Whether the records leave it open by more than half of its value.
+    /// True if its standard error exceeds half of its value.
     pub fn is_unknown(&self) -> bool {
         self.error.is_nan() || self.error > UNKNOWN * self.value.abs()
     }
 }
 
-/// Creep, shape of the hysteresis, and modes of the linear block, as far as there are any.
+/// Creep, shape of the hysteresis, and modes of the linear block, if there are any.
 pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     let estimate = &fitted.estimate;
     let others: Vec<_> = fitted.held_out.without.iter().filter_map(|x| estimate.moved(x.as_slice())).collect();
@@ -53,7 +53,7 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
         parameters.push(parameter(name, lag.gain, &|e| e.lags[k].gain));
     }
     for (k, mode) in estimate.linear.reading().modes().into_iter().enumerate() {
-        // The nearest by frequency, should their order change.
+        // The nearest by frequency: their order may change.
         let nearest = |e: &super::Estimate| {
             let near = |p: &PoleShare| (p.pole.hz / mode.pole.hz).ln().abs();
             let modes = e.linear.reading().modes().into_iter();

@@ -1,19 +1,20 @@
-//! Back through an operator: the input that its next step answers with a wanted z.
+//! Inverse of an operator: the input for which its next step gives a requested z.
 //!
 //! ```text
-//! u:  step(x, u) = z        from the state x, which stays as it is
+//! u:  step(x, u) = z        from the state x, which does not change
 //! ```
-//! Where the operator rises with its input there is one such u at most. By slopes it is found from the last input
-//! outwards, by Newton's method on the law itself: plays make z of lines, between which the method ends exactly after a few
-//! of them, and on curves it doubles the digits; a law may have a formula of its own. Where z falls or jumps, copies of the
-//! state are tried between the two ends that are allowed, by bisection and inverse quadratic interpolation, until the ends
-//! meet. Beyond what the ends give, the nearer end is all there is, and [`Inverted::z`] says what it reaches. [`inverse`] is
-//! the same for programs.
+//! If z increases with the input, there is at most one such u. Newton's method ([`by_slopes`]) finds it on the law
+//! itself, starting from the last input. For plays z(u) is piecewise linear, and the method ends exactly after a few
+//! pieces; on curves it converges quadratically. A law may have a closed form instead. Where z decreases or jumps,
+//! [`between`] evaluates copies of the state between the two allowed ends, by bisection and inverse quadratic
+//! interpolation, until the bracket closes. If z is out of reach, the result is the nearer end, and [`Inverted::z`] is
+//! the z reached there. [`inverse`] does the same for programs.
 //!
-//! References: P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI 10.1049/ip-cta:20010375 (sums of plays
-//! that rise have an inverse); T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997), DOI 10.1016/S0965-9978(96)00051-8
-//! (trials). It does not do: operators that fall somewhere ([`falling_input`] tells), of which it finds one input of several, and none
-//! where what both ends reach lies on the same side of z.
+//! References: P. Krejci & K. Kuhnen, IEE Proc. Control Theory Appl. 148 (2001), DOI 10.1049/ip-cta:20010375
+//! (increasing sums of plays have an inverse); T. R. Chandrupatla, Adv. Eng. Softw. 28, 145 (1997), DOI
+//! 10.1016/S0965-9978(96)00051-8 (bracketing). It does not do: operators that decrease somewhere (`falling_input`
+//! reports where). For these it finds one input of several, or none if z at both ends lies on the same side of the
+//! requested z.
 
 mod program;
 
@@ -23,28 +24,28 @@ use super::Hysteresis;
 use super::real::Dual;
 use crate::series::ends;
 
-/// Trials at most: twice what halving down to neighbouring floats takes.
+/// Maximum number of evaluations: twice as many as bisection down to neighbouring floats needs.
 const TRIALS: usize = 120;
 
-/// What rounding may leave, in units of that of z; more is a jump.
+/// Largest residual that is due to rounding, relative to the rounding of z; a larger one is a jump.
 const JUMP: f64 = 1e4;
 
-/// Inputs of each way through which an operator is watched.
+/// Samples per leg of the path on which `falling_input` checks an operator.
 const WATCHED: usize = 400;
 
-/// What was found.
+/// The result of an inversion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inverted {
     /// The input [input unit].
     pub u: f64,
-    /// What it reaches: the wanted z, or at an end of the allowed inputs what there is [z's unit].
+    /// z at this input: the requested one, or the nearest at an end of the allowed inputs [unit of z].
     pub z: f64,
 }
 
-/// Numbers for which room needs no allocation.
+/// Largest scratch space on the stack.
 const SMALL: usize = 256;
 
-/// The input between `ends` that the next step answers with `z`, by trials.
+/// The input between `ends` for which the next step gives `z`, by bracketing.
 pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
     with_scratch(x.len(), |copy| {
         between(ends, z, |u| {
@@ -54,7 +55,7 @@ pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64,
     })
 }
 
-/// What `run` does with room for `n` numbers.
+/// Calls `run` with scratch space for `n` numbers.
 pub(crate) fn with_scratch<R: Copy + From<f64>, T>(n: usize, run: impl FnOnce(&mut [R]) -> T) -> T {
     let mut small = [R::from(0.0); SMALL];
     match small.get_mut(..n) {
@@ -63,7 +64,7 @@ pub(crate) fn with_scratch<R: Copy + From<f64>, T>(n: usize, run: impl FnOnce(&m
     }
 }
 
-/// The input between `ends` for which what is `reached` is `z`, by trials.
+/// The input between `ends` for which `reached` gives `z`, by bracketing.
 pub(crate) fn between(ends: (f64, f64), z: f64, mut reached: impl FnMut(f64) -> f64) -> Inverted {
     let (mut a, mut b) = (ends.0, ends.1);
     let (mut fa, mut fb) = (reached(a) - z, reached(b) - z);
@@ -72,7 +73,7 @@ pub(crate) fn between(ends: (f64, f64), z: f64, mut reached: impl FnMut(f64) -> 
         let u = if low.1 >= 0.0 { low.0 } else { high.0 };
         return Inverted { u, z: reached(u) };
     }
-    // a is the newest, b across the root from it, c the one before.
+    // a is the newest point, b on the other side of the root, c the previous point.
     let mut share = 0.5;
     for _ in 0..TRIALS {
         let u = a + share * (b - a);
@@ -90,7 +91,7 @@ pub(crate) fn between(ends: (f64, f64), z: f64, mut reached: impl FnMut(f64) -> 
         if off == 0.0 || least > 0.25 {
             return Inverted { u: nearest, z: reached(nearest) };
         }
-        // Inverse quadratic interpolation where it stays well inside, else halving.
+        // Inverse quadratic interpolation if it stays well inside the bracket, else bisection.
         let (xi, phi) = ((a - b) / (c - b), (fa - fb) / (fc - fb));
         share = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
             fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
@@ -102,16 +103,16 @@ pub(crate) fn between(ends: (f64, f64), z: f64, mut reached: impl FnMut(f64) -> 
     Inverted { u: a, z: reached(a) }
 }
 
-/// The input between `ends` that `ahead`, which gives z and its slope, answers with `z`, sought from `last` outwards: by
-/// Newton's method, kept between what lies before the wanted z and what does not. Exact in a few steps where z is made of
-/// lines; of a flat piece it is the input nearest to `last`. None where z is seen to fall, or to jump past what is wanted.
+/// The input between `ends` for which `ahead` (z and its slope) gives `z`, by Newton's method from `last`, kept inside
+/// a bracket. Exact after a few steps if z(u) is piecewise linear; on a flat piece the result is the input nearest to
+/// `last`. `None` if z decreases or jumps past the requested value.
 pub(super) fn by_slopes(last: f64, z: f64, ends: (f64, f64), mut ahead: impl FnMut(f64) -> Dual) -> Option<Inverted> {
     let close = 2.0 * f64::EPSILON * ends.0.abs().max(ends.1.abs());
     let start = last.max(ends.0).min(ends.1);
     let mut at = (start, ahead(start));
     let way = if at.1.value < z { 1.0 } else { -1.0 };
     let same = 4.0 * f64::EPSILON * at.1.value.abs().max(z.abs()).min(f64::MAX);
-    // How far z still has to go; on a flat piece rounding is no distance.
+    // Remaining distance to z; on a flat piece rounding errors count as 0.
     let left = |d: Dual| {
         let off = way * (z - d.value);
         if d.slope == 0.0 && off.abs() <= same { 0.0 } else { off }
@@ -132,7 +133,7 @@ pub(super) fn by_slopes(last: f64, z: f64, ends: (f64, f64), mut ahead: impl FnM
         } else {
             far = Some(at);
         }
-        // On a flat piece that has the wanted z the input before it tells where it begins.
+        // On a flat piece at the requested z, the input before it determines where the piece begins.
         let from = if off == 0.0 && at.1.slope == 0.0 { near } else { at };
         let newton = from.0 + (z - from.1.value) / from.1.slope;
         let beyond = far.map_or(end, |far| far.0);
@@ -162,18 +163,19 @@ fn found((u, d): (f64, Dual)) -> Inverted {
 }
 
 impl dyn Hysteresis + '_ {
-    /// Whether this rises with its input wherever a major loop between `low` and `high` and a smaller one within it lead;
-    /// else where it falls [input unit]. Without rising it has several inverses or none.
+    /// The first input at which z decreases while the input increases, or the reverse [input unit]; `None` if there is
+    /// none. Checked along a major loop between `low` and `high` and a minor loop in it. An operator that decreases
+    /// somewhere has several inverses or none.
     pub fn falling_input(&self, low: f64, high: f64) -> Option<f64> {
         let leg = |from: f64, to: f64| (1..=WATCHED).map(move |t| from + (to - from) * t as f64 / WATCHED as f64);
         let (q, h) = (0.25 * (high - low), 0.5 * (high - low));
-        let turns = [low, high, low, low + h + q, low + q, low + h, low + q];
-        let path: Vec<f64> = turns.windows(2).flat_map(|w| leg(w[0], w[1])).collect();
+        let reversals = [low, high, low, low + h + q, low + q, low + h, low + q];
+        let path: Vec<f64> = reversals.windows(2).flat_map(|w| leg(w[0], w[1])).collect();
         let z = self.resume(&mut self.settled(low), &path);
         let (bottom, top) = ends(z.iter().copied());
         let slack = 1e-9 * (top - bottom);
-        let falling_input = |k: &usize| (z[*k] - z[k - 1]) * (path[*k] - path[k - 1]).signum() < -slack;
-        (1..path.len()).find(falling_input).map(|k| path[k])
+        let falls = |k: &usize| (z[*k] - z[k - 1]) * (path[*k] - path[k - 1]).signum() < -slack;
+        (1..path.len()).find(falls).map(|k| path[k])
     }
 }
 
@@ -183,13 +185,13 @@ mod tests {
     use super::*;
     use crate::testing::assert_close;
 
-    /// An input that never quite comes back to where it was.
+    /// An input that is not periodic.
     fn wander(t: u32) -> f64 {
         18.0 * (f64::from(t) * 0.05).sin() + 11.0 * (f64::from(t) * 0.173).sin()
     }
 
     #[test]
-    fn the_input_found_is_the_input_that_was_given() {
+    fn the_inverse_returns_the_input_of_the_step() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
             let mut x = operator.settled(0.0);
@@ -198,7 +200,7 @@ mod tests {
             for u in (0..400).map(wander) {
                 let z = operator.step(&mut x.clone(), u);
                 let back = operator.invert(&x, z, (-30.0, 30.0));
-                // Between branches that jump there is more than one input; what they reach is the same.
+                // Between branches with jumps several inputs give the same z.
                 assert_close(&[back.z, operator.step(&mut x.clone(), back.u)], &[z, back.z], 1e-9, 1e-9);
                 given.push(u);
                 found.push(back.u);
@@ -211,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_find_what_trials_find_to_rounding_and_say_what_a_step_says_to_the_bit() {
+    fn newtons_method_agrees_with_bracketing_and_its_z_is_bit_identical_to_a_step() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
             let rises = operator.falling_input(-30.0, 30.0).is_none() && o.minor_loops;
@@ -231,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn states_that_rest_never_leads_to_are_inverted_too() {
+    fn states_that_cannot_be_reached_from_rest_are_inverted_too() {
         let plays =
             ["prandtl-ishlinskii", "stop", "generalised-prandtl-ishlinskii", "rate-dependent-prandtl-ishlinskii"];
         for name in plays {
@@ -247,10 +249,10 @@ mod tests {
     }
 
     #[test]
-    fn where_many_inputs_do_the_one_nearest_to_the_last_is_taken() {
+    fn of_several_inputs_the_nearest_to_the_last_one_is_returned() {
         let play = r#"{"operator": "prandtl-ishlinskii", "range": [-20, 20], "thresholds": [3], "weights": [0, 1]}"#;
         let play = load(&serde_json::from_str(play).unwrap(), 5e-4).unwrap();
-        // The last input and the play, the wanted z; and the input: within the play's reach the last one.
+        // Last input, play, requested z, and the input: the last one if the play need not move.
         let cases = [
             (10.0, 7.0, 7.0, 10.0),
             (8.0, 7.0, 7.0, 8.0),
@@ -266,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_ends_within_the_ends() {
+    fn a_requested_z_that_is_not_finite_gives_an_input_within_the_ends() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
             let x = operator.settled(3.0);
@@ -281,8 +283,8 @@ mod tests {
     }
 
     #[test]
-    fn an_operator_that_falls_is_caught_where_it_does_and_one_of_its_inputs_is_found() {
-        // What the stop of threshold 3 holds back outweighs the input for 6 after a reversal.
+    fn an_operator_that_decreases_is_detected_and_one_of_its_inputs_is_found() {
+        // For 6 input units after a reversal the stop of threshold 3 changes z more than the input does.
         let stop = r#"{"operator": "stop", "range": [-20, 20], "thresholds": [3], "weights": [1, 1.5]}"#;
         let stop = load(&serde_json::from_str(stop).unwrap(), 5e-4).unwrap();
         let at = stop.falling_input(-20.0, 20.0).unwrap();
@@ -296,11 +298,11 @@ mod tests {
         }
         let falling = |o: &&&Operator| (o.example)(5e-4).unwrap().falling_input(-30.0, 30.0).is_some();
         let names: Vec<&str> = OPERATORS.iter().filter(falling).map(|o| o.name).collect();
-        assert_eq!(names, ["two-branch", "rate-scheduled"], "these jump at a turn, the others rise");
+        assert_eq!(names, ["two-branch", "rate-scheduled"], "these jump at a reversal, the others increase");
     }
 
     #[test]
-    fn what_cannot_be_reached_ends_at_the_nearer_end_and_says_what_there_is() {
+    fn a_z_out_of_reach_gives_the_nearer_end_and_the_z_there() {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
             let x = operator.settled(3.0);

@@ -1,11 +1,13 @@
-//! The same for programs: the searches in words that every language of the target machines has, to the same bits.
+//! The inverse as a program: the same searches in operations that every target language has, with bit-identical
+//! results.
 
 use super::TRIALS;
 use crate::error::Error;
 use crate::program::Program;
 
-/// Adds to a program that has `hysteresis` the function `hysteresis_inverse(x: hysteresis, z, low, high)`, which gives the bits of
-/// [`Hysteresis::invert`], and what it needs.
+/// Adds `hysteresis_inverse(x: hysteresis, z, low, high)`, bit-identical to
+/// [`Hysteresis::invert`](crate::hysteresis::Hysteresis::invert), and the functions it needs to a program that has
+/// `hysteresis`.
 pub(crate) fn inverse(program: &mut Program) -> Result<(), Error> {
     if program.function("hysteresis_inverse").is_some() {
         return Ok(());
@@ -20,8 +22,8 @@ pub(crate) fn inverse(program: &mut Program) -> Result<(), Error> {
     program.extend(if closed { CLOSED_INVERSE } else { INVERSE })
 }
 
-/// Adds to a program that has `hidden` the function `hidden_inverse(x: hysteresis, d: driver, z, low, high)`, the inverse behind a driver by
-/// trials, without `x` if the operator remembers nothing.
+/// Adds `hidden_inverse(x: hysteresis, d: driver, z, low, high)`, the inverse behind a driver by bracketing, to a
+/// program that has `hidden`; without `x` if the operator has no memory.
 pub(crate) fn inverse_behind_a_driver(program: &mut Program, remembers: bool) -> Result<(), Error> {
     let text = BY_TRIALS.replace("TRIALS", &TRIALS.to_string());
     let text = text.replace("hysteresis_by_trials(x: hysteresis,", "hidden_inverse(x: hysteresis, d: driver,");

@@ -1,10 +1,10 @@
-//! Everett's functions of a weighted grid, in a time that does not grow with the grid.
+//! Everett's functions of a weighted grid, from tables: the time does not depend on the size of the grid.
 //!
 //! ```text
-//! E(M, m) = sum of the weights of the relays that turn between m and M
-//! V(u)    = sum of the weights of the relays that turn from rest to u, negative for negative u
+//! E(M, m) = sum of the weights of the relays that switch between m and M
+//! V(u)    = sum of the weights of the relays that switch from rest to u, negative for negative u
 //! ```
-//! Between the levels E is bilinear, but for the two cells on the diagonal, where it is quadratic; V is quadratic
+//! Between the levels E is bilinear, except in the two cells on the diagonal, where it is quadratic. V is quadratic
 //! between the levels and their mirror images.
 //!
 //! Reference: D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
@@ -18,18 +18,18 @@ use crate::program::Block;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Everett {
     grid: Grid,
-    /// At the nodes (M = l_i, m = l_j): the weights off the diagonal that turn.
+    /// E at the nodes (M = l_i, m = l_j) without the cells on the diagonal.
     nodes: Vec<f64>,
-    /// The weights on the diagonal, and of how many below each level they are the sum.
+    /// The weights on the diagonal, and their sum below each level.
     diagonal: Vec<f64>,
     diagonal_below: Vec<f64>,
-    /// Where V changes its polynomial, and V there, halfway to the next, and at the next.
+    /// Break points of V, and V at each of them, halfway to the next, and at the next.
     breaks: Intervals,
     virgin: Vec<[f64; 3]>,
 }
 
 impl Everett {
-    /// `levels` rise; `weights` has one number a cell of the triangle.
+    /// `levels` are ascending; `weights` has one number per cell of the triangle.
     pub(super) fn new(levels: &[f64], weights: &[f64]) -> Self {
         let (grid, n) = (Grid::new(levels.to_vec()), levels.len() - 1);
         let stride = n + 1;
@@ -48,16 +48,16 @@ impl Everett {
         let mut breaks: Vec<f64> = levels.iter().flat_map(|l| [*l, -*l]).chain([0.0]).collect();
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
-        let turned = |u: f64| {
+        let switched = |u: f64| {
             let mut sum = 0.0;
             grid.since_rest(u, |k, share| sum += weights[k] * share);
             if u < 0.0 { -sum } else { sum }
         };
-        let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(turned)).collect();
+        let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(switched)).collect();
         Everett { grid, nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
     }
 
-    /// For programs: `block` with the tables and both functions, which return their slopes too.
+    /// Adds the tables and both functions, with their slopes, to a program `block`.
     pub(super) fn block(&self, block: Block) -> Block {
         let n = self.grid.levels().len();
         let block = block.table("levels", self.grid.levels()).table("nodes", &self.nodes).count("rows", n - 1);
@@ -76,7 +76,7 @@ impl Everett {
         }
         let one = R::from(1.0);
         let node = |i: usize, j: usize| R::from(self.nodes[i * self.grid.levels().len() + j]);
-        // Shares of the next node: a upwards from l_i, 1 - b downwards from l_{j+1}.
+        // Bilinear interpolation: a upwards from l_i, 1 - b downwards from l_{j+1}.
         let at = |i: usize| b * node(i, j + 1) + (one - b) * node(i, j);
         let off = (one - a) * at(i) + a * at(i + 1);
         let between = R::from(self.diagonal_below[i] - self.diagonal_below[j + 1]);
@@ -169,9 +169,9 @@ mod tests {
             grid.since_rest(m, |k, share| sum += weights[k] * share * if m < 0.0 { -1.0 } else { 1.0 });
             assert_close(&[everett.since_rest(m)], &[sum], 0.0, 1e-13);
             for &high in &points[k..] {
-                let mut turned = vec![0.0; weights.len()];
-                grid.between(m, high, 1.0, &mut turned);
-                let sum = turned.iter().zip(&weights).map(|(share, w)| share * w).sum();
+                let mut shares = vec![0.0; weights.len()];
+                grid.between(m, high, 1.0, &mut shares);
+                let sum = shares.iter().zip(&weights).map(|(share, w)| share * w).sum();
                 assert_close(&[everett.between(m, high)], &[sum], 0.0, 1e-13);
             }
         }

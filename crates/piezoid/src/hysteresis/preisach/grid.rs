@@ -1,12 +1,12 @@
-//! A population of relays on a triangular grid, spread evenly within each cell: how many have turned.
+//! A population of relays on a triangular grid with constant density in each cell: the share that has switched.
 //!
 //! ```text
 //! alpha >= beta;  cell (i, j), j <= i:  l_i <= alpha < l_{i+1},  l_j <= beta < l_{j+1}
 //! ```
-//! A relay turns up where the input passes alpha rising, and down where it passes beta falling. Going from m up to M, or
-//! from M down to m, turns those with alpha <= M and beta >= m; going from rest up to u those with alpha <= u and
-//! alpha + beta >= 0, for demagnetisation has left the others up already. What share of a cell that is, is an area: a
-//! rectangle, a triangle, or what the line alpha + beta = 0 leaves of them.
+//! A relay switches up when the rising input passes alpha, and down when the falling input passes beta. A movement
+//! between m and M switches the relays with alpha <= M and beta >= m. A movement from rest up to u switches those with
+//! alpha <= u and alpha + beta >= 0: after demagnetisation the others are already up. The share of a cell is an area: a
+//! rectangle, a triangle, or one of these cut by the line alpha + beta = 0.
 
 use crate::hysteresis::real::Real;
 use crate::intervals::Intervals;
@@ -26,7 +26,7 @@ pub(super) fn cell(i: usize, j: usize) -> usize {
 }
 
 impl Grid {
-    /// `levels` rise, and there are two at least.
+    /// `levels` are ascending, at least two.
     pub(super) fn new(levels: Vec<f64>) -> Self {
         Grid(Intervals::new(levels))
     }
@@ -46,8 +46,7 @@ impl Grid {
         (i, share(&self.0, i, u))
     }
 
-    /// Adds to each cell of `sums` `way` times the share of its relays that turn between `low` and `high`: those of alphas up
-    /// to `high` and betas from `low`, in a corner of the triangle.
+    /// Adds `way` times the share of relays that switch between `low` and `high` to each cell of `sums`.
     pub(super) fn between(&self, low: f64, high: f64, way: f64, sums: &mut [f64]) {
         let ((last, upto), (first, below)) = (self.place(high), self.place(low));
         for i in first..=last {
@@ -62,7 +61,7 @@ impl Grid {
         }
     }
 
-    /// For each cell the share of its relays that turn on the way from rest to `u`.
+    /// Passes, for each cell, the share of its relays that switch from rest to `u` to `share`.
     pub(super) fn since_rest(&self, u: f64, mut share: impl FnMut(usize, f64)) {
         for i in 0..self.rows() {
             for j in 0..=i {
@@ -71,19 +70,19 @@ impl Grid {
         }
     }
 
-    /// The share of cell (i, j) that turns from rest to `u`. A negative `u` turns, seen in the mirror of alpha + beta = 0,
-    /// what a positive one does: cell (i, j) is then the one whose alpha runs from -l_{j+1} to -l_j.
+    /// The share of cell (i, j) that switches from rest to `u`. A negative `u` is mirrored at alpha + beta = 0: the
+    /// cell is then the one whose alpha is from -l_{j+1} to -l_j.
     fn since_rest_in(&self, i: usize, j: usize, u: f64) -> f64 {
         let l = self.levels();
         let (alpha, beta) = match u >= 0.0 {
             true => ((l[i], l[i + 1]), (l[j], l[j + 1])),
             false => ((-l[j + 1], -l[j]), (-l[i + 1], -l[i])),
         };
-        // Of each alpha up to |u|, the length of its betas from -alpha on: the integral of a ramp, twice.
+        // For each alpha up to |u|, the length of its betas from -alpha on: a difference of two integrals of ramps.
         let upto = |alpha_end: f64, beta_end: f64| ramp(alpha_end + beta_end) - ramp(alpha.0 + beta_end);
         let end = u.abs().clamp(alpha.0, alpha.1);
         let area = match i == j {
-            // Wholly on one side of the line, where squares of large levels would cancel.
+            // On one side of the line; the general formula would subtract squares of large levels.
             false if alpha.0 + beta.0 >= 0.0 => (end - alpha.0) * (beta.1 - beta.0),
             true if alpha.0 + beta.0 >= 0.0 => 0.5 * (end - alpha.0) * (end - alpha.0),
             false => upto(end, beta.1) - upto(end, beta.0),
@@ -95,7 +94,7 @@ impl Grid {
     }
 }
 
-/// The share of interval `i` that lies below `u`, 0 to 1.
+/// The share of interval `i` below `u`, 0 to 1.
 pub(super) fn share<R: Real>(intervals: &Intervals, i: usize, u: R) -> R {
     let (low, high) = (intervals.edges()[i], intervals.edges()[i + 1]);
     ((u - low.into()) / (high - low).into()).clamp(0.0.into(), 1.0.into())

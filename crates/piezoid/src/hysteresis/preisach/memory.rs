@@ -1,27 +1,27 @@
-//! What a Preisach operator remembers: the dominant reversals of its input.
+//! The memory of a Preisach operator: the dominant reversals of its input.
 //!
-//! The list holds maxima and minima in turn, each loop inside the one before. An input that reaches an older reversal
-//! wipes out the loop it closes and continues on the older branch. Before the first reversal stands its mirror image:
-//! beyond that the relays are as demagnetisation about 0 left them, up where alpha + beta < 0.
+//! The list has alternating maxima and minima, each loop inside the previous one. An input that reaches an older
+//! reversal wipes out the loop that it closes and continues on the older branch. The mirror image of the first reversal
+//! precedes it: outside, the relays are in the demagnetised state, up where alpha + beta < 0.
 //!
-//! State: number of reversals; the input; the value now; then (input, value) of each reversal, oldest first. A value is
-//! as many numbers as the caller likes. When the list is full, the two neighbours that hold the fewest relays between
-//! them are forgotten; values stay, so nothing jumps.
+//! State: number of reversals; the input; the present value; then (input, value) of each reversal, oldest first. The
+//! caller chooses how many numbers a value has. When the list is full, the two neighbours with the fewest relays
+//! between them are deleted. Values do not change, so there is no jump.
 
 use crate::program::Block;
 
-/// Reversals remembered: with each at least a hundredth of the range inside the one before, more never happen.
+/// Maximum number of reversals. If each is at least 1/100 of the range inside the previous one, there are never more.
 pub(super) const CAPACITY: usize = 64;
 
-/// Where the branch begins that the input is on.
+/// Start of the present branch.
 pub(super) enum BranchStart {
-    /// At rest: no reversal is remembered.
+    /// At rest: there is no reversal.
     Rest,
-    /// At the last reversal, whose input this is.
+    /// At the last reversal, with this input.
     From(f64),
 }
 
-/// How states are laid out: the length of a value.
+/// State layout, given by the length of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Memory {
     pub(super) value: usize,
@@ -32,20 +32,20 @@ impl Memory {
         1 + (1 + self.value) * (1 + CAPACITY)
     }
 
-    /// The input now.
+    /// The present input.
     pub(super) fn input(self, x: &[f64]) -> f64 {
         x[1]
     }
 
-    /// The value now.
+    /// The present value.
     pub(super) fn value(self, x: &[f64]) -> &[f64] {
         &x[2..2 + self.value]
     }
 
-    /// Moves the input to `u`, which is not where it is. Returns the branch it is on then, the value where that branch
-    /// began (none at rest), and the value now, which the caller brings up to date.
+    /// Moves the input to `u`, which differs from the present input. Returns the new branch, the value at its start
+    /// (empty at rest), and the present value, which the caller updates.
     pub(super) fn travel(self, x: &mut [f64], u: f64) -> (BranchStart, &[f64], &mut [f64]) {
-        self.turn(x, u);
+        self.remember(x, u);
         self.wipe_out(x, u);
         x[1] = u;
         let n = count(x);
@@ -59,15 +59,15 @@ impl Memory {
         }
     }
 
-    /// Where the branch begins that moving to `u` would lead to, and the value there (none at rest); the state stays. None
-    /// where something would have to be forgotten first.
+    /// The branch after a movement to `u` and the value at its start (empty at rest), without changing the state.
+    /// `None` if a reversal would have to be deleted first.
     pub(super) fn ahead(self, x: &[f64], u: f64) -> Option<(BranchStart, &[f64])> {
-        let (stored, turned) = (count(x), self.turns(x, u));
-        if turned && stored == CAPACITY {
+        let (stored, reverses) = (count(x), self.reverses(x, u));
+        if reverses && stored == CAPACITY {
             return None;
         }
         let reversal = |i: usize| if i < stored { self.reversal(x, i) } else { x[1] };
-        Some(match kept(reversal, stored + usize::from(turned), x[1], u).checked_sub(1) {
+        Some(match kept(reversal, stored + usize::from(reverses), x[1], u).checked_sub(1) {
             None => (BranchStart::Rest, &[]),
             Some(i) => {
                 let at = if i < stored { self.place(i) } else { 1 };
@@ -76,16 +76,16 @@ impl Memory {
         })
     }
 
-    /// Whether moving to `u` turns the input round.
-    fn turns(self, x: &[f64], u: f64) -> bool {
+    /// True if a movement to `u` is a reversal.
+    fn reverses(self, x: &[f64], u: f64) -> bool {
         let n = count(x);
         let so_far = x[1] - if n == 0 { 0.0 } else { self.reversal(x, n - 1) };
         so_far != 0.0 && (so_far > 0.0) != (u > x[1])
     }
 
-    /// Remembers where the input is if moving to `u` turns it round.
-    fn turn(self, x: &mut [f64], u: f64) {
-        if !self.turns(x, u) {
+    /// Stores the present input and value if a movement to `u` is a reversal.
+    fn remember(self, x: &mut [f64], u: f64) {
+        if !self.reverses(x, u) {
             return;
         }
         if count(x) == CAPACITY {
@@ -96,13 +96,13 @@ impl Memory {
         x[0] += 1.0;
     }
 
-    /// Forgets the loops that the way to `u` closes.
+    /// Deletes the loops that a movement to `u` closes.
     fn wipe_out(self, x: &mut [f64], u: f64) {
         x[0] = kept(|i| self.reversal(x, i), count(x), x[1], u) as f64;
     }
 
-    /// Makes room for two: forgets the neighbours i and i + 1 between which the fewest relays lie, in the rectangle that
-    /// their own neighbours span.
+    /// Deletes the two neighbours i and i + 1 with the fewest relays between them, in the rectangle of their own
+    /// neighbours.
     fn forget(self, x: &mut [f64]) {
         let at = |i: usize| if i < CAPACITY { self.reversal(x, i) } else { x[1] };
         let relays = |i: usize| ((at(i) - at(i + 2)) * (at(i + 1) - at(i - 1))).abs();
@@ -115,13 +115,13 @@ impl Memory {
         x[self.place(i)]
     }
 
-    /// Where reversal `i` stands in the state.
+    /// Position of reversal `i` in the state.
     fn place(self, i: usize) -> usize {
         1 + (1 + self.value) * (1 + i)
     }
 }
 
-/// For programs: `block` with the memory of a value of one number, and what it does.
+/// Adds a memory with values of one number, and its functions, to a program `block`.
 pub(super) fn block(block: Block) -> Block {
     let block = block.number("count", 0.0).number("last", 0.0).number("sum", 0.0);
     block.numbers("reversal", vec![0.0; 2 * CAPACITY]).count("capacity", CAPACITY).text(TEXT)
@@ -189,7 +189,7 @@ fn remember(x: hysteresis) {
 }
 ";
 
-/// How many of `n` reversals are left when the input has gone from `before` to `u`.
+/// Number of the `n` reversals that remain after a movement from `before` to `u`.
 fn kept(reversal: impl Fn(usize) -> f64, mut n: usize, before: f64, u: f64) -> usize {
     let up = u > before;
     while n > 0 {

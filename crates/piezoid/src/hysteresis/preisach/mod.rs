@@ -1,19 +1,18 @@
-//! Preisach: a population of relays, spread evenly within each cell of a triangular grid.
+//! Preisach: a population of relays with constant density in each cell of a triangular grid.
 //!
 //! ```text
-//! z = s u + sum over cells of w_ij times the share of the cell's relays that are up, less those up at rest
+//! z = s u + sum over cells of w_ij times the share of the cell's relays that are up, minus those up at rest
 //! ```
-//! Relays are counted by area, exactly, so z is continuous: no staircase, however coarse the grid. A loop between any
-//! two inputs has its own shape; closed loops are wiped out; minor loops between the same inputs are congruent. With
-//! w >= 0 every loop turns as a loss of energy must. At rest (u = 0) the relays are as demagnetisation leaves them, or as
-//! the last switching-off does where inputs are of one sign.
+//! The share is an exact area, so z is continuous for any grid. A loop between any two inputs has its own shape; closed
+//! loops are wiped out; minor loops over the same input range are congruent. With w >= 0 every loop dissipates energy.
+//! At rest (u = 0) the relays are demagnetised; if all inputs have one sign, that is the state after switching off.
 //!
 //! Reference: I. D. Mayergoyz, "Mathematical Models of Hysteresis", Springer (1991), DOI 10.1007/978-1-4612-3028-1; for
 //! piezo actuators P. Ge & M. Jouaneh, Precision Engineering 17 (1995), DOI 10.1016/0141-6359(95)00002-U. It does not
-//! do: rate, accommodation (minor loops that creep towards a limit).
+//! do: rate, accommodation (minor loops that drift towards a limit).
 //!
-//! Inverse: Newton's method on the quadratic pieces of z(u), read off the memory without changing it. Beyond the outermost
-//! levels z goes on with slope s; without it, it saturates.
+//! Inverse: Newton's method on the quadratic pieces of z(u), from the memory, which does not change. Outside the
+//! outermost levels the slope of z is s; if s = 0, z saturates.
 
 mod everett;
 mod grid;
@@ -33,17 +32,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 
-/// Rows of the grid across the inputs seen, unless told otherwise; and rows beyond on either side, which only
-/// smoothness tells, so that an input a little larger finds relays to turn.
+/// Default number of rows over the input range, and number of additional rows on each side. The data do not determine
+/// the weights of the additional rows, only smoothness does. They serve inputs slightly outside the range.
 const ROWS: usize = 30;
 const BEYOND: usize = 2;
 
-/// The most rows.
+/// Maximum number of rows.
 const MOST: usize = 200;
 
 /// The block that runs.
 ///
-/// State: as [`memory`] says, the value being the sum over the cells.
+/// State: see [`memory`]; the value is the sum over the cells.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Preisach {
     ts: f64,
@@ -54,13 +53,13 @@ pub(super) struct Preisach {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PreisachParams {
-    /// The inputs it was identified on [input unit].
+    /// Input range of the identification data [input unit].
     range: (f64, f64),
     /// Edges of the cells [input unit].
     levels: Vec<f64>,
-    /// What follows the input at once.
+    /// Feed-through: the part of z proportional to u.
     slope: f64,
-    /// Of each cell, row by row of rising alpha and in a row by rising beta.
+    /// One per cell, by ascending alpha, then by ascending beta.
     weights: Vec<f64>,
 }
 
@@ -83,7 +82,7 @@ pub(super) static OPERATOR: Operator = Operator {
     },
 };
 
-/// Where the value of the running block stands.
+/// State layout of [`Preisach`].
 const SUM: Memory = Memory { value: 1 };
 
 impl Preisach {
@@ -101,10 +100,8 @@ impl Preisach {
         let everett = Everett::new(&params.levels, &params.weights);
         Ok(Preisach { ts, params, everett })
     }
-}
 
-impl Preisach {
-    /// The sum over the cells at `u`, on a branch that began with the value `start`.
+    /// The sum over the cells at `u`, on a branch that starts with the value `start`.
     fn sum<R: Real>(&self, branch: BranchStart, start: &[f64], u: R) -> R {
         match branch {
             BranchStart::Rest => self.everett.since_rest(u),
@@ -113,7 +110,7 @@ impl Preisach {
         }
     }
 
-    /// z at `u` from the state `x`, and its slope; None of a memory that is full.
+    /// z and its slope after a step to `u` from the state `x`; `None` if the memory is full.
     fn ahead(&self, x: &[f64], u: f64) -> Option<Dual> {
         let input = Dual { value: u, slope: 1.0 };
         let sum = if u == SUM.input(x) {
@@ -126,7 +123,7 @@ impl Preisach {
     }
 }
 
-/// Refuses levels that do not rise.
+/// Returns an error unless the levels are ascending.
 fn check(levels: &[f64]) -> Result<(), Error> {
     finite("levels", levels)?;
     if !(2..=MOST + 1).contains(&levels.len()) {
@@ -136,7 +133,7 @@ fn check(levels: &[f64]) -> Result<(), Error> {
     match levels.windows(2).position(|w| w[0] >= w[1]) {
         None => Ok(()),
         Some(k) => {
-            let rule = format!("must be above levels[{k}] = {}: levels rise", levels[k]);
+            let rule = format!("must be above levels[{k}] = {}: levels must be ascending", levels[k]);
             Err(Error::parameter(format!("levels[{}]", k + 1), levels[k + 1], rule))
         }
     }
@@ -254,9 +251,9 @@ fn hysteresis_ahead(x: hysteresis, u) {
 }
 ";
 
-/// The responses of a slope and of each cell alone.
+/// The responses of the feed-through and of each cell.
 ///
-/// State: as [`memory`] says, the value being one number a cell.
+/// State: see [`memory`]; the value has one number per cell.
 #[derive(Debug, Clone, PartialEq)]
 struct CellBasis {
     ts: f64,
@@ -313,7 +310,7 @@ impl Basis for CellBasis {
     /// Second differences of the density along both axes and along the diagonals.
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         let n = self.grid.rows();
-        // A cell on the diagonal is half a cell.
+        // A cell on the diagonal has half the area.
         let density = |i: usize, j: usize, factor: f64| (1 + cell(i, j), if i == j { 2.0 * factor } else { factor });
         let mut rows = Vec::new();
         for i in 0..n {
@@ -321,15 +318,8 @@ impl Basis for CellBasis {
                 for (di, dj) in [(1, 0), (0, 1), (1, 1)] {
                     let before = i.checked_sub(di).zip(j.checked_sub(dj)).filter(|(i, j)| j <= i);
                     let (after_i, after_j) = (i + di, j + dj);
-                    if let Some((before_i, before_j)) = before
-                        && after_i < n
-                        && after_j <= after_i
-                    {
-                        rows.push(vec![
-                            density(before_i, before_j, 1.0),
-                            density(i, j, -2.0),
-                            density(after_i, after_j, 1.0),
-                        ]);
+                    if let Some((i0, j0)) = before.filter(|_| after_i < n && after_j <= after_i) {
+                        rows.push(vec![density(i0, j0, 1.0), density(i, j, -2.0), density(after_i, after_j, 1.0)]);
                     }
                 }
             }
@@ -352,7 +342,7 @@ impl Basis for CellBasis {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::same_as_a_program;
+    use super::super::tests::check_program;
     use super::*;
     use crate::testing::assert_close;
     use std::f64::consts::TAU;
@@ -361,28 +351,29 @@ mod tests {
         (0..n).map(|t| 14.0 * (t as f64 * 0.11).sin() + 13.0 * (t as f64 * 0.37).sin() - 3.0).collect()
     }
 
+    fn basis(range: (f64, f64), rows: usize) -> CellBasis {
+        CellBasis::new(&BasisDesign { ts: 1e-3, range, elements: Some(rows), frequencies: Vec::new() }).unwrap()
+    }
+
     #[test]
     fn the_block_is_the_weighted_sum_of_its_cells() {
-        let design = BasisDesign { ts: 1e-3, range: (-20.0, 31.0), elements: Some(9), frequencies: Vec::new() };
-        let cells = CellBasis::new(&design).unwrap();
+        let cells = basis((-20.0, 31.0), 9);
         let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| 0.1 + (k as f64 * 2.3).sin().abs()).collect();
         let block = cells.operator(&weights).unwrap();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; Basis::len(&cells)]);
-        let sums: Vec<f64> = wander(2000)
-            .iter()
-            .map(|&u| {
-                Basis::step(&cells, &mut x, u, &mut phi);
-                phi.iter().zip(&weights).map(|(phi, w)| phi * w).sum()
-            })
-            .collect();
+        let sum = |&u: &f64| {
+            Basis::step(&cells, &mut x, u, &mut phi);
+            phi.iter().zip(&weights).map(|(phi, w)| phi * w).sum()
+        };
+        let sums: Vec<f64> = wander(2000).iter().map(sum).collect();
         assert_close(&sums, &block.simulate(&wander(2000)), 0.0, 1e-10);
     }
 
     #[test]
-    fn a_block_is_what_a_crowd_of_relays_does() {
+    fn the_block_approximates_a_sum_of_many_relays() {
         let example = (OPERATOR.example)(1e-3).unwrap();
         let p: PreisachParams = parse("preisach", Value::Object(example.params())).unwrap();
-        // 60 x 60 relays a cell, each by the book: up beyond alpha, down beyond beta, at rest up where alpha + beta < 0.
+        // 60 x 60 relays per cell: up above alpha, down below beta, at rest up where alpha + beta < 0.
         let (n, m) = (p.levels.len() - 1, 60);
         let mut relays = Vec::new();
         for i in 0..n {
@@ -399,20 +390,15 @@ mod tests {
         }
         let at_rest: f64 = relays.iter().filter(|r| r.3).map(|r| r.2).sum();
         let u = wander(150);
-        let z: Vec<f64> = u
-            .iter()
-            .map(|&u| {
-                for (alpha, beta, _, up) in &mut relays {
-                    *up = u >= *alpha || (*up && u > *beta);
-                }
-                p.slope * u + relays.iter().filter(|r| r.3).map(|r| r.2).sum::<f64>() - at_rest
-            })
-            .collect();
-        assert_close(&z, &example.simulate(&u), 0.0, 0.03);
+        let step = |&u: &f64| {
+            relays.iter_mut().for_each(|(alpha, beta, _, up)| *up = u >= *alpha || (*up && u > *beta));
+            p.slope * u + relays.iter().filter(|r| r.3).map(|r| r.2).sum::<f64>() - at_rest
+        };
+        assert_close(&u.iter().map(step).collect::<Vec<_>>(), &example.simulate(&u), 0.0, 0.03);
     }
 
     #[test]
-    fn a_ring_down_longer_than_the_memory_ends_where_it_should() {
+    fn a_ring_down_longer_than_the_memory_ends_at_the_right_value() {
         let example = (OPERATOR.example)(1e-3).unwrap();
         let ring = |n: usize| {
             let shrinking = |t: usize| 29.0 * (1.0 - t as f64 / n as f64) * (TAU * t as f64 / 4.0).sin();
@@ -423,16 +409,15 @@ mod tests {
     }
 
     #[test]
-    fn as_a_program_it_forgets_what_it_forgets_here() {
+    fn the_program_is_bit_identical_when_the_memory_is_full() {
         let shrinking = |t: usize| 29.0 * (1.0 - t as f64 / 700.0) * (TAU * t as f64 / 4.0).sin();
         let u: Vec<f64> = (0..700).map(shrinking).chain(wander(300)).chain((0..200).map(shrinking)).collect();
-        same_as_a_program(&*(OPERATOR.example)(1e-3).unwrap(), &u);
+        check_program(&*(OPERATOR.example)(1e-3).unwrap(), &u);
     }
 
     #[test]
-    fn a_narrow_range_far_from_rest_is_as_exact_as_any() {
-        let design = BasisDesign { ts: 1e-3, range: (-68.5, -68.4), elements: Some(7), frequencies: Vec::new() };
-        let cells = CellBasis::new(&design).unwrap();
+    fn a_narrow_range_far_from_rest_is_as_accurate_as_others() {
+        let cells = basis((-68.5, -68.4), 7);
         let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k > 0))).collect();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; weights.len()]);
         Basis::step(&cells, &mut x, -68.43, &mut phi);
@@ -441,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_that_do_not_rise_are_refused() {
+    fn levels_that_are_not_ascending_are_an_error() {
         let load = |levels: &str| {
             let text = format!(r#"{{"range": [0, 1], "slope": 1, "levels": {levels}, "weights": [1]}}"#);
             (OPERATOR.load)(serde_json::from_str(&text).unwrap(), 1.0).map(|_| ()).map_err(|e| e.to_string())

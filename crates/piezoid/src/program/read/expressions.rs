@@ -1,4 +1,4 @@
-//! Expressions: what binds tighter comes first, and whole numbers keep to themselves.
+//! Reading expressions by precedence; integers and real numbers do not mix.
 
 use super::{Read, Reader};
 use crate::program::tokens::Token;
@@ -21,7 +21,7 @@ impl Reader<'_> {
         Ok(Place { root, path, index })
     }
 
-    /// What stands at a place.
+    /// Type of the value at a place.
     pub(super) fn kind_at(&self, place: &Place) -> Read<ValueType> {
         let Some(kind) = self.kind(&place.root).cloned() else {
             return self.wrong(format!("`{}` is not known", place.root));
@@ -30,7 +30,7 @@ impl Reader<'_> {
         match (&place.index, kind) {
             (None, kind) => Ok(kind),
             (Some(index), ValueType::Array(_)) if index.whole() => Ok(ValueType::Real),
-            (Some(_), kind) => self.wrong(format!("{kind:?} is counted off by what is not whole")),
+            (Some(_), kind) => self.wrong(format!("{kind:?} has no such index")),
         }
     }
 
@@ -59,7 +59,7 @@ impl Reader<'_> {
             self.expect(sign)?;
             let right = self.binary(op.binds() + 1)?;
             if op.binds() > Op::And.binds() && left.whole() != right.whole() {
-                return self.wrong(format!("`{sign}` joins a whole number to one that is not"));
+                return self.wrong(format!("`{sign}` mixes an integer and a real number"));
             }
             left = match (op, &left, &right) {
                 (Op::Divide, Expr::Real(a), Expr::Real(b)) => Expr::Real(a / b),
@@ -84,7 +84,7 @@ impl Reader<'_> {
             self.expect(")")?;
             return Ok(inner);
         }
-        match self.words.get(self.at) {
+        match self.tokens.get(self.at) {
             Some(Token::Real(value)) => {
                 self.at += 1;
                 Ok(Expr::Real(*value))
@@ -93,11 +93,11 @@ impl Reader<'_> {
                 self.at += 1;
                 Ok(Expr::Integer(*value))
             }
-            Some(Token::Name(name)) if matches!(self.words.get(self.at + 1), Some(Token::Sign("("))) => {
+            Some(Token::Name(name)) if matches!(self.tokens.get(self.at + 1), Some(Token::Sign("("))) => {
                 let name = name.clone();
                 self.at += 2;
                 let gives = self.program.function(&name).is_none_or(|f| !f.returns.is_empty());
-                if gives { self.call(name) } else { self.wrong(format!("`{name}` gives nothing")) }
+                if gives { self.call(name) } else { self.wrong(format!("`{name}` returns nothing")) }
             }
             Some(Token::Name(_)) => self.named(),
             _ => self.wrong("a number is missing"),
@@ -114,7 +114,7 @@ impl Reader<'_> {
         }
         if name == "real" || name == "whole" {
             if arguments.len() != 1 || arguments[0].whole() != (name == "real") {
-                return self.wrong(format!("`{name}` converts one number of the other kind"));
+                return self.wrong(format!("`{name}` converts one number of the other type"));
             }
             return Ok(Expr::Call(name, arguments));
         }
@@ -130,7 +130,7 @@ impl Reader<'_> {
                 (kind, argument) => argument.whole() == (*kind == ValueType::Integer),
             };
             if !fits {
-                return self.wrong(format!("`{name}` takes another {}", parameter.name));
+                return self.wrong(format!("`{name}` takes another type of `{}`", parameter.name));
             }
             if let (true, Expr::Part(place)) = (parameter.changed, argument) {
                 self.changed.push(place.root.clone());
@@ -139,7 +139,7 @@ impl Reader<'_> {
         Ok(Expr::Call(name, arguments))
     }
 
-    /// A variable, a field, a constant, a count, or a property of numbers.
+    /// A variable, a field, a constant, an integer, or a property of the precision.
     fn named(&mut self) -> Read<Expr> {
         let place = self.place()?;
         let name = &place.root;
@@ -151,7 +151,7 @@ impl Reader<'_> {
                 }
                 ValueType::Real => Ok(Expr::At(place)),
                 ValueType::Part(_) => Ok(Expr::Part(place)),
-                ValueType::Array(_) => self.wrong(format!("`{name}` is several numbers")),
+                ValueType::Array(_) => self.wrong(format!("`{name}` is an array: give an index")),
             };
         }
         let number = self.program.blocks.len() - 1;
@@ -162,7 +162,9 @@ impl Reader<'_> {
         if let Some(constant) = block.constants.iter().find(|c| c.name == *name) {
             return match constant.table == place.index.is_some() {
                 true => Ok(Expr::Constant(number, place.root, place.index)),
-                false => self.wrong(format!("`{name}` is a table, or is none")),
+                false => {
+                    self.wrong(format!("`{name}` is a table without an index, or has an index and is not a table"))
+                }
             };
         }
         match name.as_str() {

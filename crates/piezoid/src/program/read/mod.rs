@@ -1,4 +1,4 @@
-//! Reading functions: steps and expressions out of words, each name known before it is used.
+//! Reading functions: statements and expressions from tokens; each name must be known before it is used.
 
 mod expressions;
 
@@ -8,11 +8,11 @@ use crate::error::Error;
 
 /// Reads `text` into the last block of `program`.
 pub(super) fn functions(program: &mut Program, text: &str) -> Result<(), Error> {
-    let words = tokens(text)?;
+    let tokens = tokens(text)?;
     let mut at = 0;
-    while at < words.len() {
+    while at < tokens.len() {
         let mut reader =
-            Reader { program, words: &words, at, names: Vec::new(), changed: Vec::new(), within: String::new() };
+            Reader { program, tokens: &tokens, at, names: Vec::new(), changed: Vec::new(), within: String::new() };
         let function = reader.function()?;
         at = reader.at;
         program.functions.push(function);
@@ -22,13 +22,13 @@ pub(super) fn functions(program: &mut Program, text: &str) -> Result<(), Error> 
 
 struct Reader<'r> {
     program: &'r Program,
-    words: &'r [Token],
+    tokens: &'r [Token],
     at: usize,
-    /// What names stand for, the innermost last.
+    /// Types of the known names, the innermost last.
     names: Vec<(String, ValueType)>,
-    /// Names of states that are changed.
+    /// Names of changed variables and states.
     changed: Vec<String>,
-    /// The function being read.
+    /// Name of the present function.
     within: String,
 }
 
@@ -37,19 +37,19 @@ type Read<T> = Result<T, Error>;
 impl Reader<'_> {
     fn wrong<T>(&self, what: impl std::fmt::Display) -> Read<T> {
         let near: Vec<String> =
-            self.words[self.at.saturating_sub(3)..].iter().take(6).map(|w| format!("{w:?}")).collect();
+            self.tokens[self.at.saturating_sub(3)..].iter().take(6).map(|t| format!("{t:?}")).collect();
         Err(Error::Content(format!("program, fn {}: {what}, near {}", self.within, near.join(" "))))
     }
 
     fn is(&self, sign: &str) -> bool {
-        match self.words.get(self.at) {
+        match self.tokens.get(self.at) {
             Some(Token::Sign(s)) => *s == sign,
             Some(Token::Name(name)) => name == sign,
             _ => false,
         }
     }
 
-    /// Passes `sign` if it comes next.
+    /// Consumes `sign` if it comes next.
     fn pass(&mut self, sign: &str) -> bool {
         let is = self.is(sign);
         self.at += usize::from(is);
@@ -61,7 +61,7 @@ impl Reader<'_> {
     }
 
     fn name(&mut self) -> Read<String> {
-        match self.words.get(self.at) {
+        match self.tokens.get(self.at) {
             Some(Token::Name(name)) => {
                 self.at += 1;
                 Ok(name.clone())
@@ -76,7 +76,7 @@ impl Reader<'_> {
 
     fn introduce(&mut self, name: &str, kind: ValueType) -> Read<()> {
         if self.kind(name).is_some() {
-            return self.wrong(format!("`{name}` hides what has that name"));
+            return self.wrong(format!("`{name}` hides another name"));
         }
         self.names.push((name.into(), kind));
         Ok(())
@@ -84,7 +84,7 @@ impl Reader<'_> {
 
     fn function(&mut self) -> Read<Function> {
         let mut about = Vec::new();
-        while let Some(Token::Note(note)) = self.words.get(self.at) {
+        while let Some(Token::Note(note)) = self.tokens.get(self.at) {
             about.push(note.clone());
             self.at += 1;
         }
@@ -92,7 +92,7 @@ impl Reader<'_> {
         let name = self.name()?;
         self.within = name.clone();
         if self.program.function(&name).is_some() {
-            return self.wrong("there is another one of that name");
+            return self.wrong("there is already a function with this name");
         }
         self.expect("(")?;
         let mut takes = Vec::new();
@@ -125,7 +125,7 @@ impl Reader<'_> {
         }
         self.expect("}")?;
         if returns.len() > 2 {
-            return self.wrong("two numbers are the most that a function may return");
+            return self.wrong("a function may return at most two numbers");
         }
         for parameter in &mut takes {
             parameter.changed = self.changed.contains(&parameter.name);
@@ -145,7 +145,7 @@ impl Reader<'_> {
     }
 
     fn step(&mut self) -> Read<Statement> {
-        if let Some(Token::Note(note)) = self.words.get(self.at) {
+        if let Some(Token::Note(note)) = self.tokens.get(self.at) {
             self.at += 1;
             return Ok(Statement::Note(note.clone()));
         }
@@ -156,14 +156,14 @@ impl Reader<'_> {
             return self.choice();
         }
         if self.pass("while") {
-            return Ok(Statement::While(self.asked()?, self.steps()?));
+            return Ok(Statement::While(self.condition()?, self.steps()?));
         }
         if self.pass("for") {
             let name = self.name()?;
             self.expect("in")?;
             let (from, _, to) = (self.expr()?, self.expect("..")?, self.expr()?);
             if !from.whole() || !to.whole() {
-                return self.wrong("the ends of a loop must be whole");
+                return self.wrong("the ends of a loop must be integers");
             }
             let down = self.pass("down");
             let known = self.names.len();
@@ -172,7 +172,7 @@ impl Reader<'_> {
             self.names.truncate(known);
             return Ok(Statement::For { name, from, to, down, steps });
         }
-        if matches!(self.words.get(self.at + 1), Some(Token::Sign("("))) {
+        if matches!(self.tokens.get(self.at + 1), Some(Token::Sign("("))) {
             let name = self.name()?;
             self.expect("(")?;
             let call = self.call(name)?;
@@ -191,20 +191,22 @@ impl Reader<'_> {
         if self.pass("[") {
             self.expr()?;
             self.expect(";")?;
-            let Expr::Integer(n) = self.expr()? else { return self.wrong("room is for a known number of numbers") };
+            let Expr::Integer(n) = self.expr()? else { return self.wrong("the length of an array must be constant") };
             self.expect("]")?;
             self.expect(";")?;
             self.introduce(&names[0], ValueType::Array(n))?;
             return Ok(Statement::Array(names[0].clone(), n));
         }
-        for (word, zero) in [("copy", false), ("zero", true)] {
-            if self.is(word) {
+        for (function, zero) in [("copy", false), ("zero", true)] {
+            if self.is(function) {
                 self.at += 1;
                 self.expect("(")?;
                 let of = self.place()?;
                 self.expect(")")?;
                 self.expect(";")?;
-                let ValueType::Part(block) = self.kind_at(&of)? else { return self.wrong("only a state is copied") };
+                let ValueType::Part(block) = self.kind_at(&of)? else {
+                    return self.wrong("only a state can be copied");
+                };
                 let name = names[0].clone();
                 self.introduce(&name, ValueType::Part(block.clone()))?;
                 return Ok(Statement::Copy { name, of, block, zero });
@@ -221,13 +223,13 @@ impl Reader<'_> {
             _ => 1,
         };
         if gives != names.len() {
-            return self.wrong(format!("{} names for {gives} numbers", names.len()));
+            return self.wrong(format!("{} names for {gives} values", names.len()));
         }
         Ok(Statement::Let(names, value))
     }
 
-    /// What holds or not, and changes nothing by being asked.
-    fn asked(&mut self) -> Read<Expr> {
+    /// A condition, which must not have side effects.
+    fn condition(&mut self) -> Read<Expr> {
         let changed = self.changed.len();
         let holds = self.expr()?;
         if self.changed.len() > changed { self.wrong("a condition changes a state") } else { Ok(holds) }
@@ -235,7 +237,7 @@ impl Reader<'_> {
 
     fn choice(&mut self) -> Read<Statement> {
         self.expect("if")?;
-        let (holds, yes) = (self.asked()?, self.steps()?);
+        let (holds, yes) = (self.condition()?, self.steps()?);
         let no = match self.pass("else") {
             false => Vec::new(),
             true if self.is("if") => vec![self.choice()?],
@@ -253,7 +255,7 @@ impl Reader<'_> {
                 Expr::Variable(place.root.clone(), false)
             }
             ValueType::Real => Expr::At(place.clone()),
-            _ => return self.wrong("only numbers are changed"),
+            _ => return self.wrong("only a number can be assigned"),
         };
         let op = [("+=", Op::Add), ("-=", Op::Subtract), ("*=", Op::Multiply), ("/=", Op::Divide)];
         let op = op.into_iter().find(|(sign, _)| self.pass(sign));
@@ -263,7 +265,7 @@ impl Reader<'_> {
         let value = self.expr()?;
         self.expect(";")?;
         if value.whole() != (kind == ValueType::Integer) {
-            return self.wrong(format!("`{}` is whole where the other is not", place.root));
+            return self.wrong(format!("the assignment to `{}` mixes an integer and a real number", place.root));
         }
         self.changed.push(place.root.clone());
         let value = match op {

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A bound on what one rounding a term leaves in z = B^-1 A y: the rounding of the terms of (1), through 1/B.
+/// A bound of the rounding error of z = B^-1 A y: one rounding per term of (1), amplified by 1/B.
 fn rounding(block: &Arx, u: &[f64], y: &[f64]) -> f64 {
     let b = &block.b()[block.delay()..];
     let sum = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
@@ -40,7 +40,7 @@ proptest! {
     }
 
     #[test]
-    fn the_whole_record_tells_the_input_away_from_its_ends_wherever_the_zeros_lie(
+    fn the_whole_record_inverse_finds_the_input_away_from_the_ends_for_any_zeros(
         block in arx(
             monic(0.05..0.9f64, 2),
             (monic(0.05..0.8f64, 1), monic(1.25..3.0f64, 1)).prop_map(|(inside, outside)| times(&inside, &outside)),
@@ -48,7 +48,7 @@ proptest! {
         ),
         seed: u64,
     ) {
-        // Two or three zeros of modulus 0.8 forget an end within 150 samples.
+        // With two or three zeros of modulus 0.8 the effect of an end decays within 150 samples.
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let u: Vec<f64> = (0..450).map(|_| 2.0 * random.random::<f64>() - 1.0).collect();
         let y = block.simulate(&u);
@@ -58,15 +58,15 @@ proptest! {
     }
 
     #[test]
-    fn least_squares_finds_a_block_and_its_offset_in_their_own_noise_free_data(
+    fn least_squares_finds_block_and_offset_from_noise_free_data(
         block in arx(monic(0.1..0.95f64, 2), monic(0.1..2.0f64, 1), 2), offset in -100.0..100.0f64,
         seed in 1..1u32 << 11,
     ) {
-        // Where a zero cancels a pole other blocks do the same.
-        let apart = |z: &linear::Root, p: &linear::Root| (z.re - p.re).hypot(z.im.abs() - p.im.abs());
+        // If a zero cancels a pole, the block is not unique.
+        let distance = |z: &linear::Root, p: &linear::Root| (z.re - p.re).hypot(z.im.abs() - p.im.abs());
         let (poles, zeros) = (block.poles(), block.zeros());
-        prop_assume!(poles.iter().all(|p| zeros.iter().all(|z| apart(z, &p.z) > 0.05)));
-        let clustered = |k: usize| poles[..k].iter().any(|p| apart(&p.z, &poles[k].z) < 0.02);
+        prop_assume!(poles.iter().all(|p| zeros.iter().all(|z| distance(z, &p.z) > 0.05)));
+        let clustered = |k: usize| poles[..k].iter().any(|p| distance(&p.z, &poles[k].z) < 0.02);
         prop_assume!(!(0..poles.len()).any(clustered));
 
         let u = Prbs { seed, ..Prbs::default() }.samples(TS, 600).expect("a PRBS");
@@ -90,7 +90,7 @@ fn inverse_b(block: &Arx) -> Vec<f64> {
     std::iter::once(1.0).chain(block.a().iter().map(|a| -a)).map(|c| c / block.b()[0]).collect()
 }
 
-/// f(theta) of the paper in one plain loop.
+/// f(theta) of the paper as a plain loop.
 fn sum_of_absolute_errors(rows: &[f64], theta: &[f64]) -> f64 {
     let mut sum = 0.0;
     for row in rows.chunks_exact(theta.len() + 1) {
@@ -107,7 +107,7 @@ proptest! {
     #![proptest_config(config(96))]
 
     #[test]
-    fn a_particles_cost_is_the_plain_sum_to_the_bit_in_any_company_and_below_its_limit_alone(
+    fn a_particles_cost_is_bit_identical_to_the_plain_sum_in_any_group_and_below_its_limit(
         seed: u64, d in 1..9usize, n in 1..500usize, particles in 1..100usize, group in 1..40usize,
         poisoned in prop::option::of(any::<prop::sample::Index>()),
     ) {
@@ -116,7 +116,7 @@ proptest! {
         let rows: Vec<f64> = (0..n * (d + 1)).map(|_| number()).collect();
         let mut positions: Vec<f64> = (0..particles * d).map(|_| number()).collect();
         let truth: Vec<f64> = positions.chunks_exact(d).map(|theta| sum_of_absolute_errors(&rows, theta)).collect();
-        // A particle that is no number must not disturb the others.
+        // A NaN particle must not affect the others.
         let lost = poisoned.map(|index| index.index(particles));
         if let Some(m) = lost {
             positions[m * d] = f64::NAN;
@@ -150,7 +150,7 @@ proptest! {
             }
         }
         if let Some(m) = lost {
-            prop_assert!(!(together[m] < f64::MAX || limited[m] < limits[m]), "what is no number is no best");
+            prop_assert!(!(together[m] < f64::MAX || limited[m] < limits[m]), "NaN is not the best");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What holds for every block, record and cost, tried on random ones through the public interface.
+//! Properties of all blocks, records and costs, tested on random ones.
 
 mod linear;
 mod models;

@@ -9,7 +9,7 @@ use crate::validation::Metrics;
 use crate::{Model, Record, System, Units};
 use proptest::prelude::*;
 
-/// Any finite number there is, and often one that decimals cannot hold.
+/// Any finite number, often one that is not a finite decimal.
 fn finite() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<u64>().prop_map(f64::from_bits).prop_filter("finite", |v| v.is_finite()),
@@ -22,7 +22,7 @@ proptest! {
     #![proptest_config(config(128))]
 
     #[test]
-    fn a_model_survives_its_file_to_the_bit(
+    fn a_model_is_bit_identical_after_its_file(
         operators in operators(),
         a in prop::collection::vec(finite(), 0..5), b in prop::collection::vec(finite(), 1..5),
         offset in finite(), ts in 1e-9..1e6f64, unit in "[a-zA-Z\u{b5}\"\\\\ ]{0,6}", u in drive(1..40),
@@ -30,7 +30,7 @@ proptest! {
         prop_assume!(b.iter().any(|b| *b != 0.0));
         let units = Units { u: "V".into(), y: unit };
         for operator in operators {
-            // Any sampling period, but that of both blocks.
+            // Any sampling period, the same for both blocks.
             let again = (operator.operator().load)(serde_json::Value::Object(operator.params()), ts).expect("its own");
             let linear = Arx::new(ts, a.clone(), b.clone()).expect("a block");
             let made = serde_json::json!({"seed": 1, "x": offset});
@@ -49,10 +49,10 @@ proptest! {
     }
 
     #[test]
-    fn two_branches_know_the_order_of_inputs_and_not_their_timing(
+    fn two_branches_depend_on_the_order_of_inputs_not_on_their_timing(
         branches in branches(), steps in prop::collection::vec((-40.0..40.0f64, 1..6usize, any::<bool>()), 1..60),
     ) {
-        // The same turning points, each held for a while and reached by way of a point between.
+        // The same reversal points, each held for a while and reached via an intermediate point.
         let (mut u, mut slow, mut places) = (Vec::new(), Vec::new(), Vec::new());
         for (value, held, by_way) in steps {
             if let (Some(before), true) = (u.last(), by_way) {
@@ -64,7 +64,7 @@ proptest! {
         }
         let quick = TwoBranch::new(TS, branches.clone(), HeldInput::Held).expect("a block");
         let patient = TwoBranch::new(1.0, branches, HeldInput::Held).expect("a block");
-        // Settled at the first input, since the way there from rest has a direction of its own.
+        // Settled at the first input, because the path from rest has its own direction.
         let run = |block: &TwoBranch, u: &[f64]| block.resume(&mut block.settled(u[0]), u);
         let z = run(&patient, &slow);
         let at_places: Vec<f64> = places.iter().map(|&t| z[t]).collect();
@@ -72,7 +72,7 @@ proptest! {
     }
 
     #[test]
-    fn two_branches_read_the_branch_of_the_direction_and_stay_between_both(
+    fn two_branches_use_the_branch_of_the_direction_and_stay_between_both(
         branches in branches(), u in drive(2..60),
     ) {
         for reading in [HeldInput::Held, HeldInput::Printed] {
@@ -95,14 +95,15 @@ proptest! {
         branches in branches(), low in 0.1..50.0f64, factor in 1.01..100.0f64, u in drive(2..80),
     ) {
         let pair = |frequency_hz| Pair { frequency_hz, branches: branches.clone() };
-        let scheduled = RateScheduled::new(TS, vec![pair(low), pair(low * factor)], HeldInput::Held).expect("two frequencies");
+        let pairs = vec![pair(low), pair(low * factor)];
+        let scheduled = RateScheduled::new(TS, pairs, HeldInput::Held).expect("two frequencies");
         let z = TwoBranch::new(TS, branches.clone(), HeldInput::Held).expect("a block").simulate(&u);
-        // (1 - s) z + s z is z but for its rounding.
+        // (1 - s) z + s z is z except for rounding.
         assert_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
     }
 
     #[test]
-    fn figures_of_merit_ignore_offset_and_unit(
+    fn figures_of_merit_do_not_depend_on_offset_and_unit(
         samples in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 3..60),
         offset in -10.0..10.0f64, k in 1e-6..1e6f64,
     ) {
@@ -125,7 +126,7 @@ proptest! {
     }
 
     #[test]
-    fn parts_that_meet_make_the_whole_record(
+    fn adjacent_parts_make_the_whole_record(
         n in 2..400usize, ts in prop_oneof![1e-7..10.0f64, Just(5e-4), Just(0.005), Just(1.0 / 3.0)],
         cuts in any::<(prop::sample::Index, prop::sample::Index)>(),
     ) {
@@ -133,24 +134,24 @@ proptest! {
         let units = Units { u: "cmdV".into(), y: "mm".into() };
         let record = Record::new(ts, u.clone(), u.iter().map(|u| -u).collect()).expect("a record").with_units(units);
         let at = 1 + cuts.0.index(n - 1);
-        // The time of a sample, however it rounds, is that sample.
+        // The time of a sample, with any rounding, is that sample.
         let (before, after) = (record.part(0.0, at as f64 * ts), record.part(at as f64 * ts, f64::INFINITY));
         let (before, after) = (before.expect("samples before"), after.expect("samples after"));
         prop_assert_eq!((before.u(), after.u()), (&u[..at], &u[at..]));
         prop_assert_eq!([before.y(), after.y()].concat(), record.y());
         prop_assert_eq!((before.ts(), after.units()), (ts, record.units()));
-        // A part of a part counts from the part's own start.
+        // Times of a part of a part are relative to the part's start.
         let again = cuts.1.index(after.len());
         let inner = after.part(again as f64 * ts, f64::INFINITY).expect("at least the last sample");
         prop_assert_eq!(inner.u(), &u[at + again..]);
     }
 
     #[test]
-    fn what_a_driver_follows_is_within_its_limits(
+    fn a_clipped_drive_is_within_the_limits(
         u in drive(1..80), low in -40.0..-1.0f64, high in 1.0..40.0f64, which in any::<[bool; 4]>(), ts in 1e-6..1.0f64,
         slew in 0.1..60.0f64, charge in 0.1..60.0f64, capacitance in 1e-9..1e-4f64,
     ) {
-        // Slew and current are such that a step of some volts reaches them.
+        // A step of a few volts reaches the limits of slew and current.
         let limits = Limits {
             low: which[0].then_some(low),
             high: which[1].then_some(high),
@@ -162,7 +163,7 @@ proptest! {
         prop_assert_eq!(clipped.len(), u.len());
         let usage = limits.refuse(&clipped, ts);
         prop_assert!(usage.is_ok(), "{:?}", usage);
-        // What is within them is left alone.
+        // A drive within the limits is not changed.
         if limits.refuse(&u, ts).is_ok() {
             assert_close("u", &clipped, &u, 0.0, 1e-5 * largest(&u));
         }

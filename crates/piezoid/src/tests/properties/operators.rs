@@ -1,4 +1,4 @@
-//! Operators that sum weighted responses, with random thresholds and weights, and bases of random designs.
+//! Operators that are weighted sums of responses, with random thresholds and weights, and bases of random designs.
 
 use super::strategies::*;
 use crate::hysteresis::*;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
 
-/// Thresholds that rise from above zero, and a weight each that is not negative, after that of the input.
+/// Rising positive thresholds, with a non-negative weight each after that of the input.
 fn elements() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     (prop::collection::vec((0.01..5.0f64, 0.0..1.0f64), 1..40), 0.0..1.0f64).prop_map(|(steps, first)| {
         let (steps, weights): (Vec<f64>, Vec<f64>) = steps.into_iter().unzip();
@@ -33,8 +33,8 @@ proptest! {
     #![proptest_config(config(128))]
 
     #[test]
-    fn stops_and_plays_of_the_same_thresholds_are_one(elements in elements(), u in drive(1..80)) {
-        // u - w s = u - w (u - p): the weights of the plays, and what is left of the input.
+    fn stops_and_plays_with_the_same_thresholds_are_equivalent(elements in elements(), u in drive(1..80)) {
+        // u - w s = u - w (u - p): the weights of the plays, and the remaining weight of the input.
         let (thresholds, weights) = elements.clone();
         let rest = weights[0] - weights[1..].iter().sum::<f64>();
         let plays = block("prandtl-ishlinskii", &(thresholds, [&[rest], &weights[1..]].concat()));
@@ -43,7 +43,7 @@ proptest! {
     }
 
     #[test]
-    fn plays_lag_behind_the_input_within_their_thresholds_and_forget_what_is_passed(
+    fn plays_lag_within_their_thresholds_and_wipe_out_history(
         elements in elements(), u in drive(1..60), inside in drive(1..30),
     ) {
         let plays = block("prandtl-ishlinskii", &elements);
@@ -53,7 +53,7 @@ proptest! {
         for (u, z) in u.iter().zip(plays.simulate(&u)) {
             prop_assert!((z - gain * u).abs() <= most + 1e-12 * gain * 35.0, "{z} at {u}");
         }
-        // After the highest and the lowest of all, what was before is forgotten.
+        // After the highest and the lowest input, history is wiped out.
         let end = [35.0, -35.0];
         let after = |before: &[f64]| plays.simulate(&[before, &end, &u].concat())[before.len() + 2..].to_vec();
         if thresholds.iter().all(|r| *r <= 35.0) {
@@ -62,7 +62,7 @@ proptest! {
     }
 
     #[test]
-    fn kernels_of_weights_that_are_not_negative_rise_with_the_input(
+    fn kernels_with_non_negative_weights_rise_with_the_input(
         ridge in 0.1..40.0f64, weights in prop::collection::vec(0.0..1.0f64, 15), u in drive(2..60),
     ) {
         let levels: Vec<f64> = (0..5).map(|i| -28.0 + 14.0 * f64::from(i)).collect();
@@ -88,7 +88,7 @@ proptest! {
         let u: Vec<f64> = places.iter().map(|place| low + width * place).collect();
         for (u, z) in u.iter().zip(block.simulate(&u)) {
             let (a, d) = (sides.ascending(*u), sides.descending(*u));
-            // Where the spline of the distance undershoots, the loop is closed at the middle.
+            // If the spline of the distance undershoots, the loop is closed at its middle.
             prop_assert!(a.min(d) - 1e-9 * width <= z && z <= a.max(d) + 1e-9 * width, "{z} at {u}");
         }
     }
@@ -115,7 +115,7 @@ proptest! {
             let sums: Vec<f64> = u.iter().map(sum).collect();
             let scaled: Vec<f64> = weights.iter().map(|w| k * w).collect();
             if row.name == "tellinen" && scaled[0] <= 0.0 {
-                continue; // its branches must not change places
+                continue; // its branches must not be exchanged
             }
             let z = basis.operator(&scaled).expect("weights").simulate(&u);
             let scale = width * basis.len() as f64;

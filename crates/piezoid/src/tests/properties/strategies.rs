@@ -1,4 +1,4 @@
-//! What the random ones are drawn from.
+//! Strategies for random inputs, blocks and operators.
 
 use crate::hysteresis::*;
 use crate::linear::Arx;
@@ -30,7 +30,7 @@ pub(crate) fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
     product
 }
 
-/// 1 + c1 q^-1 + ... with up to `pairs` pairs of roots of the moduli given, and up to one real root.
+/// 1 + c1 q^-1 + ... with up to `pairs` pairs of roots of the given moduli, and up to one real root.
 pub(crate) fn monic(modulus: impl Strategy<Value = f64> + Clone, pairs: usize) -> impl Strategy<Value = Vec<f64>> {
     let pair = (modulus.clone(), 0.05..3.1f64).prop_map(|(r, angle)| vec![1.0, -2.0 * r * angle.cos(), r * r]);
     let real = (modulus, any::<bool>()).prop_map(|(r, negative)| vec![1.0, if negative { r } else { -r }]);
@@ -38,7 +38,7 @@ pub(crate) fn monic(modulus: impl Strategy<Value = f64> + Clone, pairs: usize) -
         .prop_map(|(pairs, real)| pairs.iter().chain(&real).fold(vec![1.0], |product, factor| times(&product, factor)))
 }
 
-/// A block of the given poles and zeros with a gain of either sign, its input up to `late` samples late.
+/// A block of the given poles and zeros with a gain of either sign, and a delay of up to `late` samples.
 pub(crate) fn arx(
     poles: impl Strategy<Value = Vec<f64>>,
     zeros: impl Strategy<Value = Vec<f64>>,
@@ -56,13 +56,13 @@ pub(crate) fn stable() -> impl Strategy<Value = Arx> {
     arx(monic(0.05..0.97f64, 3), monic(0.05..2.0f64, 2), 3)
 }
 
-/// Voltages that move both ways and stand still for some samples.
+/// Voltages that rise, fall and stay constant for some samples.
 pub(crate) fn drive(n: std::ops::Range<usize>) -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec((-35.0..35.0f64, 1..4usize), n)
         .prop_map(|steps| steps.into_iter().flat_map(|(u, held)| std::iter::repeat_n(u, held)).collect())
 }
 
-/// Knots from -30 to 30 V, as both branches need the same ends.
+/// Knots from -30 to 30 V, because both branches need the same ends.
 pub(crate) fn knots() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     prop::collection::vec((0.01..10.0f64, -40.0..40.0f64), 2..9).prop_map(|steps| {
         let whole: f64 = steps[1..].iter().map(|(step, _)| step).sum();
@@ -80,7 +80,7 @@ pub(crate) fn branches() -> impl Strategy<Value = Branches> {
     (knots(), knots()).prop_map(|(up, down)| Branches::new(up, down).expect("branches"))
 }
 
-/// One of every kind, random where it has a random form.
+/// One operator of every kind, random if possible.
 pub(crate) fn operators() -> impl Strategy<Value = Vec<Arc<dyn Hysteresis>>> {
     (branches(), branches(), -5.0..5.0f64).prop_map(|(low, high, gain)| {
         let pair = |frequency_hz, branches: &Branches| Pair { frequency_hz, branches: branches.clone() };

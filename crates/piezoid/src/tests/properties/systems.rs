@@ -1,12 +1,12 @@
-//! Every system is a step repeated, and may be cut anywhere.
+//! The contract of every system: a run is repeated steps, and can be split anywhere.
 
 use super::strategies::*;
 use crate::plant::{PLANTS, Plant};
 use crate::{Model, System};
 use proptest::prelude::*;
 
-/// The contract of every system: a run is repeated steps, from a state of the right length, and may be cut anywhere.
-fn keeps_its_contract(system: &dyn System, u: &[f64], cuts: (prop::sample::Index, prop::sample::Index)) {
+/// Asserts that a run is repeated steps, from a state of the right length, and can be split anywhere.
+fn assert_contract(system: &dyn System, u: &[f64], cuts: (prop::sample::Index, prop::sample::Index)) {
     let whole = system.simulate(u);
     assert_eq!((system.initial().len(), system.settled(1.0).len()), (system.order(), system.order()), "{system:?}");
 
@@ -19,7 +19,7 @@ fn keeps_its_contract(system: &dyn System, u: &[f64], cuts: (prop::sample::Index
     let mut state = system.initial();
     let mut parts = Vec::new();
     for part in [&u[..first], &u[first..second], &u[second..]] {
-        // Only the numbers in the state go on.
+        // Only the numbers in the state are carried over.
         let mut carried: Vec<f64> = state.iter().map(|v| f64::from_bits(v.to_bits())).collect();
         parts.extend(system.resume(&mut carried, part));
         state = carried;
@@ -36,21 +36,21 @@ proptest! {
     #![proptest_config(config(128))]
 
     #[test]
-    fn linear_blocks_and_their_inverses_run_as_repeated_steps_and_may_be_cut_anywhere(
+    fn linear_blocks_and_their_inverses_keep_the_contract(
         block in stable(), invertible in arx(monic(0.05..0.97f64, 3), monic(0.05..0.95f64, 2), 0),
         u in drive(1..60), cuts in cuts(),
     ) {
-        keeps_its_contract(&block, &u, cuts);
-        keeps_its_contract(&invertible.inverse().expect("its zeros are inside"), &u, cuts);
+        assert_contract(&block, &u, cuts);
+        assert_contract(&invertible.inverse().expect("its zeros are inside"), &u, cuts);
     }
 
     #[test]
-    fn operators_and_models_of_them_run_as_repeated_steps_and_may_be_cut_anywhere(
+    fn operators_and_their_models_keep_the_contract(
         operators in operators(), linear in stable(), offset in -10.0..10.0f64, u in drive(1..60), cuts in cuts(),
     ) {
         for operator in operators {
-            keeps_its_contract(&*operator, &u, cuts);
-            keeps_its_contract(&Model::new(operator, linear.clone(), offset).expect("a model"), &u, cuts);
+            assert_contract(&*operator, &u, cuts);
+            assert_contract(&Model::new(operator, linear.clone(), offset).expect("a model"), &u, cuts);
         }
     }
 }
@@ -59,10 +59,10 @@ proptest! {
     #![proptest_config(config(6))]
 
     #[test]
-    fn plants_run_as_repeated_steps_and_may_be_cut_anywhere(u in drive(20..60), seed: u64, cuts in cuts()) {
+    fn plants_keep_the_contract(u in drive(20..60), seed: u64, cuts in cuts()) {
         for preset in PLANTS {
             let plant = Plant::new(&(preset.spec)(), TS).expect("a plant").with_seed(seed);
-            keeps_its_contract(&plant, &u, cuts);
+            assert_contract(&plant, &u, cuts);
             prop_assert_eq!(plant.run(&u).y, plant.simulate(&u));
         }
     }
