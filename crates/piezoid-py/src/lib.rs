@@ -1,5 +1,5 @@
-//! What Python calls: one file a subject, each of which converts and calls the library. What it is to a user of Python stands in
-//! `python/piezoid`, beside its types.
+//! What Python calls: one file a subject, each of which converts and calls the library. What it is to a user of Python
+//! stands in `python/piezoid`, beside its types.
 
 mod compensation;
 mod control;

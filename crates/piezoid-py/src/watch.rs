@@ -32,8 +32,8 @@ pub(crate) fn in_pieces(
     Ok(y)
 }
 
-/// Does `work` here. A forked process has none of the threads that its parent's pool started, and would wait for them for ever: in one,
-/// each thread works alone.
+/// Does `work` here. A forked process has none of the threads that its parent's pool started, and would wait for them
+/// for ever: in one, each thread works alone.
 fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static FIRST: OnceLock<u32> = OnceLock::new();
     thread_local! {
@@ -48,8 +48,8 @@ fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
-/// Does `work` without the interpreter's lock. `progress`, if any, is called with what is done, how far, and of how much; what it
-/// raises ends the work, as Ctrl-C does.
+/// Does `work` without the interpreter's lock. `progress`, if any, is called with what is done, how far, and of how
+/// much; what it raises ends the work, as Ctrl-C does.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,

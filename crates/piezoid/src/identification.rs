@@ -60,8 +60,9 @@ options! {
     pub struct IdentifyOptions {
         /// How to identify.
         method: Method = Method::Joint, OptionRow::new(METHODS);
-        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all. The simplest one
-        /// that predicts held-out parts as well as the best is taken. The paper's method has its own branches.
+        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all. The
+        /// simplest one that predicts held-out parts as well as the best is taken. The paper's method has its own
+        /// branches.
         operator: String = "auto".into(), OptionRow::new(NAME);
         /// Order of the linear block.
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");

@@ -1,5 +1,5 @@
-//! From measured records of a piezo actuator to a model that predicts it, a voltage that makes it follow a path, and code for the
-//! machine that drives it.
+//! From measured records of a piezo actuator to a model that predicts it, a voltage that makes it follow a path, and
+//! code for the machine that drives it.
 //!
 //! ```
 //! use piezoid::{IdentifyOptions, Record, formats::ColumnSelection, identify};
@@ -24,7 +24,8 @@
 //! # Ok::<(), piezoid::Error>(())
 //! ```
 //!
-//! Without the feature `clarabel`, which is on by default, there is no estimator `least-absolute` and no `Solver::InteriorPoint`.
+//! Without the feature `clarabel`, which is on by default, there is no estimator `least-absolute` and no
+//! `Solver::InteriorPoint`.
 //!
 //! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
 //! parameters, and the same input gives the same bytes.

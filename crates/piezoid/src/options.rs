@@ -1,8 +1,8 @@
 //! The options of a verb: each stands once, as a field of a struct, with its range, unit, default and help.
 //!
-//! The command line makes a flag of every row, Python a keyword, a page a field of a form. What a value may be is checked
-//! here, so that all of them refuse the same values in the same words. An [`Error`] names the option by its field:
-//! whoever shows it writes `--input-col` or `input_col=` as its users do.
+//! The command line makes a flag of every row, Python a keyword, a page a field of a form. What a value may be is
+//! checked here, so that all of them refuse the same values in the same words. An [`Error`] names the option by its
+//! field: whoever shows it writes `--input-col` or `input_col=` as its users do.
 
 use crate::error::Error;
 use serde::Serialize;

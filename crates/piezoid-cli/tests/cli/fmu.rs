@@ -46,7 +46,8 @@ fn drive(bench: &Bench, ts: f64) {
     bench.write("drive.csv", format!("t_s,u_V\n{}", (0..600).map(row).collect::<String>()));
 }
 
-/// Both models with what they answer to a drive, and their FMUs of both versions: `<model>.csv`, `<version>/<model>.fmu`.
+/// Both models with what they answer to a drive, and their FMUs of both versions: `<model>.csv`,
+/// `<version>/<model>.fmu`.
 fn exported() -> Bench {
     let bench = Bench::new();
     for (name, bytes) in EXPORTED.get_or_init(|| exported_with("").files()) {

@@ -1,4 +1,5 @@
-//! C in fixed point by two compilers: the counts that are computed here, whatever the inputs, without any floating point.
+//! C in fixed point by two compilers: the counts that are computed here, whatever the inputs, without any floating
+//! point.
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there, together};
 use piezoid::Model;

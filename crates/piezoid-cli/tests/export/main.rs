@@ -73,8 +73,8 @@ fn there(tool: &str) -> bool {
 
 const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
 
-/// Writes one program of all models in a folder, which says the name of each, then calls its `int NAME_part(void)` from the text that
-/// `part` gives; its files.
+/// Writes one program of all models in a folder, which says the name of each, then calls its `int NAME_part(void)` from
+/// the text that `part` gives; its files.
 fn together(folder: &Path, names: &[String], part: impl Fn(&str) -> String) -> String {
     let (mut declared, mut called, mut files) = (String::new(), String::new(), String::from("all.c"));
     for name in names {
@@ -88,8 +88,8 @@ fn together(folder: &Path, names: &[String], part: impl Fn(&str) -> String) -> S
     files
 }
 
-/// Builds one program of all self-tests in a folder with the compilers there are, so strictly, unoptimised and optimised, watched and
-/// not: it finds no difference.
+/// Builds one program of all self-tests in a folder with the compilers there are, so strictly, unoptimised and
+/// optimised, watched and not: it finds no difference.
 fn self_tested(folder: &Path, names: &[String], strict: &str) {
     let files = together(folder, names, |name| format!("#define main {name}_part\n#include \"{name}_test.c\"\n"));
     let builds = [("gcc", "-O0", WATCHED), ("gcc", "-O3", ""), ("clang", "-O0", ""), ("clang", "-O3", WATCHED)];

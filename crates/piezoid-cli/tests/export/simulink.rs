@@ -23,7 +23,8 @@ fn direct() -> (String, Model) {
     ("direct".into(), Model::new(plays, block, 2.0).unwrap())
 }
 
-/// A model with a resonance and creep, one of them behind a driver, and one that answers in the same sample, in both precisions.
+/// A model with a resonance and creep, one of them behind a driver, and one that answers in the same sample, in both
+/// precisions.
 fn kinds() -> Vec<(String, Model, bool)> {
     let kinds = ["bouc_wen", "driven_plays", "direct"];
     let models = models().into_iter().chain([direct()]).filter(|(name, _)| kinds.contains(&name.as_str()));

@@ -138,7 +138,8 @@ mod tests {
         let made = json!({
             "command": "piezoid identify <here>",
             "trials": [
-                {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no & why"},
+                {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no \
+                    & why"},
                 {"operator": "duhem", "parameters": 9, "held_out_percent": 0.5, "verdict": "as good", "refused": null},
                 {"operator": "dahl", "parameters": 2, "held_out_percent": 0.25, "verdict": "taken", "refused": null},
             ],

@@ -155,7 +155,7 @@ fn invalid_references_and_models_are_errors() {
     let refused = |model: Model, settings| FeedForward::new(&model, settings).unwrap_err().to_string();
     let proportional = |k: f64| Arc::new(crate::hysteresis::Proportional::new(TS, k).unwrap());
     let plain = |k: f64| Model::new(proportional(k), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    assert!(refused(plain(1.0), FeedForwardSettings::default()).contains("limits = none"));
+    assert!(refused(plain(1.0), FeedForwardSettings::default()).contains("driver = none"));
     let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
     let within = FeedForwardSettings { limits: volts, ..Default::default() };
     assert!(refused(plain(0.0), within).contains("gives no inverse of its hysteresis"));

@@ -1,10 +1,10 @@
 //! Phases that keep the peak of a multisine low.
 //!
 //! The clipping method, which swaps between time and frequency: clip the signal below its peak, keep the phases of what
-//! comes out, put the wanted amplitudes back, and repeat with the clip ever closer to the peak. It never ends worse than
-//! it starts, as the best phases met are what is returned. The peak is that of the continuous signal: the grid has at
-//! least eight samples in the period of the highest frequency. A fixed number of rounds and no random choice: the same
-//! start gives the same phases. Flat bands come to crest factors of 1.44 to 1.6 from either start.
+//! comes out, put the wanted amplitudes back, and repeat with the clip ever closer to the peak. It never ends worse
+//! than it starts, as the best phases met are what is returned. The peak is that of the continuous signal: the grid has
+//! at least eight samples in the period of the highest frequency. A fixed number of rounds and no random choice: the
+//! same start gives the same phases. Flat bands come to crest factors of 1.44 to 1.6 from either start.
 //!
 //! Reference: Van der Ouderaa, Schoukens and Renneboog, Peak Factor Minimization Using a Time-Frequency Domain Swapping
 //! Algorithm, IEEE Trans. Instrum. Meas. 37(1), 1988. The start: Schroeder, Synthesis of Low-Peak-Factor Signals, 1970,

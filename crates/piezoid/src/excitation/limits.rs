@@ -147,8 +147,8 @@ impl Limits {
         Err(Error::Limits(format!("{}; lower the amplitude or the frequency, or ask to clip", over.join("; "))))
     }
 
-    /// The voltages `u` [V], every `ts` [s], as this driver would follow them: held inside the range, and each sample as
-    /// far from the one before as slew and current allow. The first sample is held inside the range only.
+    /// The voltages `u` [V], every `ts` [s], as this driver would follow them: held inside the range, and each sample
+    /// as far from the one before as slew and current allow. The first sample is held inside the range only.
     ///
     /// # Errors
     /// What [`Limits::check`] refuses, except no voltages.

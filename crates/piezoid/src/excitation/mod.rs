@@ -1,9 +1,9 @@
 //! Excitations: the voltages that make an actuator show what it is.
 //!
 //! Small and broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; rich ones ([`RisingSine`], [`Sine`],
-//! [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] passes through the resonance. [`Limits`] tells
-//! whether a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts where its own
-//! page says, and is the same for the same settings.
+//! [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] passes through the resonance.
+//! [`Limits`] tells whether a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`,
+//! starts where its own page says, and is the same for the same settings.
 //!
 //! [`EXCITATIONS`] is the list that the command line, Python and the web page iterate. A new kind costs one file, one
 //! `mod` line and one row.

@@ -1,11 +1,11 @@
 //! Multisine: equal cosines at multiples of one base frequency, their phases chosen so that the peak is low.
 //!
-//! `u(t) = offset + amplitude s(t) / max |s|`, with `s(t) = sum over k of cos(2 pi k t / N + phi_k)`. The period has
-//! N = round(period / ts) samples, and the harmonics k are those with `frequency_low <= k / (N ts) <= frequency_high`:
-//! the band is snapped inwards to the grid of the period, so that whole periods have no leakage. With `odd`, only odd k:
-//! what then comes back at even harmonics is the actuator's nonlinearity. The phases start as Schroeder's (seed 0) or at
-//! random (any other seed: one more realisation) and are improved by clipping (`crest.rs` states the method). The peak
-//! is that of the samples.
+//! `u(t) = offset + amplitude s(t) / max |s|`, with `s(t) = sum over k of cos(2 pi k t / N + phi_k)`. The period has N
+//! = round(period / ts) samples, and the harmonics k are those with `frequency_low <= k / (N ts) <= frequency_high`:
+//! the band is snapped inwards to the grid of the period, so that whole periods have no leakage. With `odd`, only odd
+//! k: what then comes back at even harmonics is the actuator's nonlinearity. The phases start as Schroeder's (seed 0)
+//! or at random (any other seed: one more realisation) and are improved by clipping (`crest.rs` states the method). The
+//! peak is that of the samples.
 //!
 //! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
 //! DOI 10.1002/9781118287422; Schroeder, DOI 10.1109/TIT.1970.1054411.

@@ -6,8 +6,8 @@
 //! autocorrelation is that of white noise. Holding each bit for `clock_divider` samples moves the power to low
 //! frequencies: the spectrum falls as `sinc^2` with its first zero at `1 / (clock_divider ts)`.
 //!
-//! It is not the sign of white noise, which has no period, no balance and a spectrum that is flat only on average. It is
-//! the paper's small signal (section 2.3): at about 1 V a bender stays linear to under 1 %.
+//! It is not the sign of white noise, which has no period, no balance and a spectrum that is flat only on average. It
+//! is the paper's small signal (section 2.3): at about 1 V a bender stays linear to under 1 %.
 //!
 //! Reference: MacWilliams and Sloane, Pseudo-Random Sequences and Arrays, Proceedings of the IEEE 64(12), 1976,
 //! DOI 10.1109/PROC.1976.10411. Taps, order of bits and default start are those of `scipy.signal.max_len_seq`.

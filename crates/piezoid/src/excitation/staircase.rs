@@ -1,7 +1,7 @@
 //! Staircase: a sine rounded to evenly spaced levels.
 //!
-//! `u = offset + amplitude (2 l / (levels - 1) - 1)`, where `l` is the level from 0 to `levels - 1` that lies nearest to
-//! `sin(2 pi frequency t)`. It holds its level between jumps, which is what catches a model that reads a held input
+//! `u = offset + amplitude (2 l / (levels - 1) - 1)`, where `l` is the level from 0 to `levels - 1` that lies nearest
+//! to `sin(2 pi frequency t)`. It holds its level between jumps, which is what catches a model that reads a held input
 //! as a falling one. An odd number of levels has one at the offset; with an even number it starts at the next one
 //! above. A sine half way between two levels takes the upper one. A [`SteppedSine`](super::SteppedSine) has steps of
 //! equal length instead.

@@ -1,10 +1,10 @@
 //! Stepped sine: a sine held for equal times, a form of the paper's "periodic step-wise" test signal.
 //!
-//! `u = offset + amplitude sin(2 pi k / steps) / max_j sin(2 pi j / steps)` while the k-th part of the period lasts. Every
-//! step is held as equally long as whole samples allow, which is what catches a model that reads a held input as a falling
-//! one. The paper states neither the form nor the number of steps; 7 a period come nearest to its Table 1 (the study shows
-//! all from 4 to 40). Where a step would be shorter than a sample, steps are left out. A [`Staircase`](super::Staircase) has
-//! steps of equal height instead.
+//! `u = offset + amplitude sin(2 pi k / steps) / max_j sin(2 pi j / steps)` while the k-th part of the period lasts.
+//! Every step is held as equally long as whole samples allow, which is what catches a model that reads a held input as
+//! a falling one. The paper states neither the form nor the number of steps; 7 a period come nearest to its Table 1
+//! (the study shows all from 4 to 40). Where a step would be shorter than a sample, steps are left out. A
+//! [`Staircase`](super::Staircase) has steps of equal height instead.
 //!
 //! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
 //! 2025, section 3.

@@ -1,8 +1,8 @@
 //! Files into records and back: bytes in, [`Record`](crate::Record) out.
 //!
-//! A format turns bytes into a [`Table`] of named columns; the names, and a [`ColumnSelection`] where they do not suffice,
-//! say which column is the time, the input and the output. Nothing here opens a file, and nothing is guessed: what
-//! could mean two things is refused, with the option that decides it.
+//! A format turns bytes into a [`Table`] of named columns; the names, and a [`ColumnSelection`] where they do not
+//! suffice, say which column is the time, the input and the output. Nothing here opens a file, and nothing is guessed:
+//! what could mean two things is refused, with the option that decides it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. A file is recognised by its content ([`read`]), whatever it
 //! is called.

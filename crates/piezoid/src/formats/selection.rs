@@ -15,9 +15,9 @@ use std::ops::Range;
 options! {
     /// What the user says about the columns and the part of a data file; the names decide wherever it says nothing.
     ///
-    /// A column chosen here may have any name. Its unit is what follows `u_` or `y_`; else what stands in brackets at the
-    /// end, as in `Voltage [V]`; else what follows the last underscore, as in `sensor_um`, unless that holds a digit, as in
-    /// `channel_2`; else none, the empty string.
+    /// A column chosen here may have any name. Its unit is what follows `u_` or `y_`; else what stands in brackets at
+    /// the end, as in `Voltage [V]`; else what follows the last underscore, as in `sensor_um`, unless that holds a
+    /// digit, as in `channel_2`; else none, the empty string.
     pub struct ColumnSelection {
         /// Sampling period, for files without a time column.
         ts: Option<f64> = None, OptionRow::positive("s").group(GROUP);

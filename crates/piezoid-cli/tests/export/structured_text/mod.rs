@@ -1,8 +1,8 @@
 //! A reader of structured text, as far as exports use it, that runs what it reads.
 //!
-//! It is strict where controllers are: names are one whatever their capitals, are declared once and are no words of the language;
-//! whole and real numbers do not mix; `AND` and `OR` look at both sides; an index out of range is an error. What functions change, they
-//! are handed as a copy, and the copy goes back.
+//! It is strict where controllers are: names are one whatever their capitals, are declared once and are no words of the
+//! language; whole and real numbers do not mix; `AND` and `OR` look at both sides; an index out of range is an error.
+//! What functions change, they are handed as a copy, and the copy goes back.
 
 mod read;
 mod run;

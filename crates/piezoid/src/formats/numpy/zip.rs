@@ -1,7 +1,8 @@
 //! Zip archives, as far as `numpy.savez` and `savez_compressed` write them: the directory at the end, members stored or
 //! deflated. Not done: more than 4 GiB, encryption, several disks.
 //!
-//! Reference: PKWARE, .ZIP File Format Specification 6.3, <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
+//! Reference: PKWARE, .ZIP File Format Specification 6.3,
+//! <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
 
 use crate::Error;
 use crate::formats::bytes::{Unpacking, damaged, length, part};
