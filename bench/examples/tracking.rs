@@ -77,7 +77,7 @@ pub(crate) fn compared(
     tolerance: Option<&Tolerance>,
 ) -> Result<Comparison, Error> {
     let plant = Preset::find(twin)?;
-    let paths = paths.iter().copied().map(wanted).collect::<Result<Vec<_>, _>>()?;
+    let paths = paths.iter().copied().map(reference).collect::<Result<Vec<_>, _>>()?;
     Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut silent)
 }
 
