@@ -1,9 +1,9 @@
-//! Each operator as the true one, with a resonance, identified as each operator.
+//! Each operator identified as each operator: how well one law of hysteresis describes another, behind a resonance.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example matrix -- docs
 //! ```
-//! writes the errors on validation records into docs/operators.md, between two comments, and draws docs/operators.svg.
+//! writes the errors on validation data into docs/operators.md, between two comments, and draws docs/operators.svg.
 
 mod page;
 
@@ -21,47 +21,47 @@ use std::fmt::Write;
 /// Sampling period [s].
 const TS: f64 = 5e-4;
 
-/// Frequency [Hz] and damping ratio of the resonance.
+/// Frequency [Hz] and damping ratio of the resonance behind the hysteresis.
 const RESONANCE: (f64, f64) = (147.0, 0.06);
 
-/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest cover the range of the
+/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the
 /// examples.
 const RISING: [(f64, f64); 6] = [(5.0, 30.0), (20.0, 30.0), (80.0, 30.0), (5.0, 20.0), (20.0, 20.0), (80.0, 20.0)];
 const DURATION: f64 = 0.8;
 
-/// Amplitude of the validation records [V].
+/// Amplitude of the validation data [V].
 const VALIDATION: f64 = 29.0;
 
-/// The example of an operator with a resonance, without noise.
+/// The example of an operator before a resonance, without noise.
 fn plant(truth: &Operator) -> Result<Model, Error> {
     let (hz, damping) = RESONANCE;
     let radius = (-damping * TAU * hz * TS).exp();
-    let angle = TAU * hz * TS * (1.0f64 - damping * damping).sqrt();
-    let a = [2.0 * radius * angle.cos(), -radius * radius];
+    let turn = TAU * hz * TS * (1.0f64 - damping * damping).sqrt();
+    let a = [2.0 * radius * turn.cos(), -radius * radius];
     let half = 0.5 * (1.0 - a[0] - a[1]);
     let linear = Arx::new(TS, a.into(), vec![0.0, 1.1 * half, 0.9 * half])?;
     Model::new((truth.example)(TS)?, linear, 0.3)
 }
 
-/// The rms error [% of peak-to-peak] of `model`, identified jointly on records of `truth`, on two validation records: a
-/// sine of varying amplitude, and a staircase.
+/// The rms error [% of peak-to-peak] of the operator `model`, identified jointly on records of `truth`, on its
+/// validation data: a modulated sine and a staircase.
 pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let plant = plant(truth)?;
     let record = |u: Vec<f64>| Record::new(TS, u.clone(), plant.simulate(&u));
     let n = (DURATION / TS) as usize;
-    let small = record(Prbs { order: 10, amplitude: 1.0, ..Default::default() }.samples(TS, 1023)?)?;
+    let small = record(Prbs { order: 10, amplitude: 1.0, ..Prbs::default() }.samples(TS, 1023)?)?;
     let rising =
-        |(frequency, amplitude)| record(RisingSine { amplitude, frequency, ..Default::default() }.samples(TS, n)?);
-    let rich = RISING.into_iter().map(rising).collect::<Result<Vec<_>, _>>()?;
-    let options = IdentifyOptions { operator: model.name.into(), seed: 0, ..Default::default() };
-    let found = identify(Records { small_signal: &[small], large_signal: &rich }, &options)?.model;
+        |(frequency, amplitude)| record(RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n)?);
+    let large = RISING.into_iter().map(rising).collect::<Result<Vec<_>, _>>()?;
+    let options = IdentifyOptions { operator: model.name.into(), seed: 0, ..IdentifyOptions::default() };
+    let found = identify(Records { small_signal: &[small], large_signal: &large }, &options)?.model;
 
-    let wandering = |t: usize| {
+    let modulated = |t: usize| {
         let t = TS * t as f64;
         VALIDATION * (0.5 + 0.5 * (TAU * 3.7 * SQRT_2 * t).sin()) * (TAU * 17.3 * t).sin()
     };
     let staircase = Staircase { amplitude: VALIDATION, frequency: 3.0, levels: 15, offset: 0.0 }.samples(TS, 4000)?;
-    let errors = [(0..4000).map(wandering).collect(), staircase]
+    let errors = [(0..4000).map(modulated).collect(), staircase]
         .map(|u| Metrics::of(&plant.simulate(&u), &found.simulate(&u)).rms_pp_percent);
     Ok((0.5 * (errors[0] * errors[0] + errors[1] * errors[1])).sqrt())
 }
@@ -69,7 +69,7 @@ pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
 /// The errors as the table of docs/operators.md.
 fn table(errors: &[Vec<f64>]) -> String {
     let numbers: Vec<String> = (1..=errors.len()).map(|k| k.to_string()).collect();
-    let mut text = format!("| truth | {} |\n|---|{}\n", numbers.join(" | "), "--:|".repeat(errors.len()));
+    let mut text = format!("| true operator | {} |\n|---|{}\n", numbers.join(" | "), "--:|".repeat(errors.len()));
     for ((row, truth), number) in errors.iter().zip(OPERATORS).zip(&numbers) {
         let cells: Vec<String> = row.iter().map(|e| cell(*e)).collect();
         let _ = writeln!(text, "| {number} `{}` | {} |", truth.name, cells.join(" | "));
@@ -82,7 +82,7 @@ const NAMES: usize = 250;
 const HEAD: usize = 60;
 const CELL: usize = 48;
 
-/// The errors as a map, darker for larger ones, by decades from 0.01 to 10 %.
+/// The errors as a map, the darker the larger, by decades from 0.01 to 10 %.
 fn map(errors: &[Vec<f64>]) -> String {
     let n = errors.len();
     let (width, height) = (NAMES + n * CELL + 14, HEAD + n * CELL + 14);
@@ -91,13 +91,13 @@ fn map(errors: &[Vec<f64>]) -> String {
     };
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\">\n\
-         <title>Who explains whom</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
+         <title>Each operator identified as each operator</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
          .soft{{fill:var(--pz-soft)}}.bold{{font-weight:600;fill:var(--pz-model)}}</style>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"var(--pz-paper)\"/>\n",
         Figure::style()
     );
-    svg += &text(14, 22, "start", "", "rms error on unseen records [% of peak-to-peak]");
-    svg += &text(14, HEAD - 10, "start", "soft", "truth");
+    svg += &text(14, 22, "start", "", "rms error on validation data [% of peak-to-peak]");
+    svg += &text(14, HEAD - 10, "start", "soft", "true operator");
     svg += &text(NAMES - 14, HEAD - 10, "end", "soft", "identified as");
     for (i, (row, truth)) in errors.iter().zip(OPERATORS).enumerate() {
         let (middle, y) = (HEAD + i * CELL + CELL / 2 + 5, HEAD + i * CELL);
