@@ -14,7 +14,8 @@
 //! # let (train, test) = (csv(4.0, 2000)?, csv(7.0, 1000)?);
 //! # let path: Vec<f64> = (0..1000).map(|t| 200.0 * (0.02 * f64::from(t)).sin()).collect();
 //! // Bytes of CSV files with the columns t_s, u_V and y_um.
-//! let (train, test) = (Record::from_csv(&train, &ColumnSelection::default())?, Record::from_csv(&test, &ColumnSelection::default())?);
+//! let columns = ColumnSelection::default();
+//! let (train, test) = (Record::from_csv(&train, &columns)?, Record::from_csv(&test, &columns)?);
 //! let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), ..IdentifyOptions::default() };
 //! let model = identify(&[train], &options)?.model;
 //! println!("{} % of peak-to-peak", model.validate(&test)?.metrics.rms_pp_percent);

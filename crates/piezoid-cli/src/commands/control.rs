@@ -29,10 +29,10 @@ Examples:
     piezoid control --plant pl140 --model model.json --controller pi predictive \\
         --reference triangle:20 --tolerance 20 --report control.html
 
-A controller is a feed-forward (gain, feed-forward, learning), a feedback (see `piezoid controllers`), or both with a + \
-between; a feedback alone works on top of gain, the best straight line. A reference is a file with a column r_* or y_*, or sine, \
-triangle, staircase or random with a frequency in Hz, such as sine:5. Errors are those of the reading, in % of the height of the \
-reference, after a quarter of a second of those that repeat.";
+A controller is a feed-forward (gain, feed-forward, learning), a feedback (see `piezoid controllers`), or both with a \
++ between; a feedback alone works on top of gain, the best straight line. A reference is a file with a column r_* or \
+y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine:5. Errors are those of the reading, \
+in % of the height of the reference, after a quarter of a second of those that repeat.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

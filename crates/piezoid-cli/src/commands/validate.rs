@@ -23,9 +23,9 @@ Examples:
 The model runs free: it sees the input alone, and starts as if the first input had stood for long. \
 nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
 
-Errors by frequency and amplitude are those of the cycles of the input, over all files; where it does not go to and fro, \
-of the spectra, in third-octave bands. The floor is the scatter of y between repetitions of the same input. What is left is \
-white when a Ljung-Box test cannot tell it from noise; it goes with the input when the model lacks something.";
+Errors by frequency and amplitude are those of the cycles of the input, over all files; where it does not go to and \
+fro, of the spectra, in third-octave bands. The floor is the scatter of y between repetitions of the same input. What \
+is left is white when a Ljung-Box test cannot tell it from noise; it goes with the input when the model lacks something.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

@@ -58,8 +58,8 @@ fn over_frequencies(study: &Study) -> String {
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
     let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
         format!(
-            " With the estimated block the loop of z is {:.0} % of its height wide at {} Hz, and {3:.0} % at {2} Hz: the branches of the \
-             first frequency absorb the error of the block, and would be wrong for another signal.",
+            " With the estimated block the loop of z is {:.0} % of its height wide at {} Hz, and {3:.0} % at {2} Hz: \
+             the branches of the first frequency absorb the error of the block, and would be wrong for another signal.",
             width(f),
             f.hz,
             study.frequencies[0].hz,
@@ -72,10 +72,10 @@ fn over_frequencies(study: &Study) -> String {
         at_hz(study, |f| found(f) < 0.0).map_or("no frequency".into(), |hz| format!("{hz} Hz"))
     };
     format!(
-        "With the direction held the error is largest at {worst_hz} Hz: {worst:.2} % rms of peak-to-peak. The error of a model without \
-         hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} The paper reports an error that grows rapidly beyond 80 Hz, and an \
-         inverted loop above the resonance. Here the error of the rule as printed is {} mm² at {} Hz. The loop is inverted at {} with the \
-         estimated block, and at {} with that of the paper's Table 2.",
+        "With the direction held the error is largest at {worst_hz} Hz: {worst:.2} % rms of peak-to-peak. The error of \
+         a model without hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} The paper reports an error that \
+         grows rapidly beyond 80 Hz, and an inverted loop above the resonance. Here the error of the rule as printed \
+         is {} mm² at {} Hz. The loop is inverted at {} with the estimated block, and at {} with that of the paper's Table 2.",
         listed(&|f| mse(error(f, "printed-rule"))),
         listed(&|f| f.hz.to_string()),
         turned(&|f| f.own.found.branches.width()),
@@ -97,11 +97,11 @@ fn against_table_1(study: &Study) -> String {
         format!("; with the test signal that suits that block best, a {signal}, it deviates by up to {off:.0} %")
     });
     format!(
-        "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of {used} steps, and a \
-         linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; the paper's Table 1 has {}. The error \
-         at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. With the direction held it is at most {} mm² at these four \
-         frequencies. With the linear block of the paper's Table 2 the error of the rule as printed is {least:.0} to {most:.0} times the \
-         paper's{by_its_own}.",
+        "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of \
+         {used} steps, and a linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; \
+         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. With \
+         the direction held it is at most {} mm² at these four frequencies. With the linear block of the paper's Table \
+         2 the error of the rule as printed is {least:.0} to {most:.0} times the paper's{by_its_own}.",
         chosen(study),
         join(&of("printed-rule").map(mse)),
         join(&hz),
@@ -130,8 +130,8 @@ fn chosen(study: &Study) -> String {
         )
     } else {
         format!(
-            "A {} is used here, because it comes nearest to Table 1 on the twin `paper`. On this twin it deviates by up to {}; of {tried}, a \
-             {} comes nearest, and deviates by up to {}.",
+            "A {} is used here, because it comes nearest to Table 1 on the twin `paper`. On this twin it deviates by \
+             up to {}; of {tried}, a {} comes nearest, and deviates by up to {}.",
             used.words(),
             percent(used),
             nearest.words(),
@@ -145,9 +145,9 @@ fn by_upper_rule(study: &Study) -> String {
     let Some(signal) = TestSignal::nearest(&study.test_signals, TestSignal::UPPER_RULE) else { return String::new() };
     let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
     format!(
-        "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which on a piezo loop \
-         lies below. If the branch that lies above is read instead, a {} comes nearest to the paper's Table 1: its errors are {} mm² and \
-         deviate by up to {:.0} %. Of {} test signals {} come within {:.0} % with that reading, {} with the one used here.",
+        "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which \
+         on a piezo loop lies below. If the branch that lies above is read instead, a {} comes nearest to the paper's \
+         Table 1: its errors are {} mm² and deviate by up to {:.0} %. Of {} test signals {} come within {:.0} % with that reading, {} with the one used here.",
         signal.words(),
         join(&signal.of(TestSignal::UPPER_RULE).map(mse)),
         100.0 * signal.deviation(TestSignal::UPPER_RULE),
@@ -171,10 +171,10 @@ pub(super) fn over_test_signals(study: &Study) -> String {
         return String::new();
     };
     format!(
-        "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per period; dashed: \
-         staircases, steps of equal height, against levels; the horizontal line is the paper's value. Errors below {FLOOR:e} mm² are drawn \
-         there. With the rule as printed, the error at {} Hz falls from {} mm² with {} steps to {} with {}; a period there has {:.0} samples, \
-         so that with as many steps or more no sample is held. The rest of the study uses {used} steps.",
+        "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per \
+         period; dashed: staircases, steps of equal height, against levels; the horizontal line is the paper's value. \
+         Errors below {FLOOR:e} mm² are drawn there. With the rule as printed, the error at {} Hz falls from {} mm² \
+         with {} steps to {} with {}; a period there has {:.0} samples, so that with as many steps or more no sample is held. The rest of the study uses {used} steps.",
         Study::PRINTED_MSE[last].0,
         mse(most.0),
         most.1,
@@ -189,9 +189,9 @@ pub(super) fn over_test_signals(study: &Study) -> String {
 pub(super) fn units(study: &Study) -> String {
     let moved = study.blocks[0].arx.dc_gain() * AMPLITUDE;
     format!(
-        "The paper states the unit of neither of its tables. Its Table 1 is taken in mm², its Table 2 in mm/V. By the static gain of Table 2 \
-         {AMPLITUDE} V move the tip by {moved:.3} mm, where the catalogue has 1 mm. A sine of that height has a mean square of {:.4} mm², \
-         less than every value of Table 1: with {AMPLITUDE} V, the two tables can hardly both be in mm.",
+        "The paper states the unit of neither of its tables. Its Table 1 is taken in mm², its Table 2 in mm/V. By the \
+         static gain of Table 2 {AMPLITUDE} V move the tip by {moved:.3} mm, where the catalogue has 1 mm. A sine of \
+         that height has a mean square of {:.4} mm², less than every value of Table 1: with {AMPLITUDE} V, the two tables can hardly both be in mm.",
         0.5 * moved * moved
     )
 }
@@ -221,8 +221,8 @@ fn joint(study: &Study) -> String {
         let (hz, range) = listed(&better);
         let place = if worse.is_empty() { "At every frequency".into() } else { format!("At {hz} Hz") };
         words += &format!(
-            " {place} its error is smaller than that of the branches made for that frequency alone: {range}. It inverts nothing, so its \
-             linear block may have as many modes as the records show. It also has minor loops, which this test does not exercise."
+            " {place} its error is smaller than that of the branches made for that frequency alone: {range}. It \
+             inverts nothing, so its linear block may have as many modes as the records show. It also has minor loops, which this test does not exercise."
         );
     }
     if better.iter().any(|f| rms(f, "joint") < EXACT) {
