@@ -122,9 +122,12 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 /// Lines of prose beyond [`WIDTH`], but for tables and links; rustfmt keeps the code.
 fn wide(file: &Path) -> Result<Vec<String>, String> {
     let text = read(file)?;
-    let whole =
-        |line: &str| line.contains("](") || line.starts_with('|') || line.contains("http") || line.contains('"');
-    let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > WIDTH && !whole(line));
+    let is_code = file.extension().is_some_and(|extension| extension == "rs");
+    let wraps = |line: &str| match is_code {
+        true => line.trim_start().starts_with("//") && !line.contains("http"),
+        false => !line.contains("](") && !line.starts_with('|') && !line.contains("http"),
+    };
+    let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > WIDTH && wraps(line));
     let long = lines.map(|(k, line)| format!("{}:{}: {} columns", shown(file), k + 1, line.chars().count()));
     Ok(long.collect())
 }
