@@ -30,7 +30,7 @@ const FOREIGN: [&str; 9] =
 /// The most public items of the three crates: not more than there are. The aim is 150.
 const ITEMS: usize = 186;
 
-/// The longest line of prose and code.
+/// The longest line of prose; rustfmt keeps the code.
 const WIDTH: usize = 120;
 
 /// Every invariant that does not hold, one a line.
@@ -47,7 +47,9 @@ pub(crate) fn tidy() -> Result<(), String> {
             broken.extend(upward(&module, &code, &order).into_iter().map(|it| format!("{name}: uses crate::{it}")));
         }
     }
-    for file in files(root(), "rs").into_iter().chain(files(root(), "md")) {
+    // What a program writes from measurements it wraps as it comes.
+    let measured = |file: &PathBuf| file.ends_with("bench/side_by_side.md");
+    for file in files(root(), "rs").into_iter().chain(files(root(), "md")).filter(|file| !measured(file)) {
         broken.extend(wide(&file)?);
     }
     broken.extend(public_items()?);

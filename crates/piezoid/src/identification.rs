@@ -123,7 +123,8 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 /// # let u = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() }.samples(1e-3, 2000)?;
 /// # let plant = Plant::named("pl140", 1e-3)?;
 /// # let record = Record::new(1e-3, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-/// let options = IdentifyOptions { operator: "prandtl-ishlinskii".into(), order: Some(2), ..IdentifyOptions::default() };
+/// let plays = "prandtl-ishlinskii".to_string();
+/// let options = IdentifyOptions { operator: plays, order: Some(2), ..IdentifyOptions::default() };
 /// let found = identify(&[record], &options)?;
 /// assert_eq!(found.model.hysteresis().operator().name, "prandtl-ishlinskii");
 /// # Ok::<(), piezoid::Error>(())

@@ -4,7 +4,8 @@
 ///
 /// ```
 /// use piezoid::number::short;
-/// assert_eq!([0.0, 0.01289, 146.72, 1e-7, 123456.0, f64::NAN].map(short), ["0", "0.01289", "146.7", "1.000e-7", "1.235e5", "-"]);
+/// let shown = ["0", "0.01289", "146.7", "1.000e-7", "1.235e5", "-"];
+/// assert_eq!([0.0, 0.01289, 146.72, 1e-7, 123456.0, f64::NAN].map(short), shown);
 /// ```
 pub fn short(x: f64) -> String {
     match x.abs() {

@@ -158,7 +158,7 @@ fn invalid_references_and_models_are_errors() {
     assert!(refused(plain(1.0), FeedForwardSettings::default()).contains("driver = none"));
     let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
     let within = FeedForwardSettings { limits: volts, ..Default::default() };
-    assert!(refused(plain(0.0), within).contains("gives no inverse of its hysteresis"));
+    assert!(refused(plain(0.0), within).contains("no inverse of its hysteresis"));
     let units = Units { u: "counts".into(), y: "um".into() };
     assert!(refused(plain(1.0).with_units(units), within).contains("counts"));
     let limits = Limits { low: Some(50.0), high: Some(60.0), ..Default::default() };

@@ -37,9 +37,11 @@ impl Table {
     /// about text count lines.
     ///
     /// ```
-    /// use piezoid::formats::{Channel, ColumnSelection, Table}; let channels = [("t_s", vec![0.0, 5e-4]), ("u_V", vec![0.0,
-    /// 1.0]), ("y_mm", vec![0.1, 0.2]), ("gain", vec![10.0])]; let table = Table::of(channels.map(|(name, samples)|
-    /// Channel::new(name, samples))); assert_eq!(table.record(&ColumnSelection::default())?.units().y, "mm");
+    /// use piezoid::formats::{Channel, ColumnSelection, Table};
+    /// let (t, u, y) = (vec![0.0, 5e-4], vec![0.0, 1.0], vec![0.1, 0.2]);
+    /// let channels = [("t_s", t), ("u_V", u), ("y_mm", y), ("gain", vec![10.0])];
+    /// let table = Table::of(channels.map(|(name, samples)| Channel::new(name, samples)));
+    /// assert_eq!(table.record(&ColumnSelection::default())?.units().y, "mm");
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///

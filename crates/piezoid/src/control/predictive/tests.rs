@@ -387,7 +387,10 @@ fn models_and_limits_without_a_solution_are_errors() {
     let refused = |model: &Model, settings| Predictive::new(model, settings).unwrap_err().to_string();
     let falling = Model::new(Arc::new(Proportional::new(TS, -1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
     let message = refused(&falling, PredictiveSettings::default());
-    assert!(message.starts_with("this model gives no predictive control: its operator is not monotonic"), "{message}");
+    assert!(
+        message.starts_with("no predictive control is possible with this model: its operator is not monotonic"),
+        "{message}"
+    );
     let still = Model::new(dead_zone(0), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
     assert!(refused(&still, PredictiveSettings::default()).contains("does not move between -30 and 30 V"));
     let beyond = PredictiveSettings { displacement: Some((1e6, 2e6)), ..Default::default() };
