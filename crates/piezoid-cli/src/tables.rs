@@ -124,7 +124,7 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     text
 }
 
-/// The noise floor, and whether what is left is noise.
+/// The noise floor, and whether the residuals are noise.
 fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -143,7 +143,7 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
         return String::new();
     };
     let floor = format!("floor [{unit}]");
-    let mut text = table(&["what is left", &floor, "rmse/floor", "white", "follows u"], &rows, console.room());
+    let mut text = table(&["residuals", &floor, "rmse/floor", "white", "correlated with u"], &rows, console.room());
     for p in compared.iter().filter(|_| full) {
         for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
             text += &console.paragraph(&format!("{}: {said}.", p.name), "  ");

@@ -38,7 +38,7 @@ def test_every_problem_of_the_comparison_is_solved_by_both_sides_to_the_error_th
     assert len(exact) == 10 and all(row[5] == "same" for row in exact), exact
     squares = [row for row in rows if "least squares" in row[0]]
     assert len(squares) == 3 and all(row[5] == "same" for row in squares), squares
-    # The twin is foretold, by models of both sides.
+    # Models of both sides predict the twin.
     twin = [row for row in rows if row[0].startswith("twin") and row[2] == "worst nrmse [%]"]
     assert len(twin) == 3 and all(float(row[3]) < 6 and float(row[4]) < 20 for row in twin), twin
     # The section names what the table calls behind in error, or not ahead in time, and nothing else.

@@ -73,7 +73,7 @@ fn tables(made: &Compensation, console: &Console) -> String {
     let figures = |name: &str, m: &Metrics| {
         [vec![name.to_string()], [m.rmse, m.max_abs, m.rms_pp_percent].map(number).to_vec()].concat()
     };
-    let name = if of_requested.is_some() { "of the shaped" } else { "foretold" };
+    let name = if of_requested.is_some() { "of the shaped" } else { "predicted" };
     let rows = std::iter::once(figures(name, &metrics)).chain(of_requested.map(|m| figures("of the asked", &m)));
     let error = table(&["free run", &rms, &max, "% of stroke"], &rows.collect::<Vec<_>>(), console.room());
     let input = &made.units.u;

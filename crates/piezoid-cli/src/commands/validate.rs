@@ -20,12 +20,13 @@ Examples:
     piezoid validate --model model.json --data record.csv --from 20 --offset free \\
         --json -
 
-The model runs free: it sees the input alone, and starts as if the first input had stood for long. \
+The model runs free: it sees only the input, and starts from the initial condition that fits the record best. \
 nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
 
-Errors by frequency and amplitude are those of the cycles of the input, over all files; where it does not go to and \
-fro, of the spectra, in third-octave bands. The floor is the scatter of y between repetitions of the same input. What \
-is left is white when a Ljung-Box test cannot tell it from noise; it goes with the input when the model lacks something.";
+Errors by frequency and amplitude are those of the cycles of the input, over all files. Without cycles they are those \
+of the spectra, in third-octave bands. The floor is the scatter of y between repetitions of the same input. The \
+residuals are white if a Ljung-Box test cannot tell them from noise. Residuals that are correlated with the input show \
+that the model lacks something.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

@@ -141,7 +141,7 @@ fn a_model_that_cannot_be_trusted_is_told_as_such() {
         let bench = spoilt(records, *change);
         bench.run(&format!("identify {line} {HOW}")).ok().says(says);
         if says.is_empty() {
-            bench.run("validate --model m.json --data stairs.csv").ok().says(&["note:", "beyond"]);
+            bench.run("validate --model m.json --data stairs.csv").ok().says(&["note:", "outside this range"]);
         }
     }
 }

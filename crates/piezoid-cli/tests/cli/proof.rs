@@ -84,7 +84,7 @@ fn the_error_is_told_by_frequency_by_amplitude_by_loop_and_beside_the_floor() {
     bench.run("simulate --plant pl140 --input drive5.csv -o noisy.csv").ok();
     let line = "validate --model model.json --data sine5.csv sine20.csv rising.csv noisy.csv";
     let run = bench.run(&format!("{line} --json v.json")).ok();
-    run.prints(&["f [Hz]", "amplitude [V]", "width %", "floor [um]", "follows u", "the resonance at 146.7 Hz"]);
+    run.prints(&["f [Hz]", "amplitude [V]", "width %", "floor [um]", "correlated with u", "the resonance at 146.7 Hz"]);
     let json = bench.json("v.json");
     let hz: Vec<f64> = json["total"]["by_frequency"].as_array().unwrap().iter().map(|b| number(&b["at"])).collect();
     assert!(hz.len() == 2 && (hz[0] - 5.0).abs() < 0.1 && (hz[1] - 20.0).abs() < 0.1, "{hz:?}");

@@ -52,7 +52,7 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("validate --model model.json --data sine5.csv --from inf", &["'inf'", "--from"]),
         ("validate --model model.json --data sine5.csv --ts 0", &["'0'", "--ts", "positive"]),
         ("validate --model model.json --data sine5.csv --offset fre", &["'fre'", "free"]),
-        ("study --plant papr", &["'papr'", "paper"]),
+        ("study --plant papr", &["`papr`", "paper"]),
         ("study --seed minus", &["'minus'", "--seed"]),
         ("completions tcsh", &["'tcsh'", "zsh"]),
         ("man identfy", &["identfy", "identify"]),

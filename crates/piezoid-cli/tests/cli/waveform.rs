@@ -45,7 +45,7 @@ fn what_cannot_be_made_leaves_nothing_behind() {
     let far = bench(4.0);
     far.refused(&format!("{MAKE} -o scan")).says(&["r.csv: the reference cannot be reached", "--clip"]);
     let bench = bench(0.4);
-    bench.misused(&format!("{MAKE} --range 0 120 -o scan")).says(&["--range 0 to 120 V: must hold the drive"]);
+    bench.misused(&format!("{MAKE} --range 0 120 -o scan")).says(&["--range 0 to 120 V: must contain the drive"]);
     bench.misused("export --model model.json --target waveform -o scan").says(&["--reference", "must be given"]);
     bench.misused("export --model model.json --target c --reference r.csv -o scan").says(&["--reference", "waveform"]);
     bench

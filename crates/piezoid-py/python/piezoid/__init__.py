@@ -3,8 +3,8 @@
 >>> import piezoid as pz
 >>> plant = pz.plants["pl140"]
 >>> small = plant.measure(pz.excite.prbs(ts=5e-4, duration=2, amplitude=1), ts=5e-4)
->>> rich = plant.measure(pz.excite.rising_sine(ts=5e-4, duration=2, amplitude=28, frequency=5), ts=5e-4)
->>> model = pz.identify(small_signal=[small], large_signal=[rich], operator="preisach")
+>>> large = plant.measure(pz.excite.rising_sine(ts=5e-4, duration=2, amplitude=28, frequency=5), ts=5e-4)
+>>> model = pz.identify(small_signal=[small], large_signal=[large], operator="preisach")
 >>> y = model.simulate([0.0, 1.0, 2.0])
 
 Voltages are in volts, displacements in the unit of the records (um unless they say otherwise), times in seconds. Series are

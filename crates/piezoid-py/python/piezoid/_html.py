@@ -60,7 +60,7 @@ def validation(v: Validation) -> str:
             ("largest", f"{v.max_abs:.4g} {unit}", _series(v.residual[v.start :])),
             ("samples", f"{v.n}", ""),
         ],
-        v.remarks + [f"not proven: {part}" for part in v.unproven],
+        v.remarks + [f"not covered: {part}" for part in v.unproven],
     )
 
 

@@ -151,7 +151,7 @@ class Model:
         return self._core.simulate(u, begin)
 
     def predict(self, u: Samples, y: Samples) -> Array:
-        """One step ahead: what it foretells of y[t] from u up to t and measured y up to t-1; all of shape (n,)."""
+        """One-step prediction of y[t] from u up to t and measured y up to t-1; all of shape (n,)."""
         return self._core.predict(u, y)
 
     def hidden(self, u: Samples) -> Array:
@@ -310,7 +310,7 @@ class Validation:
 
     @property
     def residual(self) -> Array:
-        """What is left: y less the free run, of shape (n,)."""
+        """Residuals: y minus the free run, of shape (n,)."""
         left: Array = self.record.y - self.simulated
         return left
 

@@ -1,6 +1,6 @@
 //! Excitations: the voltages that make an actuator show what it is.
 //!
-//! Small and broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; rich ones ([`RisingSine`], [`Sine`],
+//! Small broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`], [`Sine`],
 //! [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] passes through the resonance.
 //! [`Limits`] tells whether a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`,
 //! starts where its own page says, and is the same for the same settings.

@@ -1,4 +1,4 @@
-"""Records, and free runs beside them: loops, time series, what is left."""
+"""Records, and free runs beside them: loops, time series, residuals."""
 
 from __future__ import annotations
 
