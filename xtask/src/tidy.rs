@@ -126,7 +126,8 @@ fn wide(file: &Path) -> Result<Vec<String>, String> {
     let text = read(file)?;
     let is_code = file.extension().is_some_and(|extension| extension == "rs");
     let wraps = |line: &str| match is_code {
-        true => line.trim_start().starts_with("//") && !line.contains("http"),
+        // Not of plain comments: those of program texts are printed as they stand.
+        true => ["///", "//!"].iter().any(|mark| line.trim_start().starts_with(mark)) && !line.contains("http"),
         false => !line.contains("](") && !line.starts_with('|') && !line.contains("http"),
     };
     let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > WIDTH && wraps(line));

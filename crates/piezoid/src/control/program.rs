@@ -26,8 +26,7 @@ fn fed(feed) {
 
 /// The same as [`super::integrating`], for a state with an `integral`.
 pub(super) const INTEGRATING: &str = "
-// w on top of the feed-forward within the limits. The integral takes its gain, but where that would drive the input
-// further beyond a limit.
+// w on top of the feed-forward within the limits. The integral takes its gain, but where that would drive the input further beyond a limit.
 fn integrating(s: control_state, feed, w, gain) {
     let v = fed(feed) + w;
     let u = clamp(v, low, high);

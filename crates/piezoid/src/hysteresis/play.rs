@@ -136,9 +136,8 @@ fn hysteresis(x: hysteresis, u) {
 
 /// [`outwards`] for weights that are not negative.
 const CLOSED: &str = "
-// The input between low and high that the next step answers with z, and 1. From the last input outwards z is a broken
-// line, and one play after another is taken along. 0 as the second of a state that no inputs lead to, where the order
-// is another.
+// The input between low and high that the next step answers with z, and 1. From the last input outwards z is a broken line, and one
+// play after another is taken along. 0 as the second of a state that no inputs lead to, where the order is another.
 fn hysteresis_closed(x: hysteresis, z, low, high) {
     let closed = 1.0;
     if x.last < low || x.last > high { closed = 0.0; }

@@ -195,8 +195,7 @@ impl Hysteresis for Tellinen {
 }
 
 const STEP: &str = "
-// The integral up to u, of the table that begins at `first`, and what the cell of u adds to it; nothing beyond the
-// ends.
+// The integral up to u, of the table that begins at `first`, and what the cell of u adds to it; nothing beyond the ends.
 fn decayed(first: whole, u) {
     let place = clamp((u - lowest) / cell, 0.0, real(cells));
     let i = 0;

@@ -145,8 +145,7 @@ fn heading(before, u, held) {
     return direction;
 }
 
-// z at u when it moves in this direction, and the slope; midway between both branches of the pair while that is not
-// known.
+// z at u when it moves in this direction, and the slope; midway between both branches of the pair while that is not known.
 fn read_pair(pair: whole, u, direction) {
     let first = 2 * pair;
     let last = first + 1;

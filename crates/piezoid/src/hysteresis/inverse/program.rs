@@ -52,9 +52,8 @@ fn hysteresis_ahead(x: hysteresis, u) {
 
 /// [`super::by_slopes`].
 const BY_SLOPES: &str = "
-// The input between low and high that the next step answers with z, sought from the last one outwards by Newton's
-// method, kept between what lies before the wanted z and what does not; and 1, or 0 where z is seen to fall, or to jump
-// past what is wanted.
+// The input between low and high that the next step answers with z, sought from the last one outwards by Newton's method, kept between
+// what lies before the wanted z and what does not; and 1, or 0 where z is seen to fall, or to jump past what is wanted.
 fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
     let found = 0.0;
     let close = magnitude(low);

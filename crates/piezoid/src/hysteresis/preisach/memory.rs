@@ -146,8 +146,7 @@ fn turns(x: hysteresis, u) {
     return round;
 }
 
-// How many of n reversals are left when the input has gone to u; the one after those that are stored is where the input
-// is.
+// How many of n reversals are left when the input has gone to u; the one after those that are stored is where the input is.
 fn kept(x: hysteresis, n: whole, u) {
     let left = n;
     let closes = 1;
@@ -163,8 +162,7 @@ fn kept(x: hysteresis, n: whole, u) {
     return real(left);
 }
 
-// Makes room for two: forgets the neighbours between which the fewest relays lie, in the rectangle that their own
-// neighbours span.
+// Makes room for two: forgets the neighbours between which the fewest relays lie, in the rectangle that their own neighbours span.
 fn forget(x: hysteresis) {
     let fewest = most;
     let chosen = 1;

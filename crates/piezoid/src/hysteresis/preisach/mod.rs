@@ -184,8 +184,7 @@ impl Hysteresis for Preisach {
 }
 
 const STEP: &str = "
-// The sum over the cells at u, and its slope, where the last of so many reversals began the branch; the input now where
-// it is not stored.
+// The sum over the cells at u, and its slope, where the last of so many reversals began the branch; the input now where it is not stored.
 fn on_branch(x: hysteresis, reversals: whole, u) {
     let sum = 0.0;
     let slope = 0.0;
@@ -232,8 +231,8 @@ fn hysteresis(x: hysteresis, u) {
     return at_once * u + x.sum;
 }
 
-// What the next step would give, and the slope. Where something would have to be forgotten first it falls as far as
-// there are numbers, so that nobody goes by it.
+// What the next step would give, and the slope. Where something would have to be forgotten first it falls as far as there are numbers,
+// so that nobody goes by it.
 fn hysteresis_ahead(x: hysteresis, u) {
     let z = at_once * u + x.sum;
     let slope = at_once;
