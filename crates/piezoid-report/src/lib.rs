@@ -1,6 +1,7 @@
 //! Reports: figures as SVG, pages of HTML in one file, the report on a model, and the study of the paper.
 
-mod page;
+#[doc(hidden)]
+pub mod page;
 pub mod plot;
 pub mod report;
 pub mod study;

@@ -21,9 +21,9 @@ mod section;
 mod table;
 mod text;
 
-pub(crate) use section::{Fact, Section};
-pub(crate) use table::{Cell, PageTable};
-pub(crate) use text::Text;
+pub use section::{Fact, Section};
+pub use table::{Cell, PageTable};
+pub use text::Text;
 pub(crate) use text::sentence;
 
 use crate::plot::{Figure, escape};
