@@ -47,7 +47,7 @@ def test_twins_are_what_the_command_line_measures_on_and_may_be_changed() -> Non
     assert pz.Plant(stiffer) != plant
     one, other = plant.drawn(seed=3), plant.drawn(seed=3, index=1)
     assert one != other and one == plant.drawn(seed=3) and other.name == "pl140-1"
-    with pytest.warns(UserWarning, match="current limit"):
+    with pytest.warns(UserWarning, match="driver's current"):
         plant.simulate([0.0, 30.0, -30.0] * 20)
     with pytest.raises(pz.PiezoidError, match="rest or settled"):
         plant.simulate(u, begin="moving")  # type: ignore[arg-type]
