@@ -28,7 +28,7 @@ const FOREIGN: [&str; 9] =
     ["nalgebra", "rustfft", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
 
 /// The most public items of the three crates: not more than there are. The aim is 150.
-const ITEMS: usize = 186;
+const ITEMS: usize = 185;
 
 /// The longest line of prose; rustfmt keeps the code.
 const WIDTH: usize = 120;

@@ -65,13 +65,9 @@ impl ExportOptions {
         reference: Option<&[f64]>,
         compiler: Option<Compiler>,
     ) -> Result<Exported, Error> {
-        let target = self::target(target)?;
+        let target = ExportTarget::find(target)?;
         self.fit(target, reference.is_some())?;
-        let settings = FeedForwardSettings {
-            limits: self.limits.limits()?.unwrap_or_default(),
-            clip: self.clip,
-            ..Default::default()
-        };
+        let settings = FeedForwardSettings::within(&self.limits, self.clip)?;
         let drive = self.controller.as_deref().map(|name| self.tuned(name, model, settings)).transpose()?;
         let controller = drive.as_ref().map(TunedScheme::controller);
         (target.make)(&ExportRequest { model, options: self.clone(), settings, controller, reference, compiler })
@@ -240,28 +236,8 @@ pub trait Export {
 
 impl Export for Model {
     fn export(&self, target: &str, name: &str) -> Result<Exported, Error> {
-        (self::target(target)?.make)(&ExportRequest::new(self, name))
+        (ExportTarget::find(target)?.make)(&ExportRequest::new(self, name))
     }
-}
-
-/// The target called `name`.
-///
-/// ```
-/// use piezoid_export::{ExportRequest, target};
-/// use piezoid::{Model, hysteresis::Operator, linear::Arx};
-/// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
-/// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
-/// let made = (target("c")?.make)(&ExportRequest::new(&model, "bender"))?;
-/// assert_eq!(made.files[0].name, "bender.h");
-/// assert!(target("cpp").unwrap_err().to_string().contains("known are c"));
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Unknown`] with the names there are.
-pub fn target(name: &str) -> Result<&'static ExportTarget, Error> {
-    let known = || TARGETS.iter().map(|t| t.name);
-    TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
 }
 
 /// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of

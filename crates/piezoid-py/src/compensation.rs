@@ -15,7 +15,7 @@ use serde_json::json;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What compensation may use.
-pub(crate) fn how(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
+pub(crate) fn feed_forward_settings(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
     options::<CompensateOptions>(settings)?.settings().map_err(raised)
 }
 
@@ -46,8 +46,8 @@ pub(crate) struct FeedForward {
 }
 
 impl FeedForward {
-    pub(crate) fn new(model: &piezoid::Model, how: FeedForwardSettings, late: usize) -> PyResult<Self> {
-        let causal = Causal::new(model, how, late).map_err(raised)?;
+    pub(crate) fn new(model: &piezoid::Model, settings: FeedForwardSettings, late: usize) -> PyResult<Self> {
+        let causal = Causal::new(model, settings, late).map_err(raised)?;
         let state = Mutex::new(causal.initial());
         Ok(FeedForward { causal, state })
     }

@@ -1,6 +1,6 @@
 //! Models: from a voltage to a displacement, and back.
 
-use crate::compensation::{CompensationTuple, FeedForward, compensated, how};
+use crate::compensation::{CompensationTuple, FeedForward, compensated, feed_forward_settings};
 use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::record::Record;
@@ -147,7 +147,7 @@ impl Model {
     }
 
     fn _inverse(&self, late: usize, settings: &Bound<'_, PyDict>) -> PyResult<FeedForward> {
-        FeedForward::new(&self.model, how(settings)?, late)
+        FeedForward::new(&self.model, feed_forward_settings(settings)?, late)
     }
 
     fn _compensation(

@@ -1,4 +1,4 @@
-//! `piezoid compensate`: the voltage for a wanted displacement, by feed-forward.
+//! `piezoid compensate`: the voltage for a requested displacement, by feed-forward.
 
 use crate::console::Console;
 use crate::files;
@@ -33,7 +33,7 @@ pub(crate) struct Compensate {
     /// The model file.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// The wanted displacement.
+    /// The requested displacement.
     #[arg(long, value_name = "FILE")]
     reference: PathBuf,
     #[command(flatten)]
@@ -74,7 +74,7 @@ fn tables(made: &Compensation, console: &Console) -> String {
         [vec![name.to_string()], [m.rmse, m.max_abs, m.rms_pp_percent].map(number).to_vec()].concat()
     };
     let name = if of_requested.is_some() { "of the shaped" } else { "predicted" };
-    let rows = std::iter::once(figures(name, &metrics)).chain(of_requested.map(|m| figures("of the asked", &m)));
+    let rows = std::iter::once(figures(name, &metrics)).chain(of_requested.map(|m| figures("of the requested", &m)));
     let error = table(&["free run", &rms, &max, "% of stroke"], &rows.collect::<Vec<_>>(), console.room());
     let input = &made.units.u;
     let row = |peak: &piezoid::excitation::Peak| {

@@ -33,7 +33,7 @@ pub(crate) struct Export {
     target: String,
     #[command(flatten)]
     options: Flags<ExportOptions>,
-    /// One period of the wanted displacement, for the target waveform.
+    /// One period of the requested displacement, for the target waveform.
     #[arg(long, value_name = "FILE")]
     #[arg(help_heading = "Waveforms")]
     reference: Option<PathBuf>,

@@ -30,7 +30,7 @@ pub(crate) enum Verb {
     Identify(Box<identify::Identify>),
     /// Compare a model with records it has not seen.
     Validate(validate::Validate),
-    /// Turn a wanted displacement into the voltage that gives it.
+    /// Turn a requested displacement into the voltage that gives it.
     Compensate(compensate::Compensate),
     /// Close the loop on a simulated actuator and compare controllers.
     Control(Box<control::Control>),

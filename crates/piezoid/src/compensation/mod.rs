@@ -26,7 +26,7 @@ pub(crate) use preview::Preview;
 pub use sample::Causal;
 
 use crate::error::{Error, finite};
-use crate::excitation::{Limits, Usage};
+use crate::excitation::{LimitOptions, Limits, Usage};
 use crate::hammerstein::{Domain, Model};
 use crate::number::{round, short};
 use crate::series::ends;
@@ -54,6 +54,14 @@ pub struct FeedForwardSettings {
 }
 
 impl FeedForwardSettings {
+    /// The feed-forward within these limits, clipped to them or not.
+    ///
+    /// # Errors
+    /// As [`LimitOptions::limits`].
+    pub fn within(limits: &LimitOptions, clip: bool) -> Result<Self, Error> {
+        Ok(FeedForwardSettings { limits: limits.limits()?.unwrap_or_default(), clip, ..Default::default() })
+    }
+
     /// The lowest and highest input within the limits and the range of the identification data of `model`, extended by
     /// a twentieth on each side.
     ///

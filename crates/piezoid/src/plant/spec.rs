@@ -163,12 +163,6 @@ impl Spec {
         self.sensor.range_m
     }
 
-    /// The same with this white sensor noise [m, rms].
-    pub fn with_sensor_noise(mut self, rms: f64) -> Self {
-        self.sensor.noise_rms_m = rms;
-        self
-    }
-
     /// Reads a specification.
     ///
     /// # Errors

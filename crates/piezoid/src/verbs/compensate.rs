@@ -46,8 +46,7 @@ impl CompensateOptions {
     /// # Errors
     /// As [`LimitOptions::limits`].
     pub fn settings(&self) -> Result<FeedForwardSettings, Error> {
-        let limits = self.limits.limits()?.unwrap_or_default();
-        Ok(FeedForwardSettings { limits, clip: self.clip, sweeps: self.sweeps, ..FeedForwardSettings::default() })
+        Ok(FeedForwardSettings { sweeps: self.sweeps, ..FeedForwardSettings::within(&self.limits, self.clip)? })
     }
 
     /// The voltage for the reference `r` [output unit].
@@ -93,7 +92,7 @@ impl Compensation {
     /// Voltage and shaped reference as a file.
     ///
     /// # Errors
-    /// As [`csv::write`].
+    /// As [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let (u, r) = (format!("u_{}", self.units.u), format!("r_{}", self.units.y));
         Table::write(self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])

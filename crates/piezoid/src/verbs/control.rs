@@ -123,8 +123,8 @@ impl ControlOptions {
         if let Some(noise) = self.noise {
             let unit = &model.units().y;
             let none = || Error::Content(format!("its output is in {unit}, which is no length: leave the noise out"));
-            spec.sensor.noise_rms_m =
-                noise * Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
+            let factor = Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
+            spec.sensor.noise_rms_m = noise * factor;
         }
         let names: Vec<&str> = match self.reference.is_empty() {
             true => ALONG.to_vec(),
@@ -144,7 +144,7 @@ impl ControlOptions {
     /// The same along references that are known.
     ///
     /// # Errors
-    /// As [`compare`], and what cannot be tuned or reached.
+    /// As [`Comparison::run`], and what cannot be tuned or reached.
     pub fn along(
         &self,
         plant: (&str, &Spec),
@@ -178,11 +178,7 @@ impl ControlOptions {
     }
 
     fn settings(&self) -> Result<FeedForwardSettings, Error> {
-        Ok(FeedForwardSettings {
-            limits: self.limits.limits()?.unwrap_or_default(),
-            clip: self.clip,
-            ..FeedForwardSettings::default()
-        })
+        FeedForwardSettings::within(&self.limits, self.clip)
     }
 
     fn schemes(&self) -> Result<Vec<Scheme>, Error> {
@@ -217,7 +213,7 @@ impl Comparison {
     /// The first run as a record, with the reference.
     ///
     /// # Errors
-    /// There is none, and as [`csv::write`].
+    /// There is none, and as [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
         let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {

@@ -63,7 +63,7 @@ impl Excited {
     /// The signal as a file.
     ///
     /// # Errors
-    /// As [`csv::write`].
+    /// As [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         Table::write(self.ts, &[("u_V", &self.u)])
     }

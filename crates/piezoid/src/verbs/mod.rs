@@ -52,12 +52,17 @@ impl File {
         std::str::from_utf8(&self.bytes).map_err(none)
     }
 
+    /// What `part` takes of the table in it.
+    fn read<T>(&self, part: impl FnOnce(Table) -> Result<T, Error>) -> Result<T, Error> {
+        Table::read(&self.name, &self.bytes).and_then(part).map_err(|e| e.of(&self.name))
+    }
+
     /// The record in it.
     ///
     /// # Errors
     /// It holds none, or not the columns that are meant.
     pub fn record(&self, columns: &ColumnSelection) -> Result<Record, Error> {
-        Table::read(&self.name, &self.bytes).and_then(|table| table.record(columns)).map_err(|e| e.of(&self.name))
+        self.read(|table| table.record(columns))
     }
 
     /// The input in it, which may hold nothing else.
@@ -65,7 +70,7 @@ impl File {
     /// # Errors
     /// As [`File::record`].
     pub fn input(&self, columns: &ColumnSelection) -> Result<Signal, Error> {
-        Table::read(&self.name, &self.bytes).and_then(|table| table.input(columns)).map_err(|e| e.of(&self.name))
+        self.read(|table| table.input(columns))
     }
 
     /// The reference in it, which may hold nothing else, in the unit of the model's output.
@@ -73,15 +78,14 @@ impl File {
     /// # Errors
     /// As [`File::record`]; one that is sampled otherwise than the model, or in a unit that cannot be converted.
     pub fn reference(&self, columns: &ColumnSelection, model: &Model) -> Result<Vec<f64>, Error> {
-        let read = || {
-            let Signal { ts, samples, unit } = Table::read(&self.name, &self.bytes)?.reference(columns)?;
+        self.read(|table| {
+            let Signal { ts, samples, unit } = table.reference(columns)?;
             Record::same_sampling("the model", model.ts(), "the reference", ts)?;
             let (what, wanted) = ("the reference".into(), &model.units().y);
             let factor = Units::factor(&unit, wanted);
             let factor = factor.ok_or_else(|| Error::Units { what, found: unit, wanted: wanted.clone() })?;
             Ok(samples.iter().map(|r| r * factor).collect())
-        };
-        read().map_err(|e: Error| e.of(&self.name))
+        })
     }
 
     /// The model in it.

@@ -9,7 +9,7 @@ use crate::plant::{Plant, Spec};
 use crate::record::{Record, Units};
 use crate::system::System;
 
-const BEGINNINGS: OptionKind = OptionKind::Choice(&[
+const INITIAL_CONDITIONS: OptionKind = OptionKind::Choice(&[
     ("rest", "Rest, and a jump to the first input"),
     ("settled", "The first input, which had stood for long"),
     ("motion", "The same as in the record"),
@@ -20,7 +20,7 @@ options! {
     #[derive(Copy)]
     pub struct SimulateOptions {
         /// What came before: rest; the first input, which had stood for long; or the same as in the record.
-        begin: InitialCondition = InitialCondition::Rest, OptionRow::new(BEGINNINGS);
+        begin: InitialCondition = InitialCondition::Rest, OptionRow::new(INITIAL_CONDITIONS);
         /// Seed of the plant's noise.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     }
@@ -101,7 +101,7 @@ impl Simulated {
     /// Input and answer as a file.
     ///
     /// # Errors
-    /// As [`csv::write`].
+    /// As [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
         Table::write(self.ts, &[(&u, &self.u), (&y, &self.y)])

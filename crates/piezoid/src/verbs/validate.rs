@@ -31,7 +31,7 @@ impl ValidateOptions {
     /// Compares a model with the records in files, in the unit of the first.
     ///
     /// # Errors
-    /// Files without records, and what [`validate`] refuses.
+    /// Files without records, and what [`Model::validate_with`] refuses.
     pub fn run(&self, model: &Model, data: &[File], columns: &ColumnSelection) -> Result<Validated, Error> {
         let mut unit = None;
         let mut compare = |file: &File| {
