@@ -14,7 +14,7 @@ use piezoid::hysteresis::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, O
 use piezoid::linear::{AbsoluteError, Arx, Estimator, Orders, Regression};
 use piezoid::optimize::swarm::{Cost, SwarmSettings};
 use piezoid::plant::{Plant, Preset};
-use piezoid::progress::silent;
+use piezoid::progress::Stage;
 use piezoid::{Error, Record, System};
 use piezoid_report::study::Study;
 use serde_json::{Map, Value};
@@ -61,7 +61,7 @@ fn estimators(c: &mut Criterion) {
     for name in ["swarm", "least-squares", "least-absolute"] {
         let Ok(by) = Estimator::find(name) else { continue };
         group.bench_function(name, |b| {
-            b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut silent));
+            b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut Stage::ignore));
         });
     }
     group.finish();
@@ -295,8 +295,10 @@ fn study(c: &mut Criterion) {
     let mut group = c.benchmark_group("study");
     group.sample_size(10);
     let whole = |names: &[&str]| -> Result<usize, Error> {
-        let studies =
-            names.iter().map(|name| Study::run(Preset::find(name)?, 1, &mut silent)).collect::<Result<Vec<_>, _>>()?;
+        let studies = names
+            .iter()
+            .map(|name| Study::run(Preset::find(name)?, 1, &mut Stage::ignore))
+            .collect::<Result<Vec<_>, _>>()?;
         let drawn: usize = studies.iter().flat_map(Study::figures).map(|(_, figure)| figure.svg().len()).sum();
         Ok(drawn + Study::page(&studies).html().len())
     };

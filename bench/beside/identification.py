@@ -67,7 +67,7 @@ def measured() -> Bench | None:
         return None
     record, growing = (pz.read(folder / name, start=1.5) for name in ("model_1Hz.csv", "test_am_1Hz.csv"))
     parts = record.part(0, 27), record.part(27)
-    return Bench("stack", [], [parts[0]], parts[1], {"growing sine, 1 Hz": growing}, 300, True, [record])
+    return Bench("stack", [], [parts[0]], parts[1], {"rising sine, 1 Hz": growing}, 300, True, [record])
 
 
 def identification(page: Page, bench: Bench) -> None:
@@ -123,4 +123,4 @@ def identification(page: Page, bench: Bench) -> None:
     compared("chosen", auto, search, "SysIdentPy, settings searched", of_narx, narx.simulate)
     compared("given", play, single, "SysIdentPy, one setting", of_narx, narx.simulate)
     compared("given", wen, hand, "Bouc-Wen by hand, `least_squares`", by_name, hand.result.simulate)
-    page.facts.append(f"SysIdentPy's best setting on the {bench.name}, by its own validation: {best}.")
+    page.facts.append(f"Setting of SysIdentPy that was selected on the {bench.name} (input terms; degree, lags, terms): {best}.")

@@ -63,8 +63,8 @@ def filters(page: Page) -> None:
             page.add(f"filter, order {order}, {counted(n)}", "`lfilter`", "error / peak", errors, ours, theirs)
             if n == 1 and order == 2:
                 page.facts.append(
-                    f"A call of one sample takes {1e6 * ours.seconds:.2f} us by `Arx.simulate`: that is what a call adds "
-                    "to the time in Rust, where at most 5 us were the goal."
+                    f"A call of one sample takes {1e6 * ours.seconds:.2f} us by `Arx.simulate`: this is mainly "
+                    "the overhead of a call from Python (the goal was at most 5 us)."
                 )
 
 
@@ -94,7 +94,7 @@ def blocks(page: Page) -> None:
         errors = mine.result[1], other.result[1]
         page.add("ARX of order 2, least squares", name, "one-step rms [um]", errors, mine, other)
     apart = max(float(np.abs(other.result[0] - mine.result[0]).max()) for other in others)
-    page.facts.append(f"Coefficients by least squares differ by at most {apart:.1e} from those of numpy and scipy.")
+    page.facts.append(f"The least-squares coefficients differ from those of numpy and scipy by at most {apart:.1e}.")
 
     def left(run: Array) -> float:
         return rms((run - y - (run - y).mean())[order:])
@@ -141,7 +141,7 @@ def swarms(page: Page) -> None:
 
     rounds = [in_turn(partial(ours, "swarm", seed), *theirs(seed), repeats=1) for seed in seeds]
     mine, *others = [Took([took.result for took in side], [took.seconds for took in side]) for side in zip(*rounds)]
-    measure = "sum above the least [um]"
+    measure = "sum of absolute errors above the minimum [um]"
     for cost, other in zip(rivals.COSTS, others):
         for name, of in [("median", statistics.median), ("worst", max)]:
             errors = of(mine.result) - least, of(other.result) - least
@@ -149,7 +149,7 @@ def swarms(page: Page) -> None:
             page.add(title, f"pyswarms 1.3, cost in {cost}", measure, errors, mine, other)
     errors = exact[0].result - least, exact[1].result - least
     page.add("least absolute error, exact", "`linprog`, HiGHS", measure, errors, *exact)
-    page.facts.append(f"The least sum of absolute errors is {least:.4f} um.")
+    page.facts.append(f"The minimum of the sum of absolute errors, to which the rows \"swarm\" refer, is {least:.4f} um.")
 
 
 def model(operator: str, **law: Any) -> pz.Model:
@@ -181,7 +181,7 @@ def plays(page: Page) -> None:
         lambda: beamed(ours, rivals.plays_by_sample(u, r, w)),
         repeats=3 if page.quick else 9,
     )
-    for name, other in zip(["numpy, monotone stretches at once", "numpy, plays at once"], others):
+    for name, other in zip(["numpy, all samples of a monotone part together", "numpy, plays at once"], others):
         errors = off(mine.result, exact), off(other.result, exact)
         page.add(f"30 plays and order 2, {counted(len(u))}", name, "error / peak", errors, mine, other)
 

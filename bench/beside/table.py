@@ -93,7 +93,18 @@ class Row:
         return [self.problem, self.other, self.measure, *errors, *times]
 
 
-HEADS = ["problem", "against", "error is", "error", "their error", "", "time", "their time", "times as fast", ""]
+HEADS = [
+    "task",
+    "compared with",
+    "measure of error",
+    "error",
+    "other's error",
+    "verdict on error",
+    "time",
+    "other's time",
+    "ratio of times",
+    "verdict on time",
+]
 
 
 def markdown(heads: Iterable[str], rows: Iterable[Iterable[str]], words: int) -> str:
@@ -130,7 +141,7 @@ def behind(rows: Iterable[Row]) -> str:
     for row in rows:
         where = f"- {row.problem}, against {row.other}: "
         if row.error == "behind":
-            lines.append(f"{where}in error, {figure(row.ours)} for {figure(row.theirs)} ({row.measure})")
+            lines.append(f"{where}in error, {figure(row.ours)} against {figure(row.theirs)} ({row.measure})")
         if row.time != "ahead":
-            lines.append(f"{where}in time, {duration(row.mine.seconds)} for {duration(row.rival.seconds)}")
+            lines.append(f"{where}in time, {duration(row.mine.seconds)} against {duration(row.rival.seconds)}")
     return "\n".join(lines) or "Nowhere."

@@ -229,11 +229,11 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         "twin",
         "method",
         "operator",
-        "least",
-        "median",
-        "worst",
-        "least ratio to `paper`",
-        "least ratio to `paper, best settings`",
+        "smallest error [%]",
+        "median [%]",
+        "largest [%]",
+        "smallest ratio `paper` / row",
+        "smallest ratio `paper, best settings` / row",
     ];
     let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
     for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
@@ -259,8 +259,8 @@ fn near(outcomes: &[Outcome]) -> String {
     let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
     let (joint, paper, twin) = (given.way.name, tuned.way.name, given.twin);
     format!(
-        "\nOn `{twin}` the error of `{joint}` is less than {TIMES} times smaller than that of `{paper}` on \
-         these records: {}.\n",
+        "\nOn `{twin}` the error of `{paper}` is less than {TIMES} times the error of `{joint}` on these records (ratio \
+         in brackets): {}.\n",
         near.join(", ")
     )
 }

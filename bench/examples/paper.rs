@@ -7,7 +7,7 @@ mod page;
 use page::row;
 use piezoid::number::short;
 use piezoid::plant::Preset;
-use piezoid::progress::silent;
+use piezoid::progress::Stage;
 use piezoid_report::study::{METHODS, Study, TestSignal};
 
 /// Figures of the study that docs/ keep: their names there, and here.
@@ -47,7 +47,7 @@ fn signals(study: &Study) -> String {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: paper FOLDER")?);
-    let study = Study::run(Preset::find("paper")?, 1, &mut silent)?;
+    let study = Study::run(Preset::find("paper")?, 1, &mut Stage::ignore)?;
     let page = folder.join("paper.md");
     page::write(&page, "verdict", &page::wrapped(&study.verdict()))?;
     page::write(&page, "table 1", &table_1(&study))?;

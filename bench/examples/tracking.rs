@@ -18,7 +18,7 @@ use piezoid::control::{
 };
 use piezoid::excitation::Limits;
 use piezoid::plant::Preset;
-use piezoid::progress::silent;
+use piezoid::progress::Stage;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
 
@@ -78,7 +78,7 @@ pub(crate) fn compared(
 ) -> Result<Comparison, Error> {
     let plant = Preset::find(twin)?;
     let paths = paths.iter().copied().map(reference).collect::<Result<Vec<_>, _>>()?;
-    Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut silent)
+    Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut Stage::ignore)
 }
 
 /// The rms error along each reference [% of its height]; infinite where the reference was refused.
@@ -104,8 +104,14 @@ fn code(name: impl std::fmt::Display) -> String {
 
 /// The margins of every feedback loop with a law.
 fn margins(drives: &[TunedScheme]) -> String {
-    let titles =
-        ["controller", "gain margin [dB]", "phase margin [°]", "peak of S", "bandwidth [Hz]", "least bandwidth [Hz]"];
+    let titles = [
+        "controller",
+        "gain margin [dB]",
+        "phase margin [°]",
+        "peak of the sensitivity",
+        "bandwidth [Hz]",
+        "smallest bandwidth [Hz]",
+    ];
     let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));
     let body = figures.map(|(name, m, least)| {
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
@@ -116,7 +122,7 @@ fn margins(drives: &[TunedScheme]) -> String {
 
 /// The errors of each scheme over plants with tolerances.
 fn spreads(drawn: &Comparison) -> String {
-    let titles = ["controller", "nominal plant", "median", "90th percentile", "worst", "unstable"];
+    let titles = ["controller", "nominal plant [%]", "median [%]", "90th percentile [%]", "worst [%]", "unstable"];
     let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| cell(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());

@@ -10,7 +10,7 @@ mod tracking;
 use piezoid::compensation::Fir;
 use piezoid::control::{CONTROLLERS, Comparison, NamedReference, Tolerance};
 use piezoid::plant::Preset;
-use piezoid::progress::silent;
+use piezoid::progress::Stage;
 use piezoid::{Error, Model, System};
 use std::sync::OnceLock;
 use tracking::accuracy::TS;
@@ -54,7 +54,8 @@ fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let line = drive(model(), "gain", 0).expect("a drive");
     let plant = Preset::find(TWIN).expect("a twin");
     let wanted = vec![NamedReference { name: "steps".into(), r: shaped(&steps), from: 0 }];
-    let done = Comparison::run((plant.name, &(plant.spec)()), vec![line], wanted, 1, None, &mut silent).expect("a run");
+    let done =
+        Comparison::run((plant.name, &(plant.spec)()), vec![line], wanted, 1, None, &mut Stage::ignore).expect("a run");
     let y = &done.driven[0].attempts[0].as_ref().expect("a run").run.y;
     let oscillation = |part: &[f64]| {
         let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));

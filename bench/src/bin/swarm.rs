@@ -8,7 +8,7 @@ use piezoid::excitation::Prbs;
 use piezoid::linear::{AbsoluteError, Estimator, Orders, Regression};
 use piezoid::optimize::swarm::SwarmSettings;
 use piezoid::plant::Plant;
-use piezoid::{Error, Record, progress::silent};
+use piezoid::{Error, Record, progress::Stage};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ fn main() -> Result<(), Error> {
     let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
     let record = Record::new(TS, u.clone(), y.clone())?;
     let settings = SwarmSettings { seed, ..Default::default() };
-    let squares = Estimator::find("least-squares")?.fit(&[record], Orders::of(2), &settings, &mut silent)?;
+    let squares = Estimator::find("least-squares")?.fit(&[record], Orders::of(2), &settings, &mut Stage::ignore)?;
     let offset = squares.offsets[0];
     let centred = Record::new(TS, u, y.iter().map(|y| y - offset).collect())?;
     let regression = Regression::new(&[centred], Orders::of(2))?;
@@ -36,7 +36,7 @@ fn main() -> Result<(), Error> {
     }
     let bounds = regression.search_box(&[squares.arx.a(), squares.arx.b()].concat())?;
     let start = Instant::now();
-    let found = settings.clone().minimise(&AbsoluteError::from(&regression), bounds, &mut silent)?;
+    let found = settings.clone().minimise(&AbsoluteError::from(&regression), bounds, &mut Stage::ignore)?;
     let seconds = start.elapsed().as_secs_f64();
     let (evaluations, rows) = (settings.particles * (settings.iterations + 1), regression.len());
     println!(

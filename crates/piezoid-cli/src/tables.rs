@@ -114,7 +114,7 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
             let [area, reversals] =
                 [pair(l.measured.area, l.model.area), pair(l.measured.reversals, l.model.reversals)];
             let known = |s: Option<f64>| s.map_or("-".into(), number);
-            let turn = [known(l.measured.slope_after_turn), known(l.model.slope_after_turn)];
+            let turn = [known(l.measured.slope_after_reversal), known(l.model.slope_after_reversal)];
             let place = [file.to_string(), round(l.hz), number(l.amplitude)];
             place.into_iter().chain(area).chain(turn).chain(reversals).collect::<Vec<_>>()
         };

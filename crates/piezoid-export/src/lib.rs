@@ -18,13 +18,16 @@ mod testing;
 mod vectors;
 mod waveform;
 
+#[doc(hidden)]
 pub use exported::{Entry, ExportedProgram, Port};
+#[doc(hidden)]
 pub use vectors::Vectors;
 
 use piezoid::compensation::FeedForwardSettings;
 use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
+use piezoid::formats::ColumnSelection;
 use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions, options};
 use serde_json::Value;
 
@@ -58,7 +61,7 @@ impl ExportOptions {
     ///
     /// # Errors
     /// No such target, options that it does not take, a controller or a model that it cannot hold.
-    pub fn run(
+    pub fn of(
         &self,
         target: &str,
         model: &Model,
@@ -71,6 +74,24 @@ impl ExportOptions {
         let drive = self.controller.as_deref().map(|name| self.tuned(name, model, settings)).transpose()?;
         let controller = drive.as_ref().map(TunedScheme::controller);
         (target.make)(&ExportRequest { model, options: self.clone(), settings, controller, reference, compiler })
+    }
+
+    /// The same from the model in a file, and the reference in another.
+    ///
+    /// # Errors
+    /// As [`ExportOptions::of`], and files that hold no model or no reference.
+    pub fn run(
+        &self,
+        target: &str,
+        file: &File,
+        reference: Option<(&File, &ColumnSelection)>,
+        compiler: Option<Compiler>,
+    ) -> Result<Exported, Error> {
+        let model = file.model()?;
+        let r = reference.map(|(file, columns)| file.reference(columns, &model)).transpose()?;
+        let made = self.of(target, &model, r.as_deref(), compiler);
+        // If there is a reference, it is what asks too much.
+        made.map_err(|e| e.about(&reference.map_or(file, |(reference, _)| reference).name))
     }
 
     /// Refuses what would count for nothing.

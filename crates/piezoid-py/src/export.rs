@@ -35,7 +35,7 @@ pub(crate) fn export(
     let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
     let reference = read.as_ref().map(|r| slice(r)).transpose()?;
     let made = py.detach(|| {
-        let made = options.run(target, &model, reference, compiler::here())?;
+        let made = options.of(target, &model, reference, compiler::here())?;
         folder.iter().try_for_each(|folder| files::write_all(folder, &made.files))?;
         Ok(made)
     });

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
 use piezoid::hammerstein::Identified;
-use piezoid::{IdentifyOptions, Options, Records, identify_with_progress};
+use piezoid::{IdentifyOptions, Options, Records};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -24,7 +24,7 @@ pub(crate) fn identify(
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, large) = (own(&records.0), own(&records.1));
     let records = Records { small_signal: &small, large_signal: &large };
-    let found: Identified = watched(py, progress, |progress| identify_with_progress(records, &options, progress))?;
+    let found: Identified = watched(py, progress, |progress| records.identify(&options, progress))?;
     let files: Value = serde_json::from_str(&made.1).map_err(|e| refused(&e.to_string()))?;
     let mut made = options.provenance(&found, &made.0, files);
     if !found.notes.is_empty() {

@@ -139,7 +139,7 @@ impl Model {
         let options: ValidateOptions = options(given)?;
         let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
-            "unit": record.record.units().y, "start": v.start, "beginning": v.initial_condition, "taken_off": v.taken_off,
+            "unit": record.record.units().y, "start": v.start, "initial_condition": v.initial_condition, "offset_removed": v.offset_removed,
             "metrics": v.metrics, "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
             "whiteness": v.whiteness, "floor": v.floor, "remarks": v.remarks, "unproven": v.not_covered,
         });

@@ -2,6 +2,7 @@
 
 #[doc(hidden)]
 pub mod page;
+#[doc(hidden)]
 pub mod plot;
 pub mod report;
 pub mod study;

@@ -10,7 +10,7 @@ use piezoid::excitation::{Prbs, SteppedSine};
 use piezoid::linear::{self, Orders};
 use piezoid::optimize::swarm::{self, GlobalBest};
 use piezoid::plant::{Plant, Preset};
-use piezoid::progress::{Stage, silent};
+use piezoid::progress::Stage;
 use piezoid::{Error, Record};
 use piezoid_report::study::{self, METHODS, Study, TestSignal};
 use serde_json::Value;
@@ -21,7 +21,7 @@ use std::sync::LazyLock;
 const TS: f64 = 5e-4;
 
 fn run(plant: &str, seed: u64) -> Study {
-    Study::run(Preset::find(plant).expect("a preset"), seed, &mut silent).expect("a study of it")
+    Study::run(Preset::find(plant).expect("a preset"), seed, &mut Stage::ignore).expect("a study of it")
 }
 
 static PAPER: LazyLock<Study> = LazyLock::new(|| run("paper", 1));
@@ -266,7 +266,7 @@ fn swarm_meets_the_optimum(plant: &str) {
     let cost = |estimator, seed, global_best| {
         let settings = swarm::SwarmSettings { seed, global_best, ..swarm::SwarmSettings::default() };
         let estimator = linear::Estimator::find(estimator).expect("an estimator");
-        estimator.fit(&record, Orders::of(2), &settings, &mut silent).expect("a fit").residuals.sum_abs
+        estimator.fit(&record, Orders::of(2), &settings, &mut Stage::ignore).expect("a fit").residuals.sum_abs
     };
     let optimum = cost("least-absolute", 1, GlobalBest::Ever);
     let within = if fused() { 1e-6 } else { 2e-6 };

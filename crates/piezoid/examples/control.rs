@@ -10,7 +10,7 @@
 use piezoid::excitation::{Prbs, RisingSine};
 use piezoid::formats::ColumnSelection;
 use piezoid::plant::{Plant, Preset};
-use piezoid::progress::silent;
+use piezoid::progress::Stage;
 use piezoid::{ControlOptions, Error, File, IdentifyOptions, Record, Records, identify};
 
 /// Sampling period [s].
@@ -31,7 +31,7 @@ fn main() -> Result<(), Error> {
     let references = vec!["sine:5".into(), "triangle:20".into()];
     let options = ControlOptions { reference: references, amplitude: Some(400.0), ..ControlOptions::default() };
     let (spec, model) = ((Preset::find("pl140")?.spec)(), File::new("model.json", model.to_json()));
-    let compared = options.run(("pl140", &spec), &model, &[], &ColumnSelection::default(), &mut silent)?;
+    let compared = options.run(("pl140", &spec), &model, &[], &ColumnSelection::default(), &mut Stage::ignore)?;
     for result in &compared.driven {
         print!("{:30}", result.name());
         for (attempt, reference) in result.attempts.iter().zip(&compared.wanted) {

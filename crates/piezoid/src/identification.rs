@@ -9,7 +9,7 @@ use crate::linear;
 use crate::optimize::swarm::{self, GlobalBest};
 use crate::options::{OptionKind, OptionRow, Options, options};
 use crate::plant::Spec;
-use crate::progress::{Progress, silent};
+use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 
@@ -109,6 +109,21 @@ pub struct Records<'r> {
     pub large_signal: &'r [Record],
 }
 
+impl Records<'_> {
+    /// As [`identify`], with progress; the callback can cancel it.
+    ///
+    /// # Errors
+    /// As [`identify`], and [`Error::Cancelled`].
+    pub fn identify(self, options: &IdentifyOptions, progress: &mut Progress) -> Result<Identified, Error> {
+        let Records { small_signal, large_signal } = self;
+        options.check()?;
+        match options.method {
+            Method::Joint => identify_joint(small_signal, large_signal, &options.joint()?, progress),
+            Method::Paper => identify_paper(small_signal, large_signal, &options.paper()?, progress),
+        }
+    }
+}
+
 impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
     fn from(records: &'r R) -> Self {
         Records { large_signal: records.as_ref(), ..Records::default() }
@@ -134,24 +149,7 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 /// No record, records of different sampling periods or of units that cannot be converted, records that nothing can be
 /// identified from; options of the other method, and names that there are not.
 pub fn identify<'r>(records: impl Into<Records<'r>>, options: &IdentifyOptions) -> Result<Identified, Error> {
-    identify_with_progress(records, options, &mut silent)
-}
-
-/// As [`identify`], with its progress told; this can cancel it.
-///
-/// # Errors
-/// As [`identify`], and [`Error::Cancelled`].
-pub fn identify_with_progress<'r>(
-    records: impl Into<Records<'r>>,
-    options: &IdentifyOptions,
-    progress: &mut Progress,
-) -> Result<Identified, Error> {
-    let Records { small_signal, large_signal } = records.into();
-    options.check()?;
-    match options.method {
-        Method::Joint => identify_joint(small_signal, large_signal, &options.joint()?, progress),
-        Method::Paper => identify_paper(small_signal, large_signal, &options.paper()?, progress),
-    }
+    records.into().identify(options, &mut Stage::ignore)
 }
 
 impl IdentifyOptions {

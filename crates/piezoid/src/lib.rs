@@ -65,11 +65,12 @@ mod testing;
 mod tests;
 pub mod validation;
 mod verbs;
+#[doc(hidden)]
 pub mod waveform;
 
 pub use error::Error;
 pub use hammerstein::{Identified, Model};
-pub use identification::{IdentifyOptions, Method, Records, identify, identify_with_progress};
+pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use options::{OptionKind, OptionRow, Options};
 pub use record::{Record, Units};
 pub use system::System;

@@ -16,12 +16,14 @@ pub struct Stage<'a> {
 /// A callback for progress; [`ControlFlow::Break`] cancels the task.
 pub type Progress<'a> = dyn FnMut(Stage) -> ControlFlow<()> + 'a;
 
-/// A callback that reports nothing.
-///
-/// ```
-/// # use piezoid::progress::{Stage, silent};
-/// assert!(silent(Stage { what: "anything", done: 1, total: 2 }).is_continue());
-/// ```
-pub fn silent(_: Stage) -> ControlFlow<()> {
-    ControlFlow::Continue(())
+impl Stage<'_> {
+    /// A callback that ignores progress.
+    ///
+    /// ```
+    /// # use piezoid::progress::Stage;
+    /// assert!(Stage::ignore(Stage { what: "anything", done: 1, total: 2 }).is_continue());
+    /// ```
+    pub fn ignore(_: Stage) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }

@@ -55,11 +55,8 @@ impl Export {
         }
         let file = files::read(&self.model)?;
         let reference = self.reference.as_deref().map(files::read).transpose()?;
-        let model = file.model().map_err(failed)?;
-        let r = reference.as_ref().map(|file| file.reference(&columns, &model)).transpose().map_err(failed)?;
-        let made = options.run(&self.target, &model, r.as_deref(), compiler::here());
-        // Of a drive it is the reference that asks too much.
-        let made = made.map_err(|e| failed(e.about(&reference.as_ref().unwrap_or(&file).name)))?;
+        let along = reference.as_ref().map(|file| (file, &columns));
+        let made = options.run(&self.target, &file, along, compiler::here()).map_err(failed)?;
         host::write_all(&self.output, &made.files)?;
         for note in &made.notes {
             console.remark(note);

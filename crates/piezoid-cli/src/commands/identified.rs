@@ -40,7 +40,7 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
             number(max_abs)
         );
     }
-    let reading = Some(arx.reading()).filter(|reading| !reading.poles.is_empty());
+    let reading = Some(arx.modal_form()).filter(|reading| !reading.poles.is_empty());
     text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
     if let Some(reading) = &reading {
         let delay = format!("{} ms beyond the hold, by the phase at low frequency", number(1e3 * reading.delay));

@@ -33,14 +33,14 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
     let run = run.prints(&["mode 1 ", "share %", "feed-through", "ms beyond the hold"]);
     assert!(run.out.lines().all(|line| line.chars().count() <= 80), "{}", run.out);
-    let reading = &found["linear"]["reading"];
-    let mode = &reading["poles"][0];
+    let form = &found["linear"]["modal_form"];
+    let mode = &form["poles"][0];
     let stiffness_over_mass = number(&mode["mass_per_stiffness"]).recip();
     assert!((stiffness_over_mass.sqrt() / std::f64::consts::TAU / number(&mode["hz"]) - 1.0).abs() < 1e-12);
     assert_eq!(mode["kind"], "mode");
-    let shares = reading["poles"].as_array().unwrap().iter().map(|p| number(&p["share_percent"])).sum::<f64>();
-    assert!((shares + number(&reading["residual_percent"]) - 100.0).abs() < 1e-9, "{reading}");
-    assert!(number(&reading["gain"]).is_finite() && number(&reading["delay_s"]).abs() < 2e-3, "{reading}");
+    let shares = form["poles"].as_array().unwrap().iter().map(|p| number(&p["share_percent"])).sum::<f64>();
+    assert!((shares + number(&form["feed_through_percent"]) - 100.0).abs() < 1e-9, "{form}");
+    assert!(number(&form["gain"]).is_finite() && number(&form["delay_s"]).abs() < 2e-3, "{form}");
     bench.run("report --model m.json --data stairs.csv -o m.html").ok();
     let page = bench.text("m.html");
     for said in ["Operators tried", "mode 1 frequency [Hz]", "Loops of the hysteresis block", "Frequency response"] {

@@ -48,7 +48,7 @@ fn a_total_over_perfect_records_is_perfect() {
 fn simulate_reproduces_the_figures_of_validate() {
     let bench = Bench::stocked();
     let result = bench.run("validate --model model.json --data sine20.csv --json -").ok().out_json();
-    let (total, begin) = (&result["total"], result["files"][0]["beginning"].as_str().unwrap());
+    let (total, begin) = (&result["total"], result["files"][0]["initial_condition"].as_str().unwrap());
     bench.run(&format!("simulate --model model.json --input sine20.csv --begin {begin} -o run.csv")).ok();
     let column = |name: &str| -> Vec<f64> {
         bench.text(name).lines().skip(1).map(|row| row.rsplit_once(',').unwrap().1.parse().unwrap()).collect()

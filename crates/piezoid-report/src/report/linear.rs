@@ -29,11 +29,8 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
             section.text(format!("A gain of {} {gain}, without dynamics{spread}.", short(arx.dc_gain())))
         }
         _ => {
-            let reading = arx.reading();
-            section
-                .facts(facts(&reading, &gain, arx.ts()))
-                .figure(response(arx, &reading, &gain))
-                .table(modes(&reading))
+            let form = arx.modal_form();
+            section.facts(facts(&form, &gain, arx.ts())).figure(response(arx, &form, &gain)).table(modes(&form))
         }
     };
     let (a, b) = (listed("a", arx.a()), listed("b", arx.b()));
@@ -42,32 +39,32 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
         .listing(format!("{a}{b}offset  {}", model.offset()))
 }
 
-fn facts(reading: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
-    let first = reading.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
-    let what = match reading.delay < -0.25 * ts {
+fn facts(form: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
+    let first = form.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
+    let what = match form.delay < -0.25 * ts {
         true => "delay: the output was sampled after its input acted",
         false => "delay in addition to the zero-order hold",
     };
-    let delay = Fact::new(short(1e3 * reading.delay), "ms", what);
-    [Some(Fact::new(short(reading.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
+    let delay = Fact::new(short(1e3 * form.delay), "ms", what);
+    [Some(Fact::new(short(form.gain), gain, "static gain")), first, Some(delay)].into_iter().flatten().collect()
 }
 
-fn modes(reading: &ModalForm) -> PageTable {
+fn modes(form: &ModalForm) -> PageTable {
     let table = PageTable::new("Modes of the linear block").text("").number("f [Hz]").number("damping ratio");
     let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
-    let table = reading.rows().into_iter().fold(table, PageTable::row).note(
+    let table = form.rows().into_iter().fold(table, PageTable::row).note(
         "Shares of the static displacement. Mass and damper for a spring of 1 N/mm at the point of measurement: both \
         are proportional to the stiffness.",
     );
-    match reading.images() {
+    match form.images() {
         Some(images) => table.note(images),
         None => table,
     }
 }
 
 /// Gain and phase, with the modes marked.
-fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
-    let (hz, half) = (frequencies(arx, reading), 0.5 / arx.ts());
+fn response(arx: &Arx, form: &ModalForm, unit: &str) -> Figure {
+    let (hz, half) = (frequencies(arx, form), 0.5 / arx.ts());
     let all: Vec<_> = hz.iter().map(|&hz| arx.response(hz)).collect();
     let gain: Vec<f64> = all.iter().map(|r| r.gain).collect();
     // The phase is unwrapped.
@@ -77,10 +74,10 @@ fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
         last.to_degrees()
     });
     let phase: Vec<f64> = phase.collect();
-    let modes = reading.modes();
+    let modes = form.modes();
     let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
     let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
-    let (top, low) = match reading.images() {
+    let (top, low) = match form.images() {
         Some(_) => [top, low].map(|panel| panel.over_x(ModalForm::OBSERVABLE * half, half, "")).into(),
         None => (top, low),
     };
@@ -89,21 +86,21 @@ fn response(arx: &Arx, reading: &ModalForm, unit: &str) -> Figure {
         (top.at_x(mode.pole.hz, name), low.at_x(mode.pole.hz, ""))
     });
     let (top, low) = (top.with(Series::line(&hz, &gain)), low.with(Series::line(&hz, &phase)));
-    Figure::new("Frequency response", caption(&gain, &hz, reading)).panel(top).panel(low).stacked()
+    Figure::new("Frequency response", caption(&gain, &hz, form)).panel(top).panel(low).stacked()
 }
 
-fn caption(gain: &[f64], hz: &[f64], reading: &ModalForm) -> String {
+fn caption(gain: &[f64], hz: &[f64], form: &ModalForm) -> String {
     let half = short(hz[hz.len() - 1]);
     let peak = (0..gain.len()).max_by(|&i, &j| gain[i].total_cmp(&gain[j])).filter(|&k| gain[k] > 1.01 * gain[0]);
     let peak = peak.map_or(String::new(), |k| {
-        format!(" At {} Hz the gain is {} times the static gain.", short(hz[k]), short(gain[k] / reading.gain.abs()))
+        format!(" At {} Hz the gain is {} times the static gain.", short(hz[k]), short(gain[k] / form.gain.abs()))
     });
-    let marked = match reading.modes().len() {
+    let marked = match form.modes().len() {
         0 => "",
         1 => " The dotted line is its mode.",
         _ => " The dotted lines are its modes, numbered as in the table.",
     };
-    let shaded = reading.images().map_or("", |_| " Shaded: frequencies at which poles are images.");
+    let shaded = form.images().map_or("", |_| " Shaded: frequencies at which poles are images.");
     format!("Gain and phase up to half the sampling rate, {half} Hz.{peak}{marked}{shaded}")
 }
 
@@ -116,8 +113,8 @@ fn quarters(phase: &[f64]) -> Vec<f64> {
 }
 
 /// Three decades up to half the sampling rate, more if a mode is lower, and finer around each mode.
-fn frequencies(arx: &Arx, reading: &ModalForm) -> Vec<f64> {
-    let modes = reading.modes();
+fn frequencies(arx: &Arx, form: &ModalForm) -> Vec<f64> {
+    let modes = form.modes();
     let half = 0.5 / arx.ts();
     let low = modes.iter().fold(1e-3 * half, |low, mode| low.min(0.1 * mode.pole.hz));
     let even = (0..=FINE).map(|k| low * (half / low).powf(f64::from(k) / f64::from(FINE)));

@@ -14,7 +14,7 @@ pub(super) fn section(trial: &Compared) -> Section {
     let (name, record, validation) = (trial.short(), &trial.record, &trial.validation);
     let section = Section::new(name);
     let section = validation.remarks.iter().fold(section, |s, remark| s.warning("Note", sentence(remark)));
-    let section = match validation.taken_off {
+    let section = match validation.offset_removed {
         Some(mean) => {
             let (mean, unit) = (short(mean), &record.units().y);
             section.note("Offset", format!("A mean error of {mean} {unit} was removed before the comparison."))
@@ -79,7 +79,7 @@ fn shapes(trial: &Compared) -> PageTable {
         table.number("closure [%]").number(format!("slope {slope}")).number(format!("after a reversal {slope}"));
     let table = table.number("reversals");
     let shape = |s: &LoopShape| {
-        let reversal = s.slope_after_turn.map_or("-".into(), short);
+        let reversal = s.slope_after_reversal.map_or("-".into(), short);
         [short(s.width_percent), short(s.area), short(s.closure_percent), short(s.slope), reversal, round(s.reversals)]
     };
     let rows = trial.validation.loops.iter().flat_map(|l| {

@@ -191,7 +191,7 @@ mod tests {
     use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
     use piezoid::plant::Preset;
-    use piezoid::progress::silent;
+    use piezoid::progress::Stage;
 
     #[test]
     fn the_page_shows_every_scheme_along_every_reference_and_the_errors() {
@@ -212,7 +212,8 @@ mod tests {
         let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Default::default() });
         let all = vec![wanted("sine", 10.0), wanted("random", 20.0)];
         let compared =
-            Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut silent).unwrap();
+            Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut Stage::ignore)
+                .unwrap();
         let html = tracking(&compared).html();
         for said in
             ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "not periodic", "random"]

@@ -98,7 +98,7 @@ fn joint(study: &Study) -> Value {
     let model = &study.joint.model;
     json!({
         "operator": model.hysteresis().operator().name,
-        "trained_at_hz": RISING,
+        "training_hz": RISING,
         "creep": model.creep().lags(),
         "a": model.linear().a(),
         "b": model.linear().b(),

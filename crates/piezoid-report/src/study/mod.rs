@@ -25,10 +25,10 @@ use piezoid::hysteresis::HeldInput;
 use piezoid::linear::{self, Arx, Fit, Orders};
 use piezoid::optimize::swarm::{GlobalBest, SwarmSettings};
 use piezoid::plant::Preset;
-use piezoid::progress::{Progress, Stage, silent};
+use piezoid::progress::{Progress, Stage};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records, identify_with_progress, options};
+use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records, options};
 
 /// Sampling period [s], the paper's.
 const TS: f64 = 5e-4;
@@ -284,8 +284,8 @@ impl Study {
             |stage: Stage| progress(Stage { what: &format!("{}: linear block by swarm", plant.name), ..stage });
         let swarm_fit = by("swarm", GlobalBest::Ever, &mut of_swarm)?;
         let as_printed = by("swarm", GlobalBest::Current, &mut of_swarm)?;
-        let exact = by("least-absolute", GlobalBest::Ever, &mut silent)?;
-        let squares = by("least-squares", GlobalBest::Ever, &mut silent)?;
+        let exact = by("least-absolute", GlobalBest::Ever, &mut Stage::ignore)?;
+        let squares = by("least-squares", GlobalBest::Ever, &mut Stage::ignore)?;
         let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
         if let Err(why) = own.0.inverse() {
             notes.push(format!(
@@ -308,7 +308,7 @@ impl Study {
             IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..Default::default() }
                 .with_driver_of(&(plant.spec)());
         let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
-        let joint = identify_with_progress(records, &options, &mut of_joint)?;
+        let joint = records.identify(&options, &mut of_joint)?;
 
         let mut frequencies = Vec::new();
         for (done, hz) in Study::FREQUENCIES.into_iter().enumerate() {

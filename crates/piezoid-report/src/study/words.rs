@@ -72,10 +72,11 @@ fn over_frequencies(study: &Study) -> String {
         at_hz(study, |f| found(f) < 0.0).map_or("no frequency".into(), |hz| format!("{hz} Hz"))
     };
     format!(
-        "With the direction held the error is largest at {worst_hz} Hz: {worst:.2} % rms of peak-to-peak. The error of \
+        "For `held-direction` the error is largest at {worst_hz} Hz: {worst:.2} % of peak-to-peak (rms). The error of \
          a model without hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} The paper reports an error that \
          grows rapidly beyond 80 Hz, and an inverted loop above the resonance. Here the error of the rule as printed \
-         is {} mm² at {} Hz. The loop is inverted at {} with the estimated block, and at {} with that of the paper's Table 2.",
+         is {} mm² at {} Hz. The loop is inverted (the ascending branch lies above) at {} with \
+         the estimated block, and at {} with the block of the paper's Table 2.",
         listed(&|f| mse(error(f, "printed-rule"))),
         listed(&|f| f.hz.to_string()),
         turned(&|f| f.own.found.branches.width()),
@@ -83,7 +84,7 @@ fn over_frequencies(study: &Study) -> String {
     )
 }
 
-/// The paper's Table 1 beside what is left with the test signal of the study.
+/// The paper's Table 1 beside the errors with the test signal of the study.
 fn against_table_1(study: &Study) -> String {
     let at =
         |method: &str, hz: f64| study.frequencies.iter().find(|f| f.hz == hz).map_or(f64::NAN, |f| error(f, method));
@@ -94,13 +95,13 @@ fn against_table_1(study: &Study) -> String {
     let (least, most) = ends(over("table2-arx"));
     let by_its_own = TestSignal::nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
         let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
-        format!("; with the test signal that suits that block best, a {signal}, it deviates by up to {off:.0} %")
+        format!("; with the test signal that suits that block best, a {signal}, the error deviates from Table 1 by up to {off:.0} %")
     });
     format!(
         "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of \
          {used} steps, and a linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; \
-         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. With \
-         the direction held it is at most {} mm² at these four frequencies. With the linear block of the paper's Table \
+         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. For \
+         `held-direction` (a held voltage keeps its direction) the error is at most {} mm² at these four frequencies. With the linear block of the paper's Table \
          2 the error of the rule as printed is {least:.0} to {most:.0} times the paper's{by_its_own}.",
         chosen(study),
         join(&of("printed-rule").map(mse)),
@@ -121,10 +122,10 @@ fn chosen(study: &Study) -> String {
         return String::new();
     };
     let (low, high) = (TestSignal::STEPS.start(), TestSignal::STEPS.end());
-    let tried = format!("stepped sines of {low} to {high} steps per period and staircases of as many levels");
+    let tried = format!("stepped sines of {low} to {high} steps per period and staircases of {low} to {high} levels");
     if nearest == used {
         format!(
-            "Of {tried}, a {} comes nearest to its Table 1, within {}, and is used here.",
+            "Among {tried}, the {} comes nearest to the paper's Table 1 (within {}), and is used here.",
             used.words(),
             percent(used)
         )
@@ -140,19 +141,20 @@ fn chosen(study: &Study) -> String {
     }
 }
 
-/// What the other reading of the rule's words leaves: its "upper" branch as the one that lies above.
+/// The errors with the other interpretation of the rule: its "upper" branch is the one that lies above.
 fn by_upper_rule(study: &Study) -> String {
     let Some(signal) = TestSignal::nearest(&study.test_signals, TestSignal::UPPER_RULE) else { return String::new() };
     let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
     format!(
         "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which \
-         on a piezo loop lies below. If the branch that lies above is read instead, a {} comes nearest to the paper's \
-         Table 1: its errors are {} mm² and deviate by up to {:.0} %. Of {} test signals {} come within {:.0} % with that reading, {} with the one used here.",
+         on a piezo loop lies below. If the branch that lies above is taken instead, a {} comes nearest to the paper's \
+         Table 1: its errors are {} mm² and deviate by up to {:.0} %. With that \
+         choice, {} of {} test signals come within {:.0} % of Table 1; with the choice used here, {}.",
         signal.words(),
         join(&signal.of(TestSignal::UPPER_RULE).map(mse)),
         100.0 * signal.deviation(TestSignal::UPPER_RULE),
-        study.test_signals.len(),
         within(TestSignal::UPPER_RULE),
+        study.test_signals.len(),
         100.0 * NEAR,
         within("printed-rule"),
     )
@@ -208,8 +210,8 @@ fn joint(study: &Study) -> String {
         let hz: Vec<String> = some.iter().map(|f| f.hz.to_string()).collect();
         let (least, most) = ends(some.iter().map(|f| rms(f, "joint")));
         let worst = some.iter().find(|f| rms(f, "joint") == most).map_or(f64::NAN, |f| f.hz);
-        let several = format!("{} to {} % rms of peak-to-peak, most at {worst} Hz", percent(least), percent(most));
-        (hz.join(", "), if some.len() > 1 { several } else { format!("{} % rms of peak-to-peak", percent(most)) })
+        let several = format!("{} to {} % of peak-to-peak (rms), largest at {worst} Hz", percent(least), percent(most));
+        (hz.join(", "), if some.len() > 1 { several } else { format!("{} % of peak-to-peak (rms)", percent(most)) })
     };
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
     let mut words = format!(
@@ -221,17 +223,20 @@ fn joint(study: &Study) -> String {
         let (hz, range) = listed(&better);
         let place = if worse.is_empty() { "At every frequency".into() } else { format!("At {hz} Hz") };
         words += &format!(
-            " {place} its error is smaller than that of the branches made for that frequency alone: {range}. It \
-             inverts nothing, so its linear block may have as many modes as the records show. It also has minor loops, which this test does not exercise."
+            " {place} its error, {range}, is smaller than that of the branches identified at that frequency. The joint \
+             method does not invert the linear block. Therefore the block may have as many modes as the records show. \
+             The joint model also describes minor loops. This test contains none."
         );
     }
     if better.iter().any(|f| rms(f, "joint") < EXACT) {
-        words += " The error is this small because this twin obeys that operator and has no noise; no measured actuator does.";
+        words += " The error is this small because this twin obeys that operator and has no noise; no measured actuator \
+                  does.";
     }
     if !worse.is_empty() {
         let (hz, range) = listed(&worse);
-        words +=
-            &format!(" At {hz} Hz its error is larger than that of the branches made for that frequency: {range}.");
+        words += &format!(
+            " At {hz} Hz its error, {range}, is larger than that of the branches identified at that frequency."
+        );
     }
     if study.joint.model.driver().is_some() {
         words += " It knows lag and current limit of the driver; the other methods do not.";

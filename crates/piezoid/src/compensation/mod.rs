@@ -3,7 +3,7 @@
 //! ```text
 //! r -> - offset -> inverse of the linear block -> of creep -> of the hysteresis -> u
 //! ```
-//! The linear block is inverted by a filter with preview ([`FirDesign`]), creep in closed form, and the hysteresis
+//! The linear block is inverted by a finite filter with preview, creep in closed form, and the hysteresis
 //! sample by sample within the allowed inputs ([`crate::hysteresis::Hysteresis::invert`]). Optional sweeps send the
 //! residual of the model's free run through the same inverse, as long as the error falls. They correct the
 //! approximation of the filter.
@@ -19,10 +19,10 @@ mod program;
 mod sample;
 pub mod shaping;
 
+#[doc(hidden)]
 pub use fir::Fir;
 pub use learning::{Learned, Learning};
-pub use preview::FirDesign;
-pub(crate) use preview::Preview;
+pub(crate) use preview::{FirDesign, Preview};
 pub use sample::Causal;
 
 use crate::error::{Error, finite};
@@ -38,8 +38,8 @@ const BEYOND: f64 = 0.05;
 /// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
 
-/// Settings of the feed-forward.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no sweeps.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FeedForwardSettings {
     /// Limits of the driver. A missing voltage limit is replaced by the range of the model's identification data.
     pub limits: Limits,
@@ -48,9 +48,6 @@ pub struct FeedForwardSettings {
     /// Largest number of corrections by the residual of the model's free run. They reduce the error of the free run;
     /// that of the actuator only if the model is right at high frequencies, where the corrections act.
     pub sweeps: usize,
-    /// Design of the inverse of the linear block. The default is for whole records, with the delay of the block added
-    /// to its preview.
-    pub preview: Option<FirDesign>,
 }
 
 impl FeedForwardSettings {
@@ -87,13 +84,6 @@ impl FeedForwardSettings {
                 Err(Error::parameter("driver", "none", rule))
             }
         }
-    }
-}
-
-impl Default for FeedForwardSettings {
-    /// No limits but the model's own, nothing clipped, no sweeps.
-    fn default() -> Self {
-        FeedForwardSettings { limits: Limits::default(), clip: false, sweeps: 0, preview: None }
     }
 }
 
@@ -159,15 +149,18 @@ impl FeedForward {
     /// [`Error::NoInverse`] if the linear block has none, [`Error::Unsuited`] if the hysteresis does not rise; an error
     /// for invalid limits, and for limits in volts if the input of the model has another unit.
     pub fn new(model: &Model, settings: FeedForwardSettings) -> Result<Self, Error> {
+        let (whole, late) = (FirDesign::WHOLE, model.linear().delay());
+        FeedForward::with(model, settings, FirDesign { ahead: whole.ahead + late, taps: whole.taps + late, ..whole })
+    }
+
+    /// With this design of the inverse of the linear block.
+    fn with(model: &Model, settings: FeedForwardSettings, design: FirDesign) -> Result<Self, Error> {
         let found = &model.units().u;
         if settings.limits != Limits::default() && found != "V" {
             let what = "the model's input".into();
             return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of limits,".into() });
         }
-        let late = model.linear().delay();
-        let whole =
-            FirDesign { ahead: FirDesign::WHOLE.ahead + late, taps: FirDesign::WHOLE.taps + late, ..FirDesign::WHOLE };
-        let preview = Preview::new(model.linear(), settings.preview.unwrap_or(whole))?;
+        let preview = Preview::new(model.linear(), design)?;
         let ends = settings.ends(model)?;
         let [low, high] = [ends.0, ends.1].map(|u| model.settled_before_linear(u));
         if !(low < high && high.is_finite() && low.is_finite()) {

@@ -29,7 +29,7 @@ const MOST: usize = 1024;
 
 /// Design of the inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FirDesign {
+pub(crate) struct FirDesign {
     /// Preview [samples].
     pub ahead: usize,
     /// Number of taps.
@@ -42,10 +42,10 @@ pub struct FirDesign {
 
 impl FirDesign {
     /// For whole records.
-    pub const WHOLE: FirDesign = FirDesign { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
+    pub(crate) const WHOLE: FirDesign = FirDesign { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
 
     /// Sample by sample, with a delay of `ahead` samples.
-    pub fn late(ahead: usize) -> Self {
+    pub(crate) fn late(ahead: usize) -> Self {
         FirDesign { ahead, taps: 48 + 2 * ahead, ..FirDesign::WHOLE }
     }
 }
@@ -62,7 +62,7 @@ impl Preview {
     ///
     /// # Errors
     /// [`Error::NoInverse`] for a block that is unstable or has no gain at 0 Hz; an error for invalid settings.
-    pub fn new(block: &Arx, design: FirDesign) -> Result<Self, Error> {
+    pub(crate) fn new(block: &Arx, design: FirDesign) -> Result<Self, Error> {
         let FirDesign { ahead, taps, corner, effort } = design;
         if !(1..=MOST).contains(&taps) || taps <= ahead {
             return Err(Error::parameter("taps", taps, format!("must be from {} to {MOST}", ahead.saturating_add(1))));

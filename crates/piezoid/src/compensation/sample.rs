@@ -50,8 +50,8 @@ impl Causal {
         if late > Causal::LATEST {
             return Err(Error::parameter("late", late, format!("must be at most {} samples", Causal::LATEST)));
         }
-        let settings = FeedForwardSettings { clip: true, preview: Some(FirDesign::late(late)), ..settings };
-        Ok(Causal { inverse: FeedForward::new(model, settings)? })
+        let settings = FeedForwardSettings { clip: true, ..settings };
+        Ok(Causal { inverse: FeedForward::with(model, settings, FirDesign::late(late))? })
     }
 
     /// Delay from the reference to the displacement [samples].

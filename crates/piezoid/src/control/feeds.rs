@@ -31,7 +31,7 @@ pub(super) const ALL: usize = FirDesign::WHOLE.ahead;
 
 /// The input of a feed-forward.
 #[derive(Debug, Clone, Copy)]
-pub struct FeedRequest<'a> {
+pub(crate) struct FeedRequest<'a> {
     /// The model.
     pub model: &'a Model,
     /// Limits and clipping.
@@ -68,7 +68,7 @@ pub struct FeedForwardKind {
     pub reference: &'static str,
     /// Computes the feed-forward, or returns an error if the reference cannot be reached, or has to be periodic and is
     /// not.
-    pub make: fn(&FeedRequest) -> Result<FeedResult, Error>,
+    pub(crate) make: fn(&FeedRequest) -> Result<FeedResult, Error>,
 }
 
 /// All feed-forwards; the first is the default.

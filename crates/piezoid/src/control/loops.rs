@@ -64,7 +64,7 @@ impl<S: System> System for Scaled<S> {
 
 /// The settings of a closed loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClosedLoop<'a> {
+pub(crate) struct ClosedLoop<'a> {
     /// The reference [output unit].
     pub r: &'a [f64],
     /// Feed-forward, one value per sample of the reference; zeros for none [V].
@@ -83,9 +83,10 @@ pub struct ClosedLoop<'a> {
     pub before: Option<&'a [f64]>,
 }
 
+#[cfg(test)]
 impl<'a> ClosedLoop<'a> {
     /// From rest at 0 V, without sensor delay and with the whole reference known.
-    pub fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
+    pub(crate) fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
         ClosedLoop { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, start: 0.0, before: None }
     }
 }
@@ -93,23 +94,10 @@ impl<'a> ClosedLoop<'a> {
 impl ClosedLoop<'_> {
     /// Runs a controller on a plant.
     ///
-    /// ```
-    /// use piezoid::control::{ClosedLoop, ControllerKind, ControlLoop, MarginTarget};
-    /// use piezoid::{Model, hysteresis::Proportional, linear::Arx};
-    /// let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1])?;
-    /// let model = Model::new(std::sync::Arc::new(Proportional::new(1e-3, 1.0)?), plant.clone(), 0.0)?;
-    /// let control_loop = ControlLoop::of(&model, (-30.0, 30.0))?;
-    /// let pi = (ControllerKind::find("pi")?.tune)(&control_loop, &MarginTarget::default())?;
-    /// let done = ClosedLoop::new(&[1.0; 2000], &[0.0; 2000], (-30.0, 30.0)).run(&plant, &*pi)?;
-    /// assert!((done.y[1999] - 1.0).abs() < 1e-6);
-    /// assert!(done.tracking(1000, 2.0).percent_of_stroke < 0.1);
-    /// # Ok::<(), piezoid::Error>(())
-    /// ```
-    ///
     /// # Errors
     /// Returns an error for series that are not finite or differ in length, different sampling periods, and limits in
     /// the wrong order.
-    pub fn run(&self, plant: &dyn System, controller: &dyn Controller) -> Result<ClosedLoopRun, Error> {
+    pub(crate) fn run(&self, plant: &dyn System, controller: &dyn Controller) -> Result<ClosedLoopRun, Error> {
         let ClosedLoop { r, feed, limits, slew, late, ahead, start, before } = *self;
         super::check(&[], limits)?;
         finite("reference", r)?;

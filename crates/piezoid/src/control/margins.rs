@@ -38,7 +38,7 @@ const LEG: usize = 200;
 
 /// A model as a controller sees it: slopes, linear block, voltage limits.
 #[derive(Debug, Clone)]
-pub struct ControlLoop {
+pub(crate) struct ControlLoop {
     /// The model.
     pub model: Model,
     /// Smallest and largest slope dz/du; the largest includes all creep [z unit / V].
@@ -68,14 +68,14 @@ pub struct Margins {
 
 impl ControlLoop {
     /// Largest sensor delay for which controllers are tuned [samples].
-    pub const LATEST: usize = 20;
+    pub(crate) const LATEST: usize = 20;
 
     /// The loop of a model between the lowest and the highest voltage [V], without sensor delay. A slew limit of the
     /// driver in the model is ignored.
     ///
     /// # Errors
     /// Returns an error for limits in the wrong order.
-    pub fn of(model: &Model, limits: (f64, f64)) -> Result<Self, Error> {
+    pub(crate) fn of(model: &Model, limits: (f64, f64)) -> Result<Self, Error> {
         super::check(&[], limits)?;
         let crept: f64 = model.creep().lags().iter().map(|lag| lag.gain.max(0.0)).sum();
         let (least, largest) = slopes(model, limits);
@@ -98,7 +98,7 @@ impl ControlLoop {
     }
 
     /// The highest frequency of the identification data, if the model covers only a part of the frequencies [Hz].
-    pub fn known_hz(&self) -> Option<f64> {
+    pub(crate) fn known_hz(&self) -> Option<f64> {
         let [_, high] = self.model.identified()?.hz?;
         Some(high).filter(|high| *high < KNOWN / self.linear().ts())
     }
@@ -111,12 +111,12 @@ impl ControlLoop {
     }
 
     /// The linear block, from z to y.
-    pub fn linear(&self) -> &Arx {
+    pub(crate) fn linear(&self) -> &Arx {
         self.model.linear()
     }
 
     /// The margins with a controller, at this slope [z unit / V]; `None` if its law is not linear.
-    pub fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
+    pub(crate) fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
         let grid = grid(&[self.linear(), &law], self.late);
         let l = open(&grid, self.linear(), slope, self.delay_s())
@@ -134,7 +134,7 @@ impl ControlLoop {
     }
 
     /// |S| with a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
-    pub fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
         let law = controller.law()?;
         let l = open(hz, self.linear(), slope, self.delay_s()).zip(at(hz, &law)).map(|(g, c)| g * c);
         Some(l.map(|l| 1.0 / (1.0 + l).norm()).collect())
@@ -144,7 +144,7 @@ impl ControlLoop {
     ///
     /// # Errors
     /// Returns an error if it is too long for an [`Arx`].
-    pub fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
+    pub(crate) fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
         let forward = std::iter::repeat_n(0.0, 1 + self.late).chain(times(law.b(), self.linear().b()));
         let forward: Vec<f64> = forward.map(|c| slope * c).collect();
         let round = plus(&times(&law.denominator(), &self.linear().denominator()), 1.0, &forward);

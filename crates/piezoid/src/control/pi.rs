@@ -18,14 +18,6 @@ use crate::system::System;
 use std::sync::Arc;
 
 /// The controller. State: the integral [V].
-///
-/// ```
-/// use piezoid::control::{Controller, ControllerInput, Pi};
-/// let pi = Pi::new(1e-3, 0.5, 100.0, (-30.0, 30.0))?;
-/// let mut x = pi.initial();
-/// assert_eq!(pi.step(&mut x, &ControllerInput { r: 1.0, feed: 2.0, ..ControllerInput::default() }), 2.0 + 0.5 + 0.1);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pi {
     ts: f64,

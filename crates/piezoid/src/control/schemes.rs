@@ -214,7 +214,7 @@ impl TunedScheme {
     /// model), or at the end of the learning trials.
     ///
     /// # Errors
-    /// The errors of [`ClosedLoop::run`].
+    /// Returns an error for series that are not finite or differ in length, and different sampling periods.
     pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedResult) -> Result<ClosedLoopRun, Error> {
         let (limits, late, ahead, before) =
             (self.path.limits, self.path.late, self.ahead, feed_forward.after.as_deref());

@@ -192,7 +192,7 @@ mod tests {
     use crate::hysteresis::Proportional;
     use crate::linear::Arx;
     use crate::plant::Preset;
-    use crate::progress::silent;
+    use crate::progress::Stage;
     use std::sync::Arc;
 
     /// A gain of 35 um / V with an integral controller of gain `KI` [1/s] (0.1 for `KI` = 1).
@@ -215,7 +215,7 @@ mod tests {
         let tolerance = Tolerance { draws: 4, ..Default::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let spec = (Preset::find("pl140").unwrap().spec)();
-        pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut silent)).unwrap()
+        pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut Stage::ignore)).unwrap()
     }
 
     #[test]

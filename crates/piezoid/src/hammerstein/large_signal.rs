@@ -8,7 +8,7 @@ use crate::fourier::{LINE, power};
 use crate::linear::{self, Arx, Fit, Orders};
 use crate::number::round;
 use crate::optimize::swarm;
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::system::System;
@@ -69,7 +69,7 @@ fn of_order(
     let candidates: Vec<(f64, usize, Fit)> = (0..=DELAY_MAX)
         .filter_map(|delay| {
             let orders = Orders { delay, ..Orders::of(n) };
-            let fit = least_squares.fit(records, orders, &swarm::SwarmSettings::default(), &mut silent).ok()?;
+            let fit = least_squares.fit(records, orders, &swarm::SwarmSettings::default(), &mut Stage::ignore).ok()?;
             Some((residual(&fit, records)?, delay, fit))
         })
         .collect();

@@ -295,7 +295,7 @@ mod tests {
     use super::*;
     use crate::excitation::{Prbs, Sine};
     use crate::hysteresis::OPERATORS;
-    use crate::progress::silent;
+    use crate::progress::Stage;
     use crate::validation::ValidateOptions;
 
     const TS: f64 = 5e-4;
@@ -327,7 +327,7 @@ mod tests {
             let settings = PaperOptions { operator: o.name.into(), ..PaperOptions::default() };
             let offset_record = prbs().y().iter().map(|y| y + 12.0).collect();
             let linear = [Record::new(TS, prbs().u().to_vec(), offset_record).unwrap()];
-            let found = identify_paper(&linear, large_signal, &settings, &mut silent).unwrap();
+            let found = identify_paper(&linear, large_signal, &settings, &mut Stage::ignore).unwrap();
             let validation = record(&truth, sine(test).iter().map(|u| 0.98 * u).collect());
             let options = ValidateOptions { skip: 0.5, ..ValidateOptions::default() };
             let percent = found.model.validate_with(&validation, &options).unwrap().metrics.rms_pp_percent;
@@ -339,7 +339,7 @@ mod tests {
     fn auto_is_two_branch_for_one_frequency_and_rate_scheduled_for_several() {
         let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
         let name = |large_signal: &[Record]| {
-            let found = identify_paper(&[prbs()], large_signal, &PaperOptions::default(), &mut silent).unwrap();
+            let found = identify_paper(&[prbs()], large_signal, &PaperOptions::default(), &mut Stage::ignore).unwrap();
             (found.model.hysteresis().operator().name, found.loops.len())
         };
         let [slow, again, fast] = [5.0, 5.0, 40.0].map(|hz| record(&truth, sine(hz)));
@@ -352,8 +352,9 @@ mod tests {
     fn records_in_other_length_units_are_converted_and_other_units_are_an_error() {
         let truth = Model::new((OPERATORS[1].example)(TS).unwrap(), beam(), 0.0).unwrap();
         let large_signal = record(&truth, sine(5.0));
-        let found =
-            |large_signal: Record| identify_paper(&[prbs()], &[large_signal], &PaperOptions::default(), &mut silent);
+        let found = |large_signal: Record| {
+            identify_paper(&[prbs()], &[large_signal], &PaperOptions::default(), &mut Stage::ignore)
+        };
         let in_mm = found(large_signal.output_in("mm").unwrap()).unwrap();
         assert_eq!(in_mm.model.units().y, "um");
         let plain = found(large_signal.clone()).unwrap();
@@ -375,8 +376,8 @@ mod tests {
 
     #[test]
     fn a_sine_is_not_a_small_signal_record() {
-        let error =
-            identify_paper(&[record(&beam(), sine(5.0))], &[], &PaperOptions::default(), &mut silent).unwrap_err();
+        let error = identify_paper(&[record(&beam(), sine(5.0))], &[], &PaperOptions::default(), &mut Stage::ignore)
+            .unwrap_err();
         assert!(error.to_string().contains("one frequency (5 Hz)"), "{error}");
     }
 }

@@ -24,6 +24,7 @@ mod tellinen;
 mod thresholds;
 mod two_branch;
 
+#[doc(hidden)]
 pub use basis::{Basis, BasisDesign, ShapeParameter};
 pub use branches::{Branches, MeasuredLoop, Split};
 pub use inverse::Inverted;

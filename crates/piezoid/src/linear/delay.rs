@@ -5,27 +5,14 @@
 //! delay. An output logged just before its input acts has no delay from sampling; an output logged after it has a delay
 //! of -Ts.
 //!
-//! For comparison, the delay is also computed from the phase of a difference equation at low frequency (`modes.rs`). If
-//! the two differ, the assumed modes are wrong.
+//! To check it, compare it with the delay from the phase of a difference equation at low frequency
+//! ([`ModalForm::delay`](super::ModalForm)). If the two differ, the assumed modes are wrong.
 
 use super::fit_modes::ModalFit;
-use super::output_error::{OutputError, Refinement};
-use super::regression::Orders;
-use super::uncertainty::Uncertain;
+use super::output_error::Refinement;
 use crate::error::Error;
 use crate::progress::Progress;
 use crate::record::Record;
-
-/// A delay with its standard error.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Delay {
-    /// tau [s]; the standard error accounts for noise only.
-    pub seconds: Uncertain,
-    /// The delay from the phase at low frequency [s].
-    pub by_phase: f64,
-    /// The modes of the same fit.
-    pub modes: ModalFit,
-}
 
 /// Maximum number of modes tried.
 const MOST: usize = 4;
@@ -33,23 +20,24 @@ const MOST: usize = 4;
 /// One more mode is accepted if it lowers the rms of the free run by this share.
 const WORTH: f64 = 0.2;
 
-impl Delay {
-    /// The input delay of `records`, searched between -1 and `longest` samples.
+impl ModalFit {
+    /// The fit with the fewest modes that explain `records`: its `delay` is their input delay, searched between -1 and
+    /// `longest` samples.
     ///
     /// ```
-    /// use piezoid::{Record, linear::{Delay, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
+    /// use piezoid::{Record, excitation::Prbs, linear::{ModalFit, Refinement}, plant::Plant, progress::Stage};
     /// let plant = Plant::named("pl140", 5e-4)?;
     /// let u = Prbs::default().samples(5e-4, 2047)?;
     /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-    /// let delay = Delay::find(&[record], 2, &Refinement::default(), &mut piezoid::progress::silent)?;
+    /// let found = ModalFit::of_fewest_modes(&[record], 2, &Refinement::default(), &mut Stage::ignore)?;
     /// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
-    /// assert!((delay.seconds.value - 1e-4).abs() < 2e-6 && delay.modes.modes.len() == 2);
+    /// assert!((found.delay.value - 1e-4).abs() < 2e-6 && found.modes.len() == 2);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
     /// As [`ModalFit::fit`].
-    pub fn find(
+    pub fn of_fewest_modes(
         records: &[Record],
         longest: usize,
         settings: &Refinement,
@@ -63,9 +51,7 @@ impl Delay {
                 _ => break,
             }
         }
-        let orders = Orders { delay: modes.arx.delay(), ..Orders::of(2 * modes.modes.len()) };
-        let by_phase = OutputError::fit(records, orders, settings, progress)?.arx.reading().delay;
-        Ok(Delay { seconds: modes.delay, by_phase, modes })
+        Ok(modes)
     }
 }
 
@@ -74,7 +60,8 @@ mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::linear::modal_error::tests::held;
-    use crate::progress::silent;
+    use crate::linear::{Orders, OutputError, Uncertain};
+    use crate::progress::Stage;
     use crate::system::System;
     use crate::testing::{assert_close, noise};
 
@@ -87,12 +74,16 @@ mod tests {
             let u = Prbs::default().samples(TS, 2047).unwrap();
             let y = truth.simulate(&u).iter().zip(noise(seed, 2047)).map(|(y, e)| y + 0.3 * e).collect();
             let record = [Record::new(TS, u, y).unwrap()];
-            let found = Delay::find(&record, 3, &Refinement::default(), &mut silent).unwrap();
-            let Uncertain { value, error } = found.seconds;
+            let settings = Refinement::default();
+            let found = ModalFit::of_fewest_modes(&record, 3, &settings, &mut Stage::ignore).unwrap();
+            let Uncertain { value, error } = found.delay;
             assert_close(&[value], &[delay], 0.0, 4.0 * error);
-            assert!(error < 2e-6 && found.modes.modes.len() == 1, "{error}");
+            assert!(error < 2e-6 && found.modes.len() == 1, "{error}");
             // The phase does not distinguish feed-through from a mode: one sample on its share.
-            assert_close(&[found.by_phase], &[delay], 0.0, 6e-5);
+            let orders = Orders { delay: found.arx.delay(), ..Orders::of(2) };
+            let by_phase =
+                OutputError::fit(&record, orders, &settings, &mut Stage::ignore).unwrap().arx.modal_form().delay;
+            assert_close(&[by_phase], &[delay], 0.0, 6e-5);
         }
     }
 }

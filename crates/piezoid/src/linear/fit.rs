@@ -13,7 +13,7 @@ use crate::error::{Error, row};
 #[cfg(feature = "clarabel")]
 use crate::optimize::least_absolute;
 use crate::optimize::{Minimum, Reason, swarm};
-use crate::progress::{Progress, Stage, silent};
+use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::scatter;
 use nalgebra::{DMatrix, DVector};
@@ -124,14 +124,14 @@ impl Estimator {
     /// Fits a block of `orders` to one or more records.
     ///
     /// ```
-    /// use piezoid::{Record, System, linear::{self, Arx, Orders}, optimize::swarm::SwarmSettings};
+    /// use piezoid::{Record, System, linear::{self, Arx, Orders}, optimize::swarm::SwarmSettings, progress::Stage};
     /// let truth = Arx::new(5e-4, vec![1.6, -0.8], vec![1.0, 0.5, 0.2])?;
     /// let u: Vec<f64> = (0..400).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
     /// let y = truth.simulate(&u).iter().map(|y| y + 7.0).collect();
     /// let least_squares = linear::Estimator::find("least-squares")?;
     /// let record = Record::new(5e-4, u, y)?;
-    /// let (settings, mut silent) = (SwarmSettings::default(), piezoid::progress::silent);
-    /// let fit = least_squares.fit(&[record], Orders::of(2), &settings, &mut silent)?;
+    /// let settings = SwarmSettings::default();
+    /// let fit = least_squares.fit(&[record], Orders::of(2), &settings, &mut Stage::ignore)?;
     /// assert!((fit.arx.a()[0] - 1.6).abs() < 1e-9 && (fit.offsets[0] - 7.0).abs() < 1e-9);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -200,7 +200,7 @@ impl Fit {
         }
         let least_squares = Estimator::find("least-squares").ok()?;
         let doubled =
-            least_squares.fit(records, Orders::of(2 * n), &swarm::SwarmSettings::default(), &mut silent).ok()?;
+            least_squares.fit(records, Orders::of(2 * n), &swarm::SwarmSettings::default(), &mut Stage::ignore).ok()?;
         let times = match self.residuals.rms / doubled.residuals.rms {
             t if t > 1000.0 => "more than 1000".into(),
             t if t > 2.0 => format!("{t:.0}"),
@@ -318,7 +318,7 @@ mod tests {
         let records = [record(40.0, 900), record(-7.0, 500)];
         for estimator in ESTIMATORS {
             let orders = Orders { na: 2, nb: 2, delay: 1 };
-            let found = estimator.fit(&records, orders, &swarm::SwarmSettings::default(), &mut silent).unwrap();
+            let found = estimator.fit(&records, orders, &swarm::SwarmSettings::default(), &mut Stage::ignore).unwrap();
             let name = estimator.name;
             assert_close(found.arx.a(), truth.a(), 1e-5, 0.0);
             assert_close(found.arx.b(), truth.b(), 1e-4, 0.0);

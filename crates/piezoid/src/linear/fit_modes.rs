@@ -16,7 +16,7 @@ use super::{Arx, Orders};
 use crate::error::Error;
 use crate::optimize::Minimum;
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
-use crate::progress::{Progress, Stage, silent};
+use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use std::f64::consts::TAU;
 
@@ -39,7 +39,7 @@ pub struct ModalFit {
     /// The modes, by rising frequency.
     pub modes: Vec<FittedMode>,
     /// Share of the feed-through.
-    pub residual: Uncertain,
+    pub feed_through: Uncertain,
     /// Input delay [s]; negative where an output was logged after its input acted.
     pub delay: Uncertain,
     /// The same block as a difference equation.
@@ -60,7 +60,7 @@ impl ModalFit {
     /// let plant = Plant::named("paper", 5e-4)?;
     /// let u = Prbs::default().samples(5e-4, 2047)?;
     /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
-    /// let found = ModalFit::fit(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::silent)?;
+    /// let found = ModalFit::fit(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::Stage::ignore)?;
     /// assert!((found.modes[0].hz.value - 146.7).abs() < 0.1);
     /// assert!((found.delay.value + 5e-4).abs() < 1e-5); // it logs after the input acted
     /// # Ok::<(), piezoid::Error>(())
@@ -95,7 +95,7 @@ impl ModalFit {
             tried.sort_by(|(_, p), (_, q)| p.1.total_cmp(&q.1));
             for (whole, (x, _)) in tried.into_iter().take(TRIED) {
                 let problem = problem(whole);
-                let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut silent)?;
+                let minimum = levenberg_marquardt::minimise(&problem, &x, &ROUGH, &mut Stage::ignore)?;
                 if minimum.cost < bar && best.as_ref().is_none_or(|(_, b)| minimum.cost < b.cost) {
                     best = Some((problem, minimum));
                 }
@@ -105,7 +105,7 @@ impl ModalFit {
             let because = "no frequency and damping near those of a difference equation gives a finite error".into();
             return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
         };
-        modal_fit(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &settings.search, &mut silent)?)
+        modal_fit(&problem, levenberg_marquardt::minimise(&problem, &rough.x, &settings.search, &mut Stage::ignore)?)
     }
 }
 
@@ -119,12 +119,12 @@ const TRIED: usize = 2;
 /// ln w, ln zeta and k = 0 of each mode, and r = 0: the modes with the largest shares of an output-error block. For
 /// each but the first, also the other frequencies with the same image.
 fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -> Result<Vec<Vec<f64>>, Error> {
-    let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, settings, &mut silent);
+    let block = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(2 * n) }, settings, &mut Stage::ignore);
     let mut blocks: Vec<_> = (0..=longest).map(block).collect::<Result<_, _>>()?;
     blocks.sort_by(|p, q| p.minimum.cost.total_cmp(&q.minimum.cost));
     let mut found: Vec<(f64, f64)> = Vec::new();
     for block in &blocks {
-        let mut modes = block.arx.reading().poles;
+        let mut modes = block.arx.modal_form().poles;
         modes.retain(|p| p.pole.z.im > 0.0 && p.pole.damping < 0.9);
         modes.sort_by(|p, q| q.share.abs().total_cmp(&p.share.abs()));
         if modes.len() >= n {
@@ -199,7 +199,7 @@ fn modal_fit(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Err
     Ok(ModalFit {
         gain: number(gain, &carriers.iter().map(|&k| (k, 1.0)).collect::<Vec<_>>()),
         modes,
-        residual: share(3 * m),
+        feed_through: share(3 * m),
         delay: number(ts * x[3 * m + 1], &[(3 * m + 1, ts)]),
         arx: problem.arx(x)?,
         offsets: runs.iter().map(|run| run.offset).collect(),
@@ -226,11 +226,11 @@ mod tests {
         // An input around 9 V, settled at 9 V before the record.
         let (u, gain) = (u[200..].iter().map(|u| u + 9.0).collect(), 30.0);
         let record = Record::new(TS, u, y[200..].iter().map(|y| y + 9.0 * gain).collect()).unwrap();
-        let found = ModalFit::fit(&[record], 2, 3, &Refinement::default(), &mut silent).unwrap();
+        let found = ModalFit::fit(&[record], 2, 3, &Refinement::default(), &mut Stage::ignore).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value, first.share.value], &[166.3, 0.03, 0.9], 1e-6, 0.0);
         assert_close(&[second.hz.value, second.damping.value], &[700.0, 0.1], 1e-6, 0.0);
-        assert_close(&[found.residual.value, found.delay.value], &[1.0 / 30.0, 2.3e-4], 1e-5, 0.0);
+        assert_close(&[found.feed_through.value, found.delay.value], &[1.0 / 30.0, 2.3e-4], 1e-5, 0.0);
         assert_close(&[found.gain.value, found.offsets[0]], &[30.0, 5.0], 1e-6, 0.0);
         assert_close(found.arx.a(), arx.a(), 1e-6, 0.0);
     }
@@ -243,7 +243,7 @@ mod tests {
         for seed in 0..40 {
             let y = truth.simulate(&u).iter().zip(noise(seed, 1500)).map(|(y, e)| y + e).collect();
             let record = Record::new(TS, u.clone(), y).unwrap();
-            let found = ModalFit::fit(&[record], 2, 1, &Refinement::default(), &mut silent).unwrap();
+            let found = ModalFit::fit(&[record], 2, 1, &Refinement::default(), &mut Stage::ignore).unwrap();
             let [first, second] = [found.modes[0], found.modes[1]];
             let pairs = [
                 (first.hz, 166.3),
@@ -251,7 +251,7 @@ mod tests {
                 (first.share, 0.9),
                 (second.hz, 700.0),
                 (second.damping, 0.1),
-                (found.residual, 1.0 / 30.0),
+                (found.feed_through, 1.0 / 30.0),
                 (found.delay, 2.3e-4),
                 (found.gain, 30.0),
             ];
@@ -265,7 +265,7 @@ mod tests {
 
     #[test]
     fn the_modes_of_the_pl140_are_found_from_its_noisy_record() {
-        let found = ModalFit::fit(&[pl140(1, 3 * 2047)], 2, 2, &Refinement::default(), &mut silent).unwrap();
+        let found = ModalFit::fit(&[pl140(1, 3 * 2047)], 2, 2, &Refinement::default(), &mut Stage::ignore).unwrap();
         let [first, second] = [found.modes[0], found.modes[1]];
         assert_close(&[first.hz.value, first.damping.value], &[166.3, 0.03], 5e-4, 0.0);
         // Creep increases the gain, the amplifier's lag decreases the first mode: 1 % together.
@@ -283,7 +283,8 @@ mod tests {
         let u = Prbs::default().samples(TS, 1500).unwrap();
         let y = lag.simulate(&u).iter().zip(noise(1, 1500)).map(|(y, e)| y + 1e-3 * e).collect();
         let record = [Record::new(TS, u, y).unwrap()];
-        let message = |n| ModalFit::fit(&record, n, 1, &Refinement::default(), &mut silent).unwrap_err().to_string();
+        let message =
+            |n| ModalFit::fit(&record, n, 1, &Refinement::default(), &mut Stage::ignore).unwrap_err().to_string();
         assert!(message(1).contains("do not oscillate"), "{}", message(1));
         assert!(message(0).starts_with("modes = 0"));
     }

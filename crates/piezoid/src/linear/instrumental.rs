@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use crate::linear::{Arx, Estimator, Fit};
     use crate::optimize::swarm;
-    use crate::progress::silent;
+    use crate::progress::Stage;
     use crate::series::mean;
     use crate::system::System;
     use crate::testing::assert_close;
@@ -174,7 +174,7 @@ mod tests {
     fn fitted(seed: u64, name: &str) -> Fit {
         let orders = Orders { na: 2, nb: 2, delay: 1 };
         let settings = swarm::SwarmSettings::default();
-        Estimator::find(name).unwrap().fit(&noisy(seed), orders, &settings, &mut silent).unwrap()
+        Estimator::find(name).unwrap().fit(&noisy(seed), orders, &settings, &mut Stage::ignore).unwrap()
     }
 
     #[test]

@@ -16,15 +16,17 @@ mod regression;
 mod select;
 mod uncertainty;
 
+#[doc(hidden)]
 pub use absolute_error::AbsoluteError;
 pub use analysis::{Pole, Response, Root};
 pub use arx::Arx;
-pub use delay::Delay;
 pub use fit::{ESTIMATORS, Estimator, Fit, Residuals};
 pub use fit_modes::{FittedMode, ModalFit};
-pub use modes::{ModalForm, Oscillator, PoleKind, PoleShare};
+pub use modes::{ModalForm, PoleShare};
 pub(crate) use output_error::refine;
 pub use output_error::{OutputError, Refinement};
-pub use regression::{Orders, Regression};
+pub use regression::Orders;
+#[doc(hidden)]
+pub use regression::Regression;
 pub(crate) use select::{OrderSearch, select};
-pub use uncertainty::{Bootstrap, Replicates, Uncertain, UncertainPole};
+pub use uncertainty::{Bootstrap, Uncertain};

@@ -29,7 +29,7 @@ use std::f64::consts::{PI, TAU};
 /// The mechanical meaning of a pole or a conjugate pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PoleKind {
+pub(crate) enum PoleKind {
     /// An oscillation: a mass on a spring.
     Mode,
     /// No oscillation: a lag of an amplifier or a filter.
@@ -49,7 +49,7 @@ pub struct PoleShare {
 
 impl PoleShare {
     /// Its mechanical meaning.
-    pub fn kind(&self) -> PoleKind {
+    pub(crate) fn kind(&self) -> PoleKind {
         let z = self.pole.z;
         // |s| Ts, which is pi at half the sampling rate.
         let angle = Complex::new(z.re, z.im).ln().norm();
@@ -62,7 +62,7 @@ impl PoleShare {
 
     /// The mode as an oscillator of this stiffness [N/m] at the point where the displacement is measured. `None` if the
     /// pole is not a mode, or not damped.
-    pub fn oscillator(&self, stiffness: f64) -> Option<Oscillator> {
+    pub(crate) fn oscillator(&self, stiffness: f64) -> Option<Oscillator> {
         let mode = (self.kind() == PoleKind::Mode).then_some(self.pole)?;
         Oscillator::new(mode.hz, mode.damping, stiffness).ok()
     }
@@ -76,7 +76,7 @@ pub struct ModalForm {
     /// The poles with their shares, by rising frequency.
     pub poles: Vec<PoleShare>,
     /// Share of the feed-through.
-    pub residual: f64,
+    pub feed_through: f64,
     /// Input delay [s], from the phase at low frequency; negative if an output was logged after its input acted.
     pub delay: f64,
 }
@@ -96,7 +96,7 @@ impl ModalForm {
     ///
     /// ```
     /// let table2 = piezoid::linear::Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
-    /// assert_eq!(table2.reading().rows()[0][..4], ["mode 1", "146.7", "0.06103", "156.6"]);
+    /// assert_eq!(table2.modal_form().rows()[0][..4], ["mode 1", "146.7", "0.06103", "156.6"]);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub fn rows(&self) -> Vec<[String; 6]> {
@@ -125,7 +125,7 @@ impl ModalForm {
         if !images.is_empty() {
             rows.push(rest("above the observable range", images.iter().sum()));
         }
-        rows.push(rest("feed-through", self.residual));
+        rows.push(rest("feed-through", self.feed_through));
         rows
     }
 
@@ -145,7 +145,7 @@ impl ModalForm {
 
 /// A mode as a mass on a spring with a damper.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oscillator {
+pub(crate) struct Oscillator {
     /// Moving mass [kg].
     pub mass: f64,
     /// Damping constant [N s/m].
@@ -158,16 +158,9 @@ impl Oscillator {
     /// The oscillator of `stiffness` [N/m] at the point where the displacement is measured that has this natural
     /// frequency [Hz] and damping ratio. A stiffness of 1 gives mass and damper per unit of stiffness.
     ///
-    /// ```
-    /// // The PL140 at 500 N/m: 0.46 g move, of the 1.9 g that the free part weighs.
-    /// let bender = piezoid::linear::Oscillator::new(166.3, 0.03, 500.0)?;
-    /// assert!((1e3 * bender.mass - 0.458).abs() < 1e-3);
-    /// # Ok::<(), piezoid::Error>(())
-    /// ```
-    ///
     /// # Errors
     /// Returns an error unless frequency and stiffness are positive and the damping is not negative.
-    pub fn new(hz: f64, damping: f64, stiffness: f64) -> Result<Self, Error> {
+    pub(crate) fn new(hz: f64, damping: f64, stiffness: f64) -> Result<Self, Error> {
         let w = TAU * positive("frequency", hz, "hertz")?;
         let stiffness = positive("stiffness", stiffness, "newtons per metre")?;
         if !(damping >= 0.0 && damping.is_finite()) {
@@ -182,11 +175,11 @@ impl Arx {
     ///
     /// ```
     /// let table2 = piezoid::linear::Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003])?;
-    /// let mode = &table2.reading().poles[0];
+    /// let mode = &table2.modal_form().poles[0];
     /// assert!((mode.pole.hz - 146.7).abs() < 0.1);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
-    pub fn reading(&self) -> ModalForm {
+    pub fn modal_form(&self) -> ModalForm {
         let (gain, poles) = (self.dc_gain(), self.poles());
         let all: Vec<Complex<f64>> = poles
             .iter()
@@ -203,7 +196,7 @@ impl Arx {
         };
         ModalForm {
             gain,
-            residual: 1.0 - poles.iter().map(|p| p.share).sum::<f64>(),
+            feed_through: 1.0 - poles.iter().map(|p| p.share).sum::<f64>(),
             delay: self.lag_at_rest() - 0.5 * self.time_step() - poles.iter().map(lag).sum::<f64>(),
             poles,
         }
@@ -246,35 +239,35 @@ mod tests {
     fn modes_under_a_held_input_are_found_with_their_shares_and_delay() {
         for delay in [-5e-4, 0.0, 5e-4, 1.5e-3] {
             let arx = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, delay);
-            let reading = arx.reading();
-            let [first, second] = [&reading.poles[0], &reading.poles[1]];
+            let form = arx.modal_form();
+            let [first, second] = [&form.poles[0], &form.poles[1]];
             assert_close(&[first.pole.hz, first.pole.damping, first.share], &[166.3, 0.03, 0.9], 1e-9, 0.0);
             assert_close(&[second.pole.hz, second.pole.damping], &[700.0, 0.1], 1e-9, 0.0);
-            assert_close(&[second.share, reading.residual], &[2.0 / 30.0, 1.0 / 30.0], 1e-8, 0.0);
+            assert_close(&[second.share, form.feed_through], &[2.0 / 30.0, 1.0 / 30.0], 1e-8, 0.0);
             // The feed-through has no hold: half a sample less, on its share.
-            assert_close(&[reading.gain], &[30.0], 1e-9, 0.0);
-            assert_close(&[reading.delay], &[delay], 0.0, 2e-5);
+            assert_close(&[form.gain], &[30.0], 1e-9, 0.0);
+            assert_close(&[form.delay], &[delay], 0.0, 2e-5);
         }
     }
 
     #[test]
     fn a_delay_within_a_sample_hardly_changes_the_shares() {
-        let reading = held(&[(166.3, 0.03, 27.0)], 3.0, 2e-4).reading();
-        assert_close(&[reading.poles[0].share, reading.residual], &[0.9, 0.1], 0.0, 0.006);
-        assert_close(&[reading.delay], &[2e-4], 0.0, 5e-5);
+        let form = held(&[(166.3, 0.03, 27.0)], 3.0, 2e-4).modal_form();
+        assert_close(&[form.poles[0].share, form.feed_through], &[0.9, 0.1], 0.0, 0.006);
+        assert_close(&[form.delay], &[2e-4], 0.0, 5e-5);
     }
 
     #[test]
     fn the_share_of_a_first_order_lag_is_its_gain() {
         let z = (-5e-4f64 / 0.02).exp();
-        let reading = Arx::new(5e-4, vec![z], vec![0.0, 5.0 * (1.0 - z)]).unwrap().reading();
-        assert_close(&[reading.gain, reading.poles[0].share], &[5.0, 1.0], 1e-12, 0.0);
-        assert_close(&[reading.delay], &[0.0], 0.0, 2e-6);
+        let form = Arx::new(5e-4, vec![z], vec![0.0, 5.0 * (1.0 - z)]).unwrap().modal_form();
+        assert_close(&[form.gain, form.poles[0].share], &[5.0, 1.0], 1e-12, 0.0);
+        assert_close(&[form.delay], &[0.0], 0.0, 2e-6);
     }
 
     #[test]
     fn the_shares_of_a_table_add_up_to_100_percent_and_its_numbers_are_those_of_the_oscillator() {
-        let rows = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 0.0).reading().rows();
+        let rows = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 0.0).modal_form().rows();
         let share = |row: &[String; 6]| row[3].parse::<f64>().unwrap();
         assert_close(&[rows.iter().map(share).sum()], &[100.0], 0.0, 0.1 + 1e-9);
         assert_eq!(rows[0], ["mode 1", "166.3", "0.03000", "90.0", "0.9159", "0.05742"]);
@@ -283,20 +276,22 @@ mod tests {
 
     #[test]
     fn images_of_fast_modes_and_poles_of_a_delay_are_not_modes() {
-        let beyond = held(&[(166.3, 0.03, 27.0), (1042.0, 0.03, 2.0)], 1.0, 0.0).reading();
+        let beyond = held(&[(166.3, 0.03, 27.0), (1042.0, 0.03, 2.0)], 1.0, 0.0).modal_form();
         assert_eq!(beyond.poles.iter().map(PoleShare::kind).collect::<Vec<_>>(), [PoleKind::Mode, PoleKind::Image]);
         assert!(beyond.rows()[1][0] == "above the observable range" && beyond.rows()[1][1] == "-");
         assert!(beyond.images().unwrap().starts_with("The pole at 959 Hz"), "{:?}", beyond.images());
         assert!(beyond.modes().len() == 1 && beyond.poles[1].oscillator(1.0).is_none());
-        let alternating = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap().reading();
+        let alternating = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap().modal_form();
         assert_eq!(alternating.poles[0].kind(), PoleKind::Image);
-        let lag = Arx::new(5e-4, vec![(-5e-4f64 / 0.02).exp()], vec![0.0, 1.0]).unwrap().reading();
+        let lag = Arx::new(5e-4, vec![(-5e-4f64 / 0.02).exp()], vec![0.0, 1.0]).unwrap().modal_form();
         assert_eq!((lag.rows()[0][0].as_str(), lag.images()), ("lag of 0.02 s", None));
     }
 
     #[test]
     fn a_spring_without_stiffness_is_an_error() {
         assert!(Oscillator::new(100.0, 0.1, 0.0).unwrap_err().to_string().starts_with("stiffness = 0"));
+        // The PL140 at 500 N/m: 0.46 g move, of the 1.9 g that the free part weighs.
+        assert_close(&[1e3 * Oscillator::new(166.3, 0.03, 500.0).unwrap().mass], &[0.458], 1e-3, 0.0);
         let unit = Oscillator::new(100.0, 0.1, 1.0).unwrap();
         assert_close(&[unit.damper / (2.0 * unit.mass.sqrt())], &[0.1], 1e-12, 0.0);
     }

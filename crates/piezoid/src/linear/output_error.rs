@@ -66,7 +66,7 @@ impl OutputError {
     /// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + 7.0 + noise(t)).collect();
     /// let record = Record::new(5e-4, u, y)?;
     /// let orders = Orders { na: 2, nb: 2, delay: 1 };
-    /// let found = OutputError::fit(&[record], orders, &Refinement::default(), &mut piezoid::progress::silent)?;
+    /// let found = OutputError::fit(&[record], orders, &Refinement::default(), &mut piezoid::progress::Stage::ignore)?;
     /// assert!((found.arx.a()[0] - 1.7).abs() < 1e-3 && (found.offsets[0] - 7.0).abs() < 0.05);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -209,7 +209,7 @@ pub(super) mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::plant::Plant;
-    use crate::progress::silent;
+    use crate::progress::Stage;
     use crate::system::System;
     use crate::testing::assert_close;
     use std::ops::ControlFlow;
@@ -217,7 +217,7 @@ pub(super) mod tests {
     const TS: f64 = 5e-4;
 
     fn found(records: &[Record], orders: Orders) -> OutputError {
-        OutputError::fit(records, orders, &Refinement::default(), &mut silent).unwrap()
+        OutputError::fit(records, orders, &Refinement::default(), &mut Stage::ignore).unwrap()
     }
 
     /// The twin from rest, with a PRBS that starts with a step.
@@ -259,13 +259,13 @@ pub(super) mod tests {
         let orders = Orders { na: 2, nb: 2, delay: 0 };
         let weighted = Refinement { weights: vec![2.0, 2.0], ..Refinement::default() };
         let (plain, doubled) =
-            (found(&parts, orders), OutputError::fit(&parts, orders, &weighted, &mut silent).unwrap());
+            (found(&parts, orders), OutputError::fit(&parts, orders, &weighted, &mut Stage::ignore).unwrap());
         assert_close(doubled.arx.a(), plain.arx.a(), 1e-8, 0.0);
         assert_close(&doubled.covariance, &plain.covariance, 1e-4, 0.0);
         // A repeated record is a record with twice the weight.
         let repeated = found(&[parts[0].clone(), parts[1].clone(), parts[1].clone()], orders);
         let weighted = Refinement { weights: vec![1.0, 2.0], ..Refinement::default() };
-        let weighted = OutputError::fit(&parts, orders, &weighted, &mut silent).unwrap();
+        let weighted = OutputError::fit(&parts, orders, &weighted, &mut Stage::ignore).unwrap();
         assert_close(weighted.arx.b(), repeated.arx.b(), 1e-8, 0.0);
     }
 
@@ -274,7 +274,7 @@ pub(super) mod tests {
         let record = [pl140(2, 4094)];
         let own = found(&record, Orders { na: 2, nb: 2, delay: 1 });
         let start = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 3.0, 3.0]).unwrap();
-        let refined = refine(&record, &start, &Refinement::default(), &mut silent).unwrap();
+        let refined = refine(&record, &start, &Refinement::default(), &mut Stage::ignore).unwrap();
         assert_close(refined.arx.a(), own.arx.a(), 1e-6, 0.0);
         assert_eq!((refined.arx.delay(), refined.minimum.reason), (1, Reason::Converged));
     }
@@ -283,7 +283,7 @@ pub(super) mod tests {
     fn bad_starts_records_and_weights_are_errors() {
         let record = pl140(1, 4094);
         let message = |records: &[Record], start: &Arx, settings: &Refinement| {
-            refine(records, start, settings, &mut silent).unwrap_err().to_string()
+            refine(records, start, settings, &mut Stage::ignore).unwrap_err().to_string()
         };
         let (plain, stable) = (Refinement::default(), Arx::new(TS, vec![0.5], vec![1.0]).unwrap());
         let unstable = Arx::new(TS, vec![1.5], vec![1.0]).unwrap();

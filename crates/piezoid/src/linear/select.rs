@@ -21,7 +21,7 @@ use super::{Arx, Orders, Pole};
 use crate::error::Error;
 use crate::number::short;
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
-use crate::progress::{Progress, Stage, silent};
+use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
 use rayon::prelude::*;
@@ -155,7 +155,7 @@ pub(crate) fn select(
                 _ => start,
             });
             let rough = Refinement { search: ROUGH, ..settings.refinement.clone() };
-            (orders, start.and_then(|start| search(&problem, &start, &rough, &mut silent)))
+            (orders, start.and_then(|start| search(&problem, &start, &rough, &mut Stage::ignore)))
         };
         let all: Vec<_> = if settings.parallel {
             (0..=settings.delay).into_par_iter().map(fit).collect()
@@ -295,7 +295,7 @@ mod tests {
     fn the_pl140_has_order_5_or_6_for_any_noise() {
         for seed in 1..=5 {
             let settings = OrderSearch { delay: 2, ..OrderSearch::default() };
-            let found = select(&[pl140(seed, 4094)], &settings, &mut silent).unwrap();
+            let found = select(&[pl140(seed, 4094)], &settings, &mut Stage::ignore).unwrap();
             let Orders { na, delay, .. } = found.fit.orders;
             assert!((5..=6).contains(&na) && delay <= 1, "seed {seed}: {}", found.reason);
             assert!((0.19..0.212).contains(&found.fit.rms[0]), "{:?}", found.fit.rms);
@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn the_true_order_and_delay_are_chosen() {
         for seed in 0..10 {
-            let found = select(&[delayed(seed)], &OrderSearch::default(), &mut silent).unwrap();
+            let found = select(&[delayed(seed)], &OrderSearch::default(), &mut Stage::ignore).unwrap();
             assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "seed {seed}: {}", found.reason);
             let best = |f: fn(&Candidate) -> f64| {
                 found.candidates.iter().min_by(|p, q| f(p).total_cmp(&f(q))).map(|c| (c.orders.na, c.orders.delay))
@@ -332,16 +332,16 @@ mod tests {
     fn threads_do_not_change_the_choice_for_several_records() {
         let records = [delayed(1).part(0.0, 0.5).unwrap(), delayed(2).part(0.5, 1.0).unwrap()];
         let few = OrderSearch { order: 4, delay: 3, ..OrderSearch::default() };
-        let one = select(&records, &few, &mut silent).unwrap();
+        let one = select(&records, &few, &mut Stage::ignore).unwrap();
         assert_eq!((one.fit.orders.na, one.fit.orders.delay), (3, 2), "{}", one.reason);
-        assert_eq!(select(&records, &OrderSearch { parallel: true, ..few }, &mut silent).unwrap(), one);
+        assert_eq!(select(&records, &OrderSearch { parallel: true, ..few }, &mut Stage::ignore).unwrap(), one);
     }
 
     #[test]
     fn a_cancelled_pole_does_not_change_the_cost() {
         let records = [delayed(1)];
         let orders = Orders { na: 2, nb: 3, delay: 1 };
-        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut silent).unwrap();
+        let fit = OutputError::fit(&records, orders, &Refinement::default(), &mut Stage::ignore).unwrap();
         let higher = FreeRunError { records: &records, weights: &[1.0], orders: Orders { na: 3, nb: 4, delay: 1 } };
         assert_close(&[higher.cost(&with_idle_pole(&fit))], &[fit.minimum.cost], 1e-2, 0.0);
     }
@@ -351,18 +351,24 @@ mod tests {
         let truth = delayed_block();
         let u = Prbs::default().samples(TS, 2047).unwrap();
         let record = Record::new(TS, u.clone(), truth.simulate(&u)).unwrap();
-        let found = select(&[record], &OrderSearch::default(), &mut silent).unwrap();
+        let found = select(&[record], &OrderSearch::default(), &mut Stage::ignore).unwrap();
         assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "{}", found.reason);
     }
 
     #[test]
     fn bad_settings_and_constant_records_are_errors() {
-        let message = |settings: OrderSearch| select(&[delayed(1)], &settings, &mut silent).unwrap_err().to_string();
+        let message =
+            |settings: OrderSearch| select(&[delayed(1)], &settings, &mut Stage::ignore).unwrap_err().to_string();
         assert!(message(OrderSearch { order: 0, ..OrderSearch::default() }).starts_with("order = 0"));
         assert!(message(OrderSearch { held_out: 1.0, ..OrderSearch::default() }).starts_with("held_out = 1"));
         assert!(message(OrderSearch { order: 200, ..OrderSearch::default() }).contains("at least"));
         let still = Record::new(TS, vec![1.0; 900], vec![2.0; 900]).unwrap();
-        assert!(select(&[still], &OrderSearch::default(), &mut silent).unwrap_err().to_string().contains("any order"));
+        assert!(
+            select(&[still], &OrderSearch::default(), &mut Stage::ignore)
+                .unwrap_err()
+                .to_string()
+                .contains("any order")
+        );
     }
 
     #[test]
@@ -372,7 +378,7 @@ mod tests {
         let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
         let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
         let few = OrderSearch { order: 3, delay: 1, ..OrderSearch::default() };
-        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut crate::progress::silent).unwrap();
+        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut Stage::ignore).unwrap();
         assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
     }
 }

@@ -18,7 +18,7 @@ use super::free_run::{FreeRunError, dot};
 use super::output_error::{OutputError, Refinement, checked, search};
 use super::{Arx, Pole};
 use crate::error::Error;
-use crate::progress::{Progress, Stage, silent};
+use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::system::System;
@@ -38,20 +38,9 @@ pub struct Uncertain {
     pub error: f64,
 }
 
-/// A pole with its uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UncertainPole {
-    /// The pole.
-    pub pole: Pole,
-    /// Natural frequency [Hz].
-    pub hz: Uncertain,
-    /// Damping ratio.
-    pub damping: Uncertain,
-}
-
 impl OutputError {
-    /// The poles of the block, as [`Arx::poles`] lists them.
-    pub fn poles(&self) -> Vec<UncertainPole> {
+    /// Natural frequency [Hz] and damping ratio of the poles of the block, as [`Arx::poles`] lists them.
+    pub fn poles(&self) -> Vec<[Uncertain; 2]> {
         let a = self.arx.a();
         let known = |pole: Pole| {
             let z = Complex::new(pole.z.re, pole.z.im);
@@ -65,7 +54,7 @@ impl OutputError {
             let modulus = |ds: &Complex<f64>| (s.conj() * ds).re / s.norm();
             let hz: Vec<f64> = by_a.iter().map(|ds| modulus(ds) / TAU).collect();
             let damping: Vec<f64> = by_a.iter().map(|ds| (-ds.re + s.re * modulus(ds) / s.norm()) / s.norm()).collect();
-            UncertainPole { pole, hz: self.uncertain(pole.hz, &hz), damping: self.uncertain(pole.damping, &damping) }
+            [self.uncertain(pole.hz, &hz), self.uncertain(pole.damping, &damping)]
         };
         self.arx.poles().into_iter().map(known).collect()
     }
@@ -167,14 +156,11 @@ impl Default for Bootstrap {
     }
 }
 
-/// Blocks fitted to resampled noise.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Replicates(pub Vec<Arx>);
-
-impl Replicates {
-    /// Mean and standard deviation over the replicates of a number computed from a block.
-    pub fn of(&self, number: impl Fn(&Arx) -> f64) -> Uncertain {
-        let values: Vec<f64> = self.0.iter().map(number).collect();
+impl Uncertain {
+    /// Mean and standard deviation of a number over blocks that were fitted to resampled noise
+    /// ([`OutputError::bootstrap`]).
+    pub fn over(blocks: &[Arx], number: impl Fn(&Arx) -> f64) -> Self {
+        let values: Vec<f64> = blocks.iter().map(number).collect();
         let error = (scatter(&values) / (values.len() as f64 - 1.0).max(1.0)).sqrt();
         Uncertain { value: mean(&values), error }
     }
@@ -185,17 +171,17 @@ impl OutputError {
     /// fit.
     ///
     /// ```
-    /// use piezoid::{Record, System, linear::{Arx, Bootstrap, Orders, OutputError, Refinement}};
+    /// use piezoid::{Record, System, linear::{Arx, Bootstrap, Orders, OutputError, Refinement, Uncertain}};
     /// let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![3.0, 2.5])?;
     /// let u: Vec<f64> = (0..600).map(|t| f64::from((t * t % 13) as u8) - 6.0).collect();
     /// let noise = |t: usize| (t * 7919 % 31) as f64 / 31.0 - 0.5;
     /// let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
     /// let records = [Record::new(5e-4, u, y)?];
     /// let (settings, orders) = (Refinement::default(), Orders { na: 2, nb: 2, delay: 0 });
-    /// let fit = OutputError::fit(&records, orders, &settings, &mut piezoid::progress::silent)?;
+    /// let fit = OutputError::fit(&records, orders, &settings, &mut piezoid::progress::Stage::ignore)?;
     /// let draws = Bootstrap { replicates: 20, ..Bootstrap::default() };
-    /// let replicates = fit.bootstrap(&records, &settings, &draws, &mut piezoid::progress::silent)?;
-    /// let resonance = replicates.of(|arx| arx.poles()[0].hz);
+    /// let blocks = fit.bootstrap(&records, &settings, &draws, &mut piezoid::progress::Stage::ignore)?;
+    /// let resonance = Uncertain::over(&blocks, |arx| arx.poles()[0].hz);
     /// assert!((resonance.value - truth.poles()[0].hz).abs() < 0.1);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -209,7 +195,7 @@ impl OutputError {
         settings: &Refinement,
         draws: &Bootstrap,
         progress: &mut Progress,
-    ) -> Result<Replicates, Error> {
+    ) -> Result<Vec<Arx>, Error> {
         if draws.replicates < 2 {
             return Err(Error::parameter("replicates", draws.replicates, "must be at least 2"));
         }
@@ -241,7 +227,7 @@ impl OutputError {
             });
             let drawn: Vec<Record> = drawn.collect::<Result<_, _>>()?;
             let problem = FreeRunError { records: &drawn, ..problem };
-            Ok(search(&problem, &self.minimum.x, settings, &mut silent)?.arx)
+            Ok(search(&problem, &self.minimum.x, settings, &mut Stage::ignore)?.arx)
         };
         let mut fitted = Vec::new();
         let batch = if draws.parallel { rayon::current_num_threads() } else { 1 };
@@ -258,7 +244,7 @@ impl OutputError {
             };
             fitted.extend(arx);
         }
-        Ok(Replicates(fitted))
+        Ok(fitted)
     }
 }
 
@@ -287,13 +273,13 @@ mod tests {
     }
 
     fn fitted(seed: u64, colour: f64) -> OutputError {
-        OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut silent).unwrap()
+        OutputError::fit(&[record(seed, colour)], ORDERS, &Refinement::default(), &mut Stage::ignore).unwrap()
     }
 
     /// Frequency, damping, gain.
     fn numbers(fit: &OutputError) -> [Uncertain; 3] {
-        let pole = fit.poles()[0];
-        [pole.hz, pole.damping, fit.dc_gain()]
+        let [hz, damping] = fit.poles()[0];
+        [hz, damping, fit.dc_gain()]
     }
 
     #[test]
@@ -346,11 +332,11 @@ mod tests {
         for colour in [0.0, 0.8] {
             let (records, fit) = ([record(5, colour)], fitted(5, colour));
             let draws = Bootstrap { replicates: 200, parallel: true, ..Bootstrap::default() };
-            let again = fit.bootstrap(&records, &Refinement::default(), &draws, &mut silent).unwrap();
+            let again = fit.bootstrap(&records, &Refinement::default(), &draws, &mut Stage::ignore).unwrap();
             let [hz, damping, gain] = numbers(&fit);
             let drawn: [fn(&Arx) -> f64; 3] = [|a| a.poles()[0].hz, |a| a.poles()[0].damping, Arx::dc_gain];
             for (known, number) in [hz, damping, gain].iter().zip(drawn) {
-                assert_close(&[again.of(number).error], &[known.error], 0.25, 0.0);
+                assert_close(&[Uncertain::over(&again, number).error], &[known.error], 0.25, 0.0);
             }
         }
     }
@@ -360,7 +346,7 @@ mod tests {
         let (records, fit) = ([record(2, 0.3)], fitted(2, 0.3));
         let of = |parallel, seed| {
             let draws = Bootstrap { replicates: 5, parallel, seed, ..Bootstrap::default() };
-            fit.bootstrap(&records, &Refinement::default(), &draws, &mut silent).unwrap()
+            fit.bootstrap(&records, &Refinement::default(), &draws, &mut Stage::ignore).unwrap()
         };
         assert_eq!(of(false, 1), of(true, 1));
         assert_ne!(of(false, 1), of(false, 2));

@@ -170,7 +170,7 @@ impl NormalEquations {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::silent;
+    use crate::progress::Stage;
     use crate::testing::assert_close;
     use std::ops::ControlFlow;
 
@@ -201,7 +201,7 @@ mod tests {
     }
 
     fn search(problem: &impl SumOfSquares, start: &[f64]) -> Minimum {
-        minimise(problem, start, &SearchSettings::default(), &mut silent).unwrap()
+        minimise(problem, start, &SearchSettings::default(), &mut Stage::ignore).unwrap()
     }
 
     #[test]
@@ -237,9 +237,11 @@ mod tests {
         // (ln x)^2: undefined below 0, where the first full step from 10 leads.
         let log = Rows(1, |x: &[f64]| vec![vec![x[0].ln(), 1.0 / x[0]]]);
         let settings = SearchSettings { damping: 1e-9, ..SearchSettings::default() };
-        let found = minimise(&log, &[10.0], &settings, &mut silent).unwrap();
+        let found = minimise(&log, &[10.0], &settings, &mut Stage::ignore).unwrap();
         assert_close(&found.x, &[1.0], 1e-6, 0.0);
-        assert!(minimise(&log, &[-1.0], &settings, &mut silent).unwrap_err().to_string().contains("finite cost"));
+        assert!(
+            minimise(&log, &[-1.0], &settings, &mut Stage::ignore).unwrap_err().to_string().contains("finite cost")
+        );
     }
 
     #[test]
@@ -250,13 +252,14 @@ mod tests {
                 .map(|(t, y)| vec![x[0] + x[1] * t - y, 1.0, t])
                 .collect()
         });
-        let reason = |settings: &SearchSettings| minimise(&noisy, &[0.0, 0.0], settings, &mut silent).unwrap().reason;
+        let reason =
+            |settings: &SearchSettings| minimise(&noisy, &[0.0, 0.0], settings, &mut Stage::ignore).unwrap().reason;
         assert_eq!(reason(&SearchSettings::default()), Reason::Converged);
         assert_eq!(reason(&SearchSettings { iterations: 1, ..SearchSettings::default() }), Reason::Iterations);
         let mut stop = |_: Stage| ControlFlow::Break(());
         let start = minimise(&noisy, &[0.5, 0.0], &SearchSettings::default(), &mut stop).unwrap();
         assert_eq!((start.reason, start.x), (Reason::Cancelled, vec![0.5, 0.0]));
-        let message = |settings, x: &[f64]| minimise(&noisy, x, &settings, &mut silent).unwrap_err().to_string();
+        let message = |settings, x: &[f64]| minimise(&noisy, x, &settings, &mut Stage::ignore).unwrap_err().to_string();
         assert!(message(SearchSettings::default(), &[1.0]).contains("the start has 1"));
         let undamped = SearchSettings { damping: 0.0, ..SearchSettings::default() };
         assert!(message(undamped, &[0.0, 0.0]).contains("damping = 0"));

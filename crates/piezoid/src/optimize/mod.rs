@@ -44,6 +44,7 @@ pub enum Reason {
 }
 
 /// The bounds of a search: it starts and stays in this box.
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Corners")]
 pub struct Bounds {

@@ -30,6 +30,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 const MOST: usize = 10_000_000;
 
 /// The cost that a swarm minimises. Every `Fn(&[f64]) -> f64` that can be shared between threads is a cost.
+#[doc(hidden)]
 pub trait Cost: Sync {
     /// Writes the cost of each particle; `positions` has the particles one after another.
     ///
@@ -108,10 +109,11 @@ impl Default for SwarmSettings {
 /// let sphere = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
 /// let bounds = Bounds::new(vec![-5.0; 3], vec![5.0; 3])?;
 /// let mut swarm = Swarm::new(&sphere, bounds, SwarmSettings { iterations: 200, ..SwarmSettings::default() })?;
-/// let minimum = swarm.run(&sphere, &mut piezoid::progress::silent);
+/// let minimum = swarm.run(&sphere, &mut piezoid::progress::Stage::ignore);
 /// assert!(minimum.cost < 1e-9);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct Swarm {
@@ -332,7 +334,7 @@ fn check(s: &SwarmSettings) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::progress::silent;
+    use crate::progress::Stage;
     use proptest::prelude::*;
     use std::ops::ControlFlow;
 
@@ -389,20 +391,20 @@ mod tests {
     #[test]
     fn an_interrupted_search_is_bit_identical_to_one_without_interruption() {
         let settings = SwarmSettings { iterations: 120, ..SwarmSettings::default() };
-        let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut silent).unwrap();
+        let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut Stage::ignore).unwrap();
         let mut swarm = Swarm::new(&rosenbrock, bounds(3), settings).unwrap();
         let until_70 = |s: Stage| if s.done == 70 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
         let part = swarm.run(&rosenbrock, &mut { until_70 });
         assert_eq!((part.reason, part.history.len()), (Reason::Cancelled, 71));
         let checkpoint = serde_json::to_string(&swarm).unwrap();
         let mut resumed: Swarm = serde_json::from_str(&checkpoint).unwrap();
-        assert_eq!(resumed.run(&rosenbrock, &mut silent), whole);
+        assert_eq!(resumed.run(&rosenbrock, &mut Stage::ignore), whole);
         let cut = checkpoint.replace("\"g_best\":[", "\"g_best\":[0.0,");
         assert!(
             serde_json::from_str::<Swarm>(&cut).unwrap_err().to_string().contains("not a checkpoint of 50 particles")
         );
         assert_eq!(serde_json::to_string(&resumed).unwrap(), {
-            swarm.run(&rosenbrock, &mut silent);
+            swarm.run(&rosenbrock, &mut Stage::ignore);
             serde_json::to_string(&swarm).unwrap()
         });
     }
@@ -412,29 +414,30 @@ mod tests {
         for global_best in [GlobalBest::Ever, GlobalBest::Current] {
             let settings = SwarmSettings { iterations: 60, global_best, ..SwarmSettings::default() };
             let parallel = SwarmSettings { parallel: true, ..settings.clone() };
-            let one = settings.minimise(&rosenbrock, bounds(4), &mut silent).unwrap();
-            assert_eq!(parallel.minimise(&rosenbrock, bounds(4), &mut silent).unwrap(), one);
+            let one = settings.minimise(&rosenbrock, bounds(4), &mut Stage::ignore).unwrap();
+            assert_eq!(parallel.minimise(&rosenbrock, bounds(4), &mut Stage::ignore).unwrap(), one);
         }
     }
 
     #[test]
     fn the_reason_for_the_end_is_reported() {
-        let reason = |settings: SwarmSettings| settings.minimise(&rosenbrock, bounds(2), &mut silent).unwrap().reason;
+        let reason =
+            |settings: SwarmSettings| settings.minimise(&rosenbrock, bounds(2), &mut Stage::ignore).unwrap().reason;
         let settings = SwarmSettings { iterations: 300, ..SwarmSettings::default() };
         assert_eq!(reason(settings.clone()), Reason::Iterations);
         assert_eq!(reason(SwarmSettings { threshold: Some(1.0), ..settings.clone() }), Reason::Threshold);
         let flat = |_: &[f64]| 1.0;
         let stalled = SwarmSettings { stall: Some(7), ..settings };
-        let minimum = stalled.minimise(&flat, bounds(2), &mut silent).unwrap();
+        let minimum = stalled.minimise(&flat, bounds(2), &mut Stage::ignore).unwrap();
         assert_eq!((minimum.reason, minimum.history.len()), (Reason::Stall, 8));
     }
 
     #[test]
     fn a_cost_of_nan_counts_as_the_largest() {
         let half = |x: &[f64]| if x[0] < 0.0 { f64::NAN } else { x[0] };
-        let minimum = SwarmSettings::default().minimise(&half, bounds(1), &mut silent).unwrap();
+        let minimum = SwarmSettings::default().minimise(&half, bounds(1), &mut Stage::ignore).unwrap();
         assert!((0.0..1e-6).contains(&minimum.cost));
-        let never = SwarmSettings::default().minimise(&|_: &[f64]| f64::NAN, bounds(1), &mut silent).unwrap();
+        let never = SwarmSettings::default().minimise(&|_: &[f64]| f64::NAN, bounds(1), &mut Stage::ignore).unwrap();
         assert_eq!(never.cost, f64::MAX);
     }
 
@@ -452,7 +455,7 @@ mod tests {
         fn the_best_cost_never_increases_and_belongs_to_its_point(seed: u64, particles in 1..20usize, current: bool) {
             let global_best = if current { GlobalBest::Current } else { GlobalBest::Ever };
             let settings = SwarmSettings { seed, particles, iterations: 30, global_best, ..SwarmSettings::default() };
-            let minimum = settings.minimise(&rosenbrock, bounds(3), &mut silent).unwrap();
+            let minimum = settings.minimise(&rosenbrock, bounds(3), &mut Stage::ignore).unwrap();
             prop_assert!(minimum.history.windows(2).all(|w| w[1] <= w[0]));
             prop_assert_eq!(rosenbrock(&minimum.x), minimum.cost);
             prop_assert!(minimum.courses.iter().zip(&minimum.history).all(|(x, f)| rosenbrock(x) == *f));

@@ -4,7 +4,7 @@ use super::close::assert_close;
 use super::golden::{number, numbers, rows, text};
 use crate::Record;
 use crate::linear::{ModalFit, Orders, OutputError, Refinement};
-use crate::progress::silent;
+use crate::progress::Stage;
 use serde_json::Value;
 
 #[test]
@@ -20,7 +20,8 @@ fn the_output_error_is_that_of_scipy_with_free_pasts_and_offsets() {
             Refinement { weights: list.iter().map(|r| number(r, "weight")).collect(), ..Refinement::default() };
         let (a, b) = (numbers(row, "a"), numbers(row, "b"));
         let orders = Orders { na: a.len(), nb: b.len(), delay: number(row, "delay") as usize };
-        let found = OutputError::fit(&records, orders, &settings, &mut silent).expect("a block that scipy finds");
+        let found =
+            OutputError::fit(&records, orders, &settings, &mut Stage::ignore).expect("a block that scipy finds");
         // Both end when a step changes the cost by less than 1e-12; the parameters are accurate to its square root.
         assert_close(name, &[found.minimum.cost], &[number(row, "cost")], 1e-9, 0.0);
         assert_close(name, found.arx.a(), &a, 1e-6, 1e-6);
@@ -43,7 +44,7 @@ fn modes_and_delay_simulated_by_scipy_are_found() {
         let name = text(row, "name");
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
-        let found = ModalFit::fit(&[record], hz.len(), 3, &Refinement::default(), &mut silent).expect("modes");
+        let found = ModalFit::fit(&[record], hz.len(), 3, &Refinement::default(), &mut Stage::ignore).expect("modes");
         let of = |what: fn(&crate::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);

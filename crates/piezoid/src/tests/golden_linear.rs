@@ -4,7 +4,7 @@ use super::close::assert_close;
 use super::golden::{number, numbers, rows, text};
 use crate::linear::{self, Arx, Orders};
 use crate::optimize::{least_absolute, swarm};
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::{Record, System};
 use serde_json::Value;
 
@@ -141,7 +141,7 @@ fn least_squares_is_scipys_lstsq_with_one_constant_per_record() {
         let orders = Orders { na: integer("na"), nb: integer("nb"), delay: integer("delay") };
         let estimator = linear::Estimator::find("least-squares").expect("it is in the list");
         let settings = swarm::SwarmSettings::default();
-        let fit = estimator.fit(&records, orders, &settings, &mut silent).expect("a fit that scipy makes");
+        let fit = estimator.fit(&records, orders, &settings, &mut Stage::ignore).expect("a fit that scipy makes");
         // Each group is compared in its own norm: units change b and offsets, not a. The condition is below 100, so
         // both solvers are accurate to a few 1e-14.
         assert_close_in_norm(name, fit.arx.a(), &numbers(row, "a"), RTOL);

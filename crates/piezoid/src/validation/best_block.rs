@@ -9,7 +9,7 @@
 
 use crate::linear::{self, Arx, Orders, Refinement};
 use crate::optimize::{levenberg_marquardt, swarm};
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::record::Record;
 use crate::system::System;
 
@@ -70,14 +70,14 @@ impl MaskedRecord {
     fn least_squares(&self, orders: Orders) -> Option<Arx> {
         let (estimator, settings) = (linear::Estimator::find("least-squares").ok()?, swarm::SwarmSettings::default());
         let records = std::slice::from_ref(&self.record);
-        Some(estimator.fit(records, orders, &settings, &mut silent).ok()?.arx)
+        Some(estimator.fit(records, orders, &settings, &mut Stage::ignore).ok()?.arx)
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
         let part = self.record.slice(0..self.record.len().min(ENOUGH)).ok()?;
         let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
         let settings = Refinement { search: ROUGH, ..Refinement::default() };
-        Some(linear::OutputError::fit(&[part], orders, &settings, &mut silent).ok()?.arx)
+        Some(linear::OutputError::fit(&[part], orders, &settings, &mut Stage::ignore).ok()?.arx)
     }
 
     fn run(&self, arx: &Arx) -> Option<ClosestFit> {

@@ -30,7 +30,7 @@ pub struct LoopShape {
     /// Least-squares slope of all points [output unit / input unit].
     pub slope: f64,
     /// Mean slope just after both reversals; `None` if steps have no points there [output unit / input unit].
-    pub slope_after_turn: Option<f64>,
+    pub slope_after_reversal: Option<f64>,
     /// Reversals of the output per cycle: 2, more if it rings.
     pub reversals: f64,
 }
@@ -105,7 +105,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
         area: -area,
         closure_percent: 100.0 * (y[end] - y[start]) / height,
         slope: slope(x, part),
-        slope_after_turn: slope_at(&rising).zip(slope_at(&falling)).map(|(a, b)| 0.5 * (a + b)),
+        slope_after_reversal: slope_at(&rising).zip(slope_at(&falling)).map(|(a, b)| 0.5 * (a + b)),
         reversals: reversals(around, REVERSAL).len().saturating_sub(1) as f64,
     }
 }
@@ -131,13 +131,13 @@ fn slope(u: &[f64], y: &[f64]) -> f64 {
 
 fn average_of(shapes: &[LoopShape]) -> LoopShape {
     let average = |of: fn(&LoopShape) -> f64| mean(&shapes.iter().map(of).collect::<Vec<_>>());
-    let known: Vec<f64> = shapes.iter().filter_map(|s| s.slope_after_turn).collect();
+    let known: Vec<f64> = shapes.iter().filter_map(|s| s.slope_after_reversal).collect();
     LoopShape {
         width_percent: average(|s| s.width_percent),
         area: average(|s| s.area),
         closure_percent: average(|s| s.closure_percent),
         slope: average(|s| s.slope),
-        slope_after_turn: (!known.is_empty()).then(|| mean(&known)),
+        slope_after_reversal: (!known.is_empty()).then(|| mean(&known)),
         reversals: average(|s| s.reversals),
     }
 }
@@ -169,8 +169,8 @@ mod tests {
         assert_close(&[hz, amplitude, measured.width_percent], &[5.0, 10.0, width], 1e-3, 0.0);
         assert_close(&[measured.area, measured.slope], &[PI * 100.0 * 0.2f64.sin(), 0.2f64.cos()], 1e-3, 0.0);
         assert_close(&[measured.closure_percent, model.width_percent, model.area], &[0.0; 3], 0.0, 1e-9);
-        assert_eq!((measured.reversals, model.slope_after_turn.map(|s| (s - 1.0).abs() < 1e-9)), (2.0, Some(true)));
-        assert!(measured.slope_after_turn.unwrap() < 0.8);
+        assert_eq!((measured.reversals, model.slope_after_reversal.map(|s| (s - 1.0).abs() < 1e-9)), (2.0, Some(true)));
+        assert!(measured.slope_after_reversal.unwrap() < 0.8);
     }
 
     #[test]

@@ -73,7 +73,7 @@ pub struct Validation {
     /// Initial condition of the free run.
     pub initial_condition: InitialCondition,
     /// The subtracted mean error, if the offset is free [record's unit].
-    pub taken_off: Option<f64>,
+    pub offset_removed: Option<f64>,
     /// The error by frequency: of cycles if the input oscillates, otherwise of spectra.
     pub by_frequency: Vec<Bin>,
     /// The error by amplitude of the cycles; empty if the input does not oscillate.
@@ -119,12 +119,12 @@ impl Model {
         let free_offset = options.offset == Offset::Free;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
         let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
-        let mut taken_off = None;
+        let mut offset_removed = None;
         if free_offset {
             let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
             let mean = errors.sum::<f64>() / (record.len() - start) as f64;
             simulated.iter_mut().for_each(|y| *y += mean);
-            taken_off = Some(mean);
+            offset_removed = Some(mean);
         }
         let counted = record.part(options.skip, f64::INFINITY)?;
         let cycles = cycles(counted.u(), counted.ts());
@@ -135,7 +135,7 @@ impl Model {
             metrics,
             start,
             initial_condition,
-            taken_off,
+            offset_removed,
             by_frequency: bins::by_frequency(&run),
             by_amplitude: bins::by_amplitude(&run),
             whiteness: Whiteness::of(counted.u(), &run.errors()),

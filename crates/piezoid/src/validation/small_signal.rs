@@ -47,7 +47,7 @@ const UNEXCITED: f64 = 1e-6;
 pub struct Linearity {
     /// Free-run residual of the best linear block, of the mean period if the input is periodic; `None` if the record
     /// has too few frequencies.
-    pub left_percent: Option<f64>,
+    pub residual_percent: Option<f64>,
     /// Noise per sample, from repeated periods, otherwise the residual of the best block if it is uncorrelated with the
     /// input; `None` if it is not.
     pub noise_percent: Option<f64>,
@@ -138,7 +138,7 @@ impl Linearity {
         let run = ComparedRun { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
         let hidden = hidden_percent.unwrap_or(0.0);
         let mut linearity = Linearity {
-            left_percent: rms.map(percent),
+            residual_percent: rms.map(percent),
             noise_percent: repeated.as_ref().map(|r| r.noise).or(noise.map(|n| n.0)).map(percent),
             hidden_percent,
             distortion_percent,
@@ -178,7 +178,7 @@ impl Linearity {
                 "the record is not linear: {distortion} % of the output's rms is distortion; use a smaller amplitude"
             ),
         };
-        match (self.left_percent, self.noise_percent) {
+        match (self.residual_percent, self.noise_percent) {
             (Some(left), Some(noise)) if repeats => {
                 text += &format!(
                     " (residual of the best linear block: {} % of the mean period; noise: {} % per sample)",
@@ -363,7 +363,7 @@ mod tests {
             let mut y = sound.y().to_vec();
             spikes.iter().for_each(|t| y[*t] += 2000.0);
             let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
-            assert!(seen.is_linear == Some(true) && seen.left_percent < Some(LINEAR), "{seen:?}");
+            assert!(seen.is_linear == Some(true) && seen.residual_percent < Some(LINEAR), "{seen:?}");
         }
     }
 

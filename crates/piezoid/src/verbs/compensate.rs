@@ -85,7 +85,7 @@ impl Compensation {
         json!({
             "unit": self.units.y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
             "rms_pp_percent": metrics.rms_pp_percent, "clipped": made.clipped, "reach": self.reach,
-            "usage": made.usage, "notes": made.notes, "asked": requested,
+            "usage": made.usage, "notes": made.notes, "requested": requested,
         })
     }
 

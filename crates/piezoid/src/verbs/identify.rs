@@ -4,7 +4,7 @@ use super::{Compared, File};
 use crate::error::Error;
 use crate::formats::ColumnSelection;
 use crate::hammerstein::{HiddenLoop, Identified, Model};
-use crate::identification::{IdentifyOptions, Method, Records, identify_with_progress};
+use crate::identification::{IdentifyOptions, Method, Records};
 use crate::linear::{Arx, PoleShare};
 use crate::progress::Progress;
 use crate::validation::{Linearity, Offset, ValidateOptions};
@@ -39,7 +39,7 @@ impl IdentifyOptions {
         let read = |files: &[File]| files.iter().map(|file| file.record(columns)).collect::<Result<Vec<_>, _>>();
         let (small_signal_records, records) = (read(small)?, read(large)?);
         let both = Records { small_signal: &small_signal_records, large_signal: &records };
-        let found = identify_with_progress(both, self, progress)?;
+        let found = both.identify(self, progress)?;
         // The joint method gives each record an offset of its own.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
@@ -87,7 +87,7 @@ impl Identification {
                 "b": arx.b(),
                 "poles": arx.poles(),
                 "zeros": arx.zeros(),
-                "reading": reading(arx),
+                "modal_form": modal_form(arx),
                 "noise_gain": arx.noise_gain(),
                 "reason": found.linear.reason,
                 "residuals": found.linear.fit.as_ref().map(|f| f.residuals),
@@ -107,8 +107,8 @@ impl Identification {
 }
 
 /// The linear block read as mechanics; null of one without poles.
-fn reading(arx: &Arx) -> Value {
-    let reading = arx.reading();
+fn modal_form(arx: &Arx) -> Value {
+    let form = arx.modal_form();
     let pole = |p: &PoleShare| {
         let unit = p.oscillator(1.0);
         json!({
@@ -120,13 +120,13 @@ fn reading(arx: &Arx) -> Value {
             "damper_per_stiffness": unit.map(|o| o.damper),
         })
     };
-    match reading.poles.is_empty() {
+    match form.poles.is_empty() {
         true => Value::Null,
         false => json!({
-            "gain": reading.gain,
-            "delay_s": reading.delay,
-            "poles": reading.poles.iter().map(pole).collect::<Vec<_>>(),
-            "residual_percent": 100.0 * reading.residual,
+            "gain": form.gain,
+            "delay_s": form.delay,
+            "poles": form.poles.iter().map(pole).collect::<Vec<_>>(),
+            "feed_through_percent": 100.0 * form.feed_through,
         }),
     }
 }

@@ -62,7 +62,8 @@ impl Compared {
     /// All about it as a document.
     pub fn to_json(&self) -> Value {
         let v = &self.validation;
-        let mut object = json!({"file": self.name, "unit": self.record.units().y, "beginning": v.initial_condition});
+        let mut object =
+            json!({"file": self.name, "unit": self.record.units().y, "initial_condition": v.initial_condition});
         merge(&mut object, json!(v.metrics));
         merge(&mut object, json!({"remarks": v.remarks, "unproven": v.not_covered}));
         merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));

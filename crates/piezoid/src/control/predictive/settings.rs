@@ -40,7 +40,7 @@ pub struct PredictiveSettings {
     /// Noise of a measurement, rms over the range of y [-]. Far larger than the sensor's if the plant may differ from
     /// the model: the observer then ignores the residual at its resonance.
     pub noise: f64,
-    /// Sensor delay [samples], at most [`LATEST`](crate::control::ControlLoop::LATEST).
+    /// Sensor delay [samples], at most 20.
     pub late: usize,
     /// Method for the quadratic program.
     pub solver: Solver,

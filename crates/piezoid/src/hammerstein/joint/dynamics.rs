@@ -9,7 +9,7 @@ use super::JointOptions;
 use crate::creep::Lag;
 use crate::error::Error;
 use crate::linear::{Arx, Orders, OutputError, Pole, Refinement};
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::record::Record;
 use crate::system::System;
 use std::f64::consts::TAU;
@@ -98,7 +98,8 @@ pub(super) fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) ->
     let mut delays = vec![latest, latest / 2, 0];
     delays.dedup();
     let of = |delay: usize| {
-        let found = OutputError::fit(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut silent)?;
+        let found =
+            OutputError::fit(hidden, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut Stage::ignore)?;
         if found.arx.dc_gain() * gain > 0.0 {
             return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
         }

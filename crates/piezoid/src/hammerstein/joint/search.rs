@@ -11,7 +11,7 @@ use super::solve::{FreeParameters, Prior};
 use crate::error::Error;
 use crate::hysteresis::ShapeParameter;
 use crate::optimize::{Bounds, swarm};
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::record::Record;
 
 /// Number of samples for the swarm, of all runs together.
@@ -65,7 +65,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
         ..swarm::SwarmSettings::default()
     };
     let bounds = Bounds::new(vec![0.0; shape.len()], vec![1.0; shape.len()])?;
-    let found = settings.minimise(&cost, bounds, &mut silent)?;
+    let found = settings.minimise(&cost, bounds, &mut Stage::ignore)?;
     Ok(at(&found.x))
 }
 

@@ -22,7 +22,7 @@ use crate::hysteresis::{BasisDesign, Operator, Proportional};
 use crate::linear::{Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, refine as refine_alone, select};
 use crate::number::short;
 use crate::optimize::swarm;
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::record::Record;
 use crate::series::{dot, scatter};
 use crate::system::System;
@@ -65,7 +65,7 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
     let found = select(
         &driven,
         &OrderSearch { order: most, delay: DELAY, parallel: true, ..OrderSearch::default() },
-        &mut silent,
+        &mut Stage::ignore,
     )?;
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
     if !creeps(&found.fit.arx) {
@@ -77,7 +77,7 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
     match near.min_by_key(|c| (c.orders.na, std::cmp::Reverse(c.orders.delay))) {
         None => Ok((found.fit.arx, found.reason)),
         Some(near) => {
-            let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut silent)?;
+            let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
             let (n, delay) = (near.orders.na, near.orders.delay);
             Ok((fit.arx, format!("order {n} with delay {delay}; {}, but has a lag as slow as creep", found.reason)))
         }
@@ -86,7 +86,9 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
 
 /// The block of order `n`, with the best delay.
 fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
-    let of = |delay| OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut silent);
+    let of = |delay| {
+        OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut Stage::ignore)
+    };
     let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
     // The longest delay at the same cost.
@@ -94,8 +96,12 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
     let delay = chosen.orders.delay;
     let reason = format!("order {n} as specified, with delay {delay}, which gives the smallest residual");
-    let predicted =
-        Estimator::find("least-squares")?.fit(records, Orders::of(n), &swarm::SwarmSettings::default(), &mut silent);
+    let predicted = Estimator::find("least-squares")?.fit(
+        records,
+        Orders::of(n),
+        &swarm::SwarmSettings::default(),
+        &mut Stage::ignore,
+    );
     let doubt = predicted.ok().and_then(|fit| fit.order_too_low(records)).unwrap_or_default();
     Ok((chosen.arx, reason + &doubt))
 }

@@ -5,7 +5,7 @@ use crate::excitation::{Prbs, RisingSine};
 use crate::hammerstein::Model;
 use crate::hysteresis::Operator;
 use crate::linear::Arx;
-use crate::progress::silent;
+use crate::progress::Stage;
 use crate::system::System;
 use crate::testing::assert_close;
 use std::f64::consts::TAU;
@@ -46,7 +46,7 @@ fn named(operator: &str) -> JointOptions {
 }
 
 fn identified(small: &[Record], large_signal: &[Record], settings: &JointOptions) -> Identified {
-    identify_joint(small, large_signal, settings, &mut silent).unwrap()
+    identify_joint(small, large_signal, settings, &mut Stage::ignore).unwrap()
 }
 
 /// Range of the error on validation data, over the peak-to-peak.
@@ -81,7 +81,8 @@ fn only_named_operators_are_tried_and_the_better_one_is_selected() {
     let tried: Vec<_> = found.trials.iter().map(|trial| (trial.operator, trial.verdict)).collect();
     assert_eq!(tried, [("bouc-wen", ""), ("prandtl-ishlinskii", "taken")]);
     assert_eq!(found.model.hysteresis().operator().name, "prandtl-ishlinskii");
-    let error = identify_joint(&[], &large_signal, &named("bouc-wen,prandl"), &mut silent).unwrap_err().to_string();
+    let error =
+        identify_joint(&[], &large_signal, &named("bouc-wen,prandl"), &mut Stage::ignore).unwrap_err().to_string();
     assert!(error.contains("no operator called `prandl`"), "{error}");
 }
 
@@ -189,7 +190,7 @@ fn unsuitable_records_are_errors_or_noted() {
     let settings = named("prandtl-ishlinskii");
     // Numbers unrelated to the input.
     let unrelated: Vec<Record> = good.iter().map(|r| with(r, &|t, _| ((t * t) as f64 * 0.618_034).fract())).collect();
-    let message = identify_joint(&small, &unrelated, &settings, &mut silent).unwrap_err().to_string();
+    let message = identify_joint(&small, &unrelated, &settings, &mut Stage::ignore).unwrap_err().to_string();
     assert!(message.contains("no better than by a constant") && message.contains("large-signal record 2"), "{message}");
 
     let noisy = with(&small[0], &|t, _| ((t * t) as f64 * 0.618_034).fract());

@@ -52,11 +52,11 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
         let name = format!("creep of {} s", crate::number::short(lag.tau_s));
         parameters.push(parameter(name, lag.gain, &|e| e.lags[k].gain));
     }
-    for (k, mode) in estimate.linear.reading().modes().into_iter().enumerate() {
+    for (k, mode) in estimate.linear.modal_form().modes().into_iter().enumerate() {
         // The nearest by frequency: their order may change.
         let nearest = |e: &super::Estimate| {
             let near = |p: &PoleShare| (p.pole.hz / mode.pole.hz).ln().abs();
-            let modes = e.linear.reading().modes().into_iter();
+            let modes = e.linear.modal_form().modes().into_iter();
             modes.min_by(|p, q| near(p).total_cmp(&near(q))).map(|p| p.pole)
         };
         let (k, Pole { hz, damping, .. }) = (k + 1, mode.pole);
