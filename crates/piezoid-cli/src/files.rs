@@ -15,7 +15,9 @@ fn named(path: &Path) -> String {
 pub(crate) fn read(path: &Path) -> Result<File> {
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => anyhow!("{}: there is no such file: check its name and folder", named(path)),
-        ErrorKind::PermissionDenied => anyhow!("{}: this file may not be read: check its permissions", named(path)),
+        ErrorKind::PermissionDenied => {
+            anyhow!("{}: no permission to read this file: check its permissions", named(path))
+        }
         _ if path.is_dir() => anyhow!("{}: this is a folder: name a file in it", named(path)),
         _ => Error::new(error).context(format!("cannot read {}", named(path))),
     });

@@ -18,11 +18,11 @@ use std::process::ExitCode;
 
 const EXAMPLES: &str = "\
 Start with:
-  piezoid study                      the paper's experiment, and report.html
+  piezoid study                      the experiment of Kuklisova Pavelkova (ICINCO 2025), and report.html
   piezoid identify --help            a model from your own records
-  piezoid help VERB                  all about one verb";
+  piezoid help VERB                  help for one verb";
 
-/// Piezo actuators: measure, identify and prove.
+/// Hysteresis models of piezo actuators: identify, validate, invert and export.
 #[derive(Parser)]
 #[command(name = "piezoid", version, max_term_width = 100, arg_required_else_help = true)]
 #[command(subcommand_value_name = "VERB", subcommand_help_heading = "Verbs", after_help = EXAMPLES)]
@@ -52,7 +52,7 @@ fn with_the_names_there_are(mut wrong: clap::Error) -> clap::Error {
     let asked = given.iter().find_map(|word| cli.find_subcommand(word)).filter(|verb| verb.has_subcommands());
     if wrong.kind() == ErrorKind::InvalidSubcommand && wrong.get(ContextKind::SuggestedSubcommand).is_none() {
         let names = asked.unwrap_or(&cli).get_subcommands().map(|c| c.get_name()).collect::<Vec<_>>().join(", ");
-        let tip = clap::builder::StyledStr::from(format!("there are {names}"));
+        let tip = clap::builder::StyledStr::from(format!("known are {names}"));
         wrong.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
     }
     wrong

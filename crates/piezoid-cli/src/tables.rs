@@ -70,7 +70,11 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
     let text = table(&header, &shown.iter().map(row).collect::<Vec<_>>(), console.room());
     match shown.len() < bins.len() {
         true => {
-            let left = format!("The {} of {} bands with the largest error; --full shows all.", shown.len(), bins.len());
+            let left = format!(
+                "Only the {} of {} bands with the largest error are shown; --full shows all.",
+                shown.len(),
+                bins.len()
+            );
             text + &console.paragraph(&left, "")
         }
         false => text,
@@ -89,7 +93,8 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
         return String::new();
     };
     let pair = |measured: f64, model: f64| [number(measured), number(model)];
-    let amplitude = format!("[{}]", unit.u);
+    let amplitude = format!("amplitude [{}]", unit.u);
+    let (slope, area) = (format!("slope [{}/{}]", unit.y, unit.u), format!("area [{} {}]", unit.u, unit.y));
     let widths = |(file, l): &(&str, LoopComparison)| {
         let [width, closure, slope] = [
             pair(l.measured.width_percent, l.model.width_percent),
@@ -104,7 +109,7 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
             .chain(if full { closure.to_vec() } else { vec![] })
             .collect::<Vec<_>>()
     };
-    let mut header = vec!["loops", "f [Hz]", &amplitude, "width %", "model", "slope", "model"];
+    let mut header = vec!["loops", "f [Hz]", &amplitude, "width %", "model", &slope, "model"];
     if full {
         header.extend(["closure %", "model"]);
     }
@@ -118,7 +123,8 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
             let place = [file.to_string(), round(l.hz), number(l.amplitude)];
             place.into_iter().chain(area).chain(turn).chain(reversals).collect::<Vec<_>>()
         };
-        let header = ["loops", "f [Hz]", &amplitude, "area", "model", "at turns", "model", "turns", "model"];
+        let header =
+            ["loops", "f [Hz]", &amplitude, &area, "model", "slope after reversal", "model", "reversals", "model"];
         text += &format!("\n{}", table(&header, &rows.iter().map(more).collect::<Vec<_>>(), console.room()));
     }
     text
@@ -153,6 +159,6 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
 }
 
 fn open(not_covered: &[String], console: &Console) -> String {
-    let line = |text: &String| console.paragraph(&format!("Not shown by any of these records: {text}."), "  ");
+    let line = |text: &String| console.paragraph(&format!("Not tested by these records: {text}."), "  ");
     capitalised(&not_covered.iter().map(line).collect::<String>())
 }

@@ -99,7 +99,7 @@ impl ExportedProgram {
                 return Err(Error::parameter(format!("units.{name}"), format!("{unit:?}"), rule));
             }
         }
-        let u = Port { name: "u", unit: u.clone(), about: "input" };
+        let u = Port { name: "u", unit: u.clone(), about: "actuator input" };
         let y = Port { name: "y", unit: y.clone(), about: "displacement" };
         let about = "the model: input to displacement".into();
         let step = Entry::new(["step", "reset", "state"], about, vec![u.clone()], y.clone());
@@ -113,7 +113,9 @@ impl ExportedProgram {
         whole.entries.iter_mut().zip(vectors).for_each(|(entry, vectors)| entry.vectors = vectors);
         for entry in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
             let off = short(entry.vectors.off);
-            whole.notes.push(format!("single precision moves {} by {off} of its stroke at most", entry.step));
+            whole
+                .notes
+                .push(format!("single precision changes the result of {} by at most {off} of its stroke", entry.step));
         }
         Ok(whole)
     }
@@ -134,9 +136,9 @@ impl ExportedProgram {
                 causal.extend(&mut self.program)?;
                 let late = match request.options.preview {
                     0 => String::new(),
-                    n => format!(", which is to be given {n} samples ahead of time"),
+                    n => format!("; the displacement must be given {n} samples ahead"),
                 };
-                let about = format!("the feed-forward: wanted displacement to input{late}");
+                let about = format!("the feed-forward: requested displacement to actuator voltage{late}");
                 let r = Port { name: "r", about: "wanted displacement", ..y.clone() };
                 self.entries.push(Entry::new(["ff_step", "ff_reset", "ff_state"], about, vec![r], u.clone()));
             }
@@ -156,7 +158,7 @@ impl ExportedProgram {
         }
         let about = self.program.blocks.last().map_or(String::new(), |block| block.about.clone());
         let inputs = vec![
-            Port { name: "r", about: "what was wanted when y was read", ..y.clone() },
+            Port { name: "r", about: "requested displacement at the time of the reading y", ..y.clone() },
             Port { about: "the last reading of the displacement", ..y.clone() },
             Port { name: "feed", about: "the feed-forward of this sample, or 0", ..u.clone() },
         ];

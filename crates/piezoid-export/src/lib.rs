@@ -34,20 +34,20 @@ use serde_json::Value;
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
     pub struct ExportOptions {
-        /// What functions, types and files are called after.
+        /// Name prefix of the exported functions, types and files.
         name: String = "piezo_model".into(), OptionRow::new(NAME);
-        /// Numbers of single precision.
+        /// Use single precision.
         float: bool = false, OptionRow::new(OptionKind::Switch);
-        /// Samples of the reference that the feed-forward is given ahead of time.
+        /// Number of future samples of the reference that the feed-forward may use.
         preview: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// A controller to go with it, tuned to the model: any of `piezoid controllers` that has a law, so not
+        /// A feedback controller to export with the model, tuned to it: any feedback of `piezoid controllers` except
         /// predictive.
         controller: Option<String> = None, OptionRow::new(NAME);
-        /// Come as close to it as the limits allow instead of refusing.
+        /// Clip the voltage to the limits, instead of refusing a reference that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch).requires("reference").group(WAVEFORMS);
         /// Servo cycle of the GCS controller.
         servo_cycle: f64 = 5e-5, OptionRow::positive("s").requires("reference").group(WAVEFORMS);
-        /// The voltages that are 0 % and 100 % for the NV200 amplifier: what it answers to avmin and avmax.
+        /// Voltages [V] at 0 % and at 100 % of the NV200 amplifier, as its commands avmin and avmax report them.
         range: Option<(f64, f64)> = None, OptionRow::new(OptionKind::Pair).requires("reference").group(WAVEFORMS);
     } with limits: LimitOptions with tuning: TuneOptions
 }
@@ -100,13 +100,13 @@ impl ExportOptions {
         for (name, value) in given.chain(is_followed.then(|| ("reference", "true".into()))) {
             let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
             if !takers.is_empty() && !takers.contains(&target.name) {
-                let rule = format!("is not for the target {}, but for {}", target.name, takers.join(", "));
+                let rule = format!("does not apply to the target {}, only to {}", target.name, takers.join(", "));
                 return Err(Error::parameter(name, value, rule));
             }
         }
         match self.tuning.changed().first() {
             Some((row, value)) if self.controller.is_none() => {
-                let error = Error::parameter(row.name, value, "is what a controller is tuned to: ");
+                let error = Error::parameter(row.name, value, "has an effect only together with a controller: ");
                 Err(error.advised(vec![("controller", Value::Null)]))
             }
             _ => Ok(()),
@@ -115,10 +115,14 @@ impl ExportOptions {
 
     /// The controller of this name for the model.
     fn tuned(&self, name: &str, model: &Model, settings: FeedForwardSettings) -> Result<TunedScheme, Error> {
+        if name.contains('+') {
+            let rule = "must be a feedback alone, because the feed-forward is always exported";
+            return Err(Error::parameter("controller", name, rule));
+        }
         let law = ControllerKind::find(name)?;
-        // What takes no feed-forward plans for itself.
         if !law.uses_feed_forward {
-            let rule = "plans anew in every sample, which is no law to export: take one with a law, such as pi";
+            let rule = "solves an optimisation in every sample and cannot be exported: choose another feedback, such \
+                        as pi";
             return Err(Error::parameter("controller", name, rule));
         }
         self.tuning.drive(Scheme { law: Some(law), ..Scheme::named("gain")? }, model, settings)
@@ -271,13 +275,17 @@ fn named(name: &str, reserved: &str) -> Result<(), Error> {
         && !name.contains("__");
     if !fits {
         let rule = format!(
-            "must be a letter, then letters, digits and single underscores, {LONGEST} at most: functions are called \
-            after it"
+            "must begin with a letter, followed by letters, digits and single underscores, {LONGEST} characters at \
+             most, because functions get this name"
         );
         return Err(Error::parameter("name", format!("`{name}`"), rule));
     }
     if reserved.split_whitespace().any(|word| word.eq_ignore_ascii_case(name)) {
-        return Err(Error::parameter("name", format!("`{name}`"), "is a word of the language: take another"));
+        return Err(Error::parameter(
+            "name",
+            format!("`{name}`"),
+            "is a reserved word of the target language: choose another name",
+        ));
     }
     Ok(())
 }

@@ -59,8 +59,8 @@ fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single
             let output = machine.call(entry.step, input)?[0];
             if !output.is_finite() || input.iter().any(|v| !v.is_finite()) {
                 let because = format!(
-                    "{} returns {output} at sample {t} for inputs in the range of the model: check that the linear \
-                    block is stable",
+                    "the output of {} becomes {output} at sample {t} for inputs in the range of the model: check that \
+                     the linear block is stable",
                     entry.step
                 );
                 return Err(Error::Unsuited { what: "export".into(), because });
@@ -78,8 +78,8 @@ fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single
     let off = if differs == 0.0 { 0.0 } else { differs / (high - low) };
     if (off.is_nan() || off >= USELESS) && entry.step == "step" {
         let because = format!(
-            "it would be off by {off:.1e} of the stroke: large numbers such as the offset use up the digits: use \
-            double precision, or shift the output"
+            "its error would be {off:.1e} of the stroke, because large numbers such as the offset leave too few \
+             digits: use double precision, or remove the offset of the output"
         );
         return Err(Error::Unsuited { what: "export in single precision".into(), because });
     }

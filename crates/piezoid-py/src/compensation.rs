@@ -97,7 +97,7 @@ impl FeedForward {
     }
 
     fn __repr__(&self) -> String {
-        format!("<FeedForward, {} samples late, one every {} s>", self.causal.late(), self.causal.ts())
+        format!("<FeedForward, delay {} samples, sampling period {} s>", self.causal.late(), self.causal.ts())
     }
 }
 

@@ -43,7 +43,7 @@ pub(crate) fn control(
         let r = samples(name, r)?;
         let r = slice(&r)?;
         if r.is_empty() {
-            return Err(refused(&format!("{name} has no samples: give it some")));
+            return Err(refused(&format!("{name} is empty: give at least 2 samples")));
         }
         wanted.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
     }

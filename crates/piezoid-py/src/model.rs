@@ -162,7 +162,7 @@ impl Model {
     /// The document that its file holds.
     fn to_dict(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let document: Value = serde_json::from_str(&self.model.to_json())
-            .map_err(|e| refused(&format!("the model gives no document: {e}")))?;
+            .map_err(|e| refused(&format!("the model cannot be converted to a dict: {e}")))?;
         object(py, &document)
     }
 

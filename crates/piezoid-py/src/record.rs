@@ -122,7 +122,7 @@ impl Columns {
     fn reference(&self, py: Python<'_>, given: &Bound<'_, PyDict>, unit: &str) -> PyResult<(f64, Py<PyArray1<f64>>)> {
         let Signal { ts, mut samples, unit: own } = self.table.reference(&options(given)?).map_err(raised)?;
         let Some(factor) = Units::factor(&own, unit) else {
-            return Err(refused(&format!("the reference is in {own} but {unit} is wanted: convert it beforehand")));
+            return Err(refused(&format!("the reference is in {own}, but {unit} is needed: convert it first")));
         };
         samples.iter_mut().for_each(|r| *r *= factor);
         Ok((ts, crate::samples::array(py, samples).unbind()))

@@ -28,7 +28,7 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
         return Err(refused(&format!("{what} is a masked array: fill it, or leave the masked samples out")));
     }
     let array = numpy.call_method1(intern!(py, "asarray"), (given,));
-    let array = array.map_err(|e| refused(&format!("{what} is no series of numbers: {}", e.value(py))))?;
+    let array = array.map_err(|e| refused(&format!("{what} is not a series of numbers: {}", e.value(py))))?;
     let untyped = array.cast::<PyUntypedArray>()?;
     if untyped.ndim() != 1 {
         let shape = array.getattr(intern!(py, "shape"))?.str()?;
@@ -43,7 +43,8 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
     }
     // Aligned as well: arrays out of a pickle that came in pieces, as Dask sends it, may not be.
     let doubles = numpy.call_method1(intern!(py, "require"), (array, intern!(py, "float64"), ["C", "A"]));
-    let doubles = doubles.map_err(|e| refused(&format!("{what} holds what is no number: {}", e.value(py))))?;
+    let doubles =
+        doubles.map_err(|e| refused(&format!("{what} contains a value that is not a number: {}", e.value(py))))?;
     Ok(doubles.cast_into::<PyArray1<f64>>()?.try_readonly()?)
 }
 

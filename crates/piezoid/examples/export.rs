@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let controller = Some("integral-notch".into());
     let options = ExportOptions { name: "bender".into(), controller, ..ExportOptions::default() };
-    let made = options.run("c", &model, None, None)?;
+    let made = options.of("c", &model, None, None)?;
     made.notes.iter().for_each(|note| println!("note: {note}"));
     let folder = std::env::args().nth(1);
     for file in &made.files {

@@ -111,7 +111,7 @@ impl Creep {
         let gains: Vec<f64> = self.lags.iter().map(|lag| lag.gain).collect();
         let held: Vec<f64> = gains.iter().zip(&self.rates).map(|(gain, rate)| gain * (1.0 - rate)).collect();
         let share = gains.iter().zip(&self.rates).fold(1.0, |share, (gain, rate)| share + gain * rate);
-        Block::new("creep", "creep: a ladder of first-order lags beside the direct path")
+        Block::new("creep", "creep: first-order lags in parallel with the direct path")
             .numbers("lag", vec![0.0; gains.len()])
             .table("rate", &self.rates)
             .table("gain", &gains)
@@ -132,7 +132,7 @@ fn creep(x: creep, z) {
     return y;
 }
 
-// The z that the next step answers with y.
+// The z for which the next step returns y.
 fn creep_inverse(x: creep, y) {
     let sum = 0.0;
     for k in 0..rungs {

@@ -107,7 +107,7 @@ fn driven(v, u) {
     let away = u - v;
     let points = way(away);
     let after = 0.0;
-    // Within near of u the lag asks for less than the limit.
+    // Closer to u than `near`, the lag needs less than the slew limit.
     if magnitude(away) > near {
         let limited = (magnitude(away) - near) / slew;
         if limited >= h {

@@ -123,7 +123,7 @@ const SMALL: f64 = 0.01;
 impl Block {
     /// Exponential, logarithm and related functions, bit-identical in every language.
     pub fn elementary() -> Self {
-        Block::new("elementary", "exponential, logarithm and the like, the same everywhere").text(TEXT)
+        Block::new("elementary", "elementary functions with bit-identical results on every machine").text(TEXT)
     }
 }
 
@@ -143,7 +143,7 @@ fn way(v) {
     return points;
 }
 
-// v, held between low and high; where they cross, low holds.
+// v, clipped to low..high; if low > high, the result is low.
 fn clamp(v, low, high) {
     let held = v;
     if held > high { held = high; }
@@ -168,7 +168,7 @@ fn power(base, n: whole) {
 fn exponential_parts(v) {
     let x = clamp(v, -800.0, 800.0);
     let n = 0;
-    // Not so where x is no number.
+    // Skipped if x is NaN.
     if magnitude(x) > 0.34657359027997264 { n = whole(magnitude(x) * 1.4426950408889634 + 0.5); }
     let reduced = real(n);
     let base = 2.0;
@@ -233,7 +233,7 @@ fn logarithm_derivative(x) {
 fn logarithm_of_1_and(x) {
     let y = 1.0 + x;
     let result = x;
-    // What y lost of x by rounding is made up for.
+    // Corrects the rounding error of 1 + x.
     if y != 1.0 { result = logarithm(y) * (x / (y - 1.0)); }
     return result;
 }

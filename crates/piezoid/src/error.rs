@@ -156,7 +156,7 @@ pub enum Error {
     #[error("the drive exceeds its limits: {0}")]
     Limits(String),
     /// The caller asked to stop.
-    #[error("cancelled: {what} stopped at {done} of {total}")]
+    #[error("cancelled: {what} stopped after {done} of {total} steps")]
     Cancelled {
         /// The work.
         what: String,

@@ -25,7 +25,7 @@ pub enum Method {
 }
 
 const METHODS: OptionKind = OptionKind::Choice(&[
-    ("joint", "all parts together, by the error of the free run"),
+    ("joint", "all parts together, by minimising the error of the free run"),
     ("paper", "the paper's six steps"),
 ]);
 
@@ -68,23 +68,24 @@ options! {
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
         /// Seed of the swarm.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// Thresholds, levels or knots of the operator.
-        elements: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 1000)).absent("the operator's own number").group(JOINT);
-        /// Look for creep.
+        /// Number of thresholds, levels or knots of the operator.
+        elements: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 1000)).absent("default of the \
+                                                                                             operator").group(JOINT);
+        /// Identify creep.
         creep: bool = true, OptionRow::new(OptionKind::Switch).group(JOINT);
-        /// The driver that the records were taken with, where its limits matter (see `piezoid drivers`).
+        /// The driver used for the records; give it if its current or slew limit was reached (see `piezoid drivers`).
         driver: Option<String> = None, OptionRow::new(NAME).group(JOINT);
         /// Capacitance of the load, for the driver's current limit.
         capacitance: Option<f64> = None, OptionRow::positive("F").requires("driver").group(JOINT);
         /// Time constant of the driver, where it is known.
         driver_lag: Option<f64> = None, OptionRow::not_negative("s").group(JOINT);
-        /// Fastest change of the driver's voltage, where it is known.
+        /// Slew rate of the driver, if known.
         driver_slew: Option<f64> = None, OptionRow::positive("V/s").group(JOINT);
         /// The estimator of the linear block (see `piezoid estimators`).
         estimator: Option<String> = None, OptionRow::new(NAME).absent("swarm").group(PAPER);
-        /// How the points of a loop are told apart.
+        /// How the points of a loop are divided between the ascending and the descending branch.
         split: Option<Split> = None, OptionRow::new(SPLITS).absent("line").group(PAPER);
-        /// Averages on each branch, between the reversals.
+        /// Number of averaged points on each branch, between the reversals.
         bins: Option<usize> = None, OptionRow::new(COUNT).absent("16").group(PAPER);
         /// Which branch is read while the input is held.
         reading: Option<HeldInput> = None, OptionRow::new(READINGS).absent("held").group(PAPER);
@@ -92,7 +93,7 @@ options! {
         particles: Option<usize> = None, OptionRow::new(COUNT).absent("50").group(PAPER);
         /// Iterations of the swarm.
         iterations: Option<usize> = None, OptionRow::new(COUNT).absent("500").group(PAPER);
-        /// The position that draws all particles, g_best of equation (2).
+        /// The position that attracts all particles, g_best in equation (2) of the paper.
         global_best: Option<GlobalBest> = None, OptionRow::new(BESTS).absent("ever").group(PAPER);
     }
 }
@@ -184,7 +185,8 @@ impl IdentifyOptions {
         match self.changed().into_iter().find(|(row, _)| row.group == of) {
             None => Ok(()),
             Some((row, value)) => {
-                let rule = format!("belongs to the method {other}: leave it out, or ask for that method");
+                let rule =
+                    format!("is an option of the method {other} only: leave it out, or choose the method {other}");
                 Err(Error::parameter(row.name, value, rule))
             }
         }
@@ -219,7 +221,7 @@ impl IdentifyOptions {
         let usual = PaperOptions::default();
         let order = self.order.unwrap_or(usual.order);
         if order == 0 {
-            return Err(Error::parameter("order", order, "must be at least 1 by the paper's method"));
+            return Err(Error::parameter("order", order, "must be at least 1 with the paper's method"));
         }
         let estimator = self.estimator.clone().unwrap_or(usual.estimator);
         linear::Estimator::find(&estimator)?;

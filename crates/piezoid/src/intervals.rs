@@ -78,7 +78,7 @@ impl Intervals {
 }
 
 const TEXT: &str = "
-// The number of the interval that holds u, of those between edges first and last; the outermost for what lies beyond.
+// The index of the interval that contains u, between the edges first and last; the outermost one if u lies outside.
 fn FUNCTION(first: whole, last: whole, u) {
     let below = first;
     let above = last;

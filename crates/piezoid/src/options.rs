@@ -152,8 +152,8 @@ impl OptionRow {
                 let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
                 format!("must be {}", names.join(" or "))
             }
-            OptionKind::Text(_) => "must be a text".into(),
-            OptionKind::Texts(_) => "must be one text or several".into(),
+            OptionKind::Text(_) => "must be a string".into(),
+            OptionKind::Texts(_) => "must be a string or a list of strings".into(),
         }
     }
 

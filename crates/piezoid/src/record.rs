@@ -77,7 +77,7 @@ impl Record {
             return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
         }
         if u.is_empty() {
-            let (what, remedy) = ("the record".into(), "give it samples".into());
+            let (what, remedy) = ("the record".into(), "it must not be empty".into());
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         }
         finite("u", &u)?;

@@ -17,14 +17,13 @@ const EXAMPLES: &str = "\
 Examples:
   The voltage for a displacement, within the limits of a driver:
     piezoid compensate --model model.json --reference r.csv --driver pl140 -o u.csv
-  Steps as smooth moves of 20 ms that do not make the actuator ring:
+  Steps smoothed to moves of 20 ms that do not excite the resonance:
     piezoid compensate --model model.json --reference steps.csv --smooth 0.02 --zvd \\
         -o u.csv
-  What the plant makes of it:
+  Response of the plant to this voltage:
     piezoid simulate --plant pl140 --input u.csv -o y.csv
 
-The reference is the column r_*, or else y_*, in a unit of length that the model's output has too. It is taken to have \
-stood at its first value for long. Errors are those of the model's free run: what the model does not know comes on top.";
+The reference is the column r_*, or else y_*, in a unit that can be converted to that of the model's output. Before its first sample it is assumed constant at the first value. Errors are those of the model's free run; effects that the model does not contain add to them.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -41,7 +40,7 @@ pub(crate) struct Compensate {
     /// The file to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Write the figures as JSON; - is stdout.
+    /// Write the results as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -73,9 +72,10 @@ fn tables(made: &Compensation, console: &Console) -> String {
     let figures = |name: &str, m: &Metrics| {
         [vec![name.to_string()], [m.rmse, m.max_abs, m.rms_pp_percent].map(number).to_vec()].concat()
     };
-    let name = if of_requested.is_some() { "of the shaped" } else { "predicted" };
-    let rows = std::iter::once(figures(name, &metrics)).chain(of_requested.map(|m| figures("of the requested", &m)));
-    let error = table(&["free run", &rms, &max, "% of stroke"], &rows.collect::<Vec<_>>(), console.room());
+    let name = if of_requested.is_some() { "against the shaped reference" } else { "predicted" };
+    let rows = std::iter::once(figures(name, &metrics))
+        .chain(of_requested.map(|m| figures("against the requested reference", &m)));
+    let error = table(&["free run", &rms, &max, "% of peak-to-peak of r"], &rows.collect::<Vec<_>>(), console.room());
     let input = &made.units.u;
     let row = |peak: &piezoid::excitation::Peak| {
         let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));

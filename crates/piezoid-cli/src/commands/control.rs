@@ -25,14 +25,12 @@ Examples:
   One scheme along your own reference, the run as a file:
     piezoid control --plant pl140 --model model.json \\
         --controller feed-forward+integral-notch --reference r.csv -o run.csv
-  200 actuators within +-20 % of the catalogue, as a page with figures:
+  200 random actuators within +-20 % of the parameters of pl140, as a page with figures:
     piezoid control --plant pl140 --model model.json --controller pi predictive \\
         --reference triangle:20 --tolerance 20 --report control.html
 
-A controller is a feed-forward (gain, feed-forward, learning), a feedback (see `piezoid controllers`), or both with a \
-+ between; a feedback alone works on top of gain, the best straight line. A reference is a file with a column r_* or \
-y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine:5. Errors are those of the reading, \
-in % of the height of the reference, after a quarter of a second of those that repeat.";
+A controller is a feed-forward (gain, feed-forward, learning), a feedback (see `piezoid controllers`), or both joined by +; a feedback alone is added to the feed-forward `gain`, the best constant gain. A reference is a file with a column r_* or \
+y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine:5. Errors are the reference minus the measured displacement, in % of the peak-to-peak of the reference. Of periodic references, the first whole periods, 0.25 s or more, are left out.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -46,13 +44,13 @@ pub(crate) struct Control {
     model: PathBuf,
     #[command(flatten)]
     options: Flags<ControlOptions>,
-    /// The run as a record; of one controller and one reference. - is stdout.
+    /// Write the run as a record (exactly one --controller and one --reference); - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write a page with figures; - is stdout.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Write all figures as JSON; - is stdout.
+    /// Write all results as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -104,7 +102,10 @@ fn steps(compared: &Comparison) -> impl Iterator<Item = String> + '_ {
         let attempt = d.attempts.iter().find_map(|attempt| attempt.as_ref().ok())?;
         let [middle, most] = timed(&d.drive, &attempt.run).map(|time| number(1e6 * time.as_secs_f64()));
         let (name, ts) = (d.name(), round(1e6 * d.drive.model().ts()));
-        Some(format!("{name}: a step takes {middle} us here, 99 of 100 at most {most}; a sample is {ts} us"))
+        Some(format!(
+            "{name}: one step of the controller takes {middle} us on this computer (median; 99th percentile \
+                      {most} us); the sampling period is {ts} us"
+        ))
     })
 }
 
@@ -145,7 +146,8 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         };
         let rows: Vec<_> = compared.driven.iter().map(row).collect();
         let (rms, max) = (format!("rms [{unit}]"), format!("max [{unit}]"));
-        let header = [&*only.name, "rms [% of stroke]", &rms, &max, "effort [V]", "highest [V]"];
+        let header =
+            [&*only.name, "rms [% of stroke]", &rms, &max, "rms change of u per sample [V]", "highest |u| [V]"];
         return table(&header, &rows, console.room());
     }
     let row = |(k, wanted): (usize, &NamedReference)| {
@@ -155,7 +157,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         [wanted.name.clone()].into_iter().chain(cells).collect()
     };
     let names: Vec<String> = compared.driven.iter().map(|d| d.name()).collect();
-    let header: Vec<&str> = ["rms error [% of stroke]"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let header: Vec<&str> = ["rms error [% of p-p of r]"].into_iter().chain(names.iter().map(String::as_str)).collect();
     table(&header, &compared.wanted.iter().enumerate().map(row).collect::<Vec<_>>(), console.room())
 }
 
@@ -179,6 +181,6 @@ fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
         Some([d.name()].into_iter().chain(shares).chain([unstable]).collect())
     };
     let rows: Vec<Vec<String>> = compared.driven.iter().filter_map(row).collect();
-    let header = ["draws, rms [% of stroke]", "median", "9 of 10", "worst", "unstable"];
+    let header = ["random plants, rms [% of peak-to-peak of r]", "median", "90th percentile", "worst", "unstable"];
     (!rows.is_empty()).then(|| table(&header, &rows, console.room()))
 }

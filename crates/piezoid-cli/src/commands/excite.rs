@@ -15,13 +15,13 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  A small signal for the linear block, two periods of a PRBS:
+  A small signal for the linear block: two periods of a PRBS
     piezoid excite prbs --order 12 --amplitude 1 --ts 5e-4 --duration 4.095 \\
         -o prbs.csv
   A sine for the hysteresis, refused if the driver cannot follow:
     piezoid excite sine --frequency 20 --amplitude 30 --ts 5e-4 --duration 2 \\
         --driver pl140 -o sine20.csv
-  What one kind takes:
+  Options of one kind:
     piezoid excite multisine --help";
 
 pub(crate) struct Excite {

@@ -17,7 +17,7 @@ Examples:
     piezoid export --model model.json --target c --float --driver pl140 --name bender -o bender
   An FMU for co-simulation, with a library for this machine where there is a C compiler:
     piezoid export --model model.json --target fmu2 --name bender -o fmus
-  One period of a path as a wave table for controllers:
+  One period of a reference as a wave table for amplifiers and controllers:
     piezoid export --model model.json --target waveform --reference r.csv --range -20 130 \\
         --name scan -o scan";
 
@@ -28,7 +28,7 @@ pub(crate) struct Export {
     /// The model file.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// For what (see `piezoid targets`).
+    /// Target language or format (see `piezoid targets`).
     #[arg(long, value_name = "NAME")]
     target: String,
     #[command(flatten)]
@@ -39,7 +39,7 @@ pub(crate) struct Export {
     reference: Option<PathBuf>,
     #[command(flatten)]
     columns: Flags<ColumnSelection>,
-    /// The folder to write to; made if it is not there.
+    /// The folder to write to; created if it does not exist.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
 }
@@ -51,7 +51,7 @@ impl Export {
             bail!(Misused("options of data files are for a --reference".into()));
         }
         if self.output == Path::new("-") {
-            bail!(Misused("-o names a folder: what is written is several files".into()));
+            bail!(Misused("-o must be a folder, because several files are written".into()));
         }
         let file = files::read(&self.model)?;
         let reference = self.reference.as_deref().map(files::read).transpose()?;

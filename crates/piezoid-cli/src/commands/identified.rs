@@ -22,7 +22,10 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
         [] => "y = b0 u + b1 u1 + ...",
         _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
     };
-    let mut text = console.paragraph(&format!("Linear block: {form}, every {} s", arx.ts()), "  ");
+    let mut text = console.paragraph(
+        &format!("Linear block: {form}, where y1 and u1 are the previous samples; sampled every {} s", arx.ts()),
+        "  ",
+    );
     for (name, values) in
         [("a", each(arx.a())), ("b", each(arx.b())), ("zeros", arx.zeros().iter().map(Root::to_string).collect())]
     {
@@ -34,21 +37,24 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
         let Residuals { rms, max_abs, .. } = fit.residuals;
         let white = if fit.residuals.are_white() { "white" } else { "not white" };
         text += &format!(
-            "  errors    {} {} rms, {} at most, one step ahead; {white}\n",
+            "  errors    {} {y} rms, {} {y} at most, of the one-step prediction; residuals {white}\n",
             number(rms),
-            units.y,
-            number(max_abs)
+            number(max_abs),
+            y = units.y
         );
     }
     let reading = Some(arx.modal_form()).filter(|reading| !reading.poles.is_empty());
     text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
     if let Some(reading) = &reading {
-        let delay = format!("{} ms beyond the hold, by the phase at low frequency", number(1e3 * reading.delay));
+        let sampled = if reading.delay < 0.0 { ": the output was sampled after its input acted" } else { "" };
+        let delay = number(1e3 * reading.delay);
+        let delay = format!("{delay} ms in addition to the zero-order hold, from the phase at low frequency{sampled}");
         text += &listed("delay", vec![delay]);
     }
     text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
     if let Some(gain) = arx.noise_gain() {
-        text += &format!("  inverse   makes {} {} of 1 {} of noise\n", number(gain), units.u, units.y);
+        let (gain, per) = (number(gain), format!("{} rms per {} rms", units.u, units.y));
+        text += &format!("  inverse   noise gain {gain} {per} of sensor noise\n");
     }
     if let Some(reading) = &reading {
         text += &format!("\n{}", mechanics(reading, console));
@@ -70,7 +76,7 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
             ]
         };
         let (from, to) = (format!("from [{}]", units.u), format!("to [{}]", units.u));
-        let header = ["f [Hz]", &from, &to, "width %", "ascending", "agreement %"];
+        let header = ["f [Hz]", &from, &to, "width %", "ascending branch", "points on the side of their direction %"];
         text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), console.room());
     }
     if !found.trials.is_empty() {
@@ -80,11 +86,11 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
         let error = |p: &FittedParameter| Option::<f64>::from(p.error).map_or("-".into(), number);
         let row = |p: &FittedParameter| vec![p.name.clone(), number(p.value), error(p)];
         let rows: Vec<_> = found.parameters.iter().map(row).collect();
-        text += &format!("\n{}", table(&["parameter", "value", "std error"], &rows, console.room()));
+        text += &format!("\n{}", table(&["parameter", "value", "standard error"], &rows, console.room()));
     }
     if !made.training.is_empty() {
         let training = Validated { files: made.training.clone() };
-        text += &format!("\nIts own records\n{}", tables::all(&training, false, console));
+        text += &format!("\nTraining records\n{}", tables::all(&training, false, console));
     }
     text
 }
@@ -93,7 +99,8 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
 fn mechanics(reading: &ModalForm, console: &Console) -> String {
     let header = ["mechanics", "f [Hz]", "damping", "share %", "mass [g]", "damper [N s/m]"];
     let rows: Vec<Vec<String>> = reading.rows().into_iter().map(Vec::from).collect();
-    let note = "Shares of the static displacement; mass and damper of a spring of 1 N/mm, in proportion to it.";
+    let note = "Shares of the static displacement. Mass and damper are for a spring of 1 N/mm at the point of \
+                measurement: both are proportional to the stiffness.";
     let said = [Some(note.to_string()), reading.images()].into_iter().flatten();
     said.fold(table(&header, &rows, console.room()), |text, said| text + &console.paragraph(&said, ""))
 }
@@ -121,7 +128,7 @@ fn trials(found: &Identified, console: &Console) -> String {
     let row = |t: &&OperatorTrial| {
         vec![t.operator.to_string(), t.parameters.to_string(), number(t.held_out_percent), t.verdict.to_string()]
     };
-    let header = ["operator", "parameters", "held out, rms/pp %", ""];
+    let header = ["operator", "parameters", "held-out error, rms/pp %", ""];
     let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
     let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
     refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))

@@ -16,10 +16,10 @@ Examples:
   A small PRBS for the linear block, rising sines for the hysteresis; operator and order are chosen:
     piezoid identify --small-signal prbs.csv --large-signal rise1.csv rise20.csv rise80.csv \\
         -o model.json
-  What records there are, without their start-up, and one operator:
+  All available records, without their first 1.5 s, and one operator:
     piezoid identify --data run1.csv run2.csv --from 1.5 \\
         --operator preisach -o model.json
-  The paper's way: two branches a frequency, ARX by swarm:
+  The paper's method: two branches per frequency, ARX by particle swarm:
     piezoid identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv \\
         -o model.json
   Columns of other names, and no time column:
@@ -39,7 +39,7 @@ pub(crate) struct Identify {
     /// Large-signal records, which exercise the hysteresis: rising sines at some frequencies.
     #[arg(long, alias = "rich", value_name = "FILE", num_args = 1.., required_unless_present_any = ["small_signal", "data"])]
     large_signal: Vec<PathBuf>,
-    /// Records for everything, where no small-signal one was taken.
+    /// Records for linear block and hysteresis together, if there is no small-signal record.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["small_signal", "large_signal"])]
     data: Vec<PathBuf>,
     #[command(flatten)]

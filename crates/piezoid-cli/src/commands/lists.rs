@@ -70,7 +70,7 @@ impl List {
 
 #[derive(Args)]
 pub(crate) struct Plants {
-    /// Print the parameters of a plant, to save, change and give back to `piezoid simulate --plant FILE`.
+    /// Print the parameters of a plant as JSON, for a plant of your own (`piezoid simulate --plant FILE`).
     #[arg(long, value_name = "NAME", conflicts_with = "json")]
     show: Option<String>,
     #[command(flatten)]

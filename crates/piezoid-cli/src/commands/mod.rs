@@ -22,21 +22,21 @@ use clap::Subcommand;
 pub(crate) enum Verb {
     /// Repeat the paper's experiment from end to end, as tables and a report.
     Study(study::Study),
-    /// Make a drive signal: PRBS, sines, sweeps, steps.
+    /// Make a drive signal: PRBS, sines, chirps, steps.
     Excite(excite::Excite),
     /// Run a plant or a model on a drive signal.
     Simulate(simulate::Simulate),
     /// Find a model that predicts measured records.
     Identify(Box<identify::Identify>),
-    /// Compare a model with records it has not seen.
+    /// Validate a model on records that were not used to identify it.
     Validate(validate::Validate),
-    /// Turn a requested displacement into the voltage that gives it.
+    /// Compute the voltage for a requested displacement.
     Compensate(compensate::Compensate),
     /// Close the loop on a simulated actuator and compare controllers.
     Control(Box<control::Control>),
-    /// Write a model and its inverse in the language of another machine.
+    /// Export a model and its inverse as code or tables: C, FMU, Simulink, structured text, Rust, waveforms.
     Export(export::Export),
-    /// Write a self-contained page on a model and how it meets records.
+    /// Write a self-contained HTML report on a model and how well it predicts records.
     Report(report::Report),
     /// List the hysteresis operators.
     Operators(lists::List),
@@ -50,7 +50,7 @@ pub(crate) enum Verb {
     Drivers(lists::List),
     /// List the controllers, feed-forwards first.
     Controllers(lists::List),
-    /// List what models can be exported to.
+    /// List the export targets.
     Targets(lists::List),
     /// Print a completion script for a shell.
     Completions(shell::Completions),

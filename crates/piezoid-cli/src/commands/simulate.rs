@@ -14,9 +14,9 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  What the paper's actuator answers to a drive signal:
+  Response of the paper's actuator to a drive signal:
     piezoid simulate --plant paper --input sine20.csv -o answer.csv
-  What a model says it answers:
+  Prediction of a model for the same signal:
     piezoid simulate --model model.json --input sine20.csv -o predicted.csv
   An actuator of your own:
     piezoid plants --show pl140 > mine.json

@@ -15,7 +15,7 @@ const EXAMPLES: &str = "\
 Examples:
   Both simulated actuators, into the folder study:
     piezoid study
-  The paper's own, its tables also as JSON:
+  Only the simulated actuator of the paper, with its tables as JSON:
     piezoid study --plant paper --out paper --json paper/tables.json";
 
 #[derive(Args)]
@@ -38,7 +38,7 @@ impl Study {
         }
         self.options.0.plants().map_err(failed)?;
         std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("cannot make the folder {}: name another with --out", self.out.display()))?;
+            .with_context(|| format!("cannot create the folder {}: choose another with --out", self.out.display()))?;
         files::ready(&[Some(&self.out.join("report.html")), self.json.as_deref()])?;
         let studies = console.done(self.options.0.run(&mut console.progress()))?;
         host::write_all(&self.out, &Outcome::files(&studies))?;
@@ -74,11 +74,14 @@ fn summary(study: &Outcome, console: &Console) -> String {
         &|r| r.metrics.mse,
         true,
     );
+    for method in METHODS {
+        text += &console.paragraph(&format!("{}: {}", method.name, method.summary), "  ");
+    }
     text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
 
     let coefficients = |b: &study::StudyBlock| [b.name.to_string()].into_iter().chain(b.printed()).collect();
     let rows: Vec<_> = study.blocks.iter().map(coefficients).collect();
-    let header = ["estimator", "a1", "a2", "b0", "b1", "b2"];
+    let header = ["linear block", "a1", "a2", "b0", "b1", "b2"];
     text += &format!("\nTable 2: the linear block [b in mm/V]\n{}", table(&header, &rows, console.room()));
 
     let dynamics = |b: &study::StudyBlock| {
@@ -89,8 +92,8 @@ fn summary(study: &Outcome, console: &Console) -> String {
         vec![b.name.into(), part(&|p| p.hz), part(&|p| p.damping), zeros.join("  "), inverse.into()]
     };
     let rows: Vec<_> = study.blocks.iter().map(dynamics).collect();
-    let header = ["estimator", "pole [Hz]", "damping", "moduli of zeros", "inverse, (8)"];
-    text += &format!("\nWhat it means\n{}", table(&header, &rows, console.room()));
+    let header = ["linear block", "pole [Hz]", "damping", "moduli of zeros", "inverse (equation 8)"];
+    text += &format!("\nPoles, zeros and inverse of the linear block\n{}", table(&header, &rows, console.room()));
     text += "\n";
     let paragraphs: Vec<String> = study.verdict().split("\n\n").map(|p| console.paragraph(p, "")).collect();
     text += &paragraphs.join("\n");

@@ -23,9 +23,7 @@ Examples:
 The model runs free: it sees only the input, and starts from the initial condition that fits the record best. \
 nrmse % is 100 rmse / standard deviation of y, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
 
-Errors by frequency and amplitude are those of the cycles of the input, over all files. Without cycles they are those \
-of the spectra, in third-octave bands. The floor is the scatter of y between repetitions of the same input. The \
-residuals are white if a Ljung-Box test cannot tell them from noise. Residuals that are correlated with the input show \
+The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input. The residuals are white if a Ljung-Box test cannot distinguish them from white noise. Residuals that are correlated with the input show \
 that the model lacks something.";
 
 #[derive(Args)]
@@ -34,10 +32,10 @@ that the model lacks something.";
 pub(crate) struct Validate {
     #[command(flatten)]
     flags: ValidationFlags,
-    /// Show all bands, all loops, and what the tests of the residuals mean.
+    /// Show all frequency and amplitude bands, all loops, and the results of the residual tests in words.
     #[arg(long)]
     full: bool,
-    /// Write the figures as JSON; - is stdout.
+    /// Write the results as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }

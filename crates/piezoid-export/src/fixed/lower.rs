@@ -171,7 +171,11 @@ impl Lowering<'_> {
         Ok(match expr {
             Expr::Limit(limit) => {
                 let limit = if *limit == Limit::Most { "largest" } else { "least positive" };
-                return unsuited(format!("`{}` needs the {limit} floating-point number", self.function.name));
+                return unsuited(format!(
+                    "its function `{}` compares with the {limit} floating-point number, which \
+                                         fixed point does not have",
+                    self.function.name
+                ));
             }
             Expr::Variable(name, _) => Number::named(expr.clone(), self.formats.exponent(&self.local(name))),
             Expr::Constant(block, name, index) => {

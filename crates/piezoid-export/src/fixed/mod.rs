@@ -36,7 +36,7 @@ use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "fixed",
-    summary: "fixed-point C99: header, source file and self-test, with the error",
+    summary: "fixed-point C99: header, source file and self-test, and the rounding error against double precision",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
     takes: &["preview", "controller", "late", "gain_margin", "phase_margin"],
     make: |request| {
@@ -76,14 +76,20 @@ impl Fixed {
                     None => return Ok(fixed),
                     Some(k) => {
                         let (step, off) = (whole.entries[k].step, short(fixed.errors[k].most));
-                        (k, format!("counts of 32 bits move `{step}` by {off} of its stroke, more than {MOST:e}"))
+                        (
+                            k,
+                            format!(
+                                "32-bit rounding changes the result of `{step}` by {off} of its stroke, more than \
+                                     {MOST:e}"
+                            ),
+                        )
                     }
                 },
                 Err(Error::Unsuited { because, .. }) => (feed_forward(&whole).unwrap_or(0), because),
                 Err(error) => return Err(error),
             };
             if whole.entries[k].step != FEED_FORWARD {
-                let because = format!("{because}; take the target `c`");
+                let because = format!("{because}; use the target `c`");
                 return Err(Error::Unsuited { what: "export in fixed point".into(), because });
             }
             whole.notes.push(format!("there is no feed-forward: {because}"));
@@ -214,7 +220,8 @@ fn closed_alone(whole: &mut ExportedProgram) {
     keep(whole);
     let sought = whole.program.functions.iter().any(|f| f.name.ends_with("_by_trials"));
     if let (true, Some(k)) = (sought, feed_forward(whole)) {
-        let because = "the inverse of this hysteresis is not closed, and Newton's method needs floating point";
+        let because = "the inverse of this hysteresis has no closed form, and Newton's method needs floating point: \
+                       use the target c for a feed-forward";
         whole.notes.push(format!("there is no feed-forward: {because}"));
         leave_out(whole, k);
     }

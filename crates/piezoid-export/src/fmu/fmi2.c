@@ -47,7 +47,7 @@ EXPORT const char *FMI(fmi2GetVersion)(void)
     return "2.0";
 }
 
-/* Errors are no debugging: they are told until their category is put off by name. */
+/* Errors are logged even if debug logging is off; only naming their category switches them off. */
 EXPORT fmi2Status FMI(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean loggingOn, size_t n,
                                            const fmi2String categories[])
 {
@@ -69,9 +69,9 @@ EXPORT fmi2Component FMI(fmi2Instantiate)(fmi2String instanceName, fmi2Type type
     if (name[0] == '\0') {
         why = "fmi2Instantiate: the instance has no name: give it one";
     } else if (type != fmi2CoSimulation) {
-        why = "fmi2Instantiate: this FMU is for co-simulation alone";
+        why = "fmi2Instantiate: this FMU supports co-simulation only";
     } else if ((guid == NULL) || (strcmp(guid, TOKEN) != 0)) {
-        why = "fmi2Instantiate: the guid is not that of this binary: take modelDescription.xml from the same FMU";
+        why = "fmi2Instantiate: the guid does not match this binary: use the modelDescription.xml of the same FMU";
     } else {
         made = instance(name, (loggingOn != 0) ? ALL : ERRORS, environment, (void (*)(void))logger);
         why = (made == NULL) ? "fmi2Instantiate: there is no memory left" : NULL;
@@ -201,13 +201,13 @@ EXPORT fmi2Status FMI(fmi2DoStep)(fmi2Component c, fmi2Real currentCommunication
 
 EXPORT fmi2Status FMI(fmi2CancelStep)(fmi2Component c)
 {
-    return (fmi2Status)refuse(c, "fmi2CancelStep", "steps are done when they return: there is none to cancel");
+    return (fmi2Status)refuse(c, "fmi2CancelStep", "steps are synchronous: there is no step to cancel");
 }
 
 /* What is asked of steps that were not done at once, as all are here. */
 static fmi2Status no_status(const Instance *m, const char *call)
 {
-    (void)refuse(m, call, "there is no such status: steps are done when they return");
+    (void)refuse(m, call, "this status is not available: steps are synchronous");
     return fmi2Discard;
 }
 

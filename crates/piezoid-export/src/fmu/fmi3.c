@@ -76,7 +76,7 @@ EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fm
     if (name[0] == '\0') {
         why = "fmi3InstantiateCoSimulation: the instance has no name: give it one";
     } else if (eventModeUsed) {
-        why = "fmi3InstantiateCoSimulation: this FMU has no event mode: do without it";
+        why = "fmi3InstantiateCoSimulation: this FMU has no event mode: set eventModeUsed to false";
     } else if ((token == NULL) || (strcmp(token, TOKEN) != 0)) {
         why = "fmi3InstantiateCoSimulation: the token is not that of this binary: take modelDescription.xml from the "
               "same FMU";

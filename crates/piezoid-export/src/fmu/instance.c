@@ -87,7 +87,7 @@ static int expect(const Instance *m, int phases, const char *call)
             is = "terminated: reset it first";
         }
         char why[160];
-        (void)snprintf(why, sizeof(why), "not now, as the instance is %s", is);
+        (void)snprintf(why, sizeof(why), "this call is not allowed now, because the instance is %s", is);
         status = refuse(m, call, why);
     }
     return status;
@@ -239,7 +239,7 @@ static int step(Instance *m, const char *call, double from, double length)
                            TS);
         } else if (!((ahead <= 0.5 * TS) && (ahead >= -0.5 * TS))) {
             (void)snprintf(why, sizeof(why),
-                           "the step begins at %.12g s but the instance stands at %.12g s: go on from there", from,
+                           "the step begins at %.12g s but the time of the instance is %.12g s: continue from that time", from,
                            now->time);
         } else if (!entering(now, enters)) {
             (void)snprintf(why, sizeof(why), "gain times input plus offset is no finite number: make them smaller");
@@ -250,7 +250,7 @@ static int step(Instance *m, const char *call, double from, double length)
             now->time = from + length;
             if (!is_number(now->output)) {
                 (void)snprintf(why, sizeof(why),
-                               "the output has grown beyond all numbers: reset, or set an earlier state");
+                               "the output has overflowed: reset the instance, or set an earlier state");
             }
         }
     }

@@ -14,7 +14,7 @@ static int keep(const Instance *m, const char *call, const Course *course, void 
 {
     int status = DONE;
     if (state == NULL) {
-        status = refuse(m, call, "there is no place for the state");
+        status = refuse(m, call, "the pointer to the state is NULL");
     } else {
         if (*state == NULL) {
             *state = calloc(1u, sizeof(Course));

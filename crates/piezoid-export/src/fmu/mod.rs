@@ -32,7 +32,7 @@ use zip::{CompressionMethod, DateTime};
 
 pub(super) const FMI2: ExportTarget = ExportTarget {
     name: "fmu2",
-    summary: "co-simulation units of FMI 2.0, with C sources and, where there is a compiler, a shared library",
+    summary: "FMUs for co-simulation (FMI 2.0), with C sources and, if a C compiler is found, a shared library",
     reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
     takes: CODE,
     make: |request| make(request, &VERSION_2),
@@ -40,7 +40,7 @@ pub(super) const FMI2: ExportTarget = ExportTarget {
 
 pub(super) const FMI3: ExportTarget = ExportTarget {
     name: "fmu3",
-    summary: "co-simulation units of FMI 3.0, with C sources and, where there is a compiler, a shared library",
+    summary: "FMUs for co-simulation (FMI 3.0), with C sources and, if a C compiler is found, a shared library",
     reference: "Functional Mock-up Interface 3.0.2, https://fmi-standard.org",
     takes: CODE,
     make: |request| make(request, &VERSION_3),

@@ -56,11 +56,11 @@ pub(super) fn template_context(request: &ExportRequest, program: &Program, entry
     let mut variables = vec![variable(TIME, "time", "time of the last communication point", "s", None)];
     variables.extend(entry.inputs.iter().map(|i| variable(INPUT, i.name, i.about, &i.unit, Some(0.0))));
     variables.extend(entry.inputs.iter().map(|i| {
-        let about = format!("what {} is multiplied by before it enters, as by an amplifier", i.name);
+        let about = format!("gain applied to {}", i.name);
         variable(PARAMETER, &format!("{}_gain", i.name), &about, "", Some(1.0))
     }));
     variables.extend(entry.inputs.iter().map(|i| {
-        let about = format!("what is added to {} then, as a bias", i.name);
+        let about = format!("offset added to {} after the gain", i.name);
         variable(PARAMETER, &format!("{}_offset", i.name), &about, &i.unit, Some(0.0))
     }));
     let output = &entry.output;

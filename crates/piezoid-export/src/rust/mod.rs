@@ -26,7 +26,11 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         named(request.name(), RESERVED)?;
         if request.name().chars().any(|c| c.is_ascii_uppercase()) {
             let name = format!("`{}`", request.name());
-            return Err(Error::parameter("name", name, "must be in lower case for Rust: it is that of a module"));
+            return Err(Error::parameter(
+                "name",
+                name,
+                "must be in lower case, because it becomes the name of a Rust module",
+            ));
         }
         let whole = ExportedProgram::new(request)?;
         let page = Rust { whole: &whole, single: request.options.float }.template_context(request);

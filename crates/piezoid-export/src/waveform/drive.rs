@@ -50,7 +50,7 @@ impl PeriodicDrive {
         let r = r[..n].to_vec();
         let mut notes = joins(&r, &model.units().y)?;
         if n < whole {
-            notes.push(format!("the reference repeats after {n} of its {whole} samples: this is the period"));
+            notes.push(format!("the reference repeats after {n} of its {whole} samples: only this period is exported"));
         }
         let inverse = FeedForward::new(model, settings)?;
         // The plant is the model, so its inverse is right and the gain can be 1.
@@ -77,15 +77,18 @@ fn joins(r: &[f64], unit: &str) -> Result<Vec<String>, Error> {
         return Err(Error::TooShort { what, have: 0, need: 2, remedy });
     };
     if low == high {
-        let value = format!("{} {unit} throughout", round(low));
-        return Err(Error::parameter("reference", value, "must move to be a waveform"));
+        let value = format!("constant at {} {unit}", round(low));
+        return Err(Error::parameter("reference", value, "must not be constant"));
     }
     let inside = r.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max);
     let jump = (first - last).abs();
     if jump > inside * (1.0 + SAME) {
         let value = format!("{} {unit} from its last sample to its first", short(jump));
         let inside = short(inside);
-        let rule = format!("must end where it begins (largest step inside: {inside} {unit}): give one whole period");
+        let rule = format!(
+            "the step from the last sample to the first must not exceed the largest step inside \
+                            ({inside} {unit}): give one whole period"
+        );
         return Err(Error::parameter("reference", value, rule));
     }
     let twice = first == last && r[0] != r[1];

@@ -29,7 +29,7 @@ use table::{Figures, TableCapacity, WaveTable};
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "waveform",
-    summary: "the drive of a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
+    summary: "the drive voltage for a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
     reference: "PI GCS 2.0, E-727 user manual E727T0005; piezosystem jena NV200/D NET instruction manual",
     takes: &["reference", "clip", "servo_cycle", "range"],
     make,
@@ -45,7 +45,7 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     named(request.name(), "")?;
     let (model, name, ts) = (request.model, request.name(), request.model.ts());
     let Some(r) = request.reference else {
-        return Err(Error::parameter("reference", "none", "must be given: one period of the requested displacement"));
+        return Err(Error::parameter("reference", "none", "is missing: give one period of the requested displacement"));
     };
     let found = &model.units().u;
     if found != "V" {
@@ -73,7 +73,8 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?)),
 None => exported.notes.push(
-    "there is no file for the NV200, whose points are in percent of a range: give the voltages of 0 % and 100 %"
+    "no NV200 file is written, because its points are in percent of a voltage range: give --range with the voltages \
+     of 0 % and 100 %"
     .into(),
 ),
 }
@@ -95,7 +96,7 @@ fn stated(whose: &str, file: String, table: &WaveTable, model: &Model, drive: &P
     let Figures { period, u, y, differs } = table.figures(model, drive);
     let period_off = if period == 0.0 { String::new() } else { format!(", period error {} %", short(100.0 * period)) };
     let sentence = format!(
-        "{file}: {} points of {} s{period_off}; error on the model {} % of the stroke rms, at most {} %",
+        "{file}: {} points of {} s{period_off}; predicted error {} % of the stroke rms, at most {} %",
         table.held.len(),
         round(table.point()),
         short(y.rms),

@@ -180,9 +180,9 @@ fn requests_without_a_table_are_errors() {
     let plain = || ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") };
     let said = |request: ExportRequest| make(&request).unwrap_err().to_string();
     assert!(said(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
-    let single = ExportOptions { float: true, ..Default::default() }.run("waveform", &model, Some(&r), None);
+    let single = ExportOptions { float: true, ..Default::default() }.of("waveform", &model, Some(&r), None);
     assert!(single.unwrap_err().to_string().starts_with("float = true: is not for the target waveform, but for c,"));
-    let c = ExportOptions::default().run("c", &model, Some(&r), None);
+    let c = ExportOptions::default().of("c", &model, Some(&r), None);
     assert!(c.unwrap_err().to_string().ends_with("is not for the target c, but for waveform"));
     let options = ExportOptions { name: "9".into(), ..Default::default() };
     assert!(said(ExportRequest { options, ..plain() }).starts_with("name = `9`"));

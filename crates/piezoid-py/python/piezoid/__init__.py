@@ -1,4 +1,4 @@
-"""Hysteresis models of piezo actuators: identified from records, proven, inverted, exported.
+"""Hysteresis models of piezo actuators: identified from records, validated, inverted, exported.
 
 >>> import piezoid as pz
 >>> plant = pz.plants["pl140"]
@@ -8,8 +8,7 @@
 >>> y = model.simulate([0.0, 1.0, 2.0])
 
 Voltages are in volts, displacements in the unit of the records (um unless they say otherwise), times in seconds. Series are
-numpy arrays of shape (n,); anything numpy makes such an array of may be given. What is wrong raises `PiezoidError`, a
-`ValueError` that says what, where, and what to do.
+numpy arrays of shape (n,); anything that numpy converts to such an array is accepted. Invalid input raises `PiezoidError`, a `ValueError` that says what is wrong, where, and what to do.
 """
 
 from importlib import import_module

@@ -45,7 +45,7 @@ def model(m: Model) -> str:
     rows.append(("linear block", f"order {len(m.a)}, gain {m.dc_gain:.4g} {y}/{u}{mode}", _gain(m)))
     rows.append(("sampled", f"every {m.ts:g} s", ""))
     if m.input_range:
-        rows.append(("knows inputs", f"{m.input_range[0]:.4g} to {m.input_range[1]:.4g} {u}", ""))
+        rows.append(("identified for inputs", f"{m.input_range[0]:.4g} to {m.input_range[1]:.4g} {u}", ""))
     return _table("Model", rows, m.notes)
 
 

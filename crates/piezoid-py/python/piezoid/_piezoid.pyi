@@ -76,7 +76,7 @@ class Model:
 
 @final
 class FeedForward:
-    """The inverse of a model, sample by sample; it remembers where it stands."""
+    """The inverse of a model, sample by sample; it keeps its state between calls."""
 
     @property
     def late(self) -> int:
@@ -90,10 +90,10 @@ class FeedForward:
         """The voltage for this sample of the reference."""
 
     def resume(self, reference: Samples) -> Array:
-        """The voltages for a stretch of the reference, from where it stands; both of shape (n,)."""
+        """The voltages for the next samples of the reference, from the present state; both of shape (n,)."""
 
     def reset(self, reference: float | None = None) -> None:
-        """Begins anew: at rest, or where `reference` has stood for long."""
+        """Resets the state: at rest, or settled at `reference`."""
 
 @final
 class Plant:

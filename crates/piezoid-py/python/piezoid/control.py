@@ -1,4 +1,4 @@
-"""Schemes of control, side by side on a twin."""
+"""Comparison of controllers on a twin."""
 
 from __future__ import annotations
 
@@ -44,12 +44,11 @@ class Comparison:
                 return run
         names = sorted({f"{run['controller']} along {run['reference']}" for run in self.runs})
         asked = f"{controller or 'any'} along {reference or 'any'}"
-        raise _piezoid.PiezoidError(f"there is no run of {asked}: there are {', '.join(names)}")
+        raise _piezoid.PiezoidError(f"there is no run of {asked}; the runs are: {', '.join(names)}")
 
     @property
     def table(self) -> pd.DataFrame:
-        """Rms errors in percent of the height of the reference, of one that repeats from its second period on: one row a
-        reference, one column a controller."""
+        """Rms errors in percent of the peak-to-peak of the reference, without the first whole periods (0.25 s or more) of a periodic one: one row a reference, one column a controller."""
         import pandas as pd
 
         rows: dict[str, dict[str, float]] = {}
@@ -94,12 +93,12 @@ def control(
     progress: Progress = None,
     **limits: Unpack[Limits],
 ) -> Comparison:
-    """Drives a twin along references [output unit of the model], by one or several controllers (`pz.controllers`), such as
+    """Simulates a twin that follows references [output unit of the model], with one or several controllers (`pz.controllers`), such as
     "feed-forward+pi", tuned to the model.
 
-    late: samples by which readings come late; gain_margin [dB], phase_margin [degrees]: what controllers are tuned to
-    preview: samples of the reference known ahead; to its end where it is not given
-    tolerance: (share, draws) drives plants drawn about this one too
+    late: sensor delay in samples; gain_margin [dB], phase_margin [degrees]: margins to which controllers are tuned
+    preview: number of future samples of the reference that controllers may use; default: all
+    tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by up to this share
     limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as of `Model.compensation`
     """
     named = reference if isinstance(reference, Mapping) else {"reference": reference}

@@ -1,4 +1,4 @@
-"""Excitations: voltages to identify with. One function a kind; `pz.excitations` lists them.
+"""Drive signals for identification. One function per kind; `pz.excitations` lists them.
 
 >>> from piezoid import excite
 >>> u = excite.prbs(ts=5e-4, duration=2.0, amplitude=1.0)

@@ -12,7 +12,7 @@ from .model import Model, as_model
 
 
 class Exported(dict[str, bytes]):
-    """Files by their paths, and `notes`: what is worth knowing of them."""
+    """The exported files by path, and `notes`, remarks on them."""
 
     def __init__(self, files: list[tuple[str, bytes]], notes: list[str]) -> None:
         super().__init__(files)
@@ -30,9 +30,9 @@ def export(
     reference: Samples | None = None,
     **options: Any,
 ) -> Exported:
-    """What a target (`pz.targets`) makes of a model: files by their paths, written into `folder` where one is named.
+    """Exports a model to a target (`pz.targets`): returns the files by path, and writes them to `folder` if given.
 
-    reference: for the target waveform, one period of the wanted displacement [output unit], of shape (n,)
+    reference: for the target waveform, one period of the requested displacement [output unit], of shape (n,)
 
     Options, each of the targets that take it:
 

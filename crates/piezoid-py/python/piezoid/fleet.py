@@ -1,4 +1,4 @@
-"""Fleets: thousands of actuators identified, validated and compensated, a row of a DataFrame each.
+"""Fleets: thousands of actuators identified, validated and compensated, with one row of a DataFrame per actuator.
 
 >>> import piezoid as pz
 >>> u = pz.excite.rising_sine(ts=1e-3, duration=1, amplitude=28, frequency=4)
@@ -18,13 +18,11 @@
 Jobs travel by pickle. A record may be a file, or a function without arguments that gives the record: both are read where
 the work is done, so that ten thousand records need not pass through one machine.
 
-No job stops another, and none is lost: what a job raises stands in its row as `error`. What piezoid refuses is final, and
-so is a `TypeError`. Anything else, such as a file share that was away or a worker that died, is tried again. Dask gives the work of a worker that died to
+A failed job stops no other, and none is lost: the text of its exception is the column `error` of its row. A `PiezoidError` or `TypeError` is final. Anything else, such as an unavailable file share or a worker that died, is tried again. Dask gives the work of a worker that died to
 others. A pool of Python's is broken for good when one of its processes dies; the rows that were done then remain, and
 the others have an error. Results do not depend on where they were made, nor on how often work was lost.
 
-A worker process should have one thread, and RAYON_NUM_THREADS=1 in its environment: otherwise each uses all cores, and they
-are in each other's way, by a fifth of the time of short fits with 16 threads a core. `local` starts such workers. A process that was
+A worker process should have one thread, and RAYON_NUM_THREADS=1 in its environment: otherwise each process uses all cores, and they slow each other down: short fits take a fifth longer with 16 threads per core. `local` starts such workers. A process that was
 forked after its parent identified something works on one thread by itself.
 """
 
@@ -85,8 +83,7 @@ def identify(
 ) -> pd.DataFrame:
     """A model of each actuator, by name; `table.model` goes into `validate` and `compensate`.
 
-    actuators: by name, the keywords of `pz.identify`: records as `small_signal`, `large_signal` or `data`, settings of its own, and as `test`
-        records to judge the model by (those it was identified on, where there are none). A record alone is `data`. Functions
+    actuators: by name, the keywords of `pz.identify`: records as `small_signal`, `large_signal` or `data`, its own settings, and `test`: records on which the errors are computed (if missing, the training records). A record alone is `data`. Functions
         without arguments may stand for any of these. A DataFrame has an actuator a row, and these keywords as columns.
     settings: of `pz.identify`, for all
     retries, chunk, progress: see `run`
@@ -117,13 +114,13 @@ def validate(
     chunk: int | None = None,
     progress: Progress = None,
 ) -> pd.DataFrame:
-    """Each model against records of its actuator, best ones it has not seen.
+    """Compares each model with records of its actuator, preferably ones that were not used for identification.
 
     models: by name, models or their files; records: by name, one or several, or a function that gives them
     skip, offset: as of `Model.validate`; retries, chunk, progress: see `run`
 
     Columns: `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit], the largest among the records, and those of
-    `run`. Who has a model or a record alone has a row with an error.
+    `run`. An actuator with a model but no record, or with a record but no model, has a row with an error.
     """
     job = partial(_validated, skip, offset)
     table = run(job, _paired(models, records), client, retries=retries, chunk=chunk, progress=progress)
@@ -140,14 +137,13 @@ def compensate(
     progress: Progress = None,
     **settings: Unpack[Settings],
 ) -> pd.DataFrame:
-    """Of each actuator, the voltages for a wanted displacement.
+    """For each actuator, the voltages for a requested displacement.
 
     models: by name, models or their files
     references: one for all, of shape (n,) [output unit], a file, or a function that gives either; or a mapping of such by name
     settings: of `Model.compensation`; retries, chunk, progress: see `run`
 
-    Columns: `u` [input unit] and `reached` [output unit], of shape (n,), `clipped`, the samples at which a limit was in the
-    way, `notes`, and those of `run`.
+    Columns: `u` [input unit] and `reached` [output unit], of shape (n,), `clipped`, the number of samples clipped to a limit, `notes`, and those of `run`.
     """
     signature(Model.compensation).bind(None, None, **settings)
     named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series of such
@@ -169,11 +165,11 @@ def run(
     """`function(job)` of each job: a row each, by the names and in the order of `jobs`.
 
     function: gives the columns of a row, as a mapping, or else what stands in the column `value`
-    retries: how often a job that failed is tried again, by itself, unless `PiezoidError` or `TypeError` says it would be in vain
+    retries: how often a failed job is repeated, in a task of its own; not after a `PiezoidError` or `TypeError`
     chunk: how many jobs make one task of the engine, whose overhead is about a millisecond; up to 16 where it is not given
-    progress: as of `pz.identify`, told how many jobs are settled; what it raises takes back what has not been started
+    progress: as of `pz.identify`, called with the number of finished jobs; an exception that it raises cancels the jobs that have not started
 
-    Columns beside those of `function`, in whose place they stand where it has the same: `attempts`, `seconds` of the last one,
+    Columns in addition to those of `function` (they replace columns of the same name): `attempts`, `seconds` of the last one,
     `worker` (machine and process), and `error`, a text, missing where all went well.
 
     >>> import piezoid as pz
@@ -185,7 +181,7 @@ def run(
 
     named = dict(_items(jobs, "jobs"))
     if len(named) < len(jobs):
-        raise PiezoidError(f"{len(jobs)} jobs have {len(named)} names: give each its own")
+        raise PiezoidError(f"{len(jobs)} jobs have only {len(named)} different names: give each job its own name")
     whole("retries", retries)
     if chunk is not None:
         whole("chunk", chunk, least=1)

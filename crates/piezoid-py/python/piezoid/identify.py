@@ -45,11 +45,10 @@ def identify(
     linear: Sources = (),
     rich: Sources = (),
 ) -> Model:
-    """A model of the actuator that the records show; `model.notes` says what its user should know.
+    """Identifies a model of the actuator from records; `model.notes` holds the remarks.
 
     small_signal: records for the linear block (a PRBS of about 1 V); large_signal: records that exercise the hysteresis
-        (rising sines at some frequencies); data: records for everything, where no small-signal one was taken. Each a
-        record or several, or what `read` makes records of.
+        (rising sines at some frequencies); data: records for linear block and hysteresis together, if there is no small-signal record. Each is one record or several, or anything that `read` accepts.
     method: "joint" finds all parts together, by the error of the free run; "paper" takes the paper's six steps
     operator: one of `pz.operators`; of several, separated by commas, and of all ("auto") the simplest one is taken that
         predicts held-out parts as well as the best
@@ -59,12 +58,11 @@ def identify(
     Joint method only: `elements` (thresholds, levels or knots of the operator), `creep`, and the driver that the records
     were taken with, where its limits matter: `driver` by name, `capacitance` of the load [F], `driver_lag` [s],
     `driver_slew` [V/s].
-    Paper's method only: `estimator` of the linear block, how a loop is `split`, averages on each branch (`bins`),
+    Paper's method only: `estimator` of the linear block, how the points of a loop are divided between the branches (`split`), averages on each branch (`bins`),
     `reading` of held inputs, `particles` and `iterations` of the swarm, and its `global_best` (the best position ever,
     or of the current ones).
 
-    progress: True shows a bar (tqdm), a bar of yours is moved; a function is called with what is being done, how far, and of how
-        much. What it raises ends the work, as Ctrl-C does.
+    progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception that it raises stops the work, as Ctrl-C does.
 
     >>> import piezoid as pz
     >>> u = pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4)
@@ -78,7 +76,7 @@ def identify(
     given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], sources(data)]
     small, large, everything = ([as_record(source) for source in part] for part in given)
     if everything and (small or large):
-        raise PiezoidError("data is for records of everything: give either data, or small_signal and large_signal")
+        raise PiezoidError("give either data, or small_signal and large_signal, not both")
     usual = {row["name"]: row["default"] for row in rows}
     changed = {name: value for name, value in options.items() if name == "method" or value != usual[name]}
     command = f"piezoid.identify({', '.join(f'{name}={value!r}' for name, value in changed.items())})"

@@ -47,8 +47,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Displacement from voltage: `piezoid.identify` and free runs behind fit and predict.
 
     X: voltages, of shape (n,) or (n, 1), where all rows are one record; or, of shape (n, 2), with the number of the record
-        that a row belongs to beside them. Rows of a record stand together, in order of time. The number travels within X,
-        so that each part of scikit-learn knows where records end: no fit and no free run goes across the seam of two.
+        that a row belongs to beside them. The rows of a record must be consecutive and in order of time. The record number is part of X, so that every part of scikit-learn respects the boundaries of the records: no fit and no free run crosses them.
     y: displacements, of shape (n,)
 
     ts: sampling period of all records [s]
@@ -56,8 +55,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     small_signal: records whose input spans no more than this [input unit], peak to peak, are small-signal records for
         `identify`; the others are large-signal ones. Without it all are `data`.
 
-    All other parameters are those of `piezoid.identify`. Split by whole records (`LeaveOneGroupOut`, `GroupKFold`): a split
-    within a record, as `KFold` makes it, leaves a gap in what is fitted that nobody can see.
+    All other parameters are those of `piezoid.identify`. Split by whole records (`LeaveOneGroupOut`, `GroupKFold`): a split within a record, as `KFold` makes it, leaves undetected gaps in the training data.
 
     model_: the `piezoid.Model`, after fit
     n_features_in_: 1, or 2 where records are numbered
@@ -107,8 +105,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return self
 
     def predict(self, X: npt.ArrayLike) -> Array:
-        """The free run of each record [output unit], of shape (n,): no measured displacement helps it. What came before a
-        record is what its inputs make likely: they went on as in it, or the first had stood for long."""
+        """The free run of each record [output unit], of shape (n,): measured displacements are not used. The initial condition of a record is chosen from its inputs: in motion as in the record, or settled at the first input."""
         check_is_fitted(self, "model_")
         rows = validate_data(self, _columns(X), reset=False, dtype=np.float64)
         return np.concatenate([self.model_.simulate(u, begin="likely") for _, u in self._records(rows)])
@@ -126,7 +123,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         seen: set[float] = set()
         for row in starts:
             if number[row] in seen:
-                raise PiezoidError(f"record {number[row]:g} goes on at row {row} of X: keep its rows together")
+                raise PiezoidError(f"the rows of record {number[row]:g} are not consecutive (again at row {row} of X): keep them together")
             seen.add(number[row])
         rows = [slice(*ends) for ends in zip(starts, [*starts[1:], len(X)], strict=True)]
         return [(record, X[record, 0]) for record in rows]
@@ -145,7 +142,7 @@ def stack(records: Iterable[Record]) -> tuple[Array, Array, npt.NDArray[np.int64
     given = as_records(records)
     if len(kinds := {(r.ts, r.units) for r in given}) != 1:
         told = "; ".join(sorted(f"every {ts:g} s in {u} and {y}" for ts, (u, y) in kinds)) or "none"
-        raise PiezoidError(f"records to stack must share sampling period and units, and be one at least: these are {told}")
+        raise PiezoidError(f"give at least one record, all with the same sampling period and units; these are: {told}")
     groups = np.repeat(np.arange(len(given)), [len(r) for r in given])
     X = np.column_stack([np.concatenate([r.u for r in given]), groups])
     return X, np.concatenate([r.y for r in given]), groups

@@ -28,7 +28,7 @@ class Fit:
     offsets: list[float]
     """For each record, the constant in its output [output unit]."""
     residuals: dict[str, Any]
-    """What one-step prediction leaves [output unit]."""
+    """Residuals of the one-step prediction [output unit]."""
     history: list[float]
     """Best cost at the start and after each iteration, of estimators that iterate."""
 
@@ -47,7 +47,7 @@ def fit(
     """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to what `read` makes records of.
 
     order: of the block, or (number of a, number of b, samples of delay)
-    estimator: one of `pz.estimators`; `particles`, `iterations`, `seed` and `global_best` are of the swarm
+    estimator: one of `pz.estimators`; `particles`, `iterations`, `seed` and `global_best` apply to the swarm only
 
     >>> import piezoid as pz
     >>> u = pz.excite.prbs(ts=5e-4, duration=2, amplitude=1)

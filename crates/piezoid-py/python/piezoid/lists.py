@@ -1,4 +1,4 @@
-"""What there is, by name: each a mapping from names to rows with a summary and a reference.
+"""The lists of the library by name (operators, drivers, ...): each maps names to rows with a summary and a reference.
 
 >>> import piezoid as pz
 >>> "preisach" in pz.operators
@@ -37,7 +37,7 @@ class Row:
     summary: str
     reference: str
     properties: Mapping[str, bool] = field(default_factory=dict, repr=False)
-    """Of an operator: whether it has minor loops, minds no time, and wipes out."""
+    """Of an operator: `minor_loops`, `rate_independent`, and `wipes_out` (it has the wiping-out property)."""
 
 
 T = TypeVar("T")

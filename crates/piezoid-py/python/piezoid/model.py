@@ -1,4 +1,4 @@
-"""Models, and what they are asked: free runs, proof on records, voltages for wanted displacements."""
+"""Models: free runs, validation on records, voltages for requested displacements."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["Compensation", "FeedForward", "Model", "Validation", "load"]
 class Model:
     """A Hammerstein model: hysteresis, creep, then linear dynamics. It never changes.
 
-    `identify` makes one, `load` reads one. It travels by pickle; two are equal whose numbers are, however they were found.
+    `identify` makes one, `load` reads one. It can be pickled. Two models are equal if their numbers are equal, however they were identified.
 
     >>> import numpy as np, piezoid as pz
     >>> model = pz.Model.from_dict({
@@ -45,7 +45,7 @@ class Model:
     def __init__(self, text: str) -> None:
         """From the text of a model file."""
         if not isinstance(text, str):
-            raise PiezoidError(f"a {type(text).__name__} is no text of a model: Model.from_dict takes documents, pz.load files")
+            raise PiezoidError(f"Model takes the JSON text of a model, not a {type(text).__name__}: use Model.from_dict for a dict, pz.load for a file")
         self._core = _piezoid.Model.from_json(text)
 
     @classmethod
@@ -113,7 +113,7 @@ class Model:
 
     @property
     def input_range(self) -> tuple[float, float] | None:
-        """The lowest and the highest input it knows [input unit]."""
+        """Lowest and highest input of the identification data [input unit]."""
         return self._core.input_range
 
     @cached_property
@@ -135,7 +135,7 @@ class Model:
 
     @property
     def parameters(self) -> pd.DataFrame:
-        """What an engineer asks for, with its standard error."""
+        """Estimated parameters (shape of the operator, creep gains, modes), with standard errors."""
         return _frame(self._found("parameters"))
 
     def _found(self, what: str) -> list[Any]:
@@ -145,8 +145,7 @@ class Model:
     def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
         """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
 
-        begin: what came before: "rest"; "settled", the first input, which had stood for long; "motion", the same as in `u`; or
-            which of the last two `u` makes "likely"
+        begin: initial condition: "rest"; "settled" at the first input; in "motion" as in `u`; or "likely": "settled" or "motion", chosen from `u`
         """
         return self._core.simulate(u, begin)
 
@@ -155,7 +154,7 @@ class Model:
         return self._core.predict(u, y)
 
     def hidden(self, u: Samples) -> Array:
-        """What hysteresis and creep make of `u`, from rest, before the linear block; both of shape (n,)."""
+        """The hidden variable z: the output of hysteresis and creep for `u`, from rest; both of shape (n,)."""
         return self._core.hidden(u)
 
     def response(self, hz: Samples) -> npt.NDArray[np.complex128]:
@@ -163,25 +162,24 @@ class Model:
         return self._core.response(hz)
 
     def validate(self, record: Source, *, skip: float = 0.0, offset: Offset = "kept") -> Validation:
-        """Compares its free run with a record, best one it has not seen; or with what `read` makes a record of.
+        """Compares its free run with a record, preferably one that was not used for identification; `record` is anything that `read` accepts.
 
         skip: seconds at the start that do not count
-        offset: "free" takes the mean error off first, since sensors drift
+        offset: "free" subtracts the mean error first, because sensors drift
         """
         measured = as_record(record)
         figures, simulated = self._core._validate(measured._core, {"skip": skip, "offset": offset})
         return Validation(measured, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
-        """The inverse, sample by sample: wanted displacement to voltage, `late` samples late. What is no finite number counts as the
-        sample before, and what the limits do not allow is clipped.
+        """The inverse, sample by sample: requested displacement to voltage; the displacement follows `late` samples later. A value that is not finite is replaced by the one before, and voltages beyond the limits are clipped.
 
         `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the voltage, as of `compensation`.
         """
         return self._core._inverse(whole("late", late), checked(limits))
 
     def compensate(self, reference: Samples, **settings: Unpack[Settings]) -> Array:
-        """The voltages [input unit] for a wanted displacement [output unit], both of shape (n,): `compensation(...).u`."""
+        """The voltages [input unit] for a requested displacement [output unit], both of shape (n,): `compensation(...).u`."""
         return self.compensation(reference, **settings).u
 
     def compensation(
@@ -200,14 +198,14 @@ class Model:
         notch: bool = False,
         sweeps: int = 0,
     ) -> Compensation:
-        """The voltages for a wanted displacement, which is taken to have stood at its first value for long.
+        """The voltages for a requested displacement. Before the first sample the actuator is assumed settled at its first value.
 
         driver: one of `pz.drivers`, with the `capacitance` [F] of the load where it limits the current
         low, high: limits of the voltage [V]; slew: of its change [V/s]; current: of the driver [A]
         clip: come as close as the limits allow, instead of refusing
-        smooth: make minimum-jerk moves of this length [s] from steps and corners
-        zvd, notch: shape the reference so that the resonance does not ring; take it out of the reference
-        sweeps: correct, this many times at most, what the model's free run leaves
+        smooth: replace steps and corners by minimum-jerk moves of this length [s]
+        zvd: shape the reference so that the resonance is not excited; notch: filter the reference with a notch at the resonance
+        sweeps: largest number of iterations that correct the error left in the model's free run
         """
         settings = {
             "driver": driver, "capacitance": capacitance, "low": low, "high": high, "slew": slew, "current": current,
@@ -238,7 +236,7 @@ def _plain(values: Any) -> Any:
     """Arrays as lists, for a document."""
     if isinstance(values, (np.ndarray, np.generic)):
         return values.tolist()
-    raise PiezoidError(f"a {type(values).__name__} stands in no model: give numbers, texts, lists and dicts")
+    raise PiezoidError(f"a model cannot contain a {type(values).__name__}: use numbers, strings, lists and dicts")
 
 
 def as_model(given: Any) -> Model:
@@ -343,7 +341,7 @@ class Validation:
 
     @property
     def unproven(self) -> list[str]:
-        """What this record cannot tell about the model, however good the figures are."""
+        """Properties of the model that this record does not test."""
         return list(self.figures["unproven"])
 
     def __repr__(self) -> str:
@@ -355,18 +353,18 @@ class Validation:
 
 @dataclass(frozen=True, eq=False)
 class Compensation:
-    """A voltage for a reference, and what the model says it gives."""
+    """The voltage for a reference, and the displacement that the model predicts."""
 
     u: Array = field(repr=False)
     """The voltages [input unit], of shape (n,)."""
     reached: Array = field(repr=False)
-    """The model's free run of them [output unit], of shape (n,)."""
+    """Predicted displacement: the model's free run on `u` [output unit], of shape (n,)."""
     usage: dict[str, Any] = field(repr=False)
     """What they use of the limits: lowest and highest voltage, slew, current."""
     clipped: int
-    """Samples at which a limit was in the way."""
+    """Number of samples that were clipped to a limit."""
     notes: list[str]
-    """What is worth knowing."""
+    """Remarks, one sentence each."""
 
     def __repr__(self) -> str:
         low, high = (float(end(self.u)) for end in (np.min, np.max)) if len(self.u) else (float("nan"), float("nan"))

@@ -16,7 +16,7 @@ from .records import Record
 
 
 class Plant:
-    """A simulated bender with its driver and sensor: volts about mid-voltage in, micrometres out.
+    """A simulated bender with its driver and sensor: input in volts relative to mid-voltage, output in micrometres.
 
     >>> import piezoid as pz
     >>> record = pz.plants["paper"].measure([30.0] * 200, ts=5e-4)
@@ -30,16 +30,15 @@ class Plant:
             self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
         except (PiezoidError, TypeError) as error:
             told = str(error).split("; start from")[0]
-            raise PiezoidError(f"these are no values of a plant: {told}; begin with pz.plants['pl140'].to_dict()") from None
+            raise PiezoidError(f"these are not the parameters of a plant: {told}; start from pz.plants['pl140'].to_dict()") from None
         self.name = name
 
     def simulate(
         self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled", "motion"] = "rest"
     ) -> Array:
-        """What the sensor reads [um], of shape (n,), of voltages `u` [V], of shape (n,), every `ts` [s].
+        """Sensor readings [um] for the voltages `u` [V], both of shape (n,), sampled every `ts` [s].
 
-        `seed` is that of the noise. `begin` says what came before: rest; the first voltage, which had stood for long; or the
-        same as in `u`.
+        `seed` is that of the noise. `begin` is the initial condition: at rest, settled at the first voltage, or in motion as in `u`.
         Limits that were reached are a `UserWarning`.
         """
         y, reached = self._core._measured(u, number("ts", ts), {"seed": seed, "begin": begin})
@@ -57,7 +56,7 @@ class Plant:
         return Record(u, y, ts)
 
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
-        """One of a fleet, whose values differ by up to `tolerance` of each, as catalogue values do: number `index` of `seed`."""
+        """A random plant whose parameters differ from these by up to the fraction `tolerance`, as within a catalogue's tolerance; `seed` and `index` select it."""
         made = Plant.__new__(Plant)
         made.name = f"{self.name}-{index}"
         with called(share="tolerance"):
@@ -65,7 +64,7 @@ class Plant:
         return made
 
     def to_dict(self) -> dict[str, Any]:
-        """Its values, to change and to make another of."""
+        """Its parameters as a dict, from which `Plant` makes another plant."""
         values: dict[str, Any] = json.loads(self._core.to_json())
         return values
 

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 class Record:
     """Input and output of an actuator, sampled together and evenly.
 
-    u: input, of shape (n,); y: output, of shape (n,), in whatever numpy takes for such; both finite
+    u: input, of shape (n,); y: output, of shape (n,), anything that numpy converts to such an array; all samples finite
     ts: sampling period [s]
-    units: of input and output; lengths (m, mm, um, nm) are converted where they meet
+    units: of input and output; units of length (m, mm, um, nm) are converted automatically
 
     >>> import piezoid as pz
     >>> record = pz.Record([0, 1, 1], [0, 20, 33], ts=5e-4)
@@ -81,7 +81,7 @@ class Record:
         return self._core.duration
 
     def part(self, start: float = 0.0, stop: float = float("inf")) -> Record:
-        """What lies from `start` up to `stop` [s], counted from the first sample."""
+        """The part from `start` to `stop` [s], counted from the first sample."""
         with called(**_ENDS):
             return Record._of(self._core.part(number("start", start), number("stop", stop)))
 
@@ -175,9 +175,8 @@ def read(
     gives it.
 
     Columns are found by name: time `t_s` (or `ts`, the sampling period [s]), input `u_V` or the only `u_*`, output the
-    only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` name others, whose names may end in
-    `_mm`, `[mm]` or `(mm)`; where they say no unit, `units` does. Only what lies from `start` up to `stop` [s] is taken.
-    Nothing is guessed: what could mean two things is refused with the names there are.
+    only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` select other columns, whose names may end in a unit (`_mm`, `[mm]` or `(mm)`); if they have none, give `units`. Only what lies from `start` up to `stop` [s] is taken.
+    Nothing is guessed: an ambiguous name raises an error that lists the columns.
 
     >>> import numpy as np, piezoid as pz
     >>> pz.read({"t_s": np.arange(3) * 1e-3, "u_V": [0, 1, 2], "y_nm": [0, 9, 20]}).units
@@ -199,8 +198,7 @@ def read_reference(
     output_col: str | None = None,
     time_col: str | None = None,
 ) -> Array:
-    """A wanted displacement for a model, in its unit, of shape (n,): the column `r_*`, or else `y_*`, of whatever `read` takes. One
-    that is not sampled as the model is refused."""
+    """A requested displacement for a model, in its unit, of shape (n,): the column `r_*`, or else `y_*`, of any source that `read` accepts. Its sampling period must be that of the model."""
     columns = _columns(source)
     with columns.named():
         own, r = columns.core.reference({"ts": ts, "output_col": output_col, "time_col": time_col}, model.units[1])
@@ -238,7 +236,7 @@ def _columns(source: Any) -> _Columns:
     if isinstance(source, np.ndarray) and source.dtype.names:
         return _arrays({field: source[field] for field in source.dtype.names})
     raise PiezoidError(
-        f"a {type(source).__name__} is no record: give a file, a DataFrame, a mapping of arrays, or an array with named fields"
+        f"a {type(source).__name__} cannot be read as a record: give a file, a DataFrame, a mapping of arrays, or an array with named fields"
     )
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What the study of a plant came to."""
+    """Results of the study of a plant."""
 
     figures: dict[str, Any] = field(repr=False)
     """All numbers, as the command line writes them."""
@@ -49,14 +49,14 @@ class Study:
         try:
             place.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise PiezoidError(f"cannot make the folder {place}: {error.strerror}: name another") from None
+            raise PiezoidError(f"cannot create the folder {place}: {error.strerror}: choose another") from None
         _files.write(place / "report.html", self.html)
         for name, drawn in self.svg.items():
             _files.write(place / f"{name}.svg", drawn)
 
 
 def study(plant: str = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
-    """The paper's experiment on one of `pz.plants`: PRBS, ARX by swarm, two spline branches a frequency, proof on stepped sines of 7 steps."""
+    """The paper's experiment on one of `pz.plants`: PRBS, ARX by particle swarm, two spline branches per frequency, test on stepped sines of 7 steps."""
     with told(progress) as watch:
         figures, svg, html, verdict = _piezoid.study({"plant": plant, "seed": seed}, watch)
     return Study(figures, dict(svg), html, verdict)

@@ -32,8 +32,8 @@ fn one(section: Section, title: &str, label: &str, bins: &[Bin], unit: &str) -> 
     };
     let table = bins.iter().fold(table, |table, b| table.row(row(b)));
     section.figure(figure(title, label, bins)).table(table.note(
-        "From the cycles of the input over all records, each at one over its length and half its height; for an input \
-        without cycles, from the spectra of error and output.",
+        "From the cycles of the input in all records; the frequency of a cycle is 1 / duration, its amplitude half \
+         its peak-to-peak. If the input has no cycles, from the spectra of error and output.",
     ))
 }
 

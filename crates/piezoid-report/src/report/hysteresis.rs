@@ -138,14 +138,14 @@ fn caption(hysteresis: &dyn Hysteresis, width: f64, slow: f64, fast: Option<f64>
     let faster = fast.map_or(String::new(), |hz| format!(", and, dashed, at {} Hz", round(hz)));
     let time = match operator.rate_independent {
         true => String::new(),
-        false => format!(" This operator is rate-dependent: it is shown at {} Hz{faster}.", round(slow)),
+        false => format!(" This operator is rate-dependent: its loops are drawn for {} Hz{faster}.", round(slow)),
     };
     let inside = match operator.minor_loops {
         true => "with minor loops inside",
-        false => "and its behaviour inside, where it has no minor loops but jumps between branches",
+        false => "and inputs inside its range, where it has no minor loops but jumps between the branches",
     };
     let width = short(width);
-    format!("Hidden variable over input: the major loop, {width} % of its height wide, {inside}.{time}")
+    format!("Hidden variable z against input u: the major loop (width {width} % of its height) {inside}.{time}")
 }
 
 /// The parameters as in the model's file; of lists, the length and range.
@@ -178,7 +178,7 @@ fn spread(values: &[f64]) -> String {
         [one] => round(*one),
         _ => {
             let (low, high) = ends(values.iter().copied());
-            format!("{} from {} to {}", values.len(), round(low), round(high))
+            format!("{} values from {} to {}", values.len(), round(low), round(high))
         }
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn block(section: Section, model: &Model) -> Section {
 fn facts(form: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
     let first = form.modes().first().map(|mode| Fact::new(short(mode.pole.hz), "Hz", "lowest mode"));
     let what = match form.delay < -0.25 * ts {
-        true => "delay: the output was sampled after its input acted",
+        true => "delay (negative: the output was sampled after the input of its row acted)",
         false => "delay in addition to the zero-order hold",
     };
     let delay = Fact::new(short(1e3 * form.delay), "ms", what);
@@ -97,10 +97,13 @@ fn caption(gain: &[f64], hz: &[f64], form: &ModalForm) -> String {
     });
     let marked = match form.modes().len() {
         0 => "",
-        1 => " The dotted line is its mode.",
+        1 => " The dotted line marks the mode.",
         _ => " The dotted lines are its modes, numbered as in the table.",
     };
-    let shaded = form.images().map_or("", |_| " Shaded: frequencies at which poles are images.");
+    let shaded = form.images().map_or(
+        "",
+        |_| " Shaded: frequencies near half the sampling rate, where poles may be images of delay or of faster modes.",
+    );
     format!("Gain and phase up to half the sampling rate, {half} Hz.{peak}{marked}{shaded}")
 }
 

@@ -63,7 +63,7 @@ fn validation(validated: &Validated) -> Section {
     let section = errors::by_all(section, trials);
     match validated.not_covered() {
         open if open.is_empty() => section,
-        open => section.text("Not covered by these records:").list(open),
+        open => section.text("Not tested by these records:").list(open),
     }
 }
 

@@ -48,11 +48,15 @@ fn limits(driver: &DriverModel, model: &Model) -> String {
         0.0 => "Without a lag".to_string(),
         lag => format!("A lag of {} ms", round(1e3 * lag)),
     };
-    let Some(slew) = driver.slew else { return format!("{lag}, and no limit to the rate of change.") };
+    let Some(slew) = driver.slew else { return format!("{lag}, and no slew limit.") };
     let sine = model.identified().map(|domain| 0.5 * (domain.u[1] - domain.u[0])).filter(|half| *half > 0.0);
     let sine = sine.map_or(String::new(), |half| {
         let hz = short(slew / (TAU * half));
-        format!(" A sine of {} {unit}, the largest in the identification data, is limited above {hz} Hz.", round(half))
+        format!(
+            " A sine of {} {unit} amplitude, the largest in the identification data, reaches the slew limit above \
+                 {hz} Hz.",
+            round(half)
+        )
     });
     format!("{lag}; the voltage changes by at most {} {unit}/s.{sine}", short(slew))
 }

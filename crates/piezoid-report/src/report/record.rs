@@ -58,8 +58,8 @@ fn loops(trial: &Compared) -> Figure {
     let u = &record.u()[range.clone()];
     let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
     let caption = format!(
-        "Output over input in {part}, measured and free run. Over the whole record they differ by {} % of the height \
-        (rms).",
+        "Output against input in {part}, measured and in free run. In the whole record they differ by {} % of the \
+         peak-to-peak output (rms).",
         short(validation.metrics.rms_pp_percent)
     );
     Figure::new("Loops", caption).panel(

@@ -11,9 +11,8 @@ pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
     let unit = &trial.record.units().y;
     let section = match trial.validation.floor {
         Some(f) => section.text(format!(
-            "The input repeats every {} samples. Between {} such periods the output scatters by {} {unit} ({} % of \
-            peak-to-peak) after removing drift: this is the noise floor. The residual of this model is {} times as \
-            large.",
+            "The input repeats every {} samples. Over {} such periods the output, without drift, differs by {} {unit} \
+             rms ({} % of peak-to-peak): this is the noise floor. The residual of this model is {} times as large.",
             f.period,
             f.periods,
             short(f.rms),
@@ -49,7 +48,7 @@ fn over_input(trial: &Compared) -> Figure {
     let units = record.units();
     let axes = Axes::new(format!("u [{}]", units.u).as_str(), format!("error [{}]", units.y).as_str())
         .titled("over the input");
-    let caption = format!("Residual over the input: at most {} {}.", short(v.metrics.max_abs), units.y);
+    let caption = format!("Residual against the input; largest value {} {}.", short(v.metrics.max_abs), units.y);
     Figure::new("over the input", caption).small().panel(axes.with(Series::dots(u, &errors).role(Role::Residual)))
 }
 

@@ -21,9 +21,11 @@ const GRID: usize = 400;
 
 /// The page: one self-contained file.
 pub fn tracking(compared: &Comparison) -> Page {
-    let subtitle =
-        format!("plant {}, controllers from a model of it; errors in % of the height of the reference", compared.plant);
-    let page = Page::new("Control side by side").subtitle(subtitle).section(errors(compared));
+    let subtitle = format!(
+        "plant {}, controllers tuned to a model of it; errors in % of the peak-to-peak of the reference",
+        compared.plant
+    );
+    let page = Page::new("Comparison of controllers").subtitle(subtitle).section(errors(compared));
     let page = (0..compared.wanted.len()).fold(page, |page, k| page.section(along(compared, k)));
     [loops(compared), learning(compared), spread(compared)].into_iter().flatten().fold(page, Page::section)
 }
@@ -55,16 +57,19 @@ fn errors(compared: &Comparison) -> Section {
     let section = Section::new("Errors");
     let section = match worst {
         Some(((percent, name), k)) => {
-            let of =
-                format!("rms error of the best scheme for the hardest reference: {name}, {}", compared.wanted[k].name);
+            let of = format!(
+                "rms error of the best controller on the reference with the largest such error: {name}, {}",
+                compared.wanted[k].name
+            );
             section.facts([Fact::new(short(percent), "%", of)])
         }
         None => section,
     };
     let section = section
         .table(table("Rms error [% of the height]", |a, _| a.tracking.percent_of_stroke).note(
-            "Errors of the measurement, with sensor noise. Periodic references count after a quarter of a second. \
-            “gain” is the best straight line for each reference: no compensation.",
+            "Errors of the measurement, with sensor noise. Of periodic references, the first whole periods, 0.25 s or \
+             more, are left out. \
+            “gain” is the best constant gain (with offset) for each reference: no compensation.",
         ))
         .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
     let section = section.table(table("Effort: rms change of voltage per sample [V]", |a, _| a.tracking.effort));
@@ -89,7 +94,7 @@ fn along(compared: &Comparison, k: usize) -> Section {
     let t: Vec<f64> = shown.clone().map(|t| t as f64 * ts).collect();
     let mut path = Axes::new("t [s]", &*format!("y [{unit}]")).height(0.4);
     let mut error = Axes::new("t [s]", &*format!("r - y [{unit}]")).height(0.35);
-    let mut nearest = Axes::new("t [s]", &*format!("small errors [{unit}]")).height(0.35);
+    let mut nearest = Axes::new("t [s]", &*format!("r - y, best controllers [{unit}]")).height(0.35);
     let mut voltage = Axes::new("t [s]", "u [V]").height(0.4);
     let attempts = || compared.driven.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
     let best = attempts().map(|(_, a)| a.tracking.rms).fold(f64::INFINITY, f64::min);
@@ -130,7 +135,8 @@ fn loops(compared: &Comparison) -> Option<Section> {
     });
     let caption = "Sensitivity to disturbances: attenuated below 1, amplified above 1.";
     let table = table.note(
-        "At the largest slope of the hysteresis, with creep. Bandwidth is the lowest frequency with |S| = -3 dB.",
+        "Margins are computed at the largest slope of the hysteresis, with creep. Bandwidth is the lowest frequency \
+         with |S| = -3 dB.",
     );
     Some(Section::new("Loops").table(table).figure(Figure::new("Sensitivity", caption).panel(axes)))
 }
@@ -157,7 +163,8 @@ fn learning(compared: &Comparison) -> Option<Section> {
 /// Errors over plants within a tolerance.
 fn spread(compared: &Comparison) -> Option<Section> {
     let drawn: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).collect();
-    let table = PageTable::new("Draws").text("scheme").number("median [%]").number("9 of 10 [%]").number("worst [%]");
+    let table =
+        PageTable::new("Draws").text("scheme").number("median [%]").number("90th percentile [%]").number("worst [%]");
     let table = table.number("draws").number("unstable");
     let table = drawn.iter().fold(table, |table, (d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| short(spread.percent_of_stroke(share)));
@@ -173,11 +180,12 @@ fn spread(compared: &Comparison) -> Option<Section> {
     });
     let wanted = &compared.wanted.first()?.name;
     let caption = format!(
-        "Along {wanted}: share of the draws below this error. Every controller is tuned to the model of the nominal \
+        "Reference {wanted}: share of the random plants with a smaller error. Every controller is tuned to the model \
+         of the nominal \
         plant."
     );
     let text = "Random plants with parameters within the tolerance, with the same controllers.";
-    let figure = Figure::new("Errors over the tolerance", caption).panel(axes);
+    let figure = Figure::new("Distribution of the errors within the tolerance", caption).panel(axes);
     (!drawn.is_empty()).then(|| Section::new("Tolerance").text(text).table(table).figure(figure))
 }
 

@@ -42,9 +42,9 @@ pub(super) fn convergence(study: &Study) -> Figure {
     let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / study.optimum - 1.0).max(1e-12);
     let caption = format!(
         "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations. The exact minimum of a block \
-        of this form is {:.6} mm (linear programming); the swarm ends {:.0e} above it, relative to it. All particles \
+        of this form is {:.6} mm (linear programming); the result of the swarm is larger by a relative {:.0e}. All particles \
         are attracted to the best position found so far, as is customary. With the best of the current positions, as \
-        the paper prints equation (4), they end {:.0e} above it.",
+        the paper prints equation (4), their result is larger by a relative {:.0e}.",
         best[0],
         best[best.len() - 1],
         best.len() - 1,
@@ -134,7 +134,8 @@ pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
     let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
     let [(u0, z0), (u1, z1)] = found.line;
     let caption = format!(
-        "The loop opens by {:.1} % of its height; {:.0} % of its points lie on the side of the line that matches their \
+        "The width of the loop is {:.1} % of its height; {:.0} % of its points lie on the side of the line that \
+         matches their \
         direction. The loop of the joint model opens by {:.1} %.",
         100.0 * found.branches.width(),
         100.0 * found.agreement,
@@ -172,7 +173,7 @@ pub(super) fn test(f: &Frequency) -> Figure {
         let error: Vec<f64> = row.simulated[from..].iter().zip(&y[from..]).map(|(s, y)| y - s).collect();
         answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).named(name));
         errors = errors.with(Series::line(&t, &error).role(role));
-        words.push(format!("error of the {name}: {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
+        words.push(format!("error with the {name}: {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
     }
     let answer = answer.with(Series::dashed(&t, &y[from..]).role(Role::Measured).named("twin"));
     Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(errors).stacked()
@@ -226,7 +227,8 @@ pub(super) fn error(study: &Study) -> Figure {
     // Dashed, so that a line beneath stays visible.
     axes = axes.with(Series::dashed(&f, &mse).role(Role::Reference).named("the paper's Table 1"));
     let below = study.frequencies.iter().flat_map(|f| &f.rows).any(|r| r.metrics.mse < FLOOR);
-    let floor = if below { format!(" Errors below {FLOOR:e} mm² are drawn there.") } else { String::new() };
+    let floor =
+        if below { format!(" Errors below {FLOOR:e} mm² are drawn at {FLOOR:e} mm².") } else { String::new() };
     let caption = format!(
         "Mean squared error of every method on a stepped sine of {used} steps per period, and the values of the \
         paper's Table 1.{floor}",
@@ -240,13 +242,13 @@ const SHOWN: [(&str, [&str; 2], Role); 4] = [
     ("printed-rule", ["rule as printed", "staircase"], Role::Descending),
     (TestSignal::UPPER_RULE, ["upper branch", ""], Role::Ascending),
     ("held-direction", ["direction held", ""], Role::Model),
-    ("table2-arx", ["Table 2's block", ""], Role::Residual),
+    ("table2-arx", ["linear block of Table 2", ""], Role::Residual),
 ];
 
 /// An axis of steps per period, or levels.
 fn steps() -> Axis {
     let ends = (f64::from(*TestSignal::STEPS.start()), f64::from(*TestSignal::STEPS.end()));
-    Axis::new("steps a period, or levels")
+    Axis::new("steps per period, or levels")
         .ticks(&[4.0, 7.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0])
         .range(ends.0, ends.1)
 }
@@ -263,7 +265,7 @@ fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl 
 
 /// Table 1 over the form and the number of steps of the test signal.
 pub(super) fn test_signal(study: &Study) -> Figure {
-    let title = "The paper's Table 1 over the test signal";
+    let title = "Error against the steps of the test signal, and the paper's Table 1";
     over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
 }
 
@@ -296,7 +298,7 @@ pub(super) fn deviation(study: &Study) -> Figure {
     let caption = format!(
         "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of \
         equal length, against steps per period; dashed: staircases, against levels. Closest with the rule as printed \
-        is a {}; with its upper branch as the one that lies above, a {}; with the linear block of the paper's Table 2, \
+        is a {}; if the upper branch of the rule is the one that lies above, a {}; with the linear block of the paper's Table 2, \
         a {}.",
         found("printed-rule"),
         found(TestSignal::UPPER_RULE),

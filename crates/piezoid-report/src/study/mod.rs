@@ -108,7 +108,7 @@ pub static METHODS: &[StudyMethod] = &[
     StudyMethod { name: "linear", summary: "no hysteresis: the best gain", way: MethodModel::Gain },
     StudyMethod {
         name: "table2-arx",
-        summary: "the paper's rule with the linear block of its Table 2, the row of 80 Hz from there on",
+        summary: "the paper's rule with the linear block of its Table 2; for 80 Hz and above, the row of 80 Hz",
         way: MethodModel::Branches(LoopSource::ByTable2, HeldInput::Printed),
     },
     StudyMethod {
@@ -289,8 +289,8 @@ impl Study {
         let own = (swarm_fit.arx.clone(), swarm_fit.offsets[0]);
         if let Err(why) = own.0.inverse() {
             notes.push(format!(
-                "The paper's inverse (8) cannot be used: {why}. The loops are computed with the inverse of the whole \
-                record instead, forward and backward in time."
+                "The paper's inverse (8) cannot be used: {why}. The loops are computed non-causally instead: the \
+                 whole record is inverted, forward and backward in time."
             ));
         }
         if let Some(why) = squares.order_too_low(std::slice::from_ref(&small_signal)) {

@@ -9,7 +9,7 @@ use piezoid::series::ends;
 impl Study {
     /// The report on one or more studies: one file that opens from disk.
     pub fn page(studies: &[Study]) -> Page {
-        let page = Page::new("The paper, end to end")
+        let page = Page::new("Reproduction of the paper's experiment")
             .subtitle(
                 "Hammerstein model of the PL140 bender: two branches per frequency, ARX by particle swarm, on a \
             simulated actuator; and one model for all frequencies",
@@ -34,8 +34,7 @@ fn introduction() -> Section {
         )
         .text(format!(
             "The test signal of the paper is periodic and step-wise; the paper gives no details. Here it is \
-            a sine in {used} steps per period, all of nearly equal length in whole samples, the highest at the \
-            amplitude of the sine that the branches come from. On twin “paper” its errors are the closest to the \
+            a sine in {used} steps per period, all of nearly equal length in whole samples, the highest at the amplitude of the sine from which the branches are identified. On twin “paper” its errors are the closest to the \
             paper's Table 1 of all tested numbers of steps and levels. While a step is held, the rule as printed reads \
             the descending branch; with the direction held, the model stays on its branch.",
             used = Study::STEPS_USED
@@ -76,9 +75,7 @@ fn linear_block(study: &Study) -> Section {
     section = section.text(
         "Equation (1) has no constant, but a sensor has an offset: one per record is estimated by least squares and \
         removed before the swarm starts. The paper does not state the search range of the swarm, the number of \
-        particles, their inertia or their largest velocity. Here a1 and a2 are sought within the bounds of a stable \
-        block, 2 and 1, and each b within the largest output over the largest input. 50 particles, inertia from 0.9 to \
-        0.4, and a fifth of the range per iteration are customary. The next figure compares the result with the exact \
+        particles, their inertia or their largest velocity. Here a1 and a2 are searched within ±2 and ±1, the bounds of a stable block, and each b within ± the largest output divided by the largest input. 50 particles, an inertia from 0.9 to 0.4, and a largest velocity of a fifth of the range per iteration are customary. The next figure compares the result with the exact \
         minimum.",
     );
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
@@ -107,8 +104,7 @@ fn table_2(study: &Study) -> PageTable {
     let table = study.blocks.iter().fold(table, |table, block| table.row(row(block)));
     table.note(
         "printed: the row of 5 Hz of the paper's Table 2, printed-80hz that of 80 Hz. According to the paper the block \
-        is identified only once, but its table has one row per frequency, with different b0. With four decimals the \
-        static gain is uncertain by a third. Coloured zeros make (8) unstable.",
+        is identified only once, but its table has one row per frequency, with different b0. With four decimals the static gain is only known to within a third. Coloured zeros make (8) unstable.",
     )
     .note(words::units(study))
 }
@@ -118,7 +114,7 @@ fn loops(study: &Study) -> Section {
         study.frequencies.iter().filter(|f| !f.own.found.ascending_below).map(|f| f.hz.to_string()).collect();
     let mut words = "Grey dots are samples of voltage and hidden variable; the curves and the loop of the joint model \
         may cover them. The dashed line through the two reversal points splits the loop; the curves are splines \
-        through the averages on each side. The data determine which side is the ascending branch."
+        through the averages on each side. Which side is the ascending branch is determined from the data."
         .to_string();
     let slowest = &study.frequencies[0];
     let span = |x: &[f64]| ends(x.iter().copied()).1 - ends(x.iter().copied()).0;
@@ -174,7 +170,9 @@ fn joint(study: &Study) -> Section {
     let table = study.joint.trials.iter().fold(table, |table, t| table.row(row(t)));
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
     let driver = match model.driver() {
-        Some(_) => " The lag and current limit of the driver, which the experimenter knows, are given.",
+        Some(_) => {
+            " The lag and the current limit of the driver are known to the experimenter and given to the method."
+        }
         None => "",
     };
     let words = format!(
@@ -184,7 +182,7 @@ fn joint(study: &Study) -> Section {
         rising.join(", ")
     );
     let section =
-        Section::new(format!("Twin “{}”: one model of all frequencies", study.plant.name)).text(words).facts(facts);
+        Section::new(format!("Twin “{}”: one model for all frequencies", study.plant.name)).text(words).facts(facts);
     let note =
         "Coloured: as good as the best within the accuracy of the records. Among these the simplest is selected.";
     let section = section.table(table.note(note));
@@ -193,7 +191,7 @@ fn joint(study: &Study) -> Section {
 
 fn tests(study: &Study) -> Section {
     let caption = "Two periods of the test signal in free run, and the error of each method. With the rule as printed \
-        every held step falls to the descending branch.";
+                   the model jumps to the descending branch at every held step.";
     let section = Section::new(format!("Twin “{}”: the tests", study.plant.name));
     let section = words::paragraphs(study).into_iter().fold(section, Section::text);
     section
@@ -250,7 +248,7 @@ fn test_signal(study: &Study) -> Section {
         table.row(row(signal.words(), signal.of("printed-rule"), off))
     });
     let caption = words::over_test_signals(study);
-    Section::new(format!("Twin “{}”: the paper's Table 1 over the test signal", study.plant.name))
+    Section::new(format!("Twin “{}”: error against the steps of the test signal", study.plant.name))
         .figures(2, "The paper's Table 1 over the test signal", caption, figures::test_signals(study))
         .figure(figures::deviation(study))
         .table(table)
@@ -267,8 +265,7 @@ fn methods() -> Section {
         .text(
             "Every error is that of a free run from rest, compared after the first 0.5 s. Branches are identified on a \
             sine and tested on the stepped sine of the same frequency and amplitude. This is the paper's test. It does \
-            not cover other amplitudes, minor loops or mixed frequencies, which two branches cannot follow. The joint \
-            model is identified on other records than these, at four of the eight frequencies.",
+            not cover other amplitudes, minor loops or mixed frequencies, which two branches cannot follow. The joint model is identified on different records, at four of the eight frequencies.",
         )
         .listing("piezoid study\npiezoid study --plant pl140 --seed 1 --json study.json")
 }

@@ -58,8 +58,9 @@ fn over_frequencies(study: &Study) -> String {
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
     let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
         format!(
-            " With the estimated block the loop of z is {:.0} % of its height wide at {} Hz, and {3:.0} % at {2} Hz: \
-             the branches of the first frequency absorb the error of the block, and would be wrong for another signal.",
+            " With the estimated block the width of the loop of the hidden variable z is {:.0} % of its height at {} \
+             Hz, and {3:.0} % at {2} Hz: \
+             at the former frequency the branches also contain the error of the block, and would be wrong for another signal.",
             width(f),
             f.hz,
             study.frequencies[0].hz,
@@ -100,7 +101,7 @@ fn against_table_1(study: &Study) -> String {
     format!(
         "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of \
          {used} steps, and a linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; \
-         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times that at 5 Hz, in the paper {:.1} times. For \
+         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times the error at 5 Hz; in the paper, {:.1} times. For \
          `held-direction` (a held voltage keeps its direction) the error is at most {} mm² at these four frequencies. With the linear block of the paper's Table \
          2 the error of the rule as printed is {least:.0} to {most:.0} times the paper's{by_its_own}.",
         chosen(study),
@@ -175,7 +176,7 @@ pub(super) fn over_test_signals(study: &Study) -> String {
     format!(
         "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per \
          period; dashed: staircases, steps of equal height, against levels; the horizontal line is the paper's value. \
-         Errors below {FLOOR:e} mm² are drawn there. With the rule as printed, the error at {} Hz falls from {} mm² \
+         Errors below {FLOOR:e} mm² are drawn at {FLOOR:e} mm². With the rule as printed, the error at {} Hz falls from {} mm² \
          with {} steps to {} with {}; a period there has {:.0} samples, so that with as many steps or more no sample is held. The rest of the study uses {used} steps.",
         Study::PRINTED_MSE[last].0,
         mse(most.0),
@@ -229,8 +230,8 @@ fn joint(study: &Study) -> String {
         );
     }
     if better.iter().any(|f| rms(f, "joint") < EXACT) {
-        words += " The error is this small because this twin obeys that operator and has no noise; no measured actuator \
-                  does.";
+        words += " The error is this small because this twin follows exactly that operator and has no noise, unlike \
+                  any measured actuator.";
     }
     if !worse.is_empty() {
         let (hz, range) = listed(&worse);
@@ -239,7 +240,7 @@ fn joint(study: &Study) -> String {
         );
     }
     if study.joint.model.driver().is_some() {
-        words += " It knows lag and current limit of the driver; the other methods do not.";
+        words += " The lag and the current limit of the driver are given to it; the other methods do not use them.";
     }
     words
 }
@@ -255,7 +256,8 @@ pub(super) fn limits_in_words(limits: &[(String, Saturation)]) -> Vec<String> {
     let sentence = |(what, count): &(&str, Count)| {
         let hit = limits.iter().filter(|(_, s)| count(s) > 0);
         let records: Vec<String> = hit.map(|(record, s)| format!("{record} ({})", count(s))).collect();
-        (!records.is_empty()).then(|| format!("{what} in these records (samples): {}.", records.join(", ")))
+        (!records.is_empty())
+            .then(|| format!("{what} in these records (number of samples in brackets): {}.", records.join(", ")))
     };
     kinds.iter().filter_map(sentence).collect()
 }

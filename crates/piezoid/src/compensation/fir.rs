@@ -100,7 +100,7 @@ impl Fir {
     /// The filter as a program, sample by sample: a block `preview` with a function of that name, initially settled at
     /// `at_rest`.
     pub(crate) fn block(&self, at_rest: f64) -> Block {
-        let block = Block::new("preview", "the inverse of the linear block: a filter of finite impulse response");
+        let block = Block::new("preview", "the inverse of the linear block: an FIR filter");
         let block = block.numbers("past", vec![at_rest; self.order()]).table("taps", &self.taps);
         match self.order() {
             0 => block.text("fn preview(u) { return taps[0] * u; }"),

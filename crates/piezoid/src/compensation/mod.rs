@@ -74,13 +74,17 @@ impl FeedForwardSettings {
         let high = limits.high.into_iter().chain(beyond.map(|b| b.1)).reduce(f64::min);
         match low.zip(high) {
             Some((low, high)) if low < high => Ok((low, high)),
-            Some((low, high)) => {
-                let rule = "must overlap the inputs that the model was identified on";
-                Err(Error::parameter("limits", format!("{} to {}", round(low), round(high)), rule))
+            Some(_) => {
+                let end = |end: Option<f64>| end.map_or("any".into(), round);
+                let given = format!("{} to {}", end(limits.low), end(limits.high));
+                let (from, to) = beyond.map_or((None, None), |(low, high)| (Some(low), Some(high)));
+                let (unit, from, to) = (&model.units().u, end(from), end(to));
+                let rule = format!("must overlap the inputs that the model allows, {from} to {to} {unit}");
+                Err(Error::parameter("limits", given, rule))
             }
             None => {
-                let rule =
-                    "must be given, or low and high, as the model does not say which inputs it was identified on";
+                let rule = "is missing: give driver, or low and high, because the model does not state the range of inputs \
+                     it was identified on";
                 Err(Error::parameter("driver", "none", rule))
             }
         }
@@ -175,7 +179,10 @@ impl FeedForward {
         let step = settings.limits.fastest() * model.ts();
         let notes = model.hysteresis().falling_input(ends.0, ends.1).map(|u| {
             let u = round(u);
-            format!("the hysteresis block falls with its input near {u}: the inverse is not unique there")
+            format!(
+                "the output of the hysteresis block falls with rising input near {u} {found}: the inverse is not \
+                     unique there"
+            )
         });
         let notes = notes.into_iter().collect();
         Ok(FeedForward { model: model.clone(), settings, preview, ends, step, crept: (low, high), notes })
@@ -217,7 +224,7 @@ impl FeedForward {
     pub fn whole(&self, r: &[f64]) -> Result<Compensated, Error> {
         finite("reference", r)?;
         let Some(&first) = r.first() else {
-            let (what, remedy) = ("the reference".into(), "give it samples".into());
+            let (what, remedy) = ("the reference".into(), "it must not be empty".into());
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         };
         let offset = self.model.offset();
@@ -317,15 +324,15 @@ impl FeedForward {
         let (lowest, highest) = ends(r.iter().copied());
         let instead = match self.reach().0 <= lowest && highest <= self.reach().1 {
             true if sample < self.preview.fir().ahead() => {
-                "start with some milliseconds at a constant value, or smooth it"
+                "begin the reference with some milliseconds at a constant value, or smooth it"
             }
-            true => "move slower or smooth it",
-            false => "lower it",
+            true => "the reference changes too fast there: slow it down or smooth it",
+            false => "reduce the amplitude of the reference",
         };
         let input = &self.model.units().u;
         Error::Unreachable(format!(
-            "{value} {unit} at sample {sample} ({at} s) cannot be reached with inputs from {low} to {high} {input} \
-            (static range {bottom} to {top} {unit}); {instead}, or clip"
+            "{value} {unit} at sample {sample} ({at} s) needs an input outside {low} to {high} {input} (at rest, \
+             {bottom} to {top} {unit} can be held); {instead}, or clip"
         ))
     }
 
@@ -339,8 +346,8 @@ impl FeedForward {
         if run.jumped > 0 {
             let jumped = run.jumped;
             notes.push(format!(
-                "at {jumped} of {n} samples the hysteresis block jumps over the requested value; the nearest value is \
-                used"
+                "at {jumped} of {n} samples the hysteresis block cannot give the requested value (it jumps); the \
+                 nearest value is used"
             ));
         }
         notes.extend(self.beyond(&run.u));

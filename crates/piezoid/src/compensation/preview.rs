@@ -111,7 +111,10 @@ impl Preview {
         });
         right[taps] = 1.0;
         let solved = normal.lu().solve(&right).filter(|f| f.iter().all(|f| f.is_finite()));
-        let unsolved = || Error::NoInverse { kind: "bounded", because: "its least squares has no solution".into() };
+        let unsolved = || Error::NoInverse {
+            kind: "bounded",
+            because: "the least-squares problem of its inverse has no solution".into(),
+        };
         let mut f: Vec<f64> = solved.ok_or_else(unsolved)?.iter().take(taps).copied().collect();
         let sum: f64 = f.iter().sum();
         f.iter_mut().for_each(|f| *f /= sum * g);

@@ -16,7 +16,8 @@ impl Causal {
         program.add(fir.block(self.resting()))?;
         let (low, high) = self.inverse.ends;
         let slews = self.inverse.step.is_finite();
-        let mut state = Block::new("ff_state", "the feed-forward: back through linear dynamics, creep and hysteresis");
+        let mut state =
+            Block::new("ff_state", "the feed-forward: the inverses of linear dynamics, creep and hysteresis");
         if slews {
             state = state.number("before", 0.0);
         }
@@ -48,9 +49,9 @@ impl Causal {
         let remembered = if slews { "s.before = u;\n    " } else { "" };
         let text = format!(
             "
-// One sample: the wanted displacement r to the input.
+// One sample: requested displacement r to actuator input u.
 fn ff_step(s: ff_state, r) {{
-    // What is no number counts as what was wanted before.
+    // If the reference is not finite, the last finite one is used.
     let told = {told};
     if magnitude(r) <= most {{
         told = r;
@@ -59,7 +60,7 @@ fn ff_step(s: ff_state, r) {{
     {limits}
     let z = {back};
     let u = {inverse};
-    // The state goes on as the actuator does.
+    // The state is updated as that of the actuator.
     {moves}
     {remembered}return u;
 }}

@@ -91,7 +91,11 @@ fn control_step(s: control_state, r, y, feed) {{
 "
         );
         let inverse = self.inverse.block("inverse", "the inverse of the nominal plant, but for its delay");
-        Some(vec![inverse, self.q.block("low_pass", "the low-pass of what is undone"), block.text(&step)])
+        Some(vec![
+            inverse,
+            self.q.block("low_pass", "the low-pass filter of the estimated disturbance"),
+            block.text(&step),
+        ])
     }
 
     fn law(&self) -> Option<Arx> {

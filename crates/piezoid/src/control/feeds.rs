@@ -100,8 +100,8 @@ fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
     let gain = model.linear().dc_gain() * (model.settled_before_linear(high) - model.settled_before_linear(low))
         / (high - low);
     if !(gain.is_finite() && gain != 0.0) {
-        let because = format!("its gain from end to end is {gain}");
-        return Err(Error::Unsuited { what: "straight line".into(), because });
+        let because = format!("the gain between the ends of its input range is {gain}");
+        return Err(Error::Unsuited { what: "feed-forward `gain`".into(), because });
     }
     crate::error::finite("reference", r)?;
     let (middle, last) = (mean(r), r.last().copied().unwrap_or(0.0));
@@ -148,7 +148,9 @@ fn inverse(request: &FeedRequest) -> Result<FeedResult, Error> {
 fn learnt(request: &FeedRequest) -> Result<FeedResult, Error> {
     let FeedRequest { model, settings, r, plant, .. } = *request;
     let Some(n) = period(r) else {
-        return Err(Error::parameter("reference", "not periodic", "learning needs a periodic reference"));
+        return Err(Error::Content(
+            "the reference is not periodic, but learning needs a periodic one: leave learning out for it".into(),
+        ));
     };
     let mut x = plant.initial();
     let periods = (SETTLES / (n as f64 * model.ts())).ceil() as usize;

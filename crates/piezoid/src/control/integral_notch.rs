@@ -107,7 +107,7 @@ fn control_step(s: control_state, r, y, feed) {{
 
 pub(super) const ROW: ControllerKind = ControllerKind {
     name: "integral-notch",
-    summary: "integral with a notch at each mode that needs one",
+    summary: "integral control with a notch at each mode that needs one",
     reference: "Abramovitch, Hoen & Workman 2008, DOI 10.1109/ACC.2008.4586898",
     uses_feed_forward: true,
     tune: |path, target| {

@@ -85,7 +85,8 @@ fn control_step(s: control_state, r, y, feed) {
     return integrating(s, feed, w, gain);
 }
 ";
-        let resonator = self.resonator.block("resonator", "a resonance that takes energy out of the mode");
+        let resonator =
+            self.resonator.block("resonator", "the resonator of positive position feedback, which damps the mode");
         Some(vec![resonator, block.text(program::INTEGRATING).text(step)])
     }
 
@@ -98,7 +99,7 @@ fn control_step(s: control_state, r, y, feed) {
 
 pub(super) const ROW: ControllerKind = ControllerKind {
     name: "positive-position",
-    summary: "integral beside positive position feedback that damps the first mode",
+    summary: "integral control in parallel with positive position feedback, which damps the first mode",
     reference: "Fanson & Caughey 1990, DOI 10.2514/3.10451",
     uses_feed_forward: true,
     tune: |path, target| {

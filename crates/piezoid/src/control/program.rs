@@ -8,7 +8,7 @@ pub(super) fn block(about: &str, limits: (f64, f64)) -> Block {
 }
 
 const SHARED: &str = "
-// What is missing; nothing where the reading is no number, so that it leaves the state alone.
+// The tracking error r - y; 0 if it is not finite, so that the state does not change.
 fn missing(r, y) {
     let off = r - y;
     let answered = 0.0;
@@ -16,7 +16,7 @@ fn missing(r, y) {
     return answered;
 }
 
-// The feed-forward within the limits; of what is no number, as of 0.
+// The feed-forward, clipped to the limits; 0 if it is not finite.
 fn fed(feed) {
     let given = 0.0;
     if magnitude(feed) <= most { given = feed; }
@@ -26,7 +26,7 @@ fn fed(feed) {
 
 /// The same as [`super::integrating`], for a state with an `integral`.
 pub(super) const INTEGRATING: &str = "
-// w on top of the feed-forward within the limits. The integral takes its gain, but where that would drive the input further beyond a limit.
+// The feed-forward plus w, clipped to the limits. The integral grows by gain, except if that would drive the input further beyond a limit.
 fn integrating(s: control_state, feed, w, gain) {
     let v = fed(feed) + w;
     let u = clamp(v, low, high);

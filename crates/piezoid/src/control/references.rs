@@ -27,7 +27,7 @@ pub static REFERENCES: &[Reference] = &[
     },
     Reference {
         name: "triangle",
-        summary: "the raster of a scan, at constant speed",
+        summary: "triangle wave, as in a raster scan: constant speed",
         samples: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
     },
     Reference {
@@ -37,7 +37,7 @@ pub static REFERENCES: &[Reference] = &[
     },
     Reference {
         name: "random",
-        summary: "a smooth random path of all frequencies up to the given one",
+        summary: "a smooth random signal with all frequencies up to the given one",
         samples: random,
     },
 ];

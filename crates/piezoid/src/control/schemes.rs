@@ -53,11 +53,11 @@ impl Scheme {
             }
         }
         if feeds + laws > 1 && scheme.law.is_some_and(|law| !law.uses_feed_forward) {
-            let rule = "must name this controller alone: it has its own feed-forward";
+            let rule = "predictive control cannot be combined with another controller: name it alone";
             return Err(Error::parameter("controller", name, rule));
         }
         if feeds > 1 || laws > 1 {
-            let rule = "must name one feed-forward, one controller, or one of each, such as feed-forward+pi";
+            let rule = "must name one feed-forward, one feedback, or one of each, such as feed-forward+pi";
             return Err(Error::parameter("controller", name, rule));
         }
         Ok(scheme)

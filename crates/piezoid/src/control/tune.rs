@@ -81,8 +81,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
             best = Some((merit, shape, factor));
         }
     }
-    let (_, shape, factor) =
-        best.ok_or_else(|| none("no gain meets the margins: choose smaller margins, or less detuning of the modes"))?;
+    let (_, shape, factor) = best.ok_or_else(|| none("no gain meets the margins: choose smaller margins"))?;
     build(shape, factor)
 }
 

@@ -24,13 +24,13 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct Chirp {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
         /// Frequency at the beginning.
         frequency_start: f64 = 1.0, FREQUENCY;
         /// Frequency at the end of the duration.
         frequency_end: f64 = 100.0, FREQUENCY;
-        /// 0: equal time in every hertz; 1: equal time in every octave.
+        /// 0: linear sweep (equal time per hertz); 1: logarithmic sweep (equal time per octave).
         logarithmic: bool = false, OptionRow::new(OptionKind::Bit);
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;

@@ -30,8 +30,8 @@ pub static DRIVERS: &[Amplifier] = &[
     Amplifier { name: "ideal", summary: "no limits", reference: "by definition", limits: NONE },
     Amplifier {
         name: "pl140",
-        summary: "the driver of the PL140 twin: +-30 V about the middle, 500 mA into 8.2 uF",
-        reference: "range and capacitance: PI data sheet PL112-PL140, 2020; current: a choice of the twin",
+        summary: "the driver of the PL140 twin: +-30 V about mid-voltage, 500 mA into 8.2 uF",
+        reference: "range and capacitance: PI data sheet PL112-PL140, 2020; current: assumed for the twin",
         limits: Limits { low: Some(-30.0), high: Some(30.0), current: Some(0.5), capacitance: Some(8.2e-6), ..NONE },
     },
     Amplifier {
@@ -93,7 +93,7 @@ impl LimitOptions {
             Some(name) => Amplifier::find(name)?.loaded(own.capacitance)?,
             None if own == Limits::default() => return Ok(None),
             None if own == (Limits { capacitance: own.capacitance, ..Limits::default() }) => {
-                let rule = "is for a limit of current: leave it out, or ";
+                let rule = "is used only with a current limit: leave it out, or ";
                 let error = Error::parameter("capacitance", own.capacitance.unwrap_or_default(), rule);
                 return Err(error.advised(vec![("driver", Value::Null), ("current", Value::Null)]));
             }

@@ -29,15 +29,15 @@ options! {
     /// ```
     #[derive(Copy)]
     pub struct Limits {
-        /// Capacitance of the load, for a limit of current.
+        /// Capacitance of the load, for the current limit.
         capacitance: Option<f64> = None, OptionRow::positive("F").group(GROUP);
         /// Lowest voltage.
         low: Option<f64> = None, OptionRow::number("V").group(GROUP);
         /// Highest voltage.
         high: Option<f64> = None, OptionRow::number("V").group(GROUP);
-        /// Fastest change of the voltage.
+        /// Largest slew rate of the voltage.
         slew: Option<f64> = None, OptionRow::positive("V/s").group(GROUP);
-        /// Highest current, either way; it needs the capacitance.
+        /// Largest current, in both directions; needs --capacitance.
         current: Option<f64> = None, OptionRow::positive("A").group(GROUP);
     }
 }
@@ -108,7 +108,7 @@ impl Limits {
         positive("ts", ts, "seconds")?;
         finite("u", u)?;
         let Some(&first) = u.first() else {
-            let remedy = "give it samples".into();
+            let remedy = "it must not be empty".into();
             return Err(Error::TooShort { what: "the drive".into(), have: 0, need: 1, remedy });
         };
         let larger = |best: (usize, f64), next: (usize, f64)| if next.1 > best.1 { next } else { best };
@@ -144,7 +144,7 @@ impl Limits {
         if over.is_empty() {
             return Ok(usage);
         }
-        Err(Error::Limits(format!("{}; lower the amplitude or the frequency, or ask to clip", over.join("; "))))
+        Err(Error::Limits(format!("{}; lower the amplitude or the frequency, or clip", over.join("; "))))
     }
 
     /// The voltages `u` [V], every `ts` [s], as this driver would follow them: held inside the range, and each sample
@@ -188,17 +188,22 @@ impl Limits {
         }
         for (name, value) in [("low", self.low), ("high", self.high)] {
             if let Some(value) = value.filter(|value| !value.is_finite()) {
-                return Err(Error::parameter(name, value, "must be a finite number of volts; leave it out for none"));
+                return Err(Error::parameter(
+                    name,
+                    value,
+                    "must be a finite number of volts; leave it out for no limit",
+                ));
             }
         }
         if self.current.is_some() && self.capacitance.is_none() {
             return Err(Error::parameter(
                 "capacitance",
                 "(not given)",
-                "a limit of current needs that of the load [F]",
+                "a current limit needs the capacitance of the load [F]",
             ));
         }
-        let rule = "the low limit must be below the high one; with one end open, 0 V must lie strictly inside";
+        let rule = "low must be below high; if only low is given it must be negative, if only high is given it must \
+                    be positive";
         let (low, high) = (self.low.unwrap_or(f64::NEG_INFINITY), self.high.unwrap_or(f64::INFINITY));
         let sensible = match (self.low, self.high) {
             (None, None) => true,

@@ -30,17 +30,17 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct Multisine {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
         /// Lower end of the band, above 0.
         frequency_low: f64 = 1.0, FREQUENCY;
         /// Upper end of the band, below half the sampling rate.
         frequency_high: f64 = 100.0, FREQUENCY;
-        /// Time after which it repeats; 0 is the whole duration.
+        /// Period of the signal; 0 means the whole duration.
         period: f64 = 0.0, OptionRow::not_negative("s");
         /// 1: odd harmonics only, so that nonlinearity shows at the even ones; 0: all.
         odd: bool = false, OptionRow::new(OptionKind::Bit);
-        /// Starting phases: 0 is Schroeder's, any other random ones, one realisation each.
+        /// Phases of the sines: 0 gives Schroeder's phases, any other seed random phases.
         seed: u32 = 0, count(0);
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;
@@ -88,7 +88,10 @@ impl Multisine {
         if lines.is_empty() {
             let which = if self.odd { "odd multiple" } else { "multiple" };
             let base = 1.0 / period;
-            let rule = format!("no {which} of {base} Hz lies from {low} Hz to there; widen the band or the period");
+            let rule = format!(
+                "no {which} of {base} Hz lies between frequency_low = {low} Hz and this frequency; it \
+                                must be above frequency_low: widen the band or lengthen the period"
+            );
             return Err(Error::parameter("frequency_high", format!("{high} Hz"), rule));
         }
         Ok(lines)
@@ -106,7 +109,7 @@ impl Multisine {
 
 pub(super) const ROW: Excitation = Excitation {
     name: "multisine",
-    summary: "equal sines over a band with a low peak: no leakage, for frequency responses",
+    summary: "sines of equal amplitude over a band, with a low crest factor: no leakage, for frequency responses",
     reference: PINTELON_SCHOUKENS,
     rows: Multisine::rows,
     generate: |given, ts, n| Multisine::from_json(given)?.samples(ts, n),

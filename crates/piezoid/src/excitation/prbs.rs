@@ -28,13 +28,13 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct Prbs {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
         /// Length of the shift register, 2 to 31; the sequence repeats after 2^order - 1 bits.
         order: u32 = 11, OptionRow::new(OptionKind::Integer(2, 31));
         /// Samples that each bit is held for.
         clock_divider: u32 = 1, count(1);
-        /// Starting register, below 2^order: where in the sequence it begins; 0 is all ones.
+        /// Start value of the shift register, below 2^order: shifts the sequence in time; 0 means all ones.
         seed: u32 = 0, count(0);
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;

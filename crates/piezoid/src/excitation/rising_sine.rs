@@ -26,7 +26,7 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct RisingSine {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
         /// Periods a second, below half the sampling rate.
         frequency: f64 = 1.0, FREQUENCY;

@@ -23,9 +23,9 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct Sine {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
-        /// Periods a second, below half the sampling rate.
+        /// Frequency, below half the sampling rate.
         frequency: f64 = 1.0, FREQUENCY;
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;
@@ -46,7 +46,7 @@ impl Sine {
 
 pub(super) const ROW: Excitation = Excitation {
     name: "sine",
-    summary: "one hysteresis loop, over and over",
+    summary: "sine: the same hysteresis loop repeatedly",
     reference: PINTELON_SCHOUKENS,
     rows: Sine::rows,
     generate: |given, ts, n| Sine::from_json(given)?.samples(ts, n),

@@ -25,9 +25,9 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct Staircase {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
-        /// Periods a second, below half the sampling rate.
+        /// Frequency, below half the sampling rate.
         frequency: f64 = 1.0, FREQUENCY;
         /// Number of evenly spaced levels, at least 2.
         levels: u32 = 20, count(2);
@@ -62,7 +62,7 @@ fn nearest(s: f64, jumps: f64) -> f64 {
 
 pub(super) const ROW: Excitation = Excitation {
     name: "staircase",
-    summary: "sine in steps of equal height: catches a model that reads a held input as a falling one",
+    summary: "sine in steps of equal height: shows whether a model treats a held input as a falling one",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     rows: Staircase::rows,
     generate: |given, ts, n| Staircase::from_json(given)?.samples(ts, n),

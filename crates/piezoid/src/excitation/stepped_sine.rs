@@ -26,11 +26,11 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct SteppedSine {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
-        /// Periods a second, below half the sampling rate.
+        /// Frequency, below half the sampling rate.
         frequency: f64 = 1.0, FREQUENCY;
-        /// Steps a period, at least 3.
+        /// Steps per period, at least 3.
         steps: u32 = 7, count(3);
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;

@@ -22,9 +22,9 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct Triangle {
-        /// Largest distance from the offset, half of peak to peak.
+        /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
-        /// Periods a second, below half the sampling rate.
+        /// Frequency, below half the sampling rate.
         frequency: f64 = 1.0, FREQUENCY;
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;
@@ -56,7 +56,7 @@ fn triangle(passed: f64) -> f64 {
 
 pub(super) const ROW: Excitation = Excitation {
     name: "triangle",
-    summary: "triangle: a loop at constant rate",
+    summary: "triangle wave: a loop at constant rate of the input",
     reference: PINTELON_SCHOUKENS,
     rows: Triangle::rows,
     generate: |given, ts, n| Triangle::from_json(given)?.samples(ts, n),

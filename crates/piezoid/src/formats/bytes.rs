@@ -20,7 +20,7 @@ pub(super) fn damaged(what: impl Display) -> Error {
 /// `len` bytes from `at` on.
 pub(super) fn part(bytes: &[u8], at: usize, len: usize) -> Result<&[u8], Error> {
     at.checked_add(len).and_then(|end| bytes.get(at..end)).ok_or_else(|| {
-        damaged(format!("{len} bytes should stand at byte {at} of {} bytes that are there", bytes.len()))
+        damaged(format!("{len} bytes are expected at byte {at}, but the file has only {} bytes", bytes.len()))
     })
 }
 
@@ -157,7 +157,7 @@ impl Unpacking {
         use miniz_oxide::inflate::TINFLStatus::HasMoreOutput;
         let unpacked = unpacked.map_err(|error| match error.status {
             HasMoreOutput => too_large(),
-            _ => damaged("what is compressed in it cannot be unpacked"),
+            _ => damaged("its compressed data cannot be unpacked"),
         })?;
         self.count(unpacked.len())?;
         Ok(unpacked)

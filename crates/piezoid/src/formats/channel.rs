@@ -67,7 +67,7 @@ impl Table {
                     Some(0) => continue,
                     Some(1) | None => None,
                     Some(_) => Some(Error::Content(format!(
-                        "there are two of {}, in several structures: give one structure",
+                        "the name {} occurs in several structures: save one structure only",
                         shortened(&name)
                     ))),
                 };

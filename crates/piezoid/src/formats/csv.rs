@@ -56,8 +56,10 @@ impl Table {
                 continue;
             }
             if let Some(gap) = gap {
-                let problem =
-                    format!("this line is empty, but rows follow from line {line} on: delete it, or what follows");
+                let problem = format!(
+                    "this line is empty, but rows follow from line {line} on: delete the empty line, or \
+                             everything after it"
+                );
                 return Err(Error::Line { line: gap, column: None, problem });
             }
             if table.first == 0 {
@@ -100,9 +102,9 @@ impl Table {
         } else if separator == ',' && count == 2 * names {
             "if the numbers have decimal commas, separate them with semicolons or tabs"
         } else if count < names {
-            "complete the row; if it is the last one, the file was cut short: delete it"
+            "complete the row, or delete it if it is the last one (the file was cut short)"
         } else {
-            "remove what is too much, or name it in the header"
+            "remove the additional cells, or name their columns in the header"
         };
         let [fields, columns] = [(count, "field"), (names, "column")].map(|(n, what)| match n {
             1 => format!("1 {what}"),

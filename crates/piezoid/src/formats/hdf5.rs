@@ -59,7 +59,9 @@ impl<'a> Hdf5File<'a> {
             return Err(newer("addresses of other than 8 bytes"));
         }
         part(file, 0, number(end, 8)?)?;
-        let bytes = file.get(number(base, 8)?..).ok_or_else(|| damaged("it begins behind its end"))?;
+        let bytes = file
+            .get(number(base, 8)?..)
+            .ok_or_else(|| damaged("the start of its data lies after the end of the file"))?;
         Ok(Hdf5File { bytes, root: number(root, 8)?, unpacking: Unpacking::of(file), visits: file.len() / 8 })
     }
 
@@ -73,7 +75,8 @@ impl<'a> Hdf5File<'a> {
 
     /// Counts one more node or head.
     fn visit(&mut self) -> Result<(), Error> {
-        self.visits = self.visits.checked_sub(1).ok_or_else(|| damaged("its parts refer to each other in circles"))?;
+        self.visits =
+            self.visits.checked_sub(1).ok_or_else(|| damaged("its objects refer to each other cyclically"))?;
         Ok(())
     }
 
@@ -107,6 +110,6 @@ impl<'a> Hdf5File<'a> {
 /// What is written otherwise than is read here.
 fn newer(what: impl std::fmt::Display) -> Error {
     Error::Content(format!(
-        "this HDF5 file is written in a way that is not read ({what}): save it as MATLAB -v7 or CSV"
+        "this HDF5 file uses a feature that is not supported ({what}): save it as MATLAB -v7 or CSV"
     ))
 }

@@ -25,7 +25,7 @@ const OCTAVE: &[u8] = b"# Created by Octave";
 
 fn read(file: &[u8]) -> Result<Table, Error> {
     if file.starts_with(OCTAVE) {
-        return Err(Error::Content("this is Octave's own text: save it with `save -v7`, or as CSV".into()));
+        return Err(Error::Content("this is Octave's text format: save it with `save -v7`, or as CSV".into()));
     }
     Ok(Table::of(if v5::begins(file) { v5::variables(file)? } else { v4::variables(file)? }))
 }

@@ -65,8 +65,8 @@ impl Table {
         }
         Table::parse(bytes).map_err(|error| match meant {
             Some(Format { name, summary, .. }) if *name != csv::ROW.name => Error::Content(format!(
-                "cannot be read: a file called .{extension} should hold {summary}, but this one does not begin so: it is \
-                 damaged, or of another format"
+                "cannot be read: a .{extension} file should hold {summary}, but this one does not start with the \
+                 signature of that format: it is damaged, or has another format"
             )),
             _ => error,
         })

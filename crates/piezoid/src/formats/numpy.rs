@@ -42,8 +42,8 @@ fn read(file: &[u8]) -> Result<Table, Error> {
     channels.extend(array("", file, &mut unpacking)?);
     match &channels[..] {
         [Channel { name, .. }] if name.is_empty() => Err(Error::Content(
-            "there are no names: the file holds one plain array; save the columns by their names, as \
-             numpy.savez(file, t_s=..., u_V=..., y_um=...) does"
+            "the file holds one array without column names: save the columns by name, as numpy.savez(file, t_s=..., \
+             u_V=..., y_um=...) does"
                 .into(),
         )),
         _ => Ok(Table::of(channels)),

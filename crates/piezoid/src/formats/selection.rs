@@ -136,9 +136,10 @@ impl ColumnRole {
 
     /// No column plays this role: what is looked for, and the column that may be meant.
     fn missing<'a>(&self, table: &Table, mut free: impl Iterator<Item = &'a str>) -> Error {
-        let patterns = [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("a single `{p}*`"))];
+        let patterns =
+            [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("exactly one name `{p}*`"))];
         let patterns = patterns.into_iter().flatten().collect::<Vec<_>>().join(" or ");
-        let wrong = format!("there is no {} column: {patterns} is missing", self.what);
+        let wrong = format!("there is no {} column: no column has the name {patterns}", self.what);
         if table.columns.len() == 1 && table.names().any(|name| name.contains(char::is_whitespace)) {
             let remedy = "; separate the columns with commas, semicolons or tabs: spaces belong to a name";
             return table.about_names(&wrong, remedy);
@@ -259,8 +260,7 @@ mod tests {
         assert!(default(&OUTPUT, "t_s,u_V,yref_um").unwrap_err().ends_with("; give `output_col`"));
         assert_eq!(
             default(&TIME, "u_V,y_um").unwrap_err(),
-            "line 1: there is no time column: `t_s` is missing among the columns `u_V`, `y_um`; give `ts` \
-             or `time_col`"
+            "line 1: there is no time column: `t_s` is missing among the columns `u_V`, `y_um`; give `ts` or `time_col`"
         );
         assert!(
             default(&TIME, "time,u_V,y_um")

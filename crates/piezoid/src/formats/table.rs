@@ -172,7 +172,7 @@ impl Table {
                 column: Some(shortened(comma)),
                 problem: format!(
                     "a decimal comma, but line {above} has a decimal point in {}: use one of them throughout, and no \
-                     sign between thousands",
+                     thousands separator",
                     quoted(point)
                 ),
             }),

@@ -23,7 +23,7 @@ pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
         })
     };
     if t.len() < 2 {
-        return refused(0, ("a single row does not tell the sampling period: ".into(), Some(Value::Null)));
+        return refused(0, ("one row is not enough to find the sampling period: ".into(), Some(Value::Null)));
     }
     if let Some(row) = (1..t.len()).find(|&k| t[k] <= t[k - 1]) {
         return refused(row, not_increasing(t[row - 1], t[row]));
@@ -41,8 +41,8 @@ pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
 fn not_increasing(before: f64, here: f64) -> (String, Option<Value>) {
     if here == before {
         let problem = format!(
-            "time stands still at {here} s but must increase: delete the row if it is there twice; if the stamps only \
-             have too few digits, the time column need not be read: "
+            "two rows have the time {here} s, but time must increase: delete the row if it is a duplicate; if the \
+             time stamps have too few digits, do without the time column: "
         );
         (problem, Some(Value::Null))
     } else {
@@ -72,7 +72,8 @@ fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Va
         let rows = if missing == 1.0 { "1 row seems".into() } else { format!("{missing} rows seem") };
         (found + &format!("{rows} to be missing; split the file here, or resample it evenly"), None)
     } else {
-        let problem = "resample the record evenly, or, if the samples are even and only the stamps are rough, ";
+        let problem = "resample the record evenly, or, if the samples are evenly spaced and only the time stamps are \
+                       rounded, ";
         (found + problem, Some(rounded(mean, 6).into()))
     }
 }

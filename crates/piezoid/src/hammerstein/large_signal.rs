@@ -81,7 +81,8 @@ fn of_order(
     let fastest = fit.arx.poles().iter().map(|p| p.hz).fold(0.0, f64::max);
     if fastest > 1.5 * highest {
         return plain(format!(
-            "the fit has a pole at {fastest:.1} Hz but the input ends at {highest:.1} Hz, so the data do not support it"
+            "the fit has a pole at {fastest:.1} Hz, but the input has no power above {highest:.1} Hz, so the data do \
+             not support it"
         ));
     }
     if share > CLEARLY_BETTER * residual_of_gain {

@@ -121,18 +121,18 @@ fn alike((low, high): (f64, f64), (other_low, other_high): (f64, f64)) -> bool {
 pub(super) fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
     let unclear = named(loops, |found| found.agreement < CLEAR).map(|which| {
         let advice = match split {
-            Split::Line => ", and a split by direction may be better",
+            Split::Line => ", try the option split = direction",
             Split::Direction => "",
         };
         format!(
-            "{which} the separating line does not split the points: the loop crosses itself or is hidden by \
-             noise{advice}"
+            "{which} the line through the reversals does not separate the two branches: the loop crosses itself or is \
+             hidden by noise{advice}"
         )
     });
     let inverted = named(loops, |found| found.agreement >= CLEAR && !found.ascending_below).map(|which| {
         format!(
             "{which} the loop is inverted (ascending branch above descending): the linear block is wrong there, for \
-             example above a resonance that it lacks or that the sampling is too slow for"
+             example because it lacks a resonance below this frequency, or because the sampling is too slow"
         )
     });
     unclear.into_iter().chain(inverted).collect()
@@ -144,7 +144,7 @@ pub(super) fn named(loops: &[HiddenLoop], are: impl Fn(&MeasuredLoop) -> bool) -
     let hz: Vec<String> = some.iter().flatten().map(|hz| round(*hz)).collect();
     match (some.is_empty(), hz.is_empty()) {
         (true, _) => None,
-        (false, true) => Some("in a loop without one frequency".into()),
+        (false, true) => Some("in a loop without a dominant frequency".into()),
         (false, false) => Some(format!("at {} Hz", hz.join(", "))),
     }
 }

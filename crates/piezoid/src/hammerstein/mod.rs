@@ -190,8 +190,8 @@ impl Model {
     /// Returns an error, with the place and what to do, if the text is not JSON, not a model, or has another schema
     /// number.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        let value: Value =
-            serde_json::from_str(text).map_err(|e| Error::Content(format!("not a JSON document: {e}")))?;
+        let value: Value = serde_json::from_str(text)
+            .map_err(|e| Error::Content(format!("not a complete JSON document, perhaps cut short ({e})")))?;
         match &value["piezoid"] {
             Value::Number(n) if n.as_u64() == Some(SCHEMA) => {}
             Value::Null => {

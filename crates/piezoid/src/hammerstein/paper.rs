@@ -90,7 +90,7 @@ pub(crate) fn identify_paper(
         notes.extend(unexcited_resonance(&part.arx, linear.iter()));
     }
     let defects = [defects("small-signal record", &linear), defects("large-signal record", &large_signal)].concat();
-    notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method uses it nevertheless")));
+    notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method still uses it")));
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
             "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try \
@@ -158,7 +158,7 @@ fn block(
         }
         (other, _) => {
             crate::hysteresis::Operator::find(other)?;
-            let rule = "the paper's method has proportional, two-branch, rate-scheduled and auto";
+            let rule = "must be proportional, two-branch, rate-scheduled or auto with the paper's method";
             return Err(Error::parameter("operator", other, rule));
         }
     })
@@ -219,7 +219,7 @@ fn linear_part(
         String::new()
     };
     let (order, by, n) = (settings.order, fit.estimator, fit.residuals.n);
-    let reason = format!("order {order} by {by} on {n} samples of small signal{failed}");
+    let reason = format!("order {order}, estimated by {by} from {n} small-signal samples{failed}");
     let reason = reason + &fit.order_too_low(linear).unwrap_or_default();
     Ok(LinearPart { arx: fit.arx.clone(), offset: fit.offsets[0], fit: Some(fit), reason })
 }

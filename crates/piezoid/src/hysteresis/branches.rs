@@ -113,7 +113,7 @@ struct Sides {
 }
 
 const BRANCH: &str = "
-// z at u on branch b, and the slope there. Beyond its knots a branch goes on along a line.
+// z at u on branch b, and the slope there. Beyond its knots a branch continues as a straight line.
 fn branch(b: whole, u) {
     let first = whole(starts[b]);
     let last = whole(starts[b + 1]) - 1;
@@ -243,7 +243,7 @@ impl Branches {
         let (low, high) = ends(u.iter().copied());
         let range = high - low;
         if !(range > 0.0 && range.is_finite()) {
-            let because = format!("the input stays at {low}: drive it up and down through a loop");
+            let because = format!("the input is constant at {low}: drive it up and down through a loop");
             return Err(Error::Unidentifiable { what: "the hysteresis loop".into(), because });
         }
         let mean_where = |near: &dyn Fn(f64) -> bool| {

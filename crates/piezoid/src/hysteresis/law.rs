@@ -180,7 +180,7 @@ impl<L: Law> Weighted<L> {
         positive("ts", ts, "seconds")?;
         finite("range", &[range.0, range.1])?;
         if range.0 >= range.1 {
-            let rule = "must run from the lowest input to a higher one: the input must move";
+            let rule = "must be the lowest input followed by a higher one";
             return Err(Error::parameter("range", format!("{range:?}"), rule));
         }
         finite("weights", &weights)?;

@@ -44,7 +44,7 @@ pub(super) struct MaxwellSlip {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "maxwell-slip",
-    summary: "elastic sliders whose breakaway depends on speed: loops that change with frequency",
+    summary: "elastic sliders whose breakaway force depends on speed: loops that change with frequency",
     reference: "Al-Bender, Lampaert & Swevers 2005, doi:10.1109/TAC.2005.858676",
     minor_loops: true,
     rate_independent: false,
@@ -151,7 +151,7 @@ fn hysteresis(x: hysteresis, u) {
                 x.slider[k] = (force + length) * points;
                 x.sliding[k] = 0.0;
             } else {
-                // What breaks away within the sample stands at its breakaway, which then draws it no further.
+                // A slider that breaks away within this sample stays at its breakaway force.
                 let late = 0.0;
                 if x.sliding[k] == points || force > breakaway { late = (force - breakaway) * left_over; }
                 x.slider[k] = (breakaway + late) * points;

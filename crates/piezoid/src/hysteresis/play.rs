@@ -36,7 +36,7 @@ pub(super) struct Play {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "prandtl-ishlinskii",
-    summary: "a sum of play operators: symmetric loops, minor loops, a closed inverse",
+    summary: "a sum of play operators: symmetric loops, minor loops, a closed-form inverse",
     reference: "Krejci & Kuhnen 2001, doi:10.1049/ip-cta:20010375",
     minor_loops: true,
     rate_independent: true,
@@ -88,7 +88,7 @@ impl Law for Play {
 const SUM: &str = "
 // z at u for the plays as they stand.
 fn weighted_sum(x: hysteresis, u) {
-    // Summed in lanes, and these in pairs.
+    // Eight partial sums, added in pairs: the same order of additions everywhere.
     let sums = [0.0; lanes];
     for k in 0..n { sums[k % lanes] += w[k + 1] * x.play[k]; }
     let even = (sums[0] + sums[4]) + (sums[2] + sums[6]);
@@ -136,8 +136,7 @@ fn hysteresis(x: hysteresis, u) {
 
 /// [`outwards`] for weights that are not negative.
 const CLOSED: &str = "
-// The input between low and high that the next step answers with z, and 1. From the last input outwards z is a broken line, and one
-// play after another is taken along. 0 as the second of a state that no inputs lead to, where the order is another.
+// The input between low and high for which the next step returns z, and 1. From the last input on, z is piecewise linear: the plays start to move one after another. The second value is 0 if the state cannot result from any input, because then the plays move in another order.
 fn hysteresis_closed(x: hysteresis, z, low, high) {
     let closed = 1.0;
     if x.last < low || x.last > high { closed = 0.0; }
@@ -152,7 +151,7 @@ fn hysteresis_closed(x: hysteresis, z, low, high) {
     let left = magnitude(z - here);
     // On a flat piece rounding is no distance.
     if w[0] == 0.0 && left < 4.0 * epsilon * magnitude(z) { left = 0.0; }
-    // Seen in a mirror where it falls.
+    // If the input has to fall, all signs are reversed.
     let v = toward * x.last;
     let behind = v + slack;
     let slope = w[0];

@@ -241,7 +241,7 @@ fn watch(x: hysteresis, u) {
     x.since_turn += 1.0;
     if x.trend == 0.0 { x.trend = x.direction; }
     if (u - x.extreme) * x.trend >= 0.0 {
-        // A held extreme lasts until it is left: its last sample is the turn.
+        // If the extreme is held, the reversal is its last sample.
         x.extreme = u;
         x.since_extreme = 0.0;
     } else if (x.extreme - u) * x.trend > turn {
@@ -254,7 +254,7 @@ fn watch(x: hysteresis, u) {
     }
 }
 
-// The frequency the state speaks of [Hz]: the lowest until two turns have been seen.
+// The frequency of the input [Hz], from the last two half-periods; the lowest one until two reversals have occurred.
 fn frequency(x: hysteresis) {
     let f = hertz[0];
     if x.half_before != 0.0 {
@@ -320,7 +320,9 @@ struct RateScheduledBasis {
 impl RateScheduledBasis {
     fn new(design: &BasisDesign) -> Result<Self, Error> {
         if design.frequencies.is_empty() {
-            let because = "the records have no frequencies: use two-branch, or give a record of each frequency".into();
+            let because = "the inputs of the records have no dominant frequency: use two-branch, or give one record \
+                           per frequency"
+                .into();
             return Err(Error::Unidentifiable { what: "the rate-scheduled block".into(), because });
         }
         let nodes = Nodes::new(design)?;

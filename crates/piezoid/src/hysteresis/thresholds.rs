@@ -35,7 +35,7 @@ pub(super) fn check(thresholds: &[f64]) -> Result<(), Error> {
     let mut below = 0.0;
     for (k, &r) in thresholds.iter().enumerate() {
         if r <= below {
-            let rule = format!("must be above {below}: thresholds rise from above zero");
+            let rule = format!("must be above {below}: thresholds must be positive and ascending");
             return Err(Error::parameter(format!("thresholds[{k}]"), r, rule));
         }
         below = r;

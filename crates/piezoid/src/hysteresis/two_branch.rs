@@ -137,7 +137,7 @@ fn choose<R: Real>(ascending: impl FnOnce() -> R, descending: impl FnOnce() -> R
 
 /// [`HeldInput::direction`] and [`read_slope`] as a program with several pairs of branches.
 pub(super) const READ: &str = "
-// The direction in which the input counts as moving, 1, -1 or 0 while it is not known; held where it stands.
+// The direction of the input: 1, -1, or 0 while unknown; it keeps its value while the input is constant.
 fn heading(before, u, held) {
     let direction = held;
     if u > before { direction = 1.0; }

@@ -82,7 +82,7 @@ pub static ESTIMATORS: &[Estimator] = &[
     #[cfg(feature = "clarabel")]
     Estimator {
         name: "least-absolute",
-        summary: "sum of absolute errors, exactly, by linear programming: the reference for the swarm",
+        summary: "exact minimum of the sum of absolute errors, by linear programming: for comparison with the swarm",
         reference: "Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138",
         estimate: |EstimatorInput { regression, .. }, _, _| {
             Ok(least_absolute(&regression.rows, regression.orders.parameters())?.x.into())
@@ -90,7 +90,7 @@ pub static ESTIMATORS: &[Estimator] = &[
     },
     Estimator {
         name: "output-error",
-        summary: "sum of squared free-run errors, by Levenberg-Marquardt: no bias by noise in y",
+        summary: "sum of squared free-run errors, by Levenberg-Marquardt: not biased by noise in y",
         reference: "Ljung 1998, System Identification; Marquardt 1963, doi:10.1137/0111030",
         estimate: |given, _, progress| {
             let found = OutputError::fit(given.records, given.regression.orders, &Refinement::default(), progress)?;
@@ -100,7 +100,7 @@ pub static ESTIMATORS: &[Estimator] = &[
     },
     Estimator {
         name: "instrumental",
-        summary: "refined instrumental variables: no bias by noise in y, robust to poor starting values",
+        summary: "refined instrumental variables: not biased by noise in y, robust to poor starting values",
         reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, \
                     doi:10.1007/BFb0009019",
         estimate: |given, _, _| {
@@ -209,11 +209,11 @@ impl Fit {
         let poles = doubled.arx.poles();
         let rings = poles.iter().filter(|p| p.z.im > 0.0 && p.damping > 0.0);
         let resonance = rings.min_by(|p, q| p.damping.total_cmp(&q.damping)).map_or(String::new(), |p| {
-            format!(" and puts the resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping)
+            format!(" and has its resonance at {:.1} Hz with damping {:.3}", p.hz, p.damping)
         });
         Some(format!(
-            "; its prediction error is {:.0} % of the records' rms, and order {} predicts {times} times \
-             better{resonance}: order {n} is too low",
+            "; its prediction error is {:.0} % of the records' rms, that of order {} is {times} times \
+             smaller{resonance}: order {n} is too low",
             100.0 * share,
             2 * n
         ))

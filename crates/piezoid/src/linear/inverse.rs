@@ -34,7 +34,10 @@ impl Arx {
     /// [`Error::NoInverse`], with the zeros, if b0 = 0 or a zero is not inside the unit circle.
     pub fn inverse(&self) -> Result<Inverse, Error> {
         if self.b()[0] == 0.0 {
-            let because = format!("b0 = 0: the input is delayed by {} samples, and (8) divides by b0", self.delay());
+            let because = format!(
+                "b0 = 0: the input is delayed by {} samples, and the inverse, equation (8) of the paper, divides by b0",
+                self.delay()
+            );
             return Err(Error::NoInverse { kind: "causal", because });
         }
         let zeros = self.zeros();
@@ -43,8 +46,8 @@ impl Arx {
         if !outside.is_empty() {
             let (is, pole) = if outside.len() == 1 { ("is", "a pole") } else { ("are", "poles") };
             let because = format!(
-                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of (8), which then grows \
-                 without bound",
+                "of its zeros {}, {} {is} not inside the unit circle and would be {pole} of its inverse, equation (8) \
+                 of the paper, which is therefore unstable",
                 join(&zeros),
                 join(&outside)
             );

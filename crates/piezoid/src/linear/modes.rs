@@ -123,7 +123,7 @@ impl ModalForm {
         let rest = |what: &str, share| [what.to_string(), none(), none(), percent(share), none(), none()];
         let images: Vec<f64> = self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| p.share).collect();
         if !images.is_empty() {
-            rows.push(rest("above the observable range", images.iter().sum()));
+            rows.push(rest("poles above 0.9 of half the sampling rate", images.iter().sum()));
         }
         rows.push(rest("feed-through", self.feed_through));
         rows

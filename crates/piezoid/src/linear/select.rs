@@ -276,8 +276,8 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
     };
     let (least, difference, best) = (short(b.held_out), short(c.excess), name(b));
     format!(
-        "{held_out}; the smallest of {all} blocks is {least} {unit}, of {best}: in mean squares {difference} less, \
-         {significance}; no simpler block is as good"
+        "{held_out}; of {all} blocks, {best} has the smallest, {least} {unit}: its mean squared error is {difference} \
+         {unit}^2 less, {significance}; no simpler block is as good"
     )
 }
 

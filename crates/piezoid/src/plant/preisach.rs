@@ -48,7 +48,8 @@ impl PreisachStage {
         let unit = ExponentialEverett { k: 1.0, rho, lean: c / range };
         let (full, bulge) = (unit.j1(range), unit.j1(range) - 2.0 * unit.j1(0.5 * range));
         let most = bulge / full;
-        let rule = format!("must be at least 0 and below {most:.4}, where no reversible slope remains");
+        let rule =
+            format!("must be at least 0 and below {most:.4}, because at that value no reversible slope would remain");
         require(width >= 0.0 && width < most, "hysteresis.width", width, &rule)?;
         let height = 2.0 * displacement;
         let k = width * height / bulge;

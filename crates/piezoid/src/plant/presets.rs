@@ -25,19 +25,21 @@ const SHEET_BOUC_WEN: &str = "PI datasheet PL112-PL140, 31.07.2020; Low & Guo 19
 pub static PLANTS: &[Preset] = &[
     Preset {
         name: "paper",
-        summary: "PL140 after the paper: one mode at the poles of its Table 2 (146.7 Hz), Bouc-Wen 13 %, no noise",
+        summary: "PL140 as in the paper (Kuklisova Pavelkova 2025): one mode at the poles of its Table 2 (146.7 Hz), \
+                  Bouc-Wen hysteresis of 13 % of the stroke, no noise",
         reference: "L. Kuklisova Pavelkova, ICINCO 2025, Table 2 (poles); Low & Guo 1995, DOI 10.1109/84.475550",
         spec: paper,
     },
     Preset {
         name: "pl140",
-        summary: "PL140.10, +-1000 um: three modes, Preisach 13 %, creep, 500 mA driver, noisy 16-bit sensor",
+        summary: "PL140.10, +-1000 um: three modes, Preisach hysteresis of 13 % of the stroke, creep, 500 mA driver, \
+                  noisy 16-bit sensor",
         reference: SHEET,
         spec: || bench_preisach(&PL140),
     },
     Preset {
         name: "pl140-bouc-wen",
-        summary: "PL140.10 like `pl140`, with Bouc-Wen hysteresis 13 %: minor loops are not wiped out",
+        summary: "PL140.10 like `pl140`, with Bouc-Wen hysteresis of 13 % of the stroke: no wiping-out of minor loops",
         reference: SHEET_BOUC_WEN,
         spec: || bench(&PL140, bouc_wen(&PL140)),
     },

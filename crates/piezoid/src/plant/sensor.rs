@@ -41,13 +41,17 @@ impl Sensor {
         let rms = non_negative("sensor.noise_rms_m", spec.noise_rms_m, "metres")?;
         let range = match spec.range_m {
             None => f64::INFINITY,
-            Some(range) => positive("sensor.range_m", range, "metres, or null for no end")?,
+            Some(range) => positive("sensor.range_m", range, "metres, or null for no limit")?,
         };
         let code = match spec.bits {
             None => 0.0,
             Some(bits @ 1..=32) if range.is_finite() => range * 2f64.powi(1 - bits as i32),
             Some(bits) => {
-                return Err(Error::parameter("sensor.bits", bits, "must be from 1 to 32, over a range_m; or null"));
+                return Err(Error::parameter(
+                    "sensor.bits",
+                    bits,
+                    "must be from 1 to 32 and needs range_m; or null for no quantisation",
+                ));
             }
         };
         let keep = if lag > 0.0 { (-h / lag).exp() } else { 0.0 };

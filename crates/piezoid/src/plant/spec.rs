@@ -175,7 +175,7 @@ impl Spec {
             Error::Line {
                 line: e.line().max(1) as u64,
                 column: Some(e.column().to_string()),
-                problem: format!("{problem}; start from a specification of the catalogue"),
+                problem: format!("{problem}; start from the output of `piezoid plants --show pl140`"),
             }
         })
     }

@@ -55,7 +55,8 @@ pub(super) fn drift(record: &Record) -> Option<Finding> {
     }
     let unit = &record.units().y;
     let seconds = (blocks - 1) as f64 * periods * period * record.ts();
-    let kind = if slows { "it slows down like creep" } else { "it does not slow down like creep" };
+    let kind =
+        if slows { "it slows down like creep" } else { "it does not slow down like creep, so the sensor may drift" };
     let text = format!(
         "the output drifts by {} {unit} in {} s ({} % of peak-to-peak), not explained by the input; {kind}",
         short(total),

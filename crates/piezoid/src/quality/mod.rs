@@ -157,7 +157,8 @@ fn unfit(record: &Record, need: &Need) -> Option<Finding> {
     let (n, units) = (record.len(), record.units());
     let still = |x: &[f64]| ends(x.iter().copied()).0 == ends(x.iter().copied()).1;
     let (defect, text) = if n < need.samples {
-        let text = format!("the record has {n} samples, but at least {} are needed: record longer", need.samples);
+        let text =
+            format!("the record has {n} samples, but at least {} are needed: take a longer record", need.samples);
         (Defect::TooShort, text)
     } else if still(record.u()) {
         let at = format!("the input is constant at {} {} over all {n} samples", round(record.u()[0]), units.u);

@@ -54,7 +54,7 @@ options! {
     /// Options of the comparison of a model with a record.
     #[derive(Copy)]
     pub struct ValidateOptions {
-        /// Time at the start of each record that is left out.
+        /// Time at the start of each record that the error figures leave out.
         skip: f64 = 0.0, OptionRow::not_negative("s");
         /// Offset of the model.
         offset: Offset = Offset::Kept, OptionRow::new(OFFSETS);

@@ -136,7 +136,7 @@ fn beyond(model: &Model, domain: &Domain, record: &Record, reported: bool) -> Ve
         };
         beyond.push(format!(
             "the input has a mean of {} {unit}, but the model was identified at {identified} {unit}: at another bias \
-             it extrapolates",
+             the model extrapolates",
             short(seen.mean[0])
         ));
     }
@@ -162,9 +162,8 @@ pub(super) fn not_covered(model: &Model, record: &Record, loops: &[LoopCompariso
     match (share, widest) {
         (Some(share), _) if curved && share < SMALL => not_covered
             .push(format!("the hysteresis: the input covers {} % of the identified range", short(100.0 * share))),
-        (_, Some(width)) if curved && width < CLOSED => {
-            not_covered.push(format!("the hysteresis: at this amplitude the model's loop is {} % wide", short(width)))
-        }
+        (_, Some(width)) if curved && width < CLOSED => not_covered
+            .push(format!("the hysteresis: at this amplitude the loop of the model is only {} % wide", short(width))),
         _ => {}
     }
     not_covered

@@ -52,7 +52,7 @@ pub struct Linearity {
     /// input; `None` if it is not.
     pub noise_percent: Option<f64>,
     /// Distortion below which it is not detected because of noise; `None` if the noise is unknown.
-    pub hidden_percent: Option<f64>,
+    pub detection_limit_percent: Option<f64>,
     /// Distortion: the largest result of the tests, without noise if that is known.
     pub distortion_percent: f64,
     /// Change of the gain from the lower to the upper end of the range [%].
@@ -120,14 +120,14 @@ impl Linearity {
             }
             (None, None) => None,
         };
-        let hidden_percent = noise.map(|(noise, n)| percent(noise) * (8.0 / n).powf(0.25));
+        let detection_limit_percent = noise.map(|(noise, n)| percent(noise) * (8.0 / n).powf(0.25));
         let distorted = rms.map(|rms| percent((rms.powi(2) - noise.map_or(0.0, |n| n.0).powi(2)).max(0.0).sqrt()));
         let (even_percent, odd_percent) =
             (unexcited.and_then(|d| d.even).map(percent), unexcited.and_then(|d| d.odd).map(percent));
         let lines = even_percent.zip(odd_percent).map(|(even, odd)| even.hypot(odd)).or(even_percent).or(odd_percent);
         let Some(distortion_percent) = distorted.into_iter().chain(lines).reduce(f64::max) else {
             return Err(Error::Unidentifiable {
-                what: "whether the record is linear".into(),
+                what: "the linearity of the record".into(),
                 because:
                     "no linear block fits it, and its input is not periodic: use three or more complete periods of a \
                           PRBS or a multisine"
@@ -136,11 +136,11 @@ impl Linearity {
         };
         let gains = closest.map(|c| gain_over_level(&c.simulated, &masked.record.y()[masked.start..]));
         let run = ComparedRun { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
-        let hidden = hidden_percent.unwrap_or(0.0);
+        let hidden = detection_limit_percent.unwrap_or(0.0);
         let mut linearity = Linearity {
             residual_percent: rms.map(percent),
             noise_percent: repeated.as_ref().map(|r| r.noise).or(noise.map(|n| n.0)).map(percent),
-            hidden_percent,
+            detection_limit_percent,
             distortion_percent,
             gain_across_percent: gains.map(|(across, _)| across),
             gain_outward_percent: gains.map(|(_, outward)| outward),
@@ -156,7 +156,7 @@ impl Linearity {
     }
 
     fn words(&self, unit: &str, repeats: bool) -> String {
-        let (distortion, hidden) = (short(self.distortion_percent), self.hidden_percent.unwrap_or(0.0));
+        let (distortion, hidden) = (short(self.distortion_percent), self.detection_limit_percent.unwrap_or(0.0));
         let mut text = match (self.is_linear, self.distortion_percent) {
             (None, _) => {
                 let noise = self.noise_percent.map_or_else(String::new, short);
@@ -172,7 +172,8 @@ impl Linearity {
             ),
             (Some(true), _) => format!("the record is linear: {distortion} % of the output's rms is distortion"),
             (_, d) if d <= NOT_LINEAR => format!(
-                "the record is nearly linear: {distortion} % of the output's rms is distortion, better below {LINEAR} %"
+                "the record is nearly linear: {distortion} % of the output's rms is distortion; below {LINEAR} % is \
+                 recommended"
             ),
             _ => format!(
                 "the record is not linear: {distortion} % of the output's rms is distortion; use a smaller amplitude"
@@ -199,7 +200,8 @@ impl Linearity {
             && across.abs().max(outward.abs()) > LINEAR
         {
             text += &format!(
-                "; the gain changes by {} % from one end of the range to the other and by {} % from the middle outward",
+                "; the gain changes by {} % from one end of the range to the other, and by {} % from the middle to \
+                 the ends",
                 short(across),
                 short(outward)
             );
@@ -209,7 +211,7 @@ impl Linearity {
         {
             let change = 100.0 * (last[1] / first[1] - 1.0);
             text += &format!(
-                "; the gain at {} {unit} is {} % off that at {} {unit}",
+                "; the gain at {} {unit} amplitude differs by {} % from that at {} {unit}",
                 short(last[0]),
                 short(change),
                 short(first[0])
@@ -349,7 +351,7 @@ mod tests {
         let seen = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
         assert!(seen.is_linear == Some(true) && seen.verdict.contains("the record is linear"), "{seen:?}");
         assert_close(&[seen.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
-        assert!(seen.hidden_percent < Some(LINEAR), "{seen:?}");
+        assert!(seen.detection_limit_percent < Some(LINEAR), "{seen:?}");
         let distorted = plain.y().iter().map(|y| y + 0.2 * (y - 12.0).powi(2) / std).collect();
         let distorted =
             Linearity::of(&with_noise(&Record::new(2e-5, plain.u().to_vec(), distorted).unwrap(), 0.04 * std)).unwrap();
@@ -377,7 +379,7 @@ mod tests {
             let seen = Linearity::of(&with_noise(&sound, 2.0 * std)).unwrap();
             assert_eq!(seen.is_linear, None, "{seen:?}");
             assert!(seen.verdict.contains("hides distortion up to"), "{}", seen.verdict);
-            assert!(seen.noise_percent > Some(80.0) && seen.hidden_percent > Some(NOT_LINEAR), "{seen:?}");
+            assert!(seen.noise_percent > Some(80.0) && seen.detection_limit_percent > Some(NOT_LINEAR), "{seen:?}");
         }
     }
 

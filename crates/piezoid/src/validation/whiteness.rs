@@ -115,8 +115,8 @@ impl Whiteness {
                  response to the input"
             ),
             (true, 0..) => format!(
-                "residuals correlate with the input {k} samples earlier ({c}, bound {bound}): dynamics, gain or \
-                 hysteresis are missing in the model"
+                "residuals are correlated with the input at a lag of {k} samples (correlation {c}, bound {bound}): \
+                 dynamics, gain or hysteresis are missing in the model"
             ),
             (true, _) => format!(
                 "residuals correlate with the input {} samples later ({c}, bound {bound}): the delay of the model is \

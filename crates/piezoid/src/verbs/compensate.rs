@@ -16,9 +16,9 @@ use serde_json::{Value, json};
 options! {
     /// How to compensate.
     pub struct CompensateOptions {
-        /// Come as close as the limits allow instead of refusing.
+        /// Clip the voltage to the limits, instead of refusing a reference that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch);
-        /// Correct, this many times at most, what the model's free run leaves.
+        /// Largest number of iterations that correct the error left in the model's free run.
         sweeps: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     } with limits: LimitOptions with shape: Shaping
 }

@@ -53,7 +53,7 @@ options! {
     /// What controllers are tuned to.
     #[derive(Copy)]
     pub struct TuneOptions {
-        /// Samples by which readings come late; controllers are tuned for it.
+        /// Sensor delay in samples; controllers are tuned for it.
         late: usize = 0, OptionRow::new(OptionKind::Integer(0, ControlLoop::LATEST as u64));
         /// Gain margin to tune to [dB].
         gain_margin: f64 = MarginTarget::default().gain_db, OptionRow::positive("dB");
@@ -77,21 +77,24 @@ impl TuneOptions {
 options! {
     /// What to compare, along what.
     pub struct ControlOptions {
-        /// What to compare, such as feed-forward+pi.
+        /// Controllers to compare, such as feed-forward+pi.
         controller: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("NAME")).absent("six schemes");
-        /// What to follow: files, or names such as sine:5.
-        reference: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("FILE|NAME[:HZ]")).absent("ten");
+        /// References: files, or names such as sine:5.
+        reference: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("FILE|NAME[:HZ]")).absent("ten named \
+                                                                               references");
         /// Peak of named references, in the model's output unit.
-        amplitude: Option<f64> = None, OptionRow::positive("").absent("0.8 of what it can hold");
-        /// Samples of the reference that are known ahead.
+        amplitude: Option<f64> = None, OptionRow::positive("").absent("0.8 of the displacement that the model can \
+                                                            hold on both sides of 0");
+        /// Number of future samples of the reference that controllers may use.
         preview: Option<usize> = None, OptionRow::new(COUNT).absent("all");
         /// Noise of the sensor, rms in the model's output unit.
         noise: Option<f64> = None, OptionRow::not_negative("").absent("the plant's own");
-        /// Let feed-forward come as close as the limits allow instead of refusing.
+        /// Clip the feed-forward to the limits, instead of refusing a reference that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch);
-        /// Also try plants whose values lie within this many percent of these, along the first reference.
+        /// Also simulate random plants whose parameters differ from those of the plant by up to this many percent, on
+        /// the first reference.
         tolerance: Option<f64> = None, OptionRow { unit: "%", ..OptionRow::new(PERCENT) };
-        /// How many.
+        /// Number of these random plants.
         draws: usize = 200, OptionRow::new(OptionKind::Integer(1, u64::MAX)).requires("tolerance");
         /// Seed of the noise and of the draws.
         seed: u64 = 1, OptionRow::new(COUNT);
@@ -122,7 +125,11 @@ impl ControlOptions {
         let settings = self.settings()?;
         if let Some(noise) = self.noise {
             let unit = &model.units().y;
-            let none = || Error::Content(format!("its output is in {unit}, which is no length: leave the noise out"));
+            let none = || {
+                Error::Content(format!(
+                    "the output of the model is in {unit}, which is not a length: leave out the option noise"
+                ))
+            };
             let factor = Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
             spec.sensor.noise_rms_m = noise * factor;
         }
@@ -201,10 +208,13 @@ impl ControlOptions {
         let n = (SECONDS.max(PERIODS / hz) / ts).round();
         if n > LONGEST {
             let least = short(PERIODS / (LONGEST * ts));
-            let rule = format!("four periods are {n} samples: choose {least} Hz or more");
+            let rule = format!("four periods are {n} samples, more than 1000000: choose {least} Hz or more");
             return Err(Error::parameter("reference", name, rule));
         }
-        let r = (kind.samples)(ts, n as usize, peak, hz)?;
+        let r = (kind.samples)(ts, n as usize, peak, hz).map_err(|e| match e {
+            Error::Parameter { rule, .. } => Error::parameter("reference", format!("{}:{hz}", kind.name), rule),
+            other => other,
+        })?;
         Ok(NamedReference::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
     }
 }
@@ -217,7 +227,7 @@ impl Comparison {
     pub fn to_csv(&self) -> Result<String, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
         let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
-            return Err(Error::Content("there is no run: nothing was followed".into()));
+            return Err(Error::Content("there is no run to write: no controller could follow the reference".into()));
         };
         let (ts, units) = (drive.model().ts(), drive.model().units());
         let names = [format!("u_{}", units.u), format!("y_{}", units.y), format!("r_{}", units.y)];
@@ -229,8 +239,8 @@ impl Comparison {
         let mut told = self.notes.clone();
         if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
             told.push(format!(
-                "the model was identified up to {} Hz: feedback is kept slow enough for a resonance beyond; identify it \
-                 on a PRBS too for a faster one",
+                "the model was identified up to {} Hz only: feedback is tuned slow enough for an unknown resonance \
+                 above; identify the model with a PRBS record as well to allow faster feedback",
                 short(hz)
             ));
         }
@@ -279,7 +289,6 @@ fn held(model: &Model, settings: FeedForwardSettings) -> Result<f64, Error> {
     }
     let (low, high, unit) = (round(low), round(high), &model.units().y);
     Err(Error::Content(format!(
-        "the model holds {low} to {high} {unit}, and named references go to both sides of 0: give a file or an \
-         amplitude"
+        "the model can hold {low} to {high} {unit}, but named references need both signs: give a file as reference"
     )))
 }

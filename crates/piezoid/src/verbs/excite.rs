@@ -13,7 +13,7 @@ options! {
         ts: f64 = 5e-4, OptionRow::positive("s").required();
         /// Length of the signal.
         duration: f64 = 1.0, OptionRow::positive("s").required();
-        /// Clip to the driver's limits instead of refusing.
+        /// Clip the signal to the limits, instead of refusing one that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch);
     } with limits: LimitOptions
 }
@@ -40,7 +40,7 @@ impl ExciteOptions {
         let mut u = kind.samples(self.ts, self.duration, given)?;
         let Some(limits) = self.limits.limits()? else {
             if self.clip {
-                let error = Error::parameter("clip", true, "is for limits of the voltage: leave it out, or ");
+                let error = Error::parameter("clip", true, "needs limits to clip to: leave it out, or ");
                 return Err(error.advised(vec![("driver", Value::Null)]));
             }
             return Ok(Excited { ts: self.ts, u, usage: None, clipped: 0 });

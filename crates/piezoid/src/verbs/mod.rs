@@ -93,7 +93,7 @@ impl File {
     /// # Errors
     /// It holds none.
     pub fn model(&self) -> Result<Model, Error> {
-        let known = |e| Error::Content(format!("{e}; a model is what `piezoid identify` writes")).of(&self.name);
+        let known = |e| Error::Content(format!("{e}; give a file that `piezoid identify` wrote")).of(&self.name);
         Model::from_json(self.text()?).map_err(known)
     }
 

@@ -10,16 +10,16 @@ use crate::record::{Record, Units};
 use crate::system::System;
 
 const INITIAL_CONDITIONS: OptionKind = OptionKind::Choice(&[
-    ("rest", "Rest, and a jump to the first input"),
-    ("settled", "The first input, which had stood for long"),
-    ("motion", "The same as in the record"),
+    ("rest", "At rest, with a jump to the first input"),
+    ("settled", "Settled at the first input"),
+    ("motion", "In motion as in the record, as if the record had begun earlier"),
 ]);
 
 options! {
     /// How to simulate.
     #[derive(Copy)]
     pub struct SimulateOptions {
-        /// What came before: rest; the first input, which had stood for long; or the same as in the record.
+        /// Initial condition: rest; settled at the first input; or already in the motion of the record.
         begin: InitialCondition = InitialCondition::Rest, OptionRow::new(INITIAL_CONDITIONS);
         /// Seed of the plant's noise.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
@@ -95,7 +95,7 @@ impl Simulated {
         let Some(k) = self.y.iter().position(|y| !y.is_finite()) else { return Ok(self) };
         let time = k as f64 * self.ts;
         let why = "the model is unstable, or the input far too large";
-        Err(Error::Content(format!("the answer grows beyond all numbers at {time} s: {why}")))
+        Err(Error::Content(format!("the output overflows at {time} s: {why}")))
     }
 
     /// Input and answer as a file.

@@ -41,7 +41,7 @@ impl ValidateOptions {
                 let record = record.output_in(unit)?;
                 if self.skip >= record.duration() {
                     let duration = round(record.duration());
-                    let rule = format!("leaves nothing of this record, which lasts {duration} s: skip less");
+                    let rule = format!("must be less than the duration of this record, {duration} s");
                     return Err(Error::parameter("skip", self.skip, rule));
                 }
                 let validation = model.validate_with(&record, self)?;

@@ -1,4 +1,4 @@
-"""Figures with matplotlib that look right in a paper: `pip install piezoid[plot]`.
+"""Figures with matplotlib, formatted for a journal: `pip install piezoid[plot]`.
 
 >>> import numpy as np, piezoid as pz
 >>> plant = pz.plants["pl140"]
@@ -10,7 +10,7 @@
 >>> ax.figure.savefig("loops.pdf")  # doctest: +SKIP
 
 Every function draws into the `ax` it is given, or else into a figure of its own with the width of `figure.figsize`, and
-returns what it drew into. What a line is decides its colour; darkness, markers and the legend say it too. Nothing is
+returns what it drew into. The colour of a line shows its kind (measured, model, ...); brightness, markers and the legend show it as well. Nothing is
 shown, and no setting of matplotlib stays changed.
 """
 

@@ -1,4 +1,4 @@
-"""Errors by frequency and amplitude, and of schemes of control."""
+"""Errors by frequency and amplitude, and tracking errors of controllers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def frequencies(
     """Errors by frequency, or by amplitude of the input, as the tables of a validation have them.
 
     validations: one or several of one model; or of several models, by name
-    measure: rms error over rms of the output, over its peak-to-peak, or as it is [output unit]
+    measure: rms error over the standard deviation of the output, over its peak-to-peak, or itself [output unit]
 
     The axis of errors is logarithmic where they differ tenfold. A bar says how wide the band of a point is. Hollow
     points are of the spectrum, where an input has no cycles.
@@ -103,7 +103,7 @@ def tracking(
     controllers: Iterable[str] | None = None,
     ax: Any = None,
 ) -> Panels:
-    """What was wanted and what each controller reached, and below, on its own scale, the error.
+    """The reference and the displacement with each controller, and below, with its own scale, the error.
 
     reference: which one, the first unless given; controllers: which ones, all unless given
     ax: two Axes

@@ -31,15 +31,15 @@ def branches(
 ) -> Axes:
     """The hysteresis operator alone, without creep and driver: its major loop, and minor loops within.
 
-    over: lowest and highest input [input unit]; the range that the model knows, where it is not given
-    hz: frequency of the major loop [Hz], for operators that mind the time; the lowest that the model knows
+    over: lowest and highest input [input unit]; default: the range of the identification data
+    hz: frequency of the major loop [Hz], for rate-dependent operators; if not given, the lowest frequency of the identification data
 
     Returns the Axes.
     """
     _checked(model)
     low, high = over or model.input_range or (0.0, 0.0)
     if not low < high:
-        raise PiezoidError(f"over = {over}: give the lowest and the highest input; the model knows no range by itself")
+        raise PiezoidError(f"over = {over}: give the lowest and the highest input, because the model does not state its input range")
     document = model.to_dict()
     known = (document.get("identified") or {}).get("hz") or [1.0]
     n = int(np.clip(0.5 / ((hz or known[0]) * model.ts), FEWEST, MOST))

@@ -63,7 +63,7 @@ def loops(
 
 
 def series(data: Record | Validation, *, ax: Any = None) -> Panels:
-    """Input and output over time; of a validation also the free run, and below, on its own scale, what it leaves.
+    """Input and output over time; for a validation also the free run, and below, with its own scale, the residual.
 
     ax: two Axes for a record, three for a validation
 
@@ -92,7 +92,7 @@ def series(data: Record | Validation, *, ax: Any = None) -> Panels:
 
 
 def residuals(validation: Validation, *, ax: Any = None) -> Panels:
-    """What the free run leaves: over time, its correlation with itself, and over the input.
+    """Residual of the free run: against time, its autocorrelation, and against the input.
 
     White noise stays within the shaded bound at all lags in 99 of 100 records. Where too little is left to correlate,
     how often which error occurs stands there instead.

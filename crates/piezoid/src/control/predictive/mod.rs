@@ -127,7 +127,7 @@ impl Predictive {
         let major = (model.settled_hidden(bottom), model.settled_hidden(top));
         let range = major.1 - major.0;
         if !(range > 0.0 && range.is_finite()) {
-            return Err(unsuited(format!("its hysteresis does not move between {bottom} and {top} V")));
+            return Err(unsuited(format!("its hysteresis block gives a constant output between {bottom} and {top} V")));
         }
         let plant = Realisation::new(model.creep(), model.linear());
         settings.check_computing_time(plant.order(), model.ts())?;

@@ -108,8 +108,8 @@ impl PredictiveSettings {
         }
         let longest = (1..n).rev().find(|&shorter| fits(shorter)).unwrap_or(0);
         let rule = format!(
-            "takes longer than a sample of {ts} s at {} multiplications per second in the worst case; the longest that \
-            does not is {longest}",
+            "needs more than one sample of {ts} s in the worst case, at {} multiplications per second; the longest \
+             horizon that fits is {longest} samples",
             self.multiplications_per_second
         );
         Err(Error::parameter("horizon", n, rule))

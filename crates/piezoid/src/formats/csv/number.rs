@@ -72,8 +72,8 @@ pub(super) fn problem(cell: &str, first: bool) -> String {
 /// A column that uses point and comma.
 pub(super) fn mixed(cell: &str, sign: char, above: u64) -> String {
     format!(
-        "{} has another decimal sign than line {above} with its `{sign}`: use one of them throughout, and no sign \
-         between thousands",
+        "{} has another decimal separator than line {above} (`{sign}`): use one of them throughout, and no thousands \
+         separator",
         quoted(cell)
     )
 }

@@ -30,10 +30,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<&str, Error> {
     }
     let text = std::str::from_utf8(bytes).map_err(|e| not_utf8(bytes, e.valid_up_to()))?;
     let problem = if let Some(at) = text.find('\0') {
-        Some((at, "a NUL byte, which no text has: the file is damaged from here on (was its writing interrupted?)"))
+        Some((
+            at,
+            "a NUL byte, which is not allowed in text: the file is damaged from here on (was it written completely?)",
+        ))
     } else if text.contains('\n') {
         stray_return(bytes)
-            .map(|at| (at, "a carriage return within the line: the line ends differ, make them all alike"))
+            .map(|at| (at, "a carriage return within the line: the file mixes line endings; use one kind throughout"))
     } else {
         None
     };

@@ -17,7 +17,7 @@ impl<'a> Hdf5File<'a> {
     pub(super) fn samples(&mut self, data: &Object<'a>) -> Result<Option<Samples>, Error> {
         let left = |what: &str| Ok(Some(Err(what.to_string())));
         let (Some(space), Some(kind), Some(layout)) = (data.first(SPACE), data.first(TYPE), data.first(LAYOUT)) else {
-            return left("no data set that is read");
+            return left("no data set of a supported type");
         };
         let dims = dims(space)?;
         // Last first, as MATLAB counts: a line of text has one row.

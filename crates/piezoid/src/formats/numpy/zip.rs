@@ -66,7 +66,7 @@ impl Member {
             8 => Cow::Owned(unpacking.deflated(packed)?),
             other => {
                 return Err(Error::Content(format!(
-                    "{name:?} is compressed in a way that is not read (method {other}): save it with numpy.savez"
+                    "{name:?} has an unsupported compression (method {other}): save it with numpy.savez"
                 )));
             }
         };

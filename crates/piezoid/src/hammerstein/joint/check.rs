@@ -33,8 +33,8 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     if held_out.is_nan() || held_out > ALL {
         let each = runs.iter().zip(&shares).map(|(run, share)| format!("{} {} %", run.name, short(*share)));
         let because = format!(
-            "the held-out data are predicted no better than by a constant (residual over rms: {}): check that the \
-             output depends on the input, with the same sign in all records",
+            "the model predicts the held-out data no better than a constant does (residual in % of the output's rms: \
+             {}): check that the output depends on the input, with the same sign in all records",
             each.collect::<Vec<_>>().join(", ")
         );
         return Err(Error::Unidentifiable { what: "a model".into(), because });
@@ -60,7 +60,8 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     let inner =
         |run: &&TrainingRecord| reversals(run.record.u(), BACK).into_iter().any(|t| t > 0 && t + 1 < run.record.len());
     if !large_signal.iter().any(inner) {
-        let note = "no large-signal input has a reversal, so the hysteresis cannot be identified: record full loops";
+        let note = "no large-signal input has a reversal, so the hysteresis is not determined: take records of full \
+                    loops";
         notes.push(note.into());
     }
     for (k, run) in large_signal.iter().enumerate() {

@@ -103,7 +103,9 @@ pub(super) fn dynamics(hidden: &[Record], n: usize, latest: usize, gain: f64) ->
         if found.arx.dc_gain() * gain > 0.0 {
             return Ok(Dynamics { arx: found.arx, cost: found.minimum.cost });
         }
-        let because = "the sign of its static gain differs from that of the records".into();
+        let because = "the sign of its static gain differs from that of the records: choose another order, or add a \
+                       small-signal PRBS record"
+            .into();
         Err(Error::Unidentifiable { what: format!("a linear block of order {n}"), because })
     };
     let (found, refused): (Vec<_>, Vec<_>) = delays.into_iter().map(of).partition(Result::is_ok);

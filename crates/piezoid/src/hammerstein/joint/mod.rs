@@ -168,7 +168,11 @@ pub(crate) fn identify_joint(
     let parameters = uncertainty::parameters(&fitted);
     notes.extend(parameters.iter().filter(|p| p.is_unknown()).map(|p| {
         let (value, error) = (short(p.value), short(p.error));
-        format!("{} = {value} with a standard error of {error}: these records do not determine it", p.name)
+        format!(
+            "{} = {value} with a standard error of {error}: these records do not determine it; ignore its value, \
+                 or add records",
+            p.name
+        )
     }));
     notes.extend(model.creep().lags().iter().filter(|lag| lag.gain > CREEPS).map(|lag| {
         let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));

@@ -79,7 +79,13 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
         Some(near) => {
             let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
             let (n, delay) = (near.orders.na, near.orders.delay);
-            Ok((fit.arx, format!("order {n} with delay {delay}; {}, but has a lag as slow as creep", found.reason)))
+            Ok((
+                fit.arx,
+                format!(
+                    "order {n} with delay {delay}, because the better block has a lag as slow as creep ({})",
+                    found.reason
+                ),
+            ))
         }
     }
 }

@@ -73,7 +73,7 @@ pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fi
     for (trial, fitted) in trials.iter_mut().zip(&fitted) {
         trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
         if trial.as_good {
-            trial.verdict = "as good";
+            trial.verdict = "as good as the best";
         }
     }
     let good = (0..trials.len()).filter(|&k| trials[k].as_good);
@@ -87,7 +87,7 @@ pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fi
         let because = each.collect::<Vec<_>>().join("; ");
         return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
     };
-    trials[k].verdict = "taken";
+    trials[k].verdict = "selected";
     Ok((fitted, trials))
 }
 
@@ -100,7 +100,10 @@ pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
     let simplest = match (best.operator == name, trials.iter().filter(|t| t.as_good).count()) {
         (true, 1) => format!("{name} has the smallest held-out error, {error} % rms/pp"),
         (true, _) => {
-            format!("{name} has the smallest held-out error, {error} % rms/pp, and is the simplest of its equals")
+            format!(
+                "{name} has the smallest held-out error, {error} % rms/pp, and is the simplest of those that are \
+                     as good"
+            )
         }
         (false, _) => {
             let (least, best) = (short(best.held_out_percent), best.operator);

@@ -49,7 +49,7 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
         parameters.push(parameter(shape.name.into(), shape.value, &|e| e.basis.shape()[k].value));
     }
     for (k, lag) in estimate.lags.iter().enumerate().filter(|(_, lag)| lag.gain > 0.0) {
-        let name = format!("creep of {} s", crate::number::short(lag.tau_s));
+        let name = format!("creep gain at {} s [-]", crate::number::short(lag.tau_s));
         parameters.push(parameter(name, lag.gain, &|e| e.lags[k].gain));
     }
     for (k, mode) in estimate.linear.modal_form().modes().into_iter().enumerate() {

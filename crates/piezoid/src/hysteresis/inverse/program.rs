@@ -52,8 +52,7 @@ fn hysteresis_ahead(x: hysteresis, u) {
 
 /// [`super::by_slopes`].
 const BY_SLOPES: &str = "
-// The input between low and high that the next step answers with z, sought from the last one outwards by Newton's method, kept between
-// what lies before the wanted z and what does not; and 1, or 0 where z is seen to fall, or to jump past what is wanted.
+// The input between low and high for which the next step returns z, by Newton's method from the last input, bracketed by inputs below and above the requested z. The second value is 1, or 0 if z falls with the input or jumps over the requested value.
 fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
     let found = 0.0;
     let close = magnitude(low);
@@ -88,7 +87,7 @@ fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
             same = 4.0 * epsilon * same;
         }
         let left = toward * (z - reached);
-        // On a flat piece rounding is no distance.
+        // On a flat piece a difference within rounding counts as 0.
         if slope == 0.0 && magnitude(left) <= same { left = 0.0; }
         if trial == 0 && left == 0.0 {
             found = 1.0;
@@ -109,7 +108,7 @@ fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
                 bounded = 1;
                 limit = u;
             }
-            // On a flat piece that has the wanted z the input before it tells where it begins.
+            // If a whole flat piece has the requested z, the slope before it is used to find where the piece begins.
             let from_u = u;
             let from_z = reached;
             let from_slope = slope;
@@ -131,7 +130,7 @@ fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
                     u = stop;
                     off = stop_left;
                 }
-                // More than rounding is a jump.
+                // A difference larger than rounding means that z jumps here.
                 if magnitude(off) <= 10000.0 * same { found = 1.0; }
                 searching = 0;
             } else if (newton - start) * toward > 0.0 && (limit - newton) * toward > 0.0 && magnitude(left) <= 0.5 * before {
@@ -155,7 +154,7 @@ fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
 const BY_TRIALS: &str = "
 // The same by trials between the ends: inverse quadratic interpolation where it stays well inside, else halving.
 fn hysteresis_by_trials(x: hysteresis, z, low, high) {
-    // a is the newest, b across the wanted z from it.
+    // a is the newest input; b lies on the other side of the requested z.
     let a = low;
     let a_off = 0.0;
     let b = high;
@@ -172,7 +171,7 @@ fn hysteresis_by_trials(x: hysteresis, z, low, high) {
         } else if trial == 1 {
             b_off = off;
             u = a + 0.5 * (b - a);
-            // Beyond what the ends give, the nearer end is all there is.
+            // If z is out of reach between low and high, the nearer end is returned.
             if (a_off <= b_off && a_off >= 0.0) || (a_off > b_off && a_off <= 0.0) {
                 u = low;
                 searching = 0;

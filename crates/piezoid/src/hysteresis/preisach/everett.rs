@@ -95,7 +95,7 @@ impl Everett {
 }
 
 const TEXT: &str = "
-// The share of what lies from low to high that is below v, 0 to 1, and its slope.
+// The fraction of the interval low..high that lies below v (0 to 1), and its slope.
 fn share_below(v, v_slope, low, high) {
     let share = (v - low) / (high - low);
     let slope = v_slope / (high - low);
@@ -116,7 +116,7 @@ fn everett_at(i: whole, j: whole, b, b_slope) {
     return b * nodes[k + 1] + (1.0 - b) * nodes[k], b_slope * nodes[k + 1] - b_slope * nodes[k];
 }
 
-// Everett's function: the weights of the relays that turn between low and high, and its slope by those of the two.
+// Everett's function: the sum of the weights of the relays that switch between low and high, and its slope.
 fn everett(low, high, low_slope, high_slope) {
     let i = whole(row(0, rows, high));
     let j = whole(row(0, rows, low));

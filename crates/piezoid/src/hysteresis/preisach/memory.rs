@@ -128,15 +128,15 @@ pub(super) fn block(block: Block) -> Block {
 }
 
 const TEXT: &str = "
-// How many reversals are remembered: inputs and sums by turns, the oldest first.
+// Number of stored reversals. Input and sum are stored alternately, the oldest first.
 fn stored(x: hysteresis) {
     let n = 0.0;
-    // Not so of what is no number.
+    // A NaN counts as 0.
     if x.count > 0.0 { n = clamp(x.count, 0.0, real(capacity)); }
     return n;
 }
 
-// 1 where moving to u turns the input round, else 0.
+// 1 if the move to u is a reversal, else 0.
 fn turns(x: hysteresis, u) {
     let n = whole(stored(x));
     let so_far = x.last;
@@ -146,7 +146,7 @@ fn turns(x: hysteresis, u) {
     return round;
 }
 
-// How many of n reversals are left when the input has gone to u; the one after those that are stored is where the input is.
+// How many of n reversals remain after the input moves to u (wiping-out). Reversal n may be the present input, which is not stored.
 fn kept(x: hysteresis, n: whole, u) {
     let left = n;
     let closes = 1;
@@ -155,14 +155,14 @@ fn kept(x: hysteresis, n: whole, u) {
         if left > 1 { older = left - 2; }
         let limit = x.last;
         if older < whole(stored(x)) { limit = x.reversal[2 * older]; }
-        // Before the first reversal stands its mirror image.
+        // The first reversal is compared with its own value of the opposite sign.
         if left == 1 { limit = -limit; }
         if (u > x.last && u >= limit) || (u < x.last && u <= limit) { left = older; } else { closes = 0; }
     }
     return real(left);
 }
 
-// Makes room for two: forgets the neighbours between which the fewest relays lie, in the rectangle that their own neighbours span.
+// Makes room for two reversals: removes the two neighbouring reversals whose removal changes the smallest area of the Preisach plane.
 fn forget(x: hysteresis) {
     let fewest = most;
     let chosen = 1;

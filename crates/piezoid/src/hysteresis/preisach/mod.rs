@@ -184,7 +184,7 @@ impl Hysteresis for Preisach {
 }
 
 const STEP: &str = "
-// The sum over the cells at u, and its slope, where the last of so many reversals began the branch; the input now where it is not stored.
+// The weighted sum at u and its slope, on the branch that began at the reversal with this number; if that one is not stored, it is the present input.
 fn on_branch(x: hysteresis, reversals: whole, u) {
     let sum = 0.0;
     let slope = 0.0;
@@ -200,7 +200,7 @@ fn on_branch(x: hysteresis, reversals: whole, u) {
             begun = x.reversal[i];
             start = x.reversal[i + 1];
         }
-        // Going down it is the low end that moves, and what turns is taken away.
+        // While u falls, the lower limit moves and the weights of the switched relays are subtracted.
         let up = 0.0;
         let low = u;
         let high = begun;
@@ -231,8 +231,7 @@ fn hysteresis(x: hysteresis, u) {
     return at_once * u + x.sum;
 }
 
-// What the next step would give, and the slope. Where something would have to be forgotten first it falls as far as there are numbers,
-// so that nobody goes by it.
+// The value that the next step would give, and its slope. If the memory of reversals is full, the result is the largest number with slope -1, so that the caller uses the other search.
 fn hysteresis_ahead(x: hysteresis, u) {
     let z = at_once * u + x.sum;
     let slope = at_once;
