@@ -286,9 +286,9 @@ mod tests {
     fn an_option_of_the_other_method_is_refused_by_its_name() {
         let refusal = |options: IdentifyOptions| identify(&[] as &[Record], &options).unwrap_err().to_string();
         let joint = IdentifyOptions { bins: Some(8), ..IdentifyOptions::default() };
-        assert!(refusal(joint).starts_with("bins = 8: belongs to the method paper"));
+        assert!(refusal(joint).starts_with("bins = 8: is an option of the method paper"));
         let paper = IdentifyOptions { method: Method::Paper, creep: false, ..IdentifyOptions::default() };
-        assert!(refusal(paper).starts_with("creep = false: belongs to the method joint"));
+        assert!(refusal(paper).starts_with("creep = false: is an option of the method joint"));
     }
 
     #[test]

@@ -350,7 +350,7 @@ mod tests {
             ("bit", json!(2), "bit = 2: must be 0 (no) or 1 (yes)"),
             ("small", json!(0), "small = 0: must be a positive number [s]"),
             ("pair", json!([1]), "pair = [1]: must be two numbers"),
-            ("names", json!([1]), "names = [1]: must be one text or several"),
+            ("names", json!([1]), "names = [1]: must be a string or a list of strings"),
         ] {
             assert_eq!(Each::from_json(json!({ name: value })).unwrap_err().to_string(), rule);
         }

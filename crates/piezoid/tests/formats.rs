@@ -96,8 +96,7 @@ fn what_cannot_be_read_is_told_by_what_it_should_be() {
     let message = |name: &str, bytes: &[u8]| Table::read(name, bytes).expect_err(name).to_string();
     assert_eq!(
         message("r.mat", b"nothing of the kind"),
-        "cannot be read: a file called .mat should hold variables of MATLAB, but this one does not begin so: it is \
-         damaged, or of another format"
+        "cannot be read: a .mat file should hold variables of MATLAB, but this one does not start with the signature of that format: it is damaged, or has another format"
     );
     assert!(message("r.NPZ", b"PK\x03\x04").contains("a file called .NPZ should hold named arrays"));
     assert!(message("r.csv", b"nothing").starts_with("there are no numbers: the file ends after its header"));

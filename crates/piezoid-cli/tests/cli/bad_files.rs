@@ -37,7 +37,11 @@ const BAD: &[Bad] = &[
         &["line 5", "column t_s", "0.001 s", "0.0005 s", "1 row seems to be missing", "split"],
     ),
     bad("back.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n2e-4,1,1\n", &["line 4", "column t_s", "goes back", "0.0002 s"]),
-    bad("still.csv", b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n5e-4,1,1\n", &["line 4", "column t_s", "stands still", "--ts"]),
+    bad(
+        "still.csv",
+        b"t_s,u_V,y_um\n0,0,0\n5e-4,1,1\n5e-4,1,1\n",
+        &["line 4", "column t_s", "two rows have the time 0.0005 s", "--ts"],
+    ),
     bad("ms.csv", b"t_ms,u_V,y_um\n0,0,0\n0.5,1,1\n", &["line 1", "`t_s`", "`t_ms`", "--ts"]),
     bad("one.csv", b"t_s,u_V,y_um\n0,0,0\n", &["line 2", "column t_s", "--ts"]),
     bad("no-time.csv", b"u_V,y_um\n0,0\n1,2\n", &["line 1", "no time column", "--ts"]),

@@ -29,12 +29,12 @@ fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_
     let run = run.prints(&[
         "sine 5 Hz",
         "rms [% of stroke]",
-        "effort [V]",
+        "rms change of u per sample [V]",
         "feed-forward+pi",
         "phase margin [deg]",
         "bandwidth [Hz]",
     ]);
-    run.says(&["predictive: a step takes", "a sample is 500 us"]);
+    run.says(&["predictive: one step of the controller takes", "the sampling period is 500 us"]);
     let figures = bench.json("figures.json");
     let percent = |k: usize| number(&figures["schemes"][k]["tracking"][0]["percent_of_stroke"]);
     // The model is a poor one, of two steady sines: each step up helps all the same.
@@ -59,7 +59,7 @@ fn the_usual_table_has_ten_references_and_what_cannot_be_learnt_is_told() {
         "learning",
         "feed-forward+integral-notch",
     ]);
-    run.says(&["learning, random 20 Hz", "needs a periodic reference"]);
+    run.says(&["learning, random 20 Hz", "learning needs a periodic one"]);
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn a_run_goes_into_a_record_that_can_be_read_again() {
 fn draws_of_tolerance_are_counted_and_a_seed_decides_them() {
     let bench = bench();
     let line = format!("{RUN} --reference sine:5 --amplitude 200 --controller pi --tolerance 20 --draws 5");
-    bench.run(&format!("{line} --json one.json")).ok().prints(&["draws", "median", "worst", "0 of 5"]);
+    bench.run(&format!("{line} --json one.json")).ok().prints(&["random plants", "median", "worst", "0 of 5"]);
     bench.run(&format!("{line} --seed 2 --json other.json")).ok();
     let drawn = |name| bench.json(name)["schemes"][0]["tolerance"]["percent_of_stroke"].clone();
     assert_eq!(drawn("one.json").as_array().map(Vec::len), Some(5));

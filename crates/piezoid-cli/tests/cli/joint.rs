@@ -21,8 +21,16 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     let bench = stocked();
     let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
     let run = bench.run(line).ok();
-    let run =
-        run.prints(&["held out", "bouc-wen", "taken", "mode 1 frequency", "std error", "rise5.csv", "by", "white"]);
+    let run = run.prints(&[
+        "held-out error",
+        "bouc-wen",
+        "taken",
+        "mode 1 frequency",
+        "standard error",
+        "rise5.csv",
+        "by",
+        "white",
+    ]);
     let found = bench.json("f.json");
     assert!(number(&found["trials"][0]["held_out_percent"]) < 0.01, "{}", found["trials"]);
     let parameter = |name: &str| {
@@ -31,7 +39,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     };
     assert!((parameter("mode 1 frequency [Hz]") / 146.7 - 1.0).abs() < 1e-3);
     assert!((parameter("beta") / 0.02 - 1.0).abs() < 1e-2);
-    let run = run.prints(&["mode 1 ", "share %", "feed-through", "ms beyond the hold"]);
+    let run = run.prints(&["mode 1 ", "share %", "feed-through", "ms in addition to the zero-order hold"]);
     assert!(run.out.lines().all(|line| line.chars().count() <= 80), "{}", run.out);
     let form = &found["linear"]["modal_form"];
     let mode = &form["poles"][0];
@@ -73,12 +81,15 @@ fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
 fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
     let bench = stocked();
     for (line, says) in [
-        ("identify --data sine5.csv --bins 9 -o m.json", "--bins 9: belongs to the method paper"),
+        ("identify --data sine5.csv --bins 9 -o m.json", "--bins 9: is an option of the method paper"),
         (
             "identify --data sine5.csv --global-best current -o m.json",
-            "--global-best current: belongs to the method paper",
+            "--global-best current: is an option of the method paper",
         ),
-        ("identify --data sine5.csv --method paper --no-creep -o m.json", "--no-creep: belongs to the method joint"),
+        (
+            "identify --data sine5.csv --method paper --no-creep -o m.json",
+            "--no-creep: is an option of the method joint",
+        ),
         ("identify --data sine5.csv --driver bd300 -o m.json", "--capacitance"),
         ("identify --data sine5.csv --driver bd30 -o m.json", "did you mean `bd300`?"),
     ] {

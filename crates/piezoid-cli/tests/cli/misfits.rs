@@ -17,7 +17,7 @@ fn a_bad_model_file_is_refused_by_every_verb_that_reads_it() {
         ("operator.json", good.replace("rate-scheduled", "rate-shceduled"), "did you mean `rate-scheduled`"),
         ("extra.json", good.replacen("\"ts\"", "\"colour\": 3, \"ts\"", 1), "colour"),
         ("still.json", good.replacen("\"ts\": 0.0005", "\"ts\": 0", 1), "ts = 0"),
-        ("csv.json", bench.text("sine5.csv"), "not a JSON document"),
+        ("csv.json", bench.text("sine5.csv"), "not a complete JSON document"),
     ];
     for (name, text, says) in models {
         bench.write(name, text);
@@ -89,7 +89,7 @@ fn a_part_that_holds_nothing_is_refused_with_the_length_of_the_record() {
     bench.refused("validate --model model.json --data sine5.csv --skip 5").says(&[
         "sine5.csv",
         "--skip 5",
-        "lasts 1 s",
+        "less than the duration of this record, 1 s",
     ]);
     bench.refused("simulate --plant paper --input drive5.csv --from 5 -o y.csv").says(&["drive5.csv"]);
 }
@@ -109,7 +109,7 @@ fn an_unstable_model_is_told_as_such_and_its_blow_up_writes_nothing() {
     let bench = Bench::stocked();
     let line = "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --order 6 --iterations 50 -o wild.json";
     bench.run(line).ok().says(&["note: the linear block is unstable", "more iterations"]);
-    bench.refused("simulate --model wild.json --input drive5.csv -o y.csv").says(&["grows beyond", " s:", "unstable"]);
+    bench.refused("simulate --model wild.json --input drive5.csv -o y.csv").says(&["overflows at", " s:", "unstable"]);
     let run = bench.run("validate --model wild.json --data sine5.csv --json -").ok().says(&["note:", "null in JSON"]);
     assert!(run.out_json()["total"]["rmse"].is_null());
 }

@@ -103,7 +103,7 @@ fn the_error_is_told_by_frequency_by_amplitude_by_loop_and_beside_the_floor() {
     let brief = bench.run(line).ok().out.lines().count();
     let full = bench.run(&format!("{line} --full")).ok();
     assert!(full.out.lines().count() > brief + 10);
-    full.prints(&["closure %", "at turns", "noisy.csv: residuals are not white"]);
+    full.prints(&["closure %", "slope after reversal", "noisy.csv: residuals are not white"]);
 }
 
 #[test]

@@ -104,5 +104,5 @@ fn a_folder_that_cannot_be_made_is_refused() {
     let bench = Bench::new();
     bench.write("file", "");
     bench.refused("study --plant paper --out file").says(&["file", "not a folder", "--out"]);
-    bench.refused("study --plant paper --out file/deeper").says(&["cannot make the folder file/deeper", "--out"]);
+    bench.refused("study --plant paper --out file/deeper").says(&["cannot create the folder file/deeper", "--out"]);
 }

@@ -6,13 +6,13 @@ use crate::bench::Bench;
 fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
     let bench = Bench::stocked();
     let lines: &[(&str, &[&str])] = &[
-        ("frobnicate", &["frobnicate", "there are study, excite"]),
+        ("frobnicate", &["frobnicate", "known are study, excite"]),
         ("identfy", &["a similar subcommand exists: 'identify'"]),
         ("validate --modle model.json --data sine5.csv", &["--modle", "'--model'"]),
         ("simulate --plant paper --input drive5.csv", &["--output"]),
         ("simulate --input drive5.csv -o y.csv", &["--plant", "--model"]),
         ("simulate --plant paper --model model.json --input drive5.csv -o y.csv", &["cannot be used with"]),
-        ("excite noise --ts 1 --duration 1 -o u.csv", &["noise", "there are prbs, multisine"]),
+        ("excite noise --ts 1 --duration 1 -o u.csv", &["noise", "known are prbs, multisine"]),
         ("excite sin --ts 1 --duration 1 -o u.csv", &["'sine'"]),
         ("excite prbs --ts 5e-4 --duration 1 --amplitude 1", &["--output"]),
         ("excite prbs --ts 5e-4 --duration 1 --amplitude 1 --frequency 3 -o u.csv", &["--frequency"]),

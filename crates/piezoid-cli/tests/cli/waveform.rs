@@ -19,7 +19,7 @@ fn what_the_table_holds_makes_the_model_follow() {
     bench
         .run(&format!("{MAKE} --range -30 120 -o scan"))
         .ok()
-        .says(&["scan_nv200.txt: 400 points of 5e-4 s", "this is the period"]);
+        .says(&["scan_nv200.txt: 400 points of 5e-4 s", "only this period is exported"]);
     let commands = bench.text("scan/scan_nv200.txt");
     let percent = commands.lines().filter_map(|line| line.strip_prefix("gbarb,")?.split_once(',')?.1.parse().ok());
     let volts: Vec<f64> = percent.map(|percent: f64| 1.5 * percent - 30.0).collect();
@@ -36,7 +36,7 @@ fn what_the_table_holds_makes_the_model_follow() {
     });
     assert!(off.fold(0.0, f64::max) < 1e-3);
     assert!(bench.text("scan/scan_gcs.txt").contains("\nWTR 1 10 0\n"));
-    bench.run(&format!("{MAKE} --servo-cycle 1e-4 -o other")).ok().says(&["no file for the NV200"]);
+    bench.run(&format!("{MAKE} --servo-cycle 1e-4 -o other")).ok().says(&["no NV200 file is written"]);
     assert!(bench.text("other/scan_gcs.txt").contains("\nWTR 1 5 0\n"));
 }
 
@@ -50,7 +50,7 @@ fn what_cannot_be_made_leaves_nothing_behind() {
     bench.misused("export --model model.json --target c --reference r.csv -o scan").says(&["--reference", "waveform"]);
     bench
         .misused("export --model model.json --target fixed --float -o scan")
-        .says(&["--float: is not for", "but for c,"]);
+        .says(&["--float: does not apply to", "only to c,"]);
     bench
         .misused("export --model model.json --target c --controller predictive -o scan")
         .says(&["--controller predictive", "no law to export"]);

@@ -9,7 +9,7 @@ fn a_model_is_identified_and_predicts_its_own_data() {
         .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv --large-signal sine20.csv -o m.json --json f.json");
     run.ok()
         .prints(&["Hysteresis block: rate-scheduled", "mode 1", "146.7", "sine5.csv", "sine20.csv"])
-        .says(&["note: linear block: order 2 by swarm"]);
+        .says(&["note: linear block: order 2, estimated by swarm"]);
     let model = bench.json("m.json");
     assert_eq!((&model["piezoid"], &model["ts"], &model["units"]["y"]), (&1.into(), &5e-4.into(), &"um".into()));
     assert_eq!(model["hysteresis"]["operator"], "rate-scheduled");
@@ -36,7 +36,7 @@ fn a_model_is_identified_and_predicts_its_own_data() {
         let line = format!(
             "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --estimator {estimator} -o e.json"
         );
-        bench.run(&line).ok().prints(&["146.7"]).says(&[&format!("order 2 by {estimator}")]);
+        bench.run(&line).ok().prints(&["146.7"]).says(&[&format!("order 2, estimated by {estimator}")]);
     }
     bench
         .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv --reading printed --split direction -o p.json")

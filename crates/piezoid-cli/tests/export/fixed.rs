@@ -84,6 +84,6 @@ fn what_cannot_be_counted_is_refused_with_the_reason() {
         let model = model(name, None).unwrap();
         let error =
             (ExportTarget::find("fixed").unwrap().make)(&ExportRequest::new(&model, name)).unwrap_err().to_string();
-        assert!(error.contains("needs the largest floating-point number"), "{error}");
+        assert!(error.contains("compares with the largest floating-point number"), "{error}");
     }
 }

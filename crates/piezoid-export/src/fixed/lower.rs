@@ -370,6 +370,6 @@ mod tests {
         let block = Block::new("sum", "").number("total", 0.0).text("fn sum(x: sum, u) { return u * least; }");
         let program = Program::new(vec![block]).unwrap();
         let error = lowered(&program, &Formats::of(&program, &[])).unwrap_err().to_string();
-        assert!(error.contains("`sum` needs the least positive"), "{error}");
+        assert!(error.contains("`sum` compares with the least positive"), "{error}");
     }
 }

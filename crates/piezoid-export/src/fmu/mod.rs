@@ -300,7 +300,7 @@ mod tests {
     fn names_of_headers_are_errors() {
         let model = model("um");
         let error = (ExportTarget::find("fmu2").unwrap().make)(&ExportRequest::new(&model, "stdio")).unwrap_err();
-        assert!(error.to_string().contains("word of the language"), "{error}");
+        assert!(error.to_string().contains("reserved word"), "{error}");
     }
 
     #[test]

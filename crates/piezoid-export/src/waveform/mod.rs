@@ -45,7 +45,7 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     named(request.name(), "")?;
     let (model, name, ts) = (request.model, request.name(), request.model.ts());
     let Some(r) = request.reference else {
-        return Err(Error::parameter("reference", "none", "is missing: give one period of the requested displacement"));
+        return Err(Error::parameter("reference", "none", "must be given: one period of the requested displacement"));
     };
     let found = &model.units().u;
     if found != "V" {

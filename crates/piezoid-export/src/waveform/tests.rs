@@ -170,7 +170,7 @@ fn without_a_range_a_note_replaces_the_file_in_percent() {
         make(&ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") }).unwrap();
     let paths: Vec<&str> = made.files.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan.md"]);
-    assert!(made.notes.iter().any(|note| note.contains("give the voltages of 0 % and 100 %")), "{:?}", made.notes);
+    assert!(made.notes.iter().any(|note| note.contains("with the voltages of 0 % and 100 %")), "{:?}", made.notes);
     assert!(!text(&made, "scan.md").contains("nv200"));
 }
 
@@ -181,9 +181,9 @@ fn requests_without_a_table_are_errors() {
     let said = |request: ExportRequest| make(&request).unwrap_err().to_string();
     assert!(said(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
     let single = ExportOptions { float: true, ..Default::default() }.of("waveform", &model, Some(&r), None);
-    assert!(single.unwrap_err().to_string().starts_with("float = true: is not for the target waveform, but for c,"));
+    assert!(single.unwrap_err().to_string().starts_with("float = true: does not apply to the target waveform, only to c,"));
     let c = ExportOptions::default().of("c", &model, Some(&r), None);
-    assert!(c.unwrap_err().to_string().ends_with("is not for the target c, but for waveform"));
+    assert!(c.unwrap_err().to_string().ends_with("does not apply to the target c, only to waveform"));
     let options = ExportOptions { name: "9".into(), ..Default::default() };
     assert!(said(ExportRequest { options, ..plain() }).starts_with("name = `9`"));
     let far = sine(100, 1e5);

@@ -176,7 +176,7 @@ mod tests {
             "Creep after a step",
             "at most 6",
             "of delay or of faster modes",
-            "above the observable range",
+            "poles above 0.9 of half the sampling rate",
         ] {
             assert!(full.contains(said), "{said}");
         }

@@ -223,9 +223,14 @@ mod tests {
             Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut Stage::ignore)
                 .unwrap();
         let html = tracking(&compared).html();
-        for said in
-            ["Errors over the tolerance", "Error by trial", "Sensitivity", "feed-forward+pi", "not periodic", "random"]
-        {
+        for said in [
+            "Distribution of the errors within the tolerance",
+            "Error by trial",
+            "Sensitivity",
+            "feed-forward+pi",
+            "not periodic",
+            "random",
+        ] {
             assert!(html.contains(said), "{said}");
         }
         assert!(!html.contains("NaN"));

@@ -83,8 +83,8 @@ impl FeedForwardSettings {
                 Err(Error::parameter("limits", given, rule))
             }
             None => {
-                let rule = "is missing: give driver, or low and high, because the model does not state the range of inputs \
-                     it was identified on";
+                let rule = "must be given, or low and high, because the model does not state the range of inputs it was \
+                            identified on";
                 Err(Error::parameter("driver", "none", rule))
             }
         }

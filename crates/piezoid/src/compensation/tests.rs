@@ -61,7 +61,7 @@ fn if_the_hysteresis_jumps_over_the_reference_the_nearest_value_is_used_and_note
     let inverse = inverse_of(&model("maxwell-slip", None));
     let (low, high) = inverse.reach();
     let made = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
-    let noted = made.notes.iter().any(|n| n.contains("jumps over the requested value"));
+    let noted = made.notes.iter().any(|n| n.contains("(it jumps)"));
     assert!(made.clipped == 0 && noted, "{:?}", made.notes);
 }
 
@@ -96,7 +96,10 @@ fn a_reference_that_ends_in_motion_is_followed_to_its_end() {
 fn for_a_reference_that_starts_too_fast_the_error_asks_for_a_constant_start() {
     let r: Vec<f64> = (0..400).map(|t| 700.0 * (TAU * 200.0 * TS * f64::from(t)).sin()).collect();
     let message = inverse_of(&model(PLAYS, None)).whole(&r).unwrap_err().to_string();
-    assert!(message.contains("at sample 0 (0 s)") && message.contains("start with some milliseconds"), "{message}");
+    assert!(
+        message.contains("at sample 0 (0 s)") && message.contains("begin the reference with some milliseconds"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -119,7 +122,7 @@ fn values_out_of_reach_are_errors_or_clipped_and_counted() {
     let r = sine(0.0, 3000.0, 5.0, 1000);
     let message = |r: &[f64]| inverse_of(&model).whole(r).unwrap_err().to_string();
     assert!(
-        message(&r).contains("the reference cannot be reached") && message(&r).contains("lower it"),
+        message(&r).contains("the reference cannot be reached") && message(&r).contains("reduce the amplitude"),
         "{}",
         message(&r)
     );
@@ -128,7 +131,7 @@ fn values_out_of_reach_are_errors_or_clipped_and_counted() {
     assert!(made.clipped > 300 && made.notes[0].contains("of 1000 samples are clipped"), "{:?}", made.notes);
     assert!(made.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
     let step = [vec![0.0; 80], vec![600.0; 400]].concat();
-    assert!(message(&step).contains("move slower or smooth it"), "{}", message(&step));
+    assert!(message(&step).contains("slow it down or smooth it"), "{}", message(&step));
 }
 
 #[test]

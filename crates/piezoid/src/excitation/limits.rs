@@ -246,9 +246,7 @@ mod tests {
         let error = limits.refuse(&[0.0, 1.0, 66.0, 66.0, 65.0], 0.01).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "the drive exceeds its limits: highest voltage 66 V at sample 2 (0.02 s), limit 60 V (120 %); \
-             slew 6500 V/s at sample 2 (0.02 s), limit 1000 V/s (650 %); \
-             lower the amplitude or the frequency, or ask to clip"
+            "the drive exceeds its limits: highest voltage 66 V at sample 2 (0.02 s), limit 60 V (120 %); slew 6500 V/s at sample 2 (0.02 s), limit 1000 V/s (650 %); lower the amplitude or the frequency, or clip"
         );
     }
 

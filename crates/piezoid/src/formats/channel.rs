@@ -111,8 +111,7 @@ mod tests {
         assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V"]);
         assert_eq!(
             table.record(&ColumnSelection::default()).unwrap_err().to_string(),
-            "there is no output column: a single `y_*` is missing among the columns `t_s`, `u_V`; left out: \
-             map (of shape 2 x 2), y_um (of 3 samples, not 4); give `output_col`"
+            "there is no output column: expected exactly one `y_*` among the columns `t_s`, `u_V`; left out: map (of shape 2 x 2), y_um (of 3 samples, not 4); give `output_col`"
         );
         let asked = ColumnSelection { output_col: Some("map".into()), ..ColumnSelection::default() };
         assert!(table.record(&asked).unwrap_err().to_string().contains("left out: map (of shape 2 x 2)"));
@@ -135,7 +134,7 @@ mod tests {
             let asked = ColumnSelection { input_col: Some(name.into()), ..ColumnSelection::default() };
             assert_eq!(
                 table.record(&asked).unwrap_err().to_string(),
-                format!("there are two of {name}, in several structures: give one structure")
+                format!("the name {name} occurs in several structures: save one structure only")
             );
         }
         let other = ColumnSelection { input_col: Some("t_s".into()), ts: Some(1.0), ..ColumnSelection::default() };

@@ -202,8 +202,7 @@ mod tests {
     fn a_row_of_another_length_is_refused_with_both_counts() {
         assert_eq!(
             third("0.2,3"),
-            "line 4: 2 fields, but the header on line 1 names 3 columns: complete the row; if it is the last one, the \
-             file was cut short: delete it"
+            "line 4: 2 fields, but the header on line 1 names 3 columns: complete the row, or delete it if it is the last one (the file was cut short)"
         );
         assert_eq!(
             third("0.2,3,4,5"),
@@ -252,7 +251,7 @@ mod tests {
     fn an_empty_line_between_rows_is_refused() {
         assert_eq!(
             refusal("t_s,u_V,y_um\r\n0,1,2\r\n\r\n0.1,2,3\r\n"),
-            "line 3: this line is empty, but rows follow from line 4 on: delete it, or what follows"
+            "line 3: this line is empty, but rows follow from line 4 on: delete the empty line, or everything after it"
         );
     }
 
@@ -268,13 +267,12 @@ mod tests {
     fn decimal_signs_are_not_mixed_as_a_sign_between_thousands_would_be() {
         assert_eq!(
             refusal("t_s;u_V;y_um\n0;1,5;2\n1;1.5;3\n"),
-            "line 3, column u_V: `1.5` has another decimal sign than line 2 with its `,`: use one of them throughout, \
-             and no sign between thousands"
+            "line 3, column u_V: `1.5` has another decimal separator than line 2 (`,`): use one of them throughout, and no thousands separator"
         );
         assert_eq!(
             refusal("t_s;u_V;y_um\n0.0;1;2\n0.1;1,234;3\n"),
             "line 3, column u_V: a decimal comma, but line 2 has a decimal point in `t_s`: use one of them throughout, \
-             and no sign between thousands"
+             and no thousands separator"
         );
         assert!(record("version;t_s;u_V;y_um\n1.10;0;1,5;2\n1.10;1;2;3\n").is_ok(), "a column that is not read");
     }

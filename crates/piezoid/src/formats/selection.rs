@@ -136,10 +136,9 @@ impl ColumnRole {
 
     /// No column plays this role: what is looked for, and the column that may be meant.
     fn missing<'a>(&self, table: &Table, mut free: impl Iterator<Item = &'a str>) -> Error {
-        let patterns =
-            [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("exactly one name `{p}*`"))];
+        let patterns = [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("exactly one `{p}*`"))];
         let patterns = patterns.into_iter().flatten().collect::<Vec<_>>().join(" or ");
-        let wrong = format!("there is no {} column: no column has the name {patterns}", self.what);
+        let wrong = format!("there is no {} column: expected {patterns}", self.what);
         if table.columns.len() == 1 && table.names().any(|name| name.contains(char::is_whitespace)) {
             let remedy = "; separate the columns with commas, semicolons or tabs: spaces belong to a name";
             return table.about_names(&wrong, remedy);
@@ -240,19 +239,23 @@ mod tests {
         assert_eq!(reference("r_mm,y_um").unwrap().unit, "mm");
         assert_eq!(reference("t_s,y_um").unwrap().unit, "um");
         assert!(reference("t_s,r_um,r_mm").unwrap_err().to_string().contains("could each be the reference"));
-        assert!(reference("t_s,u_V").unwrap_err().to_string().contains("there is no reference column: a single `r_*`"));
+        assert!(
+            reference("t_s,u_V")
+                .unwrap_err()
+                .to_string()
+                .contains("there is no reference column: expected exactly one `r_*`")
+        );
     }
 
     #[test]
     fn a_missing_column_is_answered_with_what_is_there_and_what_may_be_meant() {
         assert_eq!(
             default(&INPUT, "t_s,Voltage [V],y_um").unwrap_err(),
-            "line 1: there is no input column: `u_V` or a single `u_*` is missing among the columns `t_s`, `Voltage \
-             [V]`, `y_um`; it may be `Voltage [V]`: give `input_col` = \"Voltage [V]\""
+            "line 1: there is no input column: expected `u_V` or exactly one `u_*` among the columns `t_s`, `Voltage [V]`, `y_um`; it may be `Voltage [V]`: give `input_col` = \"Voltage [V]\""
         );
         assert_eq!(
             default(&INPUT, "t_s,a,b").unwrap_err(),
-            "line 1: there is no input column: `u_V` or a single `u_*` is missing among the columns `t_s`, `a`, `b`; \
+            "line 1: there is no input column: expected `u_V` or exactly one `u_*` among the columns `t_s`, `a`, `b`; \
              give `input_col`"
         );
         assert!(default(&INPUT, "t_s,u,y_um").unwrap_err().contains("it may be `u`: give"));

@@ -154,9 +154,7 @@ mod tests {
     fn rough_stamps_are_told_about_ts() {
         assert_eq!(
             refusal(&[0.0, 0.0003, 0.0007, 0.001]),
-            "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: \
-             1 of 3): resample the record evenly, or, if the samples are even and only the stamps are rough, give \
-             `ts` = 0.000333333"
+            "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: 1 of 3): resample the record evenly, or, if the samples are evenly spaced and only the time stamps are rounded, give `ts` = 0.000333333"
         );
         assert!(refusal(&[0.0, 0.001, 0.003, 0.004, 0.006, 0.007]).ends_with("give `ts` = 0.0014"));
     }
@@ -165,8 +163,7 @@ mod tests {
     fn time_that_does_not_increase_is_refused_with_the_fitting_advice() {
         assert_eq!(
             refusal(&[0.0, 0.01, 0.01]),
-            "line 4, column t_s: time stands still at 0.01 s but must increase: delete the row if it is there twice; \
-             if the stamps only have too few digits, the time column need not be read: give `ts`"
+            "line 4, column t_s: two rows have the time 0.01 s, but time must increase: delete the row if it is a duplicate; if the time stamps have too few digits, do without the time column: give `ts`"
         );
         assert_eq!(
             refusal(&[0.0, 0.01, 0.02, 0.0, 0.01]),
@@ -177,7 +174,7 @@ mod tests {
 
     #[test]
     fn one_row_does_not_tell_a_period() {
-        assert_eq!(refusal(&[0.0]), "line 2, column t_s: a single row does not tell the sampling period: give `ts`");
+        assert_eq!(refusal(&[0.0]), "line 2, column t_s: one row is not enough to find the sampling period: give `ts`");
     }
 
     #[test]

@@ -385,7 +385,7 @@ mod tests {
     #[test]
     fn the_errors_about_bad_documents_say_why() {
         let message = |text: &str| Model::from_json(text).unwrap_err().to_string();
-        assert!(message("{").contains("not a JSON document"));
+        assert!(message("{").contains("not a complete JSON document"));
         assert!(message("{}").contains("no \"piezoid\" schema number"));
         assert!(message(r#"{"piezoid": 7}"#).contains("schema number 7"));
         let model = |rest: &str| message(&format!(r#"{{"piezoid": 1, "ts": 5e-4, {rest}}}"#));

@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn a_constant_or_monotonic_input_has_no_loop() {
         let error = Branches::of_loop(&[2.0; 9], &[1.0; 9], 5, Split::Line).unwrap_err().to_string();
-        assert!(error.contains("the input stays at 2"), "{error}");
+        assert!(error.contains("the input is constant at 2"), "{error}");
         let error = Branches::of_loop(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], 5, Split::Line).unwrap_err().to_string();
         assert!(error.contains("never falls"), "{error}");
     }

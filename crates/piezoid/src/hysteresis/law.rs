@@ -372,7 +372,9 @@ mod tests {
         let mut more = play([-1.0, 1.0], &[0.5], &[1.0, 1.0]);
         more["treshold"] = json!(1);
         assert!(refused(more).contains("`prandtl-ishlinskii`: unknown field `treshold`"));
-        assert!(refused(play([1.0, 1.0], &[0.5], &[1.0, 1.0])).starts_with("range = (1.0, 1.0): must run from"));
+        assert!(
+            refused(play([1.0, 1.0], &[0.5], &[1.0, 1.0])).starts_with("range = (1.0, 1.0): must be the lowest input")
+        );
         let message = refused(play([-1.0, 1.0], &[0.5, 0.5], &[1.0; 3]));
         assert!(message.starts_with("thresholds[1] = 0.5: must be above 0.5"), "{message}");
     }

@@ -278,7 +278,7 @@ mod tests {
     fn images_of_fast_modes_and_poles_of_a_delay_are_not_modes() {
         let beyond = held(&[(166.3, 0.03, 27.0), (1042.0, 0.03, 2.0)], 1.0, 0.0).modal_form();
         assert_eq!(beyond.poles.iter().map(PoleShare::kind).collect::<Vec<_>>(), [PoleKind::Mode, PoleKind::Image]);
-        assert!(beyond.rows()[1][0] == "above the observable range" && beyond.rows()[1][1] == "-");
+        assert!(beyond.rows()[1][0] == "poles above 0.9 of half the sampling rate" && beyond.rows()[1][1] == "-");
         assert!(beyond.images().unwrap().starts_with("The pole at 959 Hz"), "{:?}", beyond.images());
         assert!(beyond.modes().len() == 1 && beyond.poles[1].oscillator(1.0).is_none());
         let alternating = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap().modal_form();

@@ -194,7 +194,11 @@ mod tests {
         let (u, w) = (prbs(4000), noise(4, 4000));
         let e: Vec<f64> = (0..4000).map(|t| w[t] + if t >= 7 { 0.2 * u[t - 7] } else { 0.0 }).collect();
         let seen = Whiteness::of(&u, &e).unwrap();
-        assert!(seen.correlates_with_input() && seen.verdict[1].contains("7 samples earlier"), "{:?}", seen.verdict);
+        assert!(
+            seen.correlates_with_input() && seen.verdict[1].contains("at a lag of 7 samples"),
+            "{:?}",
+            seen.verdict
+        );
         assert_close(&[seen.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
     }
 

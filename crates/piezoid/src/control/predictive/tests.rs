@@ -240,8 +240,8 @@ fn invalid_references_and_settings_are_errors_with_numbers() {
     assert!(refused(PredictiveSettings { voltage: (30.0, -30.0), ..Default::default() }).contains("30 to -30"));
     assert!(refused(PredictiveSettings { move_cost: f64::NAN, ..Default::default() }).starts_with("move_cost = NaN"));
     let slow = refused(PredictiveSettings { multiplications_per_second: 1e7, ..Default::default() });
-    assert!(slow.contains("horizon = 20") && slow.contains("the longest that does not is "), "{slow}");
-    let longest = slow.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!(slow.contains("horizon = 20") && slow.contains("the longest horizon that fits is "), "{slow}");
+    let longest = slow.rsplit(' ').nth(1).unwrap().parse().unwrap();
     let at = |horizon| PredictiveSettings { horizon, multiplications_per_second: 1e7, ..Default::default() };
     assert!(Predictive::new(&model(1.0), at(longest)).is_ok());
     assert!(Predictive::new(&model(1.0), at(longest + 1)).is_err());
@@ -392,7 +392,7 @@ fn models_and_limits_without_a_solution_are_errors() {
         "{message}"
     );
     let still = Model::new(dead_zone(0), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
-    assert!(refused(&still, PredictiveSettings::default()).contains("does not move between -30 and 30 V"));
+    assert!(refused(&still, PredictiveSettings::default()).contains("gives a constant output between -30 and 30 V"));
     let beyond = PredictiveSettings { displacement: Some((1e6, 2e6)), ..Default::default() };
     let message = refused(&model(1.0), beyond);
     assert!(message.starts_with("displacement = 1000000 to 2000000: must overlap with -"), "{message}");

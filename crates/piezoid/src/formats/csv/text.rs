@@ -143,7 +143,7 @@ mod tests {
     fn a_nul_byte_is_named_with_its_line() {
         assert_eq!(
             refusal(b"t_s,u_V\n0,1\n0.1,2\n\0\0\0\0"),
-            "line 4: a NUL byte, which no text has: the file is damaged from here on (was its writing interrupted?)"
+            "line 4: a NUL byte, which is not allowed in text: the file is damaged from here on (was it written completely?)"
         );
     }
 
@@ -151,7 +151,7 @@ mod tests {
     fn line_ends_of_two_kinds_are_refused() {
         assert_eq!(
             refusal(b"t_s,u_V\n0,1\r0.1,2\n"),
-            "line 2: a carriage return within the line: the line ends differ, make them all alike"
+            "line 2: a carriage return within the line: the file mixes line endings; use one kind throughout"
         );
     }
 }

@@ -73,7 +73,7 @@ pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fi
     for (trial, fitted) in trials.iter_mut().zip(&fitted) {
         trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
         if trial.as_good {
-            trial.verdict = "as good as the best";
+            trial.verdict = "as good";
         }
     }
     let good = (0..trials.len()).filter(|&k| trials[k].as_good);
@@ -87,7 +87,7 @@ pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fi
         let because = each.collect::<Vec<_>>().join("; ");
         return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
     };
-    trials[k].verdict = "selected";
+    trials[k].verdict = "taken";
     Ok((fitted, trials))
 }
 
