@@ -52,8 +52,7 @@ impl FeedForward {
         Ok(FeedForward { causal, state })
     }
 
-    /// The state. The interpreter's lock is released while this waits for it. The state left by a thread that failed is
-    /// used.
+    /// The state. The interpreter's lock is released while waiting. The state left by a failed thread is used.
     fn state(&self, py: Python<'_>) -> MutexGuard<'_, Vec<f64>> {
         self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }

@@ -154,7 +154,7 @@ def compensate(
     limit, `notes`, and the columns of `run`.
     """
     signature(Model.compensation).bind(None, None, **settings)
-    named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series of references
+    named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series
     own = references if named else dict.fromkeys(dict(_items(models, "models")), references)
     job = partial(_compensated, dict(settings))
     table = run(job, _paired(models, own), client, retries=retries, chunk=chunk, progress=progress)

@@ -110,8 +110,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def predict(self, X: npt.ArrayLike) -> Array:
         """The free run of each record [output unit], of shape (n,); measured displacements are not used.
 
-        The initial condition of a record is chosen from its inputs: in motion as in the record, or settled at the first
-        input.
+        The initial condition of a record is chosen from its inputs: in motion, or settled at the first input.
         """
         check_is_fitted(self, "model_")
         rows = validate_data(self, _columns(X), reset=False, dtype=np.float64)

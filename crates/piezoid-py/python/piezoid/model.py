@@ -119,9 +119,8 @@ class Model:
 
     @cached_property
     def provenance(self) -> dict[str, Any]:
-        """Origin of the model: the command, version, seed, files with their hashes, operators that were tried,
-        parameters
-        with their errors, and notes."""
+        """Origin of the model: command, version, seed, files with hashes, operators that were tried, parameters with
+        errors, notes."""
         made = self.to_dict()["fit"]
         return made if isinstance(made, dict) else {}
 
@@ -175,11 +174,11 @@ class Model:
         return Validation(measured, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
-        """The inverse, sample by sample: requested displacement to voltage; the displacement follows `late` samples
-        later.
+        """The inverse, sample by sample, from requested displacement to voltage.
 
-        A value that is not finite is replaced by the one before, and voltages beyond the limits are clipped. `driver`,
-        `capacitance`, `low`, `high`, `slew`, `current` limit the voltage, as in `compensation`.
+        The displacement follows `late` samples later. A value that is not finite is replaced by the one before, and
+        voltages beyond the limits are clipped. `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the
+        voltage, as in `compensation`.
         """
         return self._core._inverse(whole("late", late), checked(limits))
 
@@ -203,8 +202,9 @@ class Model:
         notch: bool = False,
         sweeps: int = 0,
     ) -> Compensation:
-        """The voltages for a requested displacement. The actuator is assumed settled at the first value of the
-        reference.
+        """The voltages for a requested displacement.
+
+        Before the first sample the actuator is assumed settled at the first value of the reference.
 
         driver: one of `pz.drivers`, with the `capacitance` [F] of the load if it limits the current
         low, high: limits of the voltage [V]; slew: of its change [V/s]; current: of the driver [A]

@@ -56,10 +56,9 @@ class Plant:
         return Record(u, y, ts)
 
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
-        """A random plant whose parameters differ from these by up to the fraction `tolerance`, as within a catalogue's
-        tolerance.
+        """A random plant whose parameters differ from these by up to the fraction `tolerance`.
 
-        `seed` and `index` select it.
+        This corresponds to the tolerance of a catalogue. `seed` and `index` select it.
         """
         made = Plant.__new__(Plant)
         made.name = f"{self.name}-{index}"
