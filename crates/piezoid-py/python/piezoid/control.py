@@ -96,12 +96,13 @@ def control(
     progress: Progress = None,
     **limits: Unpack[Limits],
 ) -> Comparison:
-    """Simulates a twin that follows references [output unit of the model], with one or several controllers (`pz.controllers`), such as
-    "feed-forward+pi", tuned to the model.
+    """Simulates a twin that follows references [output unit of the model] with one or several controllers.
 
+    controller: names in `pz.controllers`, such as "feed-forward+pi"; they are tuned to the model
     late: sensor delay in samples; gain_margin [dB], phase_margin [degrees]: margins to which controllers are tuned
     preview: number of future samples of the reference that controllers may use; default: all
-    tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by up to this share
+    tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by
+    up to this share
     limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as in `Model.compensation`
     """
     named = reference if isinstance(reference, Mapping) else {"reference": reference}

@@ -119,8 +119,8 @@ class Model:
 
     @cached_property
     def provenance(self) -> dict[str, Any]:
-        """Origin of the model: command, version, seed, files with hashes, operators that were tried, parameters with
-        errors, notes."""
+        """Origin: command, version, seed, files with hashes, operators that were tried, parameters with errors,
+        notes."""
         made = self.to_dict()["fit"]
         return made if isinstance(made, dict) else {}
 
@@ -146,7 +146,8 @@ class Model:
     def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
         """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
 
-        begin: initial condition: "rest"; "settled" at the first input; in "motion" as in `u`; or "likely": "settled" or "motion", chosen from `u`
+        begin: initial condition: "rest"; "settled" at the first input; in "motion" as in `u`; or "likely": "settled" or
+        "motion", chosen from `u`
         """
         return self._core.simulate(u, begin)
 
@@ -183,7 +184,10 @@ class Model:
         return self._core._inverse(whole("late", late), checked(limits))
 
     def compensate(self, reference: Samples, **settings: Unpack[Settings]) -> Array:
-        """The voltages [input unit] for a requested displacement [output unit], both of shape (n,): `compensation(...).u`."""
+        """The voltages [input unit] for a requested displacement [output unit], both of shape (n,).
+
+        They are `compensation(...).u`.
+        """
         return self.compensation(reference, **settings).u
 
     def compensation(
@@ -210,7 +214,8 @@ class Model:
         low, high: limits of the voltage [V]; slew: of its change [V/s]; current: of the driver [A]
         clip: come as close as the limits allow, instead of raising an error
         smooth: replace steps and corners by minimum-jerk moves of this length [s]
-        zvd: shape the reference so that the resonance is not excited; notch: filter the reference with a notch at the resonance
+        zvd: shape the reference so that the resonance is not excited; notch: filter the reference with a notch at the
+        resonance
         sweeps: maximum number of iterations that reduce the remaining error of the model's free run
         """
         settings = {

@@ -32,7 +32,8 @@ def branches(
     """The hysteresis operator alone, without creep and driver: its major loop, and minor loops within it.
 
     over: lowest and highest input [input unit]; default: the range of the identification data
-    hz: frequency of the major loop [Hz], for rate-dependent operators; if not given, the lowest frequency of the identification data
+    hz: frequency of the major loop [Hz], for rate-dependent operators; if not given, the lowest frequency of the
+    identification data
 
     Returns the Axes.
     """
