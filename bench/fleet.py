@@ -3,10 +3,12 @@
 
     pip install piezoid[fleet] && python3 bench/fleet.py [ACTUATORS]
 
-1000 actuators, drawn within 20 % of the twin `pl140`. Each is measured and identified on a worker: 0.8 s of a PRBS of 1 V, and of a
-sine that rises to 28 V at 5 Hz, both at 2 kHz; a Prandtl-Ishlinskii operator, creep and a linear block of order 2 are fitted.
-Three runs: in this process, on two worker processes of one thread, and on these once more while the system kills one of them
-(SIGKILL) when a third is done. All rows must arrive and be bit-identical; otherwise the exit status is 1.
+1000 actuators, drawn within 20 % of the twin `pl140`. Each is measured and identified on a worker. The records are
+0.8 s of a PRBS of 1 V, and 0.8 s of a sine of 5 Hz that rises to 28 V, both at 2 kHz. The model is a Prandtl-Ishlinskii
+operator, creep and a linear block of order 2.
+
+Three runs: in this process; on two worker processes of one thread each; and on these again, while one of them is killed
+(SIGKILL) after a third of the actuators. All rows must arrive and be bit-identical; otherwise the exit status is 1.
 """
 
 import os
@@ -46,7 +48,7 @@ def main():
     print(f"{count} actuators, {os.cpu_count()} cores", flush=True)
     alone, one = identified("one process")
     with pz.fleet.local(2) as client:
-        client.run(measured, 0)  # both have loaded what they need
+        client.run(measured, 0)  # both workers import their modules before the timed run
         shared, two = identified("two workers", client)
         killed = []
 

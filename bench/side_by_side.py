@@ -118,10 +118,10 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    # Before numpy is imported, which reads the number of threads once.
+    # numpy reads the number of threads once, on import.
     os.environ.update(own.ONE_THREAD)
     if "--here" not in sys.argv:
         own.inside(NEEDS, checkout=True)
     with tempfile.TemporaryDirectory() as elsewhere:
-        os.chdir(elsewhere)  # pyswarms keeps a log where it runs
+        os.chdir(elsewhere)  # pyswarms writes a log into the working directory
         main()

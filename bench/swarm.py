@@ -3,11 +3,13 @@
 
     python3 bench/swarm.py [PAIRS]
 
-50 particles, 500 iterations, 4093 rows, 5 parameters, one thread each, the same rows, box and fitness, numpy's in one array
-that is kept. pyswarms has constant weights (1.5, 1.5, 0.65), and its velocity is not clamped. The script makes its own
-virtual environment in bench/.venv and builds what it times. Each pair runs one search of each, in turn, and times the search
-alone, without start-up and reading. Printed: the median of each, their ratio, and the time a core would need at its
-multiply-add peak for as many evaluations.
+50 particles, 500 iterations, 4093 rows, 5 parameters, one thread each; the rows, the search box and the fitness are the
+same. numpy computes the fitness in one array that is kept. pyswarms has constant weights (1.5, 1.5, 0.65), and its
+velocity is not clamped.
+
+The script creates the virtual environment bench/.venv and builds the binary that it times. Each pair runs one search of
+each, in turn. Only the search is timed, without start-up and reading. Printed are the median of each, their ratio, and
+the time that a core would need at its peak rate of multiply-adds for the same number of evaluations.
 """
 
 import json
@@ -23,7 +25,7 @@ NEEDS = ["numpy>=2", "scipy>=1.14", "pyswarms==1.3.0"]
 
 
 def build():
-    """The binary that runs our side."""
+    """Builds piezoid's side and returns the path of the binary."""
     command = ["cargo", "build", "--profile", "dist", "--quiet", "--package", "piezoid-bench", "--message-format=json"]
     lines = subprocess.run(command, cwd=own.ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     binaries = [json.loads(line).get("executable") for line in lines]
@@ -31,7 +33,7 @@ def build():
 
 
 def main():
-    os.chdir(own.HOME)  # pyswarms keeps a log where it runs
+    os.chdir(own.HOME)  # pyswarms writes a log into the working directory
     import numpy as np
 
     from beside import rivals

@@ -30,7 +30,7 @@ fn prbs_record() -> Result<Record, Error> {
     Record::new(TS, u, y)
 }
 
-/// The cost function of the swarm: particles on the lanes of the vector unit, and one after another.
+/// The cost function of the swarm: all particles together in the lanes of the vector unit, and one after another.
 fn cost(c: &mut Criterion) {
     let Ok(regression) = prbs_record().and_then(|r| Regression::new(&[r], Orders::of(2))) else { return };
     let cost = AbsoluteError::from(&regression);
@@ -67,7 +67,7 @@ fn estimators(c: &mut Criterion) {
     group.finish();
 }
 
-/// Samples per second of these systems, with the same sine.
+/// Samples per second of `systems`, all with the same sine as input.
 fn side_by_side(c: &mut Criterion, group: &str, systems: Result<Vec<Named>, Error>) {
     let (Ok(systems), Ok(u)) = (systems, sine()) else { return };
     let mut group = c.benchmark_group(group);
@@ -107,7 +107,7 @@ fn bases(c: &mut Criterion) {
     group.finish();
 }
 
-/// One sample of predictive control along a triangle that voltages of +-12 V cannot follow, with both solvers.
+/// One sample of predictive control with both solvers. The triangle cannot be followed within +-12 V.
 fn predictive(c: &mut Criterion) {
     let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
     let Ok(model) = model else { return };
@@ -137,8 +137,8 @@ fn predictive(c: &mut Criterion) {
     group.finish();
 }
 
-/// From z to u of the documented examples, sample by sample along a sine: by each operator's own inverse, and by
-/// search.
+/// Inversion from z to u along a sine, sample by sample, for the documented example of each operator: by its own
+/// inverse, and by numerical search.
 fn inverses(c: &mut Criterion) {
     let Ok(u) = (Sine { amplitude: 24.0, frequency: 20.0, ..Default::default() }).samples(TS, 1000) else { return };
     let mut group = c.benchmark_group("inverses");
@@ -161,8 +161,8 @@ fn inverses(c: &mut Criterion) {
     group.finish();
 }
 
-/// One sample of feed-forward along a sine: the inverse of 30 plays and a resonance, with and without creep, sample by
-/// sample and over the whole record.
+/// Feed-forward along a sine by the inverse of 30 plays and a resonance, with and without creep: sample by sample, and
+/// over the whole record.
 fn feed_forward(c: &mut Criterion) {
     let model = fitted("prandtl-ishlinskii").and_then(|plays| Model::new(plays, resonant()?, 0.0));
     let (Ok(plain), Ok(r)) = (model, sine()) else { return };
@@ -290,7 +290,7 @@ fn models() -> Result<Vec<Named>, Error> {
     ])
 }
 
-/// The study as `piezoid study` runs it, on both twins, with figures and page; the requirement was 5 s on two cores.
+/// The study as `piezoid study` runs it, with figures and page, on each twin and on both. Required: 5 s on two cores.
 fn study(c: &mut Criterion) {
     let mut group = c.benchmark_group("study");
     group.sample_size(10);

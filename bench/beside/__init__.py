@@ -1,1 +1,1 @@
-"""What the side-by-side benchmarks in Python share."""
+"""Code shared by the side-by-side benchmarks in Python."""

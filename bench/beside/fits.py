@@ -18,7 +18,7 @@ from .rivals import Array
 
 
 def nrmse(y: Array, run: Array, start: int = 0, free: bool = False) -> tuple[float, float]:
-    """100 rms error / standard deviation, the same / peak-to-peak, from `start`; `free`: without the mean error."""
+    """100 rms error / standard deviation and / peak-to-peak, from sample `start` on; `free` removes the mean error."""
     with np.errstate(all="ignore"):
         left, y = (run - y)[start:], y[start:]
         rms = float(np.sqrt(np.mean((left - left.mean() * free) ** 2)))
@@ -31,7 +31,7 @@ class Setting:
     """Settings of SysIdentPy."""
 
     inputs: int
-    """1: u; 3: also its step and the sign of the step, as usual for hysteresis."""
+    """1: u; 3: u, its step and the sign of the step, as usual for hysteresis."""
     degree: int
     lags: int
     terms: int
@@ -49,11 +49,11 @@ SETTINGS = [
     *[Setting(3, 2, lags, terms) for lags in (2, 4, 8) for terms in (8, 16, 30)],
     *[Setting(3, 3, 2, terms) for terms in (8, 16, 30)],
 ]
-"""The settings tried."""
+"""The settings that the search tries."""
 
 
 class Narx:
-    """A polynomial NARX by forward regression (FROLS), of records joined end to end, scaled to their range."""
+    """A polynomial NARX, fitted by forward regression (FROLS) to concatenated records, scaled to their range."""
 
     def __init__(self, records: Sequence[pz.Record], how: Setting) -> None:
         u, y = (np.concatenate([getattr(r, name) for r in records]) for name in ("u", "y"))
@@ -95,7 +95,7 @@ def _scaled(x: Array, by: tuple[float, float]) -> Array:
 def search(
     train: Sequence[pz.Record], held: pz.Record, settings: Sequence[Setting], start: int, free: bool
 ) -> Setting:
-    """The setting with the best free run on `held`."""
+    """Returns the setting with the best free run on `held`."""
     return min(settings, key=lambda how: nrmse(held.y, Narx(train, how).simulate(held), start, free)[0])
 
 
@@ -134,7 +134,7 @@ def _steps(u: Array, beta: float, gamma: float) -> Array:
 
 
 def bouc_wen(records: Sequence[pz.Record], resonance: float | None, start: int = 0) -> BoucWen:
-    """Least squared error of free runs from `start`, with two initial values of beta and one constant per record."""
+    """Least squares fit of free runs from sample `start` on; two start values of beta, one constant per record."""
     half = max(float(np.ptp(r.u)) for r in records) / 2
     mid = float(np.mean([r.u.max() + r.u.min() for r in records])) / 2
     gain = max(float(np.ptp(r.y)) for r in records) / 2

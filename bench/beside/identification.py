@@ -1,4 +1,4 @@
-"""From records to a model, side by side: on a twin, and on a measured stack if its data are available."""
+"""Identification from records, side by side: on a twin, and on a measured stack if its data are available."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .table import Took, counted, figure, in_turn
 
 @dataclass(frozen=True)
 class Bench:
-    """Records to identify from, the one that settings are selected on, and validation records."""
+    """Training records, the record on which settings are selected, and validation records."""
 
     name: str
     small: list[pz.Record]
@@ -30,9 +30,9 @@ class Bench:
     start: int = 0
     """Settling samples at the start of a record."""
     free: bool = False
-    """True for a drifting sensor: the mean error does not count."""
+    """True if the sensor drifts: the mean error is removed."""
     whole: list[pz.Record] = field(default_factory=list)
-    """The record that `train` and `held` are parts of, if any."""
+    """The record of which `train` and `held` are parts, if there is one."""
 
     @property
     def all(self) -> list[pz.Record]:
@@ -51,7 +51,7 @@ def twin() -> Bench:
     multisine = pz.excite.multisine(ts=TS, duration=2, amplitude=25, frequency_low=3, frequency_high=40, seed=1)
     drives = {
         "staircase, 10 Hz": pz.excite.staircase(ts=TS, duration=2, amplitude=25, frequency=10),
-        # All start at rest: a jump would test the driver.
+        # All inputs start at rest: a jump would reach the current limit of the driver.
         "multisine, 3 to 40 Hz": multisine * np.minimum(1.0, np.arange(len(multisine)) * TS / 0.05),
         "modulated sine, 30 Hz": modulated(30, 25, 4000),
     }

@@ -28,9 +28,9 @@ def processor() -> str:
 
 
 def inside(needs: list[str], checkout: bool = False) -> None:
-    """Continues in bench/.venv, which is created on the first run with `needs` from the package index.
+    """Restarts the script in bench/.venv, which is created on the first run. Installs `needs` from the package index.
 
-    checkout: build piezoid of this checkout into it, anew on every start
+    checkout: also build and install piezoid of this checkout, on every start
     """
     python = HOME / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     if Path(sys.prefix).resolve() == HOME.resolve():

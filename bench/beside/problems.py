@@ -28,12 +28,12 @@ class Page:
     quick: bool
     rows: list[Row] = field(default_factory=list)
     unseen: list[list[list[str]]] = field(default_factory=list)
-    """Tables of errors on validation records, their heads first."""
+    """Tables of errors on validation records; the first row is the head."""
     facts: list[str] = field(default_factory=list)
-    """Sentences with figures of this run."""
+    """Sentences with numbers measured in this run."""
 
     def add(self, problem: str, other: str, measure: str, errors: tuple[float, float], *took: Took) -> None:
-        """Adds one comparison: errors and times of piezoid and of the other."""
+        """Adds one comparison: errors and times of piezoid and of the other tool."""
         self.rows.append(Row(problem, other, measure, *errors, *took))
 
 
@@ -44,7 +44,7 @@ def prbs() -> pz.Record:
 
 
 def modulated(hz: float, amplitude: float, n: int) -> Array:
-    """A sine whose amplitude varies with a frequency that is incommensurable with its own."""
+    """A sine whose amplitude is modulated at an incommensurate frequency."""
     turns = 2 * np.pi * hz * TS * np.arange(n)
     return np.asarray(amplitude * (0.5 + 0.5 * np.sin(turns * 2**0.5 / 9)) * np.sin(turns))
 
@@ -206,7 +206,7 @@ def bouc_wen(page: Page) -> None:
 
 
 def off(run: Array, exact: Array) -> float:
-    """The largest error, over the peak."""
+    """The largest error, divided by the peak."""
     return float(np.abs(run - exact).max() / np.abs(exact).max())
 
 

@@ -19,24 +19,24 @@ PARTICLES, ITERATIONS = 50, 500
 
 
 def regression(u: Array, y: Array, order: int) -> tuple[Array, Array]:
-    """y[t], and one row each of y[t-1] ... y[t-order], u[t] ... u[t-order], 1."""
+    """y[t], and for each t the row y[t-1] ... y[t-order], u[t] ... u[t-order], 1."""
     n = len(y)
     past = [x[order - lag : n - lag] for x, first in ((y, 1), (u, 0)) for lag in range(first, order + 1)]
     return y[order:], np.column_stack([*past, np.ones(n - order)])
 
 
 def looped(y: Array, psi: Array) -> Callable[[Array], Array]:
-    """The sum of absolute errors y - theta psi of each particle, in a loop."""
+    """Sum of absolute errors y - theta psi of each particle, in a loop over the particles."""
     return lambda theta: np.array([np.abs(y - x @ psi).sum() for x in theta])
 
 
 def plain(y: Array, psi: Array) -> Callable[[Array], Array]:
-    """The same of all particles in one product, in arrays allocated in each iteration."""
+    """The same for all particles in one product; arrays are allocated in each iteration."""
     return lambda theta: np.asarray(np.abs(y - theta @ psi).sum(axis=1))
 
 
 def kept(y: Array, psi: Array) -> Callable[[Array], Array]:
-    """The same in one array that is kept, which avoids page faults."""
+    """The same in one array that is reused, which avoids page faults."""
     errors = np.empty((PARTICLES, len(y)))
 
     def fitness(theta: Array) -> Array:
@@ -56,7 +56,7 @@ WEIGHTS = {"c1": 1.5, "c2": 1.5, "w": 0.65}
 
 
 def swarm(y: Array, psi: Array, seed: int, iterations: int = ITERATIONS, cost: str = "arrays that are kept") -> float:
-    """Result of pyswarms 1.3: smallest absolute error of y - theta psi, `psi` of shape (5, n), by one of `COSTS`."""
+    """Smallest sum of absolute errors y - theta psi by pyswarms 1.3 with one of `COSTS`; `psi` has shape (5, n)."""
     import pyswarms
 
     b_max = np.abs(y).max() / np.abs(psi[2:]).max()
@@ -68,7 +68,7 @@ def swarm(y: Array, psi: Array, seed: int, iterations: int = ITERATIONS, cost: s
 
 
 def least_absolute(y: Array, psi: Array) -> float:
-    """The least sum |y - psi theta|, as a linear program: theta free, excess and shortfall of each row positive."""
+    """Minimum of sum |y - psi theta|, as a linear program: theta free, excess and shortfall of each row positive."""
     from scipy.sparse import csr_array, eye_array, hstack
 
     rows, columns = psi.shape
@@ -105,7 +105,7 @@ def plays_by_sample(u: Array, r: Array, w: Array) -> Array:
 
 
 def plays_by_stretch(u: Array, r: Array, w: Array) -> Array:
-    """The same: while the input rises, a play is max(p, u - r), so the samples between two reversals are one call."""
+    """The same: while the input rises, a play is max(p, u - r). So one call computes all samples up to a reversal."""
     way = np.sign(np.diff(u, prepend=0.0))
     turns = np.flatnonzero(np.diff(way)) + 1
     p, z = np.zeros(len(r), dtype=u.dtype), np.empty_like(u)
@@ -118,7 +118,7 @@ def plays_by_stretch(u: Array, r: Array, w: Array) -> Array:
 
 
 def bouc_wen(u: Array, beta: float, gamma: float, exp: Callable[[Any], Any] = math.exp) -> Array:
-    """h of h' = u' - beta |u'| h - gamma u' |h| from rest, exactly: two exponentials along a path of one direction."""
+    """Exact h of h' = u' - beta |u'| h - gamma u' |h| from rest: at most two exponentials per step of the input."""
     log = math.log if exp is math.exp else np.log
     h = last = u[0] * 0
     out = []

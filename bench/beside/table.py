@@ -30,12 +30,12 @@ class Took:
 
     @property
     def seconds(self) -> float:
-        """The median."""
+        """Median time [s]."""
         return statistics.median(self.times)
 
 
 def in_turn(*calls: Callable[[], Any], repeats: int = 7) -> list[Took]:
-    """Runs calls one after the other, `repeats` times; with more than one repetition the first run warms up."""
+    """Runs all calls in turn, `repeats` times; if `repeats` is more than 1, one more run before them warms up."""
     results, numbers = [], []
     for call in calls if repeats > 1 else ():
         start = time.perf_counter()
@@ -76,7 +76,7 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        """How many times as fast piezoid is: the median of the rounds, which have the same load for both."""
+        """Ratio of times, other / piezoid: the median over rounds. Within a round both have the same load."""
         return statistics.median(b / a for a, b in zip(self.mine.times, self.rival.times))
 
     @property
@@ -87,7 +87,7 @@ class Row:
         return "ahead" if self.ratio > 1.0 else "behind"
 
     def cells(self) -> list[str]:
-        """Its cells in the table."""
+        """Cells of its row in the table."""
         errors = [figure(self.ours), figure(self.theirs), self.error]
         times = [duration(self.mine.seconds), duration(self.rival.seconds), plain(self.ratio), self.time]
         return [self.problem, self.other, self.measure, *errors, *times]
@@ -108,7 +108,7 @@ HEADS = [
 
 
 def markdown(heads: Iterable[str], rows: Iterable[Iterable[str]], words: int) -> str:
-    """A table whose first `words` columns are words, the others numbers."""
+    """A Markdown table; the first `words` columns hold text, the others numbers."""
     heads = list(heads)
     rule = ["---" if k < words or not head else "--:" for k, head in enumerate(heads)]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in [heads, rule, *map(list, rows)])

@@ -1,10 +1,10 @@
-//! Accuracy of joint identification on validation data, compared with the paper's method: two twins of a bender with
-//! creep, noise and a driver, records that a user could take, and one model for all frequencies.
+//! Accuracy of joint identification on validation data, compared with the paper's method. The records come from two
+//! twins of a bender with creep, noise and a driver; a user could take them. One model covers all frequencies.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example accuracy -- docs
 //! ```
-//! writes the errors into docs/accuracy.md, between two comments, and draws docs/accuracy.svg.
+//! The command writes the errors into docs/accuracy.md, between two comments, and draws docs/accuracy.svg.
 
 pub(crate) mod page;
 
@@ -21,10 +21,10 @@ use std::f64::consts::{SQRT_2, TAU};
 /// Sampling period [s].
 pub(crate) const TS: f64 = 5e-4;
 
-/// The twins: the truth is a Preisach density, and a Bouc-Wen law.
+/// The twins. Their true hysteresis is a Preisach density and a Bouc-Wen law.
 pub(crate) const TWINS: [&str; 2] = ["pl140", "pl140-bouc-wen"];
 
-/// Frequencies of the sines to identify from [Hz], and their length [s].
+/// Frequencies [Hz] and durations [s] of the training sines.
 const SEEN: [(f64, f64); 6] = [(1.0, 8.0), (5.0, 4.0), (20.0, 3.0), (40.0, 3.0), (80.0, 3.0), (160.0, 3.0)];
 
 /// Periods of the PRBS, of 2047 samples each.
@@ -33,11 +33,11 @@ const PERIODS: usize = 3;
 /// Frequencies of the validation data [Hz].
 const VALIDATION: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
 
-/// Least duration of a validation record [s], and its least number of periods.
+/// Minimum duration of a validation record [s], and its minimum number of periods.
 const DURATION: f64 = 2.0;
 const CYCLES: f64 = 6.0;
 
-/// The largest amplitude [V]; it is reduced where the displacement would exceed this limit [um].
+/// Largest amplitude [V], and limit of the displacement [um]. The amplitude is reduced if the limit would be exceeded.
 const AMPLITUDE: f64 = 28.0;
 const REACH: f64 = 1200.0;
 
@@ -50,7 +50,7 @@ pub(crate) struct RecordKind {
     drive: DriveSignal,
 }
 
-/// All kinds; the training data hold none of them.
+/// All kinds. The training data contain none of them.
 pub(crate) static KINDS: [RecordKind; 3] = [
     RecordKind {
         name: "staircase",
@@ -75,7 +75,7 @@ fn modulated(hz: f64, amplitude: f64, t: usize) -> f64 {
     amplitude * (0.5 + 0.5 * (turns * SQRT_2 / 9.0).sin()) * turns.sin()
 }
 
-/// A twin on a bench.
+/// A twin and its parameters.
 pub(crate) struct Twin {
     plant: Plant,
     spec: Spec,
@@ -92,8 +92,8 @@ impl Twin {
         Ok(Twin { plant: Plant::new(spec, TS)?, spec: spec.clone() })
     }
 
-    /// Measures the response to a drive from rest [um], at the largest amplitude within the limit. The seed sets the
-    /// noise.
+    /// Measures the response to a drive from rest [um]. The amplitude is reduced until the displacement stays within
+    /// the limit. The seed sets the noise.
     fn measure(&self, drive: impl Fn(f64) -> Result<Vec<f64>, Error>, seed: f64) -> Result<Record, Error> {
         let plant = self.plant.clone().with_seed(seed as u64);
         let mut amplitude = AMPLITUDE;
@@ -129,7 +129,7 @@ impl Twin {
         identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, &options)
     }
 
-    /// The paper's model, whose loops need steady sines.
+    /// The model by the paper's method, which needs loops of steady sines.
     fn paper(&self, options: IdentifyOptions) -> Result<Identified, Error> {
         let steady = |frequency, amplitude, n| Sine { amplitude, frequency, ..Sine::default() }.samples(TS, n);
         let options = IdentifyOptions { method: Method::Paper, ..options };
@@ -190,14 +190,14 @@ struct Outcome {
     twin: &'static str,
     way: &'static IdentificationMethod,
     operator: &'static str,
-    /// By kind, then by frequency [% rms of peak-to-peak]; infinite where the run diverged.
+    /// Rms errors by kind, then by frequency [% of peak-to-peak]; infinite if the free run diverged.
     errors: Vec<Vec<f64>>,
 }
 
-/// An error above this means only that the run diverged [% of peak-to-peak].
+/// A larger error counts as a diverged run [% of peak-to-peak].
 const DIVERGED: f64 = 1000.0;
 
-/// How many times smaller than the paper's the joint errors are meant to be.
+/// Target for the ratio of the paper's error to the joint error.
 const TIMES: f64 = 10.0;
 
 /// The errors of every method on a twin.
@@ -215,7 +215,7 @@ fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     WAYS.iter().map(outcome).collect()
 }
 
-/// How many times smaller the joint errors are than the paper's, by kind and frequency.
+/// Ratios of the paper's errors to the joint errors, by kind and frequency.
 fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'static str, f64, f64)> + 'a {
     let of_kind = |((kind, p), j): ((&'static RecordKind, &'a Vec<f64>), &'a Vec<f64>)| {
         VALIDATION.into_iter().zip(p.iter().zip(j)).map(|(hz, (p, j))| (kind.name, hz, p / j))
@@ -223,7 +223,7 @@ fn times<'a>(paper: &'a Outcome, joint: &'a Outcome) -> impl Iterator<Item = (&'
     KINDS.iter().zip(&paper.errors).zip(&joint.errors).flat_map(of_kind)
 }
 
-/// Errors by method and their ratios to the paper's; then the records on which the ratio is small.
+/// Table of the errors by method, with the ratios of the paper's errors to them; then the records with a small ratio.
 fn summary(twins: &[Vec<Outcome>]) -> String {
     let titles = [
         "twin",
@@ -251,8 +251,8 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
     text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
 }
 
-/// The records of a twin on which the best joint model is less than [`TIMES`] times better than the best of the
-/// paper's.
+/// Records of a twin on which the error of the best variant of the paper's method is less than [`TIMES`] times the
+/// error of the best joint model.
 fn near(outcomes: &[Outcome]) -> String {
     let [_, tuned, .., given] = outcomes else { return String::new() };
     let near = times(tuned, given).filter(|(.., times)| *times < TIMES);
@@ -265,7 +265,7 @@ fn near(outcomes: &[Outcome]) -> String {
     )
 }
 
-/// Every error.
+/// Table of all errors.
 fn table(twins: &[Vec<Outcome>]) -> String {
     let titles = ["twin", "record", "method"].map(String::from).into_iter();
     let titles: Vec<String> = titles.chain(VALIDATION.map(|hz| hz.to_string())).collect();

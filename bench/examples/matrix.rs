@@ -1,9 +1,9 @@
-//! Each operator identified as each operator: how well one law of hysteresis describes another, behind a resonance.
+//! Every operator identified as every operator: how well one hysteresis law describes another, followed by a resonance.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example matrix -- docs
 //! ```
-//! writes the errors on validation data into docs/operators.md, between two comments, and draws docs/operators.svg.
+//! The command writes the validation errors into docs/operators.md, between two comments, and draws docs/operators.svg.
 
 mod page;
 
@@ -24,15 +24,15 @@ const TS: f64 = 5e-4;
 /// Frequency [Hz] and damping ratio of the resonance behind the hysteresis.
 const RESONANCE: (f64, f64) = (147.0, 0.06);
 
-/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their length [s]. The largest fill the range of the
-/// examples.
+/// Frequencies [Hz] and amplitudes [V] of the rising sines, and their duration [s]. The largest amplitudes use the
+/// whole range of the examples.
 const RISING: [(f64, f64); 6] = [(5.0, 30.0), (20.0, 30.0), (80.0, 30.0), (5.0, 20.0), (20.0, 20.0), (80.0, 20.0)];
 const DURATION: f64 = 0.8;
 
 /// Amplitude of the validation data [V].
 const VALIDATION: f64 = 29.0;
 
-/// The example of an operator before a resonance, without noise.
+/// The example of an operator, followed by a resonance, without noise.
 fn plant(truth: &Operator) -> Result<Model, Error> {
     let (hz, damping) = RESONANCE;
     let radius = (-damping * TAU * hz * TS).exp();
@@ -43,8 +43,8 @@ fn plant(truth: &Operator) -> Result<Model, Error> {
     Model::new((truth.example)(TS)?, linear, 0.3)
 }
 
-/// The rms error [% of peak-to-peak] of the operator `model`, identified jointly on records of `truth`, on its
-/// validation data: a modulated sine and a staircase.
+/// Rms error [% of peak-to-peak] of the operator `model`, identified jointly from records of `truth`. The validation
+/// data are a modulated sine and a staircase.
 pub(crate) fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
     let plant = plant(truth)?;
     let record = |u: Vec<f64>| Record::new(TS, u.clone(), plant.simulate(&u));
@@ -82,7 +82,7 @@ const NAMES: usize = 250;
 const HEAD: usize = 60;
 const CELL: usize = 48;
 
-/// The errors as a map, the darker the larger, by decades from 0.01 to 10 %.
+/// Map of the errors: larger errors are darker, on a logarithmic scale from 0.01 to 10 %.
 fn map(errors: &[Vec<f64>]) -> String {
     let n = errors.len();
     let (width, height) = (NAMES + n * CELL + 14, HEAD + n * CELL + 14);

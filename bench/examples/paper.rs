@@ -1,4 +1,4 @@
-//! The paper reproduced: its Table 1 beside the errors of the study, and over the test signals that it may have used.
+//! Reproduction of the paper: its Table 1 beside the errors of the study, and the test signals that it may have used.
 //!
 //! `cargo run --release -p piezoid-bench --example paper -- docs` writes the tables of docs/paper.md and its figures.
 
@@ -10,7 +10,7 @@ use piezoid::plant::Preset;
 use piezoid::progress::Stage;
 use piezoid_report::study::{METHODS, Study, TestSignal};
 
-/// Figures of the study that docs/ keep: their names there, and here.
+/// Figures of the study that docs/ contain: their names in the study, and in docs/.
 const KEPT: [(&str, &str); 3] =
     [("paper-error", "error"), ("paper-test-signal", "test_signal"), ("paper-deviation", "deviation")];
 
@@ -27,7 +27,7 @@ fn table_1(study: &Study) -> String {
     text
 }
 
-/// For both readings of the rule and for the block of Table 2, the nearest test signals of each form.
+/// The nearest test signal of each form, for both readings of the rule and for the block of Table 2.
 fn signals(study: &Study) -> String {
     let heads = ["method", "test signal"].map(String::from).into_iter();
     let heads = heads.chain(Study::PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);

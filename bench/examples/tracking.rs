@@ -1,12 +1,12 @@
-//! Tracking errors of two twins of a bender under each control scheme, with models identified from records alone, and
+//! Tracking errors of two twins of a bender under each control scheme: with models identified from records alone, and
 //! over plants with tolerances.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example tracking -- docs
 //! ```
-//! writes the errors into docs/control.md, between comments, and draws docs/control.svg.
+//! The command writes the errors into docs/control.md, between comments, and draws docs/control.svg.
 
-#[allow(dead_code)] // all but the twins on their bench
+#[allow(dead_code)] // only the twins are used
 #[path = "accuracy.rs"]
 pub(crate) mod accuracy;
 
@@ -22,7 +22,7 @@ use piezoid::progress::Stage;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
 
-/// The schemes side by side.
+/// The schemes that are compared.
 pub(crate) const SCHEMES: [&str; 6] =
     ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
 
@@ -40,13 +40,13 @@ pub(crate) const PATHS: [(&str, f64); 10] = [
     ("random", 20.0),
 ];
 
-/// Their peak, 80 % of the catalogue's displacement [um].
+/// Peak of the references [um], 80 % of the catalogue's displacement.
 const PEAK: f64 = 800.0;
 
-/// Samples of the reference that are known ahead, where not all are.
+/// Numbers of reference samples known ahead, for the causal schemes.
 const AHEAD: [usize; 6] = [20, 8, 4, 2, 1, 0];
 
-/// The reference for plants with tolerances, and their seed.
+/// The reference for plants with tolerances, and the seed.
 pub(crate) const TRIED: (&str, f64) = ("triangle", 20.0);
 const SEED: u64 = 7;
 
@@ -55,7 +55,7 @@ pub(crate) fn reference((kind, hz): (&str, f64)) -> Result<NamedReference, Error
     Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
 }
 
-/// A scheme for a model, with this many samples of its reference known ahead.
+/// A scheme tuned for a model; `ahead` samples of the reference are known in advance.
 pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<TunedScheme, Error> {
     let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
     let mut drive = TunedScheme::new(
@@ -69,7 +69,7 @@ pub(crate) fn drive(model: &Model, name: &str, ahead: usize) -> Result<TunedSche
     Ok(drive)
 }
 
-/// Drives on a twin along these references.
+/// Compares schemes on a twin along these references.
 pub(crate) fn compared(
     twin: &'static str,
     drives: Vec<TunedScheme>,
@@ -81,7 +81,7 @@ pub(crate) fn compared(
     Comparison::run((plant.name, &(plant.spec)()), drives, paths, SEED, tolerance, &mut Stage::ignore)
 }
 
-/// The rms error along each reference [% of its height]; infinite where the reference was refused.
+/// The rms error along each reference [% of its height]; infinite if the reference returned an error.
 pub(crate) fn errors(driven: &SchemeResult) -> Vec<f64> {
     let percent = |a: &Result<piezoid::control::ReferenceResult, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
@@ -102,7 +102,7 @@ fn code(name: impl std::fmt::Display) -> String {
     format!("`{name}`")
 }
 
-/// The margins of every feedback loop with a law.
+/// Margins of every feedback loop that has a control law.
 fn margins(drives: &[TunedScheme]) -> String {
     let titles = [
         "controller",

@@ -1,16 +1,17 @@
 //! Joint identification predicts validation data. To save time, the operator is given and four frequencies of ten are
 //! tested; `examples/accuracy.rs` selects the operator with `auto` and runs all, with the results in docs/accuracy.md.
 
-#![allow(clippy::expect_used)] // a test may stop at what must not happen
+#![allow(clippy::expect_used)] // a failing test panics
 
-#[allow(dead_code)] // the paper's method, and the parts that draw
+#[allow(dead_code)] // the paper's method and the figure are not used
 #[path = "../examples/accuracy.rs"]
 mod accuracy;
 
 use accuracy::{KINDS, TWINS, Twin, error, range};
 use piezoid::plant::{Preset, Spec};
 
-/// Frequencies below, at and above the resonance [Hz]. At the last the driver's current limit distorts every wave.
+/// Frequencies below, at and above the resonance [Hz]. At the last one the driver's current limit distorts every
+/// signal.
 const FREQUENCIES: [f64; 4] = [5.0, 40.0, 160.0, 400.0];
 
 /// Identifies one twin with one operator, and checks the errors [% rms of peak-to-peak].

@@ -1,9 +1,9 @@
 //! Control of a twin with a model identified from its records. To save time, the operator is given and there are few
 //! schemes; `examples/tracking.rs` selects the operator with `auto` and runs all, with the results in docs/control.md.
 
-#![allow(clippy::expect_used)] // a test may stop at what must not happen
+#![allow(clippy::expect_used)] // a failing test panics
 
-#[allow(dead_code)] // the parts that write and draw
+#[allow(dead_code)] // the tables and the figure are not used
 #[path = "../examples/tracking.rs"]
 mod tracking;
 
@@ -46,8 +46,8 @@ fn feed_forward_alone_is_ten_times_better_than_the_best_straight_line() {
     }
 }
 
-/// Oscillation of the twin at the levels of steps of 200 um, as a share of the largest step, with a straight line. The
-/// first 32 ms of each level, in which a shaped and smoothed step arrives, do not count.
+/// Oscillation of the twin after steps of 200 um under the scheme `gain`, as a share of the largest step. The first
+/// 32 ms after each step do not count, because a shaped and smoothed step takes this long.
 fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let level = |t: usize| 200.0 * (((t / 200) % 4) as f64 - 1.5);
     let steps: Vec<f64> = (0..4000).map(level).collect();
@@ -74,7 +74,7 @@ fn a_shaped_staircase_does_not_excite_the_resonance() {
     assert!(raw > 0.2 && shaped < 0.1 * raw && moved < 0.05 * raw, "{raw} {shaped} {moved}");
 }
 
-/// 0.3 % up to 20 Hz, 1 % at 40 Hz.
+/// Checks the error [% of stroke]: at most 0.3 % up to 20 Hz, 1 % at 40 Hz.
 #[track_caller]
 fn stays_within_bounds(name: &str, ahead: usize) {
     for (path, error) in PATHS.iter().zip(&tracked(&[name], &PATHS, ahead)[0]) {

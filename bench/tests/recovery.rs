@@ -1,8 +1,8 @@
 //! Joint identification recovers each operator's example from records that a user could take.
 
-#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+#![allow(clippy::expect_used, clippy::panic)] // a failing test panics
 
-#[allow(dead_code)] // the parts that draw
+#[allow(dead_code)] // the table and the map are not used
 #[path = "../examples/matrix.rs"]
 mod matrix;
 
@@ -35,7 +35,7 @@ fn is_recovered(names: &[&str]) {
     }
 }
 
-/// The grids and the longest search, which take seconds each; all others take less together.
+/// The two grids and the longest search. Each takes seconds; all others together take less.
 const SLOW: [&str; 3] = ["preisach", "krasnoselskii-pokrovskii", "bouc-wen-baber-noori"];
 
 #[test]

@@ -1,6 +1,7 @@
 //! The project's own automation: `cargo xtask test|tidy|python|bench|golden|docs`.
 //!
-//! Needs a Rust toolchain with rustfmt and clippy; all but `docs` need Python 3 too. What is missing is said.
+//! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `docs` use Python 3 too. Messages name what is
+//! missing.
 
 mod skipped;
 mod tidy;
@@ -10,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, ExitStatus};
 use std::time::Instant;
 
-/// What a verb does; the error says which step failed.
+/// The work of a verb; the error names the step that failed.
 type Work = fn() -> Result<(), String>;
 
-/// What can be done, each with what it is for.
+/// The verbs with their descriptions.
 const VERBS: [(&str, &str, Work); 6] = [
     (
         "test",
@@ -47,7 +48,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Where the web page runs the core.
+/// The target for web browsers.
 const WEB: &str = "wasm32-unknown-unknown";
 
 fn test() -> Result<(), String> {
@@ -72,7 +73,7 @@ fn test() -> Result<(), String> {
     Ok(())
 }
 
-/// The core compiles without its feature, and for the web; in CI a missing target fails.
+/// Checks that the core compiles without its feature, and for web browsers; in CI a missing target is an error.
 fn core_alone(skipped: &mut Skipped) -> Result<(), String> {
     let bare = ["check", "--package", "piezoid", "--no-default-features"];
     step(&mut cargo(&bare))?;
@@ -88,7 +89,7 @@ fn core_alone(skipped: &mut Skipped) -> Result<(), String> {
     Ok(())
 }
 
-/// Builds the Python package into an environment of its own, and runs its tests there.
+/// Builds the Python package into a separate environment, and runs its tests there.
 fn python_package() -> Result<(), String> {
     let mut skipped = Skipped::default();
     python_tests(&mut skipped)?;
@@ -96,7 +97,7 @@ fn python_package() -> Result<(), String> {
     Ok(())
 }
 
-/// As [`python_package`], and `skipped` is told what is missing for that; in CI it fails.
+/// The same as [`python_package`]; adds what is missing to `skipped`. In CI this is an error.
 fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
     let home = root().join("target/python");
     let inside = || Command::new(home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" }));
@@ -145,14 +146,14 @@ fn docs() -> Result<(), String> {
     Ok(())
 }
 
-/// Runs a command in the workspace, its output on ours.
+/// Runs a command in the workspace, and shows its output.
 fn step(command: &mut Command) -> Result<(), String> {
     let line = announced(command);
     let status = command.current_dir(root()).status().map_err(|e| format!("cannot start `{line}`: {e}"))?;
     succeeded(&line, status)
 }
 
-/// Prints a command as it is about to run: what it was.
+/// Prints a command that is about to run, and returns what was printed.
 fn announced(command: &Command) -> String {
     let line: Vec<_> = std::iter::once(command.get_program()).chain(command.get_args()).collect();
     let line = line.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ");

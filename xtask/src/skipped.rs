@@ -1,6 +1,6 @@
-//! Which tests were skipped, and for want of what: read off what they print.
+//! Skipped tests and what was missing for them, read from their output.
 //!
-//! A test of ours says `SKIPPED: <test>: <what is missing>`, pytest `SKIPPED [<number>] <place>: <why>`.
+//! A Rust test prints `SKIPPED: <test>: <what is missing>`, pytest `SKIPPED [<number>] <place>: <why>`.
 
 use crate::{announced, root, succeeded};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,19 +8,19 @@ use std::fmt;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
 
-/// Tests by what they were skipped for.
+/// Skipped tests by what was missing.
 #[derive(Default)]
 pub(crate) struct Skipped {
     tests: BTreeMap<String, BTreeSet<String>>,
 }
 
 impl Skipped {
-    /// Notes a test that was skipped for want of something.
+    /// Adds a test that was skipped because something is missing.
     pub(crate) fn add(&mut self, test: &str, missing: &str) {
         self.tests.entry(missing.into()).or_default().insert(test.into());
     }
 
-    /// Runs a command in the workspace, passes on what it prints, and notes what it skips.
+    /// Runs a command in the workspace, passes its output on, and adds the skipped tests.
     pub(crate) fn step(&mut self, command: &mut Command) -> Result<(), String> {
         let line = announced(command);
         let command = command.current_dir(root()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -37,12 +37,12 @@ impl Skipped {
     }
 }
 
-/// Copies what comes in, line by line; the lines that tell of a skipped test.
+/// Copies the input line by line; returns the lines about skipped tests.
 fn passed_on(from: Option<impl Read>, mut to: impl Write) -> Vec<String> {
     let mut told = Vec::new();
     let Some(from) = from else { return told };
     for line in BufReader::new(from).split(b'\n').map_while(Result::ok) {
-        // Nobody may be reading.
+        // The reader of the output may be gone.
         let _ = to.write_all(&[&line[..], b"\n"].concat());
         let line = String::from_utf8_lossy(&line);
         told.extend(line.starts_with("SKIPPED").then(|| line.into_owned()));
@@ -50,10 +50,10 @@ fn passed_on(from: Option<impl Read>, mut to: impl Write) -> Vec<String> {
     told
 }
 
-/// The test and what it lacks, of a line that tells.
+/// The test and what it lacks, from a line about a skipped test.
 fn read(line: &str) -> Option<(&str, &str)> {
     match line.strip_prefix("SKIPPED: ") {
-        // Names of tests have double colons within.
+        // Names of tests contain double colons.
         Some(told) => told.split_once(": "),
         None => line.strip_prefix("SKIPPED [")?.split_once("] ")?.1.split_once(": "),
     }

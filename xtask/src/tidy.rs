@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// The crates without input and output.
 const PURE: [&str; 3] = ["crates/piezoid/src", "crates/piezoid-export/src", "crates/piezoid-report/src"];
 
-/// What reads, writes, waits or starts something.
+/// Names that read, write, wait or start something.
 const SIDE_EFFECTS: [&str; 9] = [
     "std::fs",
     "std::env",
@@ -20,17 +20,17 @@ const SIDE_EFFECTS: [&str; 9] = [
     "std::io::std",
 ];
 
-/// What the plant may not use, as it must not be the model.
+/// Modules that the plant must not use, because it must be independent of the model.
 const MODEL: [&str; 3] = ["linear", "hysteresis", "spline"];
 
-/// Crates whose types stay inside; `serde_json::Value` is the exception.
+/// Crates whose types must not be in public signatures; `serde_json::Value` is the exception.
 const FOREIGN: [&str; 9] =
     ["nalgebra", "rustfft", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
 
-/// The most public items of the three crates: not more than there are. The aim is 150.
+/// Maximum number of public items of the three crates.
 const ITEMS: usize = 150;
 
-/// What pages say about the length of a list: page, phrase with `#` for the number, file and name of the list.
+/// Statements of pages on the length of a list: page, phrase with `#` for the number, file and name of the list.
 const COUNTS: [(&str, &str, &str, &str); 7] = [
     ("README.md", " # operators ", "crates/piezoid/src/hysteresis/mod.rs", "OPERATORS"),
     ("README.md", "all # hysteresis operators", "crates/piezoid/src/hysteresis/mod.rs", "OPERATORS"),
@@ -41,14 +41,14 @@ const COUNTS: [(&str, &str, &str, &str); 7] = [
     ("docs/reference.md", "# formats are read", "crates/piezoid/src/formats/mod.rs", "FORMATS"),
 ];
 
-/// Numbers in words, from none on.
+/// Numbers in words, from 0 on.
 const WORDS: &str =
     "no one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen";
 
-/// The longest line of prose; rustfmt keeps the code.
+/// Maximum width of a line of prose; rustfmt checks the code.
 const WIDTH: usize = 120;
 
-/// Every invariant that does not hold, one a line.
+/// Checks the invariants; the error lists those that do not hold, one per line.
 pub(crate) fn tidy() -> Result<(), String> {
     let mut broken = Vec::new();
     let order = modules_in_order()?;
@@ -62,7 +62,7 @@ pub(crate) fn tidy() -> Result<(), String> {
             broken.extend(upward(&module, &code, &order).into_iter().map(|it| format!("{name}: uses crate::{it}")));
         }
     }
-    // What a program writes from measurements it wraps as it comes.
+    // This page is written by a program, which does not wrap it.
     let measured = |file: &PathBuf| file.ends_with("bench/side_by_side.md");
     for file in files(root(), "rs").into_iter().chain(files(root(), "md")).filter(|file| !measured(file)) {
         broken.extend(wide(&file)?);
@@ -74,7 +74,7 @@ pub(crate) fn tidy() -> Result<(), String> {
     if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
 }
 
-/// The modules of the core as ARCHITECTURE.md lists them: each may use itself and those before it.
+/// The modules of the core in the order of ARCHITECTURE.md: each may use itself and those before it.
 fn modules_in_order() -> Result<Vec<String>, String> {
     let text = read(&root().join("ARCHITECTURE.md"))?;
     let room = text.lines().skip_while(|line| !line.starts_with("crates/piezoid "));
@@ -93,7 +93,7 @@ fn modules_in_order() -> Result<Vec<String>, String> {
     }
 }
 
-/// The module of the core that a file belongs to; none for its tests, for lib.rs and for other crates.
+/// The module of the core that a file belongs to; `None` for its tests, for lib.rs and for other crates.
 fn module_of(file: &Path) -> Option<String> {
     let inside = file.strip_prefix(root().join("crates/piezoid/src")).ok()?;
     let first = inside.components().next()?.as_os_str().to_string_lossy().into_owned();
@@ -101,7 +101,7 @@ fn module_of(file: &Path) -> Option<String> {
     (!["lib", "testing", "tests"].contains(&module.as_str())).then_some(module)
 }
 
-/// The modules that a module uses and may not.
+/// The modules that a module uses but must not use.
 fn upward(module: &str, code: &str, order: &[String]) -> Vec<String> {
     let place = |name: &str| order.iter().position(|known| known == name);
     let names = code
@@ -116,7 +116,7 @@ fn upward(module: &str, code: &str, order: &[String]) -> Vec<String> {
     used
 }
 
-/// Types of other crates that public signatures name.
+/// Types of other crates in public signatures.
 fn foreign(code: &str) -> Vec<String> {
     let mut types = Vec::new();
     for line in code.lines().map(str::trim_start).filter(|line| line.starts_with("use ")) {
@@ -139,12 +139,12 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }
 
-/// Lines of prose beyond [`WIDTH`], but for tables and links; rustfmt keeps the code.
+/// Lines of prose wider than [`WIDTH`], except tables and links; rustfmt checks the code.
 fn wide(file: &Path) -> Result<Vec<String>, String> {
     let text = read(file)?;
     let is_code = file.extension().is_some_and(|extension| extension == "rs");
     let wraps = |line: &str| match is_code {
-        // Not of plain comments: those of program texts are printed as they stand.
+        // Plain comments are not checked, because those of program texts are printed unchanged.
         true => ["///", "//!"].iter().any(|mark| line.trim_start().starts_with(mark)) && !line.contains("http"),
         false => !line.contains("](") && !line.starts_with('|') && !line.contains("http"),
     };
@@ -153,7 +153,7 @@ fn wide(file: &Path) -> Result<Vec<String>, String> {
     Ok(long.collect())
 }
 
-/// Too many public items, and type names that stand twice, by the lists that `cargo doc` wrote.
+/// Too many public items, and type names that occur twice, from the lists that `cargo doc` wrote.
 fn public_items() -> Result<Vec<String>, String> {
     let (mut count, mut types): (usize, BTreeMap<String, Vec<String>>) = (0, BTreeMap::new());
     for name in ["piezoid", "piezoid_export", "piezoid_report"] {
@@ -179,7 +179,7 @@ fn public_items() -> Result<Vec<String>, String> {
     Ok(twice.chain(many).collect())
 }
 
-/// Why a page does not say how many rows a list has.
+/// The error if a page does not state the number of rows of a list.
 fn miscounted(page: &str, phrase: &str, file: &str, list: &str) -> Result<Option<String>, String> {
     let source = read(&root().join(file))?;
     let rows = source.split(&format!("pub static {list}: ")).nth(1).and_then(|rest| rest.split(']').nth(1));
@@ -190,7 +190,7 @@ fn miscounted(page: &str, phrase: &str, file: &str, list: &str) -> Result<Option
     Ok((!said).then(|| format!("{page}: {list} has {count} rows, and \"{phrase}\" is not said of them")))
 }
 
-/// The code of a file without its tests, which stand at its foot, and without comments.
+/// The code of a file without its tests, which are at its end, and without comments.
 fn without_tests(text: &str, file: &Path) -> String {
     let is_test = file.file_stem().is_some_and(|stem| stem == "tests" || stem == "testing")
         || file.components().any(|part| part.as_os_str() == "tests");
@@ -199,7 +199,7 @@ fn without_tests(text: &str, file: &Path) -> String {
     code.collect::<Vec<_>>().join("\n")
 }
 
-/// The files of a folder that end so, in order; not those of builds.
+/// The files of a folder with this extension, in order, without those of builds.
 fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();

@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::path::Path;
 
-/// Two digits; 0 below a millionth of peak-to-peak, `-` where there is no figure.
+/// `percent` with two digits; 0 below a millionth of peak-to-peak, `-` if it is not finite.
 pub(crate) fn cell(percent: f64) -> String {
     match percent {
         p if !p.is_finite() => "-".into(),

@@ -18,7 +18,7 @@ fn main() -> Result<(), Error> {
     let mut arguments = std::env::args().skip(1);
     let verb = arguments.next().unwrap_or_default();
     let seed = arguments.next().and_then(|s| s.parse().ok()).unwrap_or(1);
-    // The twin with noise, as an experimenter would have it.
+    // A record of the twin with noise, as an experimenter would measure it.
     let plant = Plant::named("pl140", TS)?;
     let u = Prbs { order: 12, ..Default::default() }.samples(TS, 4095)?;
     let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();

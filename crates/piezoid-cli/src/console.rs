@@ -1,4 +1,4 @@
-//! The terminal: text on stdout, progress and complaints on stderr, Ctrl-C.
+//! The terminal: text on stdout, progress and messages on stderr, Ctrl-C.
 
 use crate::flags::failed;
 use crate::layout::wrapped;
@@ -11,19 +11,20 @@ use std::ops::ControlFlow;
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Set by the first Ctrl-C; work that watches it ends in good order. The second ends the process at once.
+/// Set by the first Ctrl-C; work that checks it stops in an orderly way. The second Ctrl-C ends the process
+/// immediately.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
 
-/// Lines are never longer than this, however wide the terminal: nobody reads them.
+/// Maximum length of a line, even in a wider terminal: longer lines are hard to read.
 const WIDEST: usize = 100;
 
-/// Width of text that goes into a file.
+/// Length of a line if the output is not a terminal.
 const USUAL: usize = 80;
 
-/// Narrowest terminal in which a progress bar has a place beside its words.
+/// Minimum width of a terminal for a progress bar beside its text.
 const ROOM_FOR_A_BAR: usize = 72;
 
-/// Where the verbs write.
+/// Output of the verbs.
 pub(crate) struct Console {
     bar: RefCell<ProgressBar>,
     shows_progress: bool,
@@ -34,7 +35,7 @@ impl Console {
         Console { bar: RefCell::new(ProgressBar::hidden()), shows_progress: !quiet && std::io::stderr().is_terminal() }
     }
 
-    /// Text on stdout. A reader that has gone away (`| head`) is no failure.
+    /// Prints text on stdout. It is not an error if the reader has closed the pipe (`| head`).
     pub(crate) fn print(&self, text: &str) -> Result<()> {
         let mut out = std::io::stdout().lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -43,27 +44,27 @@ impl Console {
         }
     }
 
-    /// How long a line of stdout may be; no matter when it is not a terminal.
+    /// Maximum length of a line on stdout; `None` if stdout is not a terminal.
     pub(crate) fn room(&self) -> Option<usize> {
         terminal_size::terminal_size_of(std::io::stdout()).map(|(width, _)| usize::from(width.0))
     }
 
-    /// A paragraph on stdout, its further lines indented.
+    /// A paragraph for stdout; all lines except the first are indented.
     pub(crate) fn paragraph(&self, text: &str, indent: &str) -> String {
         wrapped(text, self.room().unwrap_or(USUAL).min(WIDEST), indent) + "\n"
     }
 
-    /// A remark on stderr, even when quiet.
+    /// Prints a remark on stderr, even with `--quiet`.
     pub(crate) fn remark(&self, text: &str) {
         self.bar.borrow().suspend(|| say(&format!("note: {text}")));
     }
 
-    /// The library's progress as a bar on stderr when that is a terminal; breaks after Ctrl-C. From here on Ctrl-C no
-    /// longer ends the process by itself.
+    /// Shows the library's progress as a bar if stderr is a terminal; breaks after Ctrl-C. After the first call, one
+    /// Ctrl-C no longer ends the process by itself.
     pub(crate) fn progress(&self) -> impl FnMut(Stage) -> ControlFlow<()> + '_ {
         static WATCH: Once = Once::new();
         WATCH.call_once(|| {
-            // Without a handler Ctrl-C ends the process, which is right too.
+            // Without a handler, Ctrl-C ends the process. This is acceptable too.
             let _ = ctrlc::set_handler(|| {
                 if CANCELLED.swap(true, Ordering::Relaxed) {
                     std::process::exit(1);
@@ -96,7 +97,7 @@ impl Console {
         bar.set_position(stage.done as u64);
     }
 
-    /// Takes the progress bar away, and hands on what the work came to.
+    /// Removes the progress bar, and returns the result of the work or its error.
     pub(crate) fn done<T>(&self, outcome: Result<T, piezoid::Error>) -> Result<T> {
         self.bar.borrow().finish_and_clear();
         outcome.map_err(|error| match error {
@@ -106,12 +107,12 @@ impl Console {
     }
 }
 
-/// One message on stderr, causes behind colons.
+/// Prints one error message on stderr, with its causes after colons.
 pub(crate) fn complain(error: &anyhow::Error) {
     say(&format!("error: {error:#}"));
 }
 
-/// A line on stderr, in several where a terminal is narrower.
+/// Prints a message on stderr, wrapped to the width of the terminal.
 fn say(text: &str) {
     let text = match terminal_size::terminal_size_of(std::io::stderr()) {
         Some((width, _)) => wrapped(text, usize::from(width.0).min(WIDEST), "  "),

@@ -1,4 +1,4 @@
-//! Files: records in, results out. What is written is whole or not there: it is written beside and renamed.
+//! Files: reads records, writes results. A file is complete or absent: it is written beside its place and then renamed.
 
 use anyhow::{Error, Result, anyhow};
 use piezoid::File;
@@ -11,7 +11,7 @@ fn named(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// The file at `path`, read once: it may be a pipe.
+/// Reads the file at `path` once, because it may be a pipe.
 pub(crate) fn read(path: &Path) -> Result<File> {
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => anyhow!("{}: there is no such file: check its name and folder", named(path)),
@@ -24,18 +24,18 @@ pub(crate) fn read(path: &Path) -> Result<File> {
     Ok(File::new(named(path), bytes?))
 }
 
-/// The files at these paths.
+/// Reads the files at these paths.
 pub(crate) fn read_all(paths: &[PathBuf]) -> Result<Vec<File>> {
     paths.iter().map(|path| read(path)).collect()
 }
 
-/// Writes a file beside its place and renames it there; `-` is stdout.
+/// Writes a file beside its place and then renames it; `-` is stdout.
 pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) -> Result<()> {
     if path == Path::new("-") {
         return console.print(text);
     }
     match std::fs::metadata(path) {
-        // A pipe or a device stays what it is.
+        // A pipe or a device is written to and not replaced.
         Ok(what) if !what.is_file() && !what.is_dir() => {
             let mut open = std::fs::OpenOptions::new();
             return open.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes())).or_else(|error| {
@@ -50,14 +50,14 @@ pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) 
     Ok(files::write(path, text.as_bytes())?)
 }
 
-/// Refuses results that could not be written when the work is done: before it is begun.
+/// Returns an error, before the work begins, if a result could not be written.
 pub(crate) fn ready(paths: &[Option<&Path>]) -> Result<()> {
     let named = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
     let plain = |path: &&Path| std::fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir());
     Ok(named.filter(plain).try_for_each(files::ready)?)
 }
 
-/// Writes a machine-readable result where `--json` says.
+/// Writes a machine-readable result to the path of `--json`.
 pub(crate) fn write_json(path: Option<&Path>, value: &Value, console: &crate::console::Console) -> Result<()> {
     match path {
         Some(path) => write(path, &format!("{value:#}\n"), console),
@@ -65,7 +65,7 @@ pub(crate) fn write_json(path: Option<&Path>, value: &Value, console: &crate::co
     }
 }
 
-/// The command as it was given. Folders are left out, so that the same work gives the same bytes wherever it is done.
+/// The command line without folders: the same work gives the same bytes in every folder.
 pub(crate) fn command() -> String {
     let word = |argument: std::ffi::OsString| {
         let argument = argument.to_string_lossy();

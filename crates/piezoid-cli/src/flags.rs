@@ -1,4 +1,4 @@
-//! The options of a verb as flags, made from the library's table; and what the library says of them, as flags.
+//! The options of a verb as flags, created from the library's table; the library's errors with its options as flags.
 
 use crate::values::Misused;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
@@ -7,7 +7,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMat
 use piezoid::{Error, OptionKind, OptionRow, Options};
 use serde_json::{Map, Value};
 
-/// The options `O`, read from flags. A switch that is on unless told otherwise is the flag `--no-NAME`.
+/// The options `O`, read from flags. A switch that is on by default becomes the flag `--no-NAME`.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Flags<O>(pub(crate) O);
 
@@ -33,7 +33,7 @@ impl<O: Options> FromArgMatches for Flags<O> {
     }
 }
 
-/// Whether the flag turns off what is on.
+/// True if the flag turns off a switch that is on by default.
 fn turns_off(row: &OptionRow) -> bool {
     row.values == OptionKind::Switch && (row.default)() == Value::Bool(true)
 }
@@ -72,7 +72,7 @@ pub(crate) fn argument(row: &OptionRow) -> Arg {
     }
 }
 
-/// What stands for a value in the help.
+/// Placeholder of the value in the help.
 pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
     match (row.values, row.unit) {
         (OptionKind::Text(placeholder) | OptionKind::Texts(placeholder), _) => placeholder,
@@ -88,7 +88,7 @@ pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
     }
 }
 
-/// What flags were set to.
+/// The values of the flags that were given.
 pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
     let value = |row: &OptionRow| match row.values {
         OptionKind::Switch => matches.get_flag(row.name).then(|| Value::Bool(!turns_off(row))),
@@ -98,7 +98,7 @@ pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
     Value::Object(rows.iter().filter_map(|row| Some((row.name.into(), value(row)?))).collect::<Map<_, _>>())
 }
 
-/// What the library says, with its options as flags.
+/// The message of an error of the library, with its options as flags.
 pub(crate) fn told(error: &Error) -> String {
     let flag = |name: &str| name.replace('_', "-");
     let option = |name: &str, value: &Value| match value {
@@ -120,7 +120,7 @@ pub(crate) fn told(error: &Error) -> String {
     }
 }
 
-/// The same as the failure of a verb: of what stands on the command line itself a misuse.
+/// The error as the failure of a verb: a [`Misused`] if the command line itself is wrong.
 pub(crate) fn failed(error: Error) -> anyhow::Error {
     let text = told(&error);
     match if let Error::Advised { error, .. } = &error { error } else { &error } {
@@ -130,7 +130,7 @@ pub(crate) fn failed(error: Error) -> anyhow::Error {
     }
 }
 
-/// Whether some verb has an option of this name.
+/// True if some verb has an option of this name.
 fn is_flag(name: &str) -> bool {
     fn has(command: &Command, name: &str) -> bool {
         command.get_arguments().any(|a| a.get_id() == name) || command.get_subcommands().any(|c| has(c, name))

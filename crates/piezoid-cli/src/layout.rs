@@ -1,11 +1,11 @@
 //! Tables and paragraphs as plain text.
 
-/// Narrowest that the first column of a table is made.
+/// Minimum width of the first column of a table.
 const NARROWEST: usize = 12;
 
-/// Rows in columns as wide as they need: the first column to the left, the others to the right. Where they are wider
-/// than `room`, the first column gives way: its cells lose their beginning, as the end of a path tells more. Where that
-/// is not enough, each row stands as a block of lines.
+/// Rows in columns as wide as necessary: the first column aligned left, the others right. If they are wider than
+/// `room`, the first column is narrowed: its cells lose their beginning, because the end of a path is more specific. If
+/// this is not enough, each row becomes a block of lines.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>], room: Option<usize>) -> String {
     let width = |k: usize| {
         let cells = rows.iter().filter_map(|r| r.get(k)).map(|c| c.chars().count());
@@ -33,7 +33,7 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>], room: Option<usize>) 
     [head, rule].into_iter().chain(body).collect()
 }
 
-/// Rows as blocks: the first cell, then a line a column with its heading.
+/// Rows as blocks: the first cell, then one line per column with its heading.
 fn blocks(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = header.iter().skip(1).map(|head| head.chars().count()).max().unwrap_or(0);
     let mut text = String::new();
@@ -45,7 +45,7 @@ fn blocks(header: &[&str], rows: &[Vec<String>]) -> String {
     text
 }
 
-/// The last `width` characters, with a mark where some are left out.
+/// The last `width` characters, marked if some are left out.
 fn ending(text: &str, width: usize) -> String {
     let count = text.chars().count();
     if count <= width {
@@ -55,11 +55,11 @@ fn ending(text: &str, width: usize) -> String {
     format!("…{kept}")
 }
 
-/// A paragraph in lines of at most `width` characters, words whole; all lines but the first begin with `indent`. Spaces
-/// in a row are kept.
+/// Breaks a paragraph between words into lines of at most `width` characters. All lines except the first begin with
+/// `indent`. Repeated spaces are kept.
 pub(crate) fn wrapped(text: &str, width: usize, indent: &str) -> String {
     let mut lines = vec![String::new()];
-    // Of the last line: its length, and whether a word stands on it.
+    // Length of the last line; true if it contains a word.
     let (mut length, mut begun) = (0, false);
     for (k, word) in text.split(' ').enumerate() {
         let last = lines.len() - 1;
@@ -80,7 +80,7 @@ pub(crate) fn wrapped(text: &str, width: usize, indent: &str) -> String {
     lines.join("\n")
 }
 
-/// The same text with a capital at its beginning.
+/// The text with a capital first letter.
 pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()

@@ -1,4 +1,4 @@
-//! The `piezoid` command: reads arguments and files, calls the library, renders what it answers.
+//! The `piezoid` command: reads arguments and files, calls the library, prints the results.
 //!
 //! Exit status: 0 on success, 2 on a wrong command line, 1 on any other failure, with one message on stderr.
 
@@ -45,7 +45,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A verb or kind that does not exist is answered with those that do.
+/// Adds the known names to the message on an unknown verb or kind.
 fn with_the_names_there_are(mut wrong: clap::Error) -> clap::Error {
     let given: Vec<String> = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
     let cli = Cli::command();

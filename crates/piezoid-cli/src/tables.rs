@@ -1,4 +1,5 @@
-//! The tables of a validation in the terminal: the figures first, then where the error lies, and what it is.
+//! Tables of a validation for the terminal: the error figures, then errors by frequency and amplitude, loops and
+//! residuals.
 
 use crate::console::Console;
 use crate::layout::{capitalised, table};
@@ -6,11 +7,11 @@ use piezoid::number::{round, short as number};
 use piezoid::validation::{Bin, LoopComparison, Metrics, Source};
 use piezoid::{Compared, Validated};
 
-/// The most bands shown unless all are asked for, and how many of the worst are shown in their place.
+/// Maximum number of bands without `full`. If there are more, this number of the worst bands is shown.
 const MOST: usize = 12;
 const WORST: usize = 8;
 
-/// Everything that is worth a look; with `full` everything there is.
+/// All tables; `full` adds all bands, all loops and the results of the residual tests.
 pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> String {
     let compared = &validated.files[..];
     let Some(first) = compared.first() else { return String::new() };
@@ -44,7 +45,7 @@ fn figures(compared: &[Compared], total: &Metrics, unit: &str, room: Option<usiz
     table(&["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"], &rows, room)
 }
 
-/// One bin says no more than the figures do.
+/// Errors by frequency or amplitude. A single bin would only repeat the total, and is not shown.
 fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> String {
     if bins.len() < 2 {
         return String::new();
@@ -81,7 +82,7 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
     }
 }
 
-/// The largest loops of each record; all of them, and all of their figures, with `full`.
+/// The largest loops of each record; with `full`, all loops with all their figures.
 fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     let largest = |p: &Compared| {
         let most = p.validation.loops.iter().map(|l| l.amplitude).fold(0.0, f64::max);
@@ -130,7 +131,7 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     text
 }
 
-/// The noise floor, and whether the residuals are noise.
+/// The noise floor, and whether the residuals are white.
 fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();

@@ -1,9 +1,9 @@
-//! What the parser cannot see of a command line: files that must differ.
+//! Checks of a command line that the parser cannot do: files must differ.
 
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 
-/// A wrong command line that the parser cannot see: exit status 2.
+/// An error in the command line that the parser cannot find: exit status 2.
 #[derive(Debug)]
 pub(crate) struct Misused(pub(crate) String);
 
@@ -15,7 +15,7 @@ impl std::fmt::Display for Misused {
 
 impl std::error::Error for Misused {}
 
-/// Refuses results that would overwrite each other or what they are made from.
+/// Returns an error if results would overwrite each other or an input file.
 pub(crate) fn apart(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<()> {
     let same = |a: &Path, b: &Path| {
         a == b || std::fs::canonicalize(a).is_ok_and(|a| std::fs::canonicalize(b).is_ok_and(|b| a == b))

@@ -1,11 +1,11 @@
-//! The C compiler of this machine, for exports that take a library with them.
+//! The C compiler of this machine, for exports that contain a library.
 
 use piezoid::{Error, File};
 use piezoid_export::Compiler;
 use std::ffi::OsString;
 use std::process::Command;
 
-/// The compiler, where `cc` is one that is known to make the same library of the same sources: on Linux.
+/// The compiler `cc`, on platforms where it always builds the same library from the same sources: on Linux.
 pub fn here() -> Option<Compiler> {
     let platform = match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => "x86_64-linux",
@@ -16,13 +16,13 @@ pub fn here() -> Option<Compiler> {
     there.then_some(Compiler { platform, run: library })
 }
 
-/// C99 as it is written, position-independent, with the marked functions alone to be seen.
+/// C99 without fused multiply-adds, position-independent; only the marked functions are visible.
 const FLAGS: &[&str] = &["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"];
 
-/// No symbols, no identity of the build: nothing that could tell where or when.
+/// No symbols and no build identifier: nothing depends on place or time.
 const PLAIN: &[&str] = &["-s", "-Wl,--build-id=none"];
 
-/// Compiles in a folder that goes away, by names without a folder, so that none of it is in the library.
+/// Compiles in a temporary folder. File names are given without a folder, so the library contains no path.
 fn library(files: &[File]) -> Result<Vec<u8>, Error> {
     let failed = |error: std::io::Error| Error::Content(format!("the C compiler could not be run: {error}"));
     let folder = tempfile::Builder::new().prefix("piezoid-").tempdir().map_err(failed)?;

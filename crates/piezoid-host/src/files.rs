@@ -1,30 +1,30 @@
-//! Files that are whole or not there: written beside their place and renamed.
+//! Files that are complete or absent: written beside their place and renamed.
 
 use piezoid::{Error, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Writes a file; what stood there stays until the new one is whole. At the end of a link, so that the link stays.
+/// Writes a file. An existing file stays until the new one is complete. A link stays a link; its target is replaced.
 ///
 /// # Errors
-/// What keeps the file from being written, and what to do.
+/// Returns the reason why the file cannot be written, and what to do.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     replace(&end(path)?, bytes).map_err(|error| unwritable(path, &error))
 }
 
-/// Refuses a file that could not be written when the work is done: before it is begun.
+/// Checks that a file can be written, before the work begins.
 ///
 /// # Errors
-/// As [`write`].
+/// The errors of [`write`].
 pub fn ready(path: &Path) -> Result<(), Error> {
     beside(&end(path)?).map(drop).map_err(|error| unwritable(path, &error))
 }
 
-/// Writes files into a folder, which is made if it is not there: all of them, or none.
+/// Writes files into a folder, which is created if it does not exist: all of them, or none.
 ///
 /// # Errors
-/// As [`write`].
+/// The errors of [`write`].
 pub fn write_all(folder: &Path, files: &[File]) -> Result<(), Error> {
     let new = !folder.exists();
     if !new && !folder.is_dir() {
@@ -62,7 +62,7 @@ fn end(path: &Path) -> Result<PathBuf, Error> {
     Ok(std::fs::canonicalize(path).unwrap_or_else(|_| path.into()))
 }
 
-/// What keeps `path` from being written, and what to do.
+/// Why `path` cannot be written, and what to do.
 fn unwritable(path: &Path, error: &io::Error) -> Error {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let why = match error.kind() {
@@ -74,7 +74,7 @@ fn unwritable(path: &Path, error: &io::Error) -> Error {
     Error::Content(format!("cannot write {}: {why}", path.display()))
 }
 
-/// A file beside `path`, which goes away unless it is kept.
+/// A file beside `path`, which is deleted unless it is kept.
 fn beside(path: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]

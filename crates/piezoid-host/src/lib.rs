@@ -1,5 +1,5 @@
-//! What front ends need of the machine they run on, and the library does without: files that are whole or not there,
-//! and the C compiler.
+//! Operating-system functions for front ends, which the library does without: writing complete files, and the C
+//! compiler.
 
 pub mod compiler;
 pub mod files;

@@ -1,4 +1,4 @@
-//! Back from a displacement to a voltage.
+//! From a displacement to a voltage.
 
 use crate::error::{raised, refused};
 use crate::json::{object, options};
@@ -14,12 +14,12 @@ use pyo3::types::PyDict;
 use serde_json::json;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What compensation may use.
+/// Settings of a feed-forward.
 pub(crate) fn feed_forward_settings(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
     options::<CompensateOptions>(settings)?.settings().map_err(raised)
 }
 
-/// A voltage, what the model makes of it, and the rest as a document.
+/// The voltage, the displacement that the model predicts, and the other results as a document.
 pub(crate) type CompensationTuple = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
 
 /// The voltage for a reference.
@@ -37,7 +37,7 @@ pub(crate) fn compensated(
     Ok((array(py, u).unbind(), array(py, reached).unbind(), document))
 }
 
-/// The inverse of a model, sample by sample; it remembers where it stands.
+/// The inverse of a model, sample by sample; it keeps its state between calls.
 #[pyclass(frozen, module = "piezoid")]
 #[derive(Debug)]
 pub(crate) struct FeedForward {
@@ -52,7 +52,7 @@ impl FeedForward {
         Ok(FeedForward { causal, state })
     }
 
-    /// The state, waited for without the interpreter's lock; what a thread that failed left of it is a state too.
+    /// The state. The interpreter's lock is released while waiting. The state left by a failed thread is used.
     fn state(&self, py: Python<'_>) -> MutexGuard<'_, Vec<f64>> {
         self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
@@ -76,7 +76,7 @@ impl FeedForward {
         self.causal.step(&mut self.state(py), r)
     }
 
-    /// The voltages for a stretch of the reference, from where it stands.
+    /// The voltages for the next samples of the reference, from the present state.
     fn resume(&self, py: Python<'_>, reference: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let read = samples("reference", reference)?;
         let r = slice(&read)?;
@@ -86,7 +86,7 @@ impl FeedForward {
         Ok(array(py, u).unbind())
     }
 
-    /// Begins anew: at rest, or where `reference` has stood for long.
+    /// Resets the state: at rest, or settled at `reference`.
     #[pyo3(signature = (reference=None))]
     fn reset(&self, py: Python<'_>, reference: Option<f64>) -> PyResult<()> {
         if let Some(r) = reference.filter(|r| !r.is_finite()) {
@@ -101,7 +101,7 @@ impl FeedForward {
     }
 }
 
-/// A model as what it is made from in other files.
+/// The library's model, for other files of this crate.
 pub(crate) fn inner(model: &Bound<'_, Model>) -> piezoid::Model {
     model.get().model.clone()
 }

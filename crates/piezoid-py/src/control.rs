@@ -1,4 +1,4 @@
-//! Schemes of control, side by side on a twin.
+//! Control schemes side by side on a twin.
 
 use crate::compensation::inner;
 use crate::error::{raised, refused};
@@ -27,7 +27,7 @@ pub(crate) fn follow(
     (kind.samples)(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
 }
 
-/// Each scheme along each reference on a plant: a document of figures, the runs, and a page.
+/// Runs each scheme along each reference on a plant. Returns a document of figures, the runs, and a page.
 #[pyfunction]
 pub(crate) fn control(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Errors of the library as Python knows them.
+//! Errors of the library as Python exceptions.
 
 use piezoid::Error;
 use pyo3::create_exception;
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 create_exception!(piezoid, PiezoidError, PyValueError, "What is wrong, the value, where, and what to do.");
 
-/// The same error for Python, with options called as the keywords they are here.
+/// The same error for Python, with options named as keywords.
 pub(crate) fn raised(error: Error) -> PyErr {
     refused(&error.told(&|name, value| match value {
         Value::Null => format!("{name}="),
@@ -17,7 +17,7 @@ pub(crate) fn raised(error: Error) -> PyErr {
     }))
 }
 
-/// A refusal in the library's words.
+/// An error with this message.
 pub(crate) fn refused(message: &str) -> PyErr {
     PiezoidError::new_err(message.to_string())
 }

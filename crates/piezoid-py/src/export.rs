@@ -1,4 +1,4 @@
-//! Models for other machines.
+//! Exports of models.
 
 use crate::compensation::inner;
 use crate::error::raised;
@@ -15,13 +15,13 @@ use std::path::PathBuf;
 /// Files by their paths, and notes.
 type ExportTuple = (Vec<(String, Py<PyBytes>)>, Vec<String>);
 
-/// Writes a file, which is whole or not there.
+/// Writes a file, which is complete or absent.
 #[pyfunction]
 pub(crate) fn write(path: PathBuf, content: &[u8]) -> PyResult<()> {
     files::write(&path, content).map_err(raised)
 }
 
-/// What a target makes, written into a folder if one is named.
+/// Exports a model to a target, and writes the files into a folder if one is given.
 #[pyfunction]
 pub(crate) fn export(
     py: Python<'_>,
@@ -44,7 +44,7 @@ pub(crate) fn export(
     Ok((files.collect(), made.notes))
 }
 
-/// The options of [`export`], a row each.
+/// The options of [`export`], one per row.
 #[pyfunction]
 pub(crate) fn export_options(py: Python<'_>) -> PyResult<Py<PyAny>> {
     object(py, &rows(ExportOptions::rows()))

@@ -1,4 +1,4 @@
-//! From records to a model.
+//! Identification of a model from records.
 
 use crate::error::refused;
 use crate::json::{object, options, rows};
@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
 
-/// The model, which has on it how it was made: `provenance`, and what was found on the way.
+/// Identifies a model. Its `provenance` contains how it was identified, and the results on the way.
 #[pyfunction]
 pub(crate) fn identify(
     py: Python<'_>,
@@ -33,7 +33,7 @@ pub(crate) fn identify(
     Ok(found.model.with_provenance(made).into())
 }
 
-/// The options of [`identify`], a row each.
+/// The options of [`identify`], one per row.
 #[pyfunction]
 pub(crate) fn identify_options(py: Python<'_>) -> PyResult<Py<PyAny>> {
     object(py, &rows(IdentifyOptions::rows()))

@@ -1,4 +1,4 @@
-//! Documents of the library as Python's own objects.
+//! Documents of the library as Python objects.
 
 use crate::error::raised;
 use piezoid::{OptionKind, OptionRow, Options};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyList, PyString};
 use serde_json::{Map, Value, json};
 
-/// A document: objects as dicts, in their order.
+/// A document: objects as dicts with the same order of members.
 pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
     match value {
         Value::Null => Ok(py.None()),
@@ -31,7 +31,7 @@ pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
     }
 }
 
-/// Options of the library by their keywords, of any kind of number that Python has.
+/// Options of the library from keywords; numbers may have any Python type.
 pub(crate) fn options<O: Options>(given: &Bound<'_, PyDict>) -> PyResult<O> {
     O::from_json(document(given)?).map_err(raised)
 }
@@ -42,7 +42,7 @@ pub(crate) fn document(given: &Bound<'_, PyDict>) -> PyResult<Value> {
     members.collect::<PyResult<Map<_, _>>>().map(Value::Object)
 }
 
-/// A setting as a document. What no document holds is its text, which the library then refuses in its own words.
+/// A setting as a document. A value that no document can contain becomes its text; the library then returns an error.
 fn value_of(value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_none() {
         return Ok(Value::Null);

@@ -1,5 +1,5 @@
-//! What Python calls: one file a subject, each of which converts and calls the library. What it is to a user of Python
-//! stands in `python/piezoid`, beside its types.
+//! Functions that Python calls. Each file converts the arguments of one subject and calls the library. The interface
+//! for users is in `python/piezoid`, with its types.
 
 mod compensation;
 mod control;

@@ -1,4 +1,4 @@
-//! The linear block alone: difference equations, their fits, and the swarm.
+//! The linear block alone: difference equations and their fits.
 
 use crate::error::raised;
 use crate::json::{object, options};
@@ -53,7 +53,7 @@ impl Arx {
         self.arx.is_stable()
     }
 
-    /// Poles: of each its frequency [Hz] and damping.
+    /// Poles: frequency [Hz] and damping of each.
     #[getter]
     fn poles(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         object(py, &json!(self.arx.poles()))
@@ -86,7 +86,7 @@ impl Arx {
         self.arx == other.arx
     }
 
-    /// Makes it anew, where a pickle arrives.
+    /// Creates the block again from a pickle.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (Vec<f64>, Vec<f64>, f64)) {
         let arx = &slf.get().arx;
         (slf.get_type(), (arx.a().to_vec(), arx.b().to_vec(), arx.ts()))
@@ -97,7 +97,7 @@ impl Arx {
     }
 }
 
-/// A block of `orders` (na, nb, delay) fitted to records, and what its fit leaves.
+/// Fits a block of `orders` (na, nb, delay) to records. Returns it with its residuals and other results.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! What there is, by name; and excitations, which are nothing but settings.
+//! The lists of the library by name, and drive signals.
 
 use crate::error::raised;
 use crate::json::{document, object, options, rows};
@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
 
-/// All lists: of each row its name, summary and reference, of an excitation its parameters too.
+/// All lists: name, summary and reference of each row; for a drive signal also its parameters.
 #[pyfunction]
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let row =
@@ -47,7 +47,7 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     object(py, &all)
 }
 
-/// The voltages of an excitation.
+/// The voltages of a drive signal.
 #[pyfunction]
 pub(crate) fn excite(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Models: from a voltage to a displacement, and back.
+//! Models: from a voltage to a displacement, and the inverse.
 
 use crate::compensation::{CompensationTuple, FeedForward, compensated, feed_forward_settings};
 use crate::error::{raised, refused};
@@ -74,19 +74,19 @@ impl Model {
         self.model.linear().dc_gain()
     }
 
-    /// Frequency [Hz] and damping of the resonance.
+    /// Frequency [Hz] and damping ratio of the resonance.
     #[getter]
     fn resonance(&self) -> Option<(f64, f64)> {
         self.model.linear().resonance().map(|mode| (mode.hz, mode.damping))
     }
 
-    /// The lowest and the highest input it knows.
+    /// Lowest and highest input of the identification data.
     #[getter]
     fn input_range(&self) -> Option<(f64, f64)> {
         self.model.known_inputs()
     }
 
-    /// G of the linear block at these frequencies [Hz].
+    /// Frequency response of the linear block at these frequencies [Hz].
     fn response<'py>(&self, py: Python<'py>, hz: &Bound<'py, PyAny>) -> PyResult<Py<PyArray1<Complex64>>> {
         let hz = samples("hz", hz)?;
         let hz = finite("hz", slice(&hz)?)?;
@@ -113,7 +113,7 @@ impl Model {
         Ok(array(py, y).unbind())
     }
 
-    /// One step ahead, from measured outputs.
+    /// Prediction one step ahead, from measured outputs.
     fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let given = (samples("u", u)?, samples("y", y)?);
         let (u, y) = (finite("u", slice(&given.0)?)?, finite("y", slice(&given.1)?)?);
@@ -121,7 +121,7 @@ impl Model {
         Ok(array(py, predicted).unbind())
     }
 
-    /// What the hysteresis, with its creep, makes of the input.
+    /// The output of hysteresis and creep for this input.
     fn hidden(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let given = samples("u", u)?;
         let u = finite("u", slice(&given)?)?;
@@ -129,7 +129,7 @@ impl Model {
         Ok(array(py, z).unbind())
     }
 
-    /// The figures of a free run as a document, and the run.
+    /// The figures of a free run as a document, and the free run.
     fn _validate(
         &self,
         py: Python<'_>,
@@ -159,23 +159,23 @@ impl Model {
         compensated(py, &self.model, reference, settings)
     }
 
-    /// The document that its file holds.
+    /// The content of its file.
     fn to_dict(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let document: Value = serde_json::from_str(&self.model.to_json())
             .map_err(|e| refused(&format!("the model cannot be converted to a dict: {e}")))?;
         object(py, &document)
     }
 
-    /// The same numbers, however they were found.
+    /// True if the numbers are equal, however the models were identified.
     fn __eq__(&self, other: &Self) -> bool {
         let numbers = |model: &Self| model.model.clone().with_provenance(Value::Null).to_json();
         numbers(self) == numbers(other)
     }
 }
 
-/// Refuses samples that a model would carry on for ever.
+/// Returns an error if a sample is not finite, because a model would never forget it.
 pub(crate) fn finite<'a>(what: &str, samples: &'a [f64]) -> PyResult<&'a [f64]> {
-    // A sum is no number where a sample is none; only then is it worth looking which.
+    // The sum is not 0 if a sample is not finite. Only then is the sample searched for.
     if samples.iter().map(|v| v * 0.0).sum::<f64>() == 0.0 {
         return Ok(samples);
     }

@@ -1,4 +1,4 @@
-//! Twins: simulated actuators to measure on.
+//! Twins: simulated actuators for measurements.
 
 use crate::error::raised;
 use crate::json::options;
@@ -20,7 +20,7 @@ pub(crate) struct Plant {
 
 #[pymethods]
 impl Plant {
-    /// The one called `name`.
+    /// The plant called `name`.
     #[staticmethod]
     fn named(name: &str) -> PyResult<Self> {
         plant::Preset::find(name).map(|preset| Plant { spec: (preset.spec)() }).map_err(raised)
@@ -35,12 +35,13 @@ impl Plant {
         self.spec.to_json().map_err(raised)
     }
 
-    /// One whose values differ from these by up to `tolerance` of each, as catalogue values do.
+    /// A random plant whose parameters differ from these by up to the fraction `tolerance`, as within a catalogue's
+    /// tolerance.
     fn drawn(&self, tolerance: f64, seed: u64, index: u64) -> PyResult<Self> {
         self.spec.drawn(tolerance, seed, index).map(|spec| Plant { spec }).map_err(raised)
     }
 
-    /// The readings [um], and in words which limits were reached.
+    /// The readings [um], and a text that names the limits that were reached.
     fn _measured(
         &self,
         py: Python<'_>,

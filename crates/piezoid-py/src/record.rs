@@ -70,7 +70,7 @@ impl Record {
         self.record.output_in(unit).map(Self::from).map_err(raised)
     }
 
-    /// The record as a file of the command line has it.
+    /// The record as CSV, in the format of the command line.
     fn to_csv(&self) -> PyResult<String> {
         self.record.to_csv().map_err(raised)
     }
@@ -87,7 +87,7 @@ impl Record {
 /// A column of a table: its name and its samples.
 type Column<'py> = (String, Bound<'py, PyAny>);
 
-/// The named channels of a file, or of arrays.
+/// The named channels of a file, or named arrays.
 #[pyclass(frozen, module = "piezoid._piezoid")]
 #[derive(Debug)]
 pub(crate) struct Columns {
@@ -118,7 +118,7 @@ impl Columns {
         self.table.record(&options(given)?).map(Record::from).map_err(raised)
     }
 
-    /// The reference, in this unit.
+    /// The sampling period [s] and the samples of the reference, in this unit.
     fn reference(&self, py: Python<'_>, given: &Bound<'_, PyDict>, unit: &str) -> PyResult<(f64, Py<PyArray1<f64>>)> {
         let Signal { ts, mut samples, unit: own } = self.table.reference(&options(given)?).map_err(raised)?;
         let Some(factor) = Units::factor(&own, unit) else {

@@ -1,4 +1,4 @@
-//! Series of numbers: numpy in and out.
+//! Series of numbers: from numpy and to numpy.
 
 use crate::error::refused;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods};
@@ -6,10 +6,11 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-/// The samples of what Python gives: a view of a contiguous array of doubles, a converted copy of anything else.
+/// The samples of a Python object: a view of a contiguous array of doubles, or a converted copy of anything else.
 ///
 /// # Errors
-/// Refuses more than one dimension with the shape, complex numbers, masks, and what is no number.
+/// Returns an error for more than one dimension (with the shape), complex numbers, masked arrays, and values that are
+/// not numbers.
 pub(crate) fn samples<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
     if let Ok(array) = given.cast::<PyArray1<f64>>()
         && array.get_type().name().is_ok_and(|name| name == "ndarray")
@@ -41,23 +42,23 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
             return Err(refused(&format!("{what} is of type {}: its samples must be real numbers", untyped.dtype())));
         }
     }
-    // Aligned as well: arrays out of a pickle that came in pieces, as Dask sends it, may not be.
+    // Aligned as well: arrays from a pickle in several pieces, as Dask sends it, may be misaligned.
     let doubles = numpy.call_method1(intern!(py, "require"), (array, intern!(py, "float64"), ["C", "A"]));
     let doubles =
         doubles.map_err(|e| refused(&format!("{what} contains a value that is not a number: {}", e.value(py))))?;
     Ok(doubles.cast_into::<PyArray1<f64>>()?.try_readonly()?)
 }
 
-/// A vector as an array that holds it, without a copy.
+/// A vector as an array that owns it, without a copy.
 pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
     PyArray1::from_vec(py, values)
 }
 
-/// The same, which nobody may write to: many hold it.
+/// The same as a read-only array, because several objects share it.
 pub(crate) fn frozen<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let array = PyArray1::from_slice(py, values);
     array.call_method1(intern!(py, "setflags"), (false,))?;
-    // A view: one that owns its samples could be made writable again.
+    // A view, because an array that owns its samples could be made writable again.
     Ok(array.call_method0(intern!(py, "view"))?.cast_into()?)
 }
 

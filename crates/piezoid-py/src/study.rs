@@ -1,4 +1,4 @@
-//! The paper, end to end; and pages of a model and its proof.
+//! The paper's experiment from end to end.
 
 use crate::json::{object, options};
 use crate::watch::watched;

@@ -1,4 +1,4 @@
-//! Long work: Python hears where it stands, and Ctrl-C ends it.
+//! Long work: Python receives its progress, and Ctrl-C stops it.
 
 use crate::error::raised;
 use piezoid::Error;
@@ -9,13 +9,13 @@ use std::ops::ControlFlow;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// How long signals may wait.
+/// Maximum time between two checks for signals.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Samples between two looks at signals, of what has no stages.
+/// Number of samples between two checks for signals, for work without stages.
 const PIECE: usize = 1 << 16;
 
-/// What `resume` makes of `u`, piece by piece, without the interpreter's lock; Ctrl-C ends it between two pieces.
+/// Calls `resume` on `u` piece by piece, without the interpreter's lock; Ctrl-C stops it between two pieces.
 pub(crate) fn in_pieces(
     py: Python<'_>,
     u: &[f64],
@@ -32,12 +32,12 @@ pub(crate) fn in_pieces(
     Ok(y)
 }
 
-/// Does `work` here. A forked process has none of the threads that its parent's pool started, and would wait for them
-/// for ever: in one, each thread works alone.
+/// Does `work` in this process. A forked process has none of the threads of its parent's pool, and would wait for them
+/// forever. In a forked process each thread therefore works alone.
 fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static FIRST: OnceLock<u32> = OnceLock::new();
     thread_local! {
-        // Kept for good, as a pool of the current thread must be.
+        // Never freed, because a pool of the current thread must not be freed.
         static ALONE: Option<&'static ThreadPool> =
             ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().ok().map(|pool| &*Box::leak(Box::new(pool)));
     }
@@ -48,8 +48,8 @@ fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
-/// Does `work` without the interpreter's lock. `progress`, if any, is called with what is done, how far, and of how
-/// much; what it raises ends the work, as Ctrl-C does.
+/// Does `work` without the interpreter's lock. `progress`, if given, is called with the kind of work, the number of
+/// steps done, and the total. An exception that it raises stops the work, as Ctrl-C does.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -84,7 +84,7 @@ pub(crate) fn watched<T: Send>(
         return Err(error);
     }
     let made = outcome.map_err(raised)?;
-    // Stages are told as they begin: who counts them hears the end too.
+    // Stages are reported when they begin. This reports the end of the last one.
     if let (Some(progress), Some((what, done, total))) = (&progress, last)
         && done < total
     {

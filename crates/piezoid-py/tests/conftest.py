@@ -1,4 +1,4 @@
-"""A twin, records of it, and a model: made once."""
+"""A twin, records of it, and a model, created once."""
 
 from __future__ import annotations
 

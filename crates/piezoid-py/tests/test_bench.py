@@ -1,4 +1,4 @@
-"""The comparison with other libraries runs, and says what it is to say."""
+"""The comparison with other libraries runs, and its page has the expected content."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_every_problem_of_the_comparison_is_solved_by_both_sides_to_the_error_th
     lines = [line for line in table.splitlines() if line.startswith("| ")]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines][2:]
     assert all(len(row) == 10 for row in rows)
-    # Without rounding, both sides of these compute the same.
+    # Both sides of these rows compute the same, except for rounding.
     exact = [row for row in rows if row[1] in ("`lfilter`", "numpy, plays at once", "Python, the exact exponentials")]
     assert len(exact) == 10 and all(row[5] == "same" for row in exact), exact
     squares = [row for row in rows if "least squares" in row[0]]
@@ -41,7 +41,7 @@ def test_every_problem_of_the_comparison_is_solved_by_both_sides_to_the_error_th
     # Models of both sides predict the twin.
     twin = [row for row in rows if row[0].startswith("twin") and row[2] == "worst nrmse [%]"]
     assert len(twin) == 3 and all(float(row[3]) < 6 and float(row[4]) < 20 for row in twin), twin
-    # The section names what the table calls behind in error, or not ahead in time, and nothing else.
+    # The section names exactly the rows that are behind in error or not ahead in time.
     behind = run.stdout.split("## Where piezoid is not ahead")[1].split("##")[0]
     assert behind.count("\n- ") == sum((row[5] == "behind") + (row[9] != "ahead") for row in rows)
 

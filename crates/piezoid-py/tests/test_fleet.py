@@ -1,4 +1,4 @@
-"""Fleets: nothing is lost, whatever happens to one."""
+"""Fleets: no actuator is lost, whatever happens to another."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def test_what_fails_is_a_row_that_says_why(engine, request):
     assert table.error["unplugged"] == "OSError: the amplifier does not answer"
     assert table.error["absent"].startswith("nowhere.csv: there is no such file")
     assert "PiezoidError" not in table.error["broken"]
-    assert dict(table.attempts) == {"good": 1, "broken": 1, "unplugged": 3, "absent": 1, 5: 1}  # refusals are final
+    assert dict(table.attempts) == {"good": 1, "broken": 1, "unplugged": 3, "absent": 1, 5: 1}  # PiezoidError is final
     assert table.model["good"] == pz.identify(**records(0), **KNOWN)
 
 
@@ -172,7 +172,7 @@ def test_models_are_validated_and_turned_around_by_name(undisturbed, tmp_path):
 
 def test_an_actuator_may_have_settings_and_proof_of_its_own():
     own = records(1) | {"operator": "stop", "test": partial(sine, 1, 11.0)}
-    usual = records(1) | {"test": None, "data": float("nan")}  # as a DataFrame has what is missing
+    usual = records(1) | {"test": None, "data": float("nan")}  # missing values of a DataFrame
     table = pz.fleet.identify({"usual": usual, "own": own, "wrong": records(1) | {"ordre": 2}}, **KNOWN)
     assert list(table.operator[:2]) == ["prandtl-ishlinskii", "stop"]
     assert "ordre" in table.error["wrong"] and table.attempts["wrong"] == 1

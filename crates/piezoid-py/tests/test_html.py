@@ -1,4 +1,4 @@
-"""What records, models and validations look like in a notebook."""
+"""Records, models and validations in a notebook."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import piezoid as pz
 
 
 def parts(thing: pz.Record | pz.Model | pz.Validation) -> tuple[dict[str, str], dict[str, np.ndarray], list[str]]:
-    """The rows, their drawings as points [pixels], and the notes; all of it well-formed."""
+    """The rows, their drawings as points [pixels], and the notes; the HTML must be well-formed."""
     root = ElementTree.fromstring(f"<div>{thing._repr_html_()}</div>")
     rows, drawn = {}, {}
     for row in root.iter("tr"):
@@ -42,7 +42,7 @@ def test_a_record_that_stands_still_is_drawn_too() -> None:
 def test_a_model_shows_its_loop_and_its_resonance(model: pz.Model) -> None:
     rows, drawn, notes = parts(model)
     assert rows["hysteresis"] == model.operator and notes == model.notes
-    # Descending, the loop lies above what it is ascending.
+    # The descending branch lies above the ascending one.
     x, down = drawn["hysteresis"].T
     turn = len(x) // 2
     falling, rising = (sorted(zip(x[way], down[way])) for way in (slice(turn), slice(turn, None)))

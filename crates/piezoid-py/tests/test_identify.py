@@ -1,4 +1,4 @@
-"""From records to a model: both ways, watched, interrupted, beside other threads."""
+"""Identification by both methods, with progress, interruption and other threads."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_the_papers_way_gives_branches(small: pz.Record) -> None:
     sine = pz.plants["pl140"].measure(u, 5e-4)
     found = pz.identify(small_signal=small, large_signal=sine, method="paper", particles=20, iterations=60)
     assert found.operator == "two-branch" and len(found.a) == 2
-    # Equation (4) as printed is another search, and ends elsewhere when it is cut short.
+    # Equation (4) as printed gives another search, which ends elsewhere if it is stopped early.
     printed = pz.identify(small_signal=small, large_signal=sine, method="paper", particles=20, iterations=60, global_best="current")
     assert printed.a.tolist() != found.a.tolist() and printed.a == pytest.approx(found.a, rel=0.5)
 
@@ -90,7 +90,7 @@ def test_records_for_everything_go_alone(small: pz.Record, rich: pz.Record) -> N
 
 
 def test_a_lag_that_outlasts_the_records_is_no_part_of_a_model(rich: pz.Record) -> None:
-    # A pole at 0.99999 left nothing here, and a constant of 880 um that its state made up for.
+    # Once a pole at 0.99999 gave a small residual here, but an offset of 880 um, which its state compensated.
     found = pz.identify(data=rich, operator="prandtl-ishlinskii", order=2, elements=6)
     assert found.validate(rich).nrmse_percent < 4 and abs(found.offset) < 20
     assert np.abs(np.roots(np.r_[1.0, -found.a])).max() <= np.exp(-rich.ts / rich.duration) + 1e-9
@@ -126,7 +126,7 @@ def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[st
 
 @pytest.fixture
 def heeded() -> Iterator[None]:
-    """Ctrl-C, which who starts work in the background ignores."""
+    """Enables Ctrl-C, which processes started in the background ignore."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -135,7 +135,7 @@ def heeded() -> Iterator[None]:
 @pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("work", ["identify", "simulate", "measure"])
 def test_ctrl_c_ends_long_work(work: str, rich: pz.Record, model: pz.Model) -> None:
-    # Each takes a minute or more.
+    # Without Ctrl-C, each takes a minute or more.
     long = {
         "identify": lambda: [pz.identify(data=rich) for _ in range(100)],
         "simulate": lambda: [model.simulate(u) for _ in range(300)],
@@ -165,5 +165,5 @@ def test_other_threads_run_on_while_it_works(rich: pz.Record) -> None:
     pz.identify(data=rich, operator="prandtl-ishlinskii")
     stop.set()
     counter.join()
-    # With the interpreter's lock held it would stand still.
+    # The counter would stand still if the interpreter's lock were held.
     assert counted[0] - before > 0.1 * (time.perf_counter() - began) / 1e-3 / 2

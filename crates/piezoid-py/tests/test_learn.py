@@ -1,4 +1,4 @@
-"""The estimator in scikit-learn's hands."""
+"""The estimator within scikit-learn."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SINES = [pz.excite.rising_sine(ts=TS, duration=1, amplitude=28, frequency=f) for
 TWIN = [pz.plants["pl140"].measure(u, TS, seed=seed) for seed, u in enumerate(SINES)]
 PLAYS = {"operator": "prandtl-ishlinskii", "order": 2, "elements": 8}
 
-# The quickest way to a model, and the only one that takes noise for a record.
+# The fastest method, and the only one that accepts noise as a record.
 PLAIN = HammersteinRegressor(TS, method="paper", operator="proportional")
 
 CUT = "the check cuts X to one axis, as the tag one_d_array asks, then indexes two: FirstColumn runs it"
@@ -63,7 +63,7 @@ EXPECTED_WITH_MEMORY = EXPECTED_OF_FIRST_COLUMN | {
     "check_fit2d_1feature": SHORT,
     "check_n_features_in_after_fitting": SHORT,
     "check_regressors_no_decision_function": SHORT,
-    "check_array_api_input": UNSOUND,  # runs where SCIPY_ARRAY_API=1
+    "check_array_api_input": UNSOUND,  # runs only if SCIPY_ARRAY_API=1
     "check_estimators_dtypes": UNSOUND,
     "check_estimators_pickle": UNSOUND,
     "check_fit_score_takes_y": UNSOUND,
@@ -74,7 +74,7 @@ EXPECTED_WITH_MEMORY = EXPECTED_OF_FIRST_COLUMN | {
 
 
 class FirstColumn(HammersteinRegressor):
-    """The estimator with further columns left aside, for checks that do not ask for X of one."""
+    """The estimator on the first column of X only, for checks with several columns."""
 
     def _records(self, X: Any) -> Any:
         return [(slice(None), X[:, 0])]
@@ -135,7 +135,7 @@ def test_predict_runs_each_record_freely_and_never_across_a_seam() -> None:
     apart = np.concatenate([regressor.model_.simulate(r.u) for r in TWIN])
     np.testing.assert_array_equal(regressor.predict(X), apart)
     assert not np.array_equal(regressor.model_.simulate(X[:, 0]), apart)
-    # Records in another order, and numbers not seen in fit, change nothing.
+    # Another order of the records, and record numbers that fit did not see, change nothing.
     back = np.concatenate([np.flatnonzero(groups == g) for g in (2, 0, 1)])
     np.testing.assert_array_equal(regressor.predict(X[back] + [0, 7]), apart[back])
     assert regressor.score(X, y) == r2_score(y, apart)

@@ -1,4 +1,4 @@
-"""Models: the numbers of the library to the bit, and what they are asked."""
+"""Models: bit-identical to the library, and their properties."""
 
 from __future__ import annotations
 

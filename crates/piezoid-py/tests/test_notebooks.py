@@ -1,4 +1,4 @@
-"""The notebooks: they run, they come to what they say, and they are kept with what they show."""
+"""The notebooks: they run, give the stated results, and are stored with their outputs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ import run  # noqa: E402
 
 
 def outputs(notebook: Any) -> list[list[tuple[str, ...]]]:
-    """Of each cell what kinds of output it has."""
+    """The kinds of output of each cell."""
     return [
         [(o.output_type, o.get("name", ""), *sorted(o.get("data", {}))) for o in cell.outputs]
         for cell in notebook.cells
@@ -33,7 +33,7 @@ def kept(name: str) -> Any:
 
 
 def came_to(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, **asked: str) -> dict[str, Any]:
-    """The values of expressions after a notebook has run, which must show what the kept one shows."""
+    """Values of expressions after a notebook has run. Its outputs must be those of the stored notebook."""
     monkeypatch.setenv("IPYTHONDIR", str(folder / ".ipython"))
     wanted = ", ".join(f"{key!r}: {expression}" for key, expression in (asked | {"by": "sys.executable"}).items())
     done = run.executed(name, folder, after=f"import json, sys\nprint(json.dumps({{{wanted}}}))")
@@ -53,7 +53,7 @@ def test_the_paper_is_met_at_its_frequencies_and_repaired(tmp_path: Path, monkey
         apart="[max(v.rms_pp_percent for v in runs['joint']), min(v.rms_pp_percent for v in runs['two branches of 20 Hz'])]",
     )  # fmt: skip
     assert 0 <= found["swarm"] < 1e-5 and found["a"] == pytest.approx([1.7424, -0.9453], abs=1e-4)
-    # The steps by hand are those of the study.
+    # The steps by hand give the error of the study.
     assert found["by_hand"] == pytest.approx(found["printed"][0], rel=0.02)
     assert found["printed"] == pytest.approx(found["table_1"], rel=0.2) and max(found["held"]) < 5e-5
     assert all(by_block > 5 * paper for by_block, paper in zip(found["table_2"], found["table_1"]))

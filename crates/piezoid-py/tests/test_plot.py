@@ -1,4 +1,4 @@
-"""Figures: what they say, what they hold, and what they leave alone."""
+"""Figures: their labels, their data, and settings that they must not change."""
 
 import doctest
 import subprocess
@@ -59,7 +59,7 @@ def closed():
 
 @pytest.fixture(scope="module")
 def drawings(record, small, model, validation, comparison):
-    """Every function, with what it takes, and how many Axes it draws into."""
+    """Every function with its arguments, and the number of Axes that it draws into."""
     return {
         "loops of a record": (lambda ax=None: pz.plot.loops(record, ax=ax), 1),
         "loops of records": (lambda ax=None: pz.plot.loops({5: record, "small": small}, ax=ax), 1),
@@ -130,11 +130,11 @@ def test_branches_go_the_way_their_names_say_and_close(model):
     (low, high), (u, z) = model.input_range, (up.get_xdata(), up.get_ydata())
     assert (u[0], u[-1]) == pytest.approx((low, high)) and np.all(np.diff(u) > 0) and np.all(np.diff(z) > 0)
     assert np.all(np.diff(down.get_xdata()) < 0)
-    # Without creep the loop ends where it began, and the descending branch lies over the ascending one.
+    # Without creep the loop is closed, and the descending branch lies above the ascending one.
     assert down.get_ydata()[-1] == pytest.approx(z[0], abs=1e-9)
     over = np.interp(u, down.get_xdata()[::-1], down.get_ydata()[::-1]) - z
     assert over.min() > -1e-9 and over.max() > 5
-    # All else lies within.
+    # The minor loops lie above the ascending branch too.
     for minor in ax.get_lines():
         assert np.all(minor.get_ydata() >= np.interp(minor.get_xdata(), u, z) - 1e-6)
     assert len(ax.get_lines()) > 5

@@ -1,4 +1,4 @@
-"""The five lines of the README, run as they stand there."""
+"""The five lines of the README, run unchanged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records from whatever Python has data in."""
+"""Records from any data that Python has."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def test_samples_of_every_type_come_out_of_every_file_as_numpy_has_them(tmp_path
     u = rng.normal(scale=50, size=n).round(3).astype(kind)
     arrays = {"t_s": np.arange(n) * 5e-4, "u_V": u, "y_um": rng.normal(size=(n, 1)), "gain": np.float64(2.0)}
     if how.endswith("mat"):
-        if how == "4.mat" or u.dtype == np.float16:  # neither knows all types
+        if how == "4.mat" or u.dtype == np.float16:  # neither format has all types
             arrays["u_V"] = u = u.astype(np.float32)
         savemat(path, {"log": arrays} if how != "4.mat" else arrays, format=how[0] if how == "4.mat" else "5", do_compression=how == "7.mat")
     elif how.endswith("npz"):

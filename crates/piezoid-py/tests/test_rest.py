@@ -1,4 +1,4 @@
-"""Excitations, twins, lists, control, export, the study."""
+"""Drive signals, twins, lists, control, export, the study."""
 
 from __future__ import annotations
 

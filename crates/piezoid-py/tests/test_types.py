@@ -1,4 +1,4 @@
-"""The types that the package says it has, and the examples in its words."""
+"""The types that the package declares, and the examples in its docstrings."""
 
 from __future__ import annotations
 

@@ -7,8 +7,8 @@
 //! gains give a general ladder.
 //!
 //! Reference: H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71, 1896 (2000), DOI 10.1063/1.1150559 (logarithmic law); K.
-//! Kuhnen & P. Krejci, IEEE Trans. Autom. Control 54 (2009), DOI 10.1109/TAC.2009.2012984 (ladder). It does not do:
-//! creep that depends on amplitude or direction.
+//! Kuhnen & P. Krejci, IEEE Trans. Autom. Control 54 (2009), DOI 10.1109/TAC.2009.2012984 (ladder). Creep that depends
+//! on amplitude or direction is not described.
 
 use crate::error::{Error, positive};
 use crate::program::Block;
@@ -87,7 +87,7 @@ impl Creep {
         self.lags.iter().map(|lag| -lag.gain * (-t / lag.tau_s).exp_m1()).sum()
     }
 
-    /// The z for which the next step from the state `x` gives `y`. The step is linear in z, so this is exact.
+    /// Returns the z for which the next step from the state `x` gives `y`. The step is linear in z, so this is exact.
     ///
     /// ```
     /// use piezoid::{System, creep::Creep};

@@ -4,12 +4,12 @@
 //! ```text
 //! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period
 //! ```
-//! solved exactly. The hysteresis block gets v at [`DriverModel::SUBSTEPS`] instants per sample; the linear block gets
-//! the mean of the resulting z. The reason: a slewing voltage acts later than a voltage step, visibly so above a
-//! quarter of the sampling rate, and no block after the hysteresis could correct this. A current limit I into a
-//! capacitance C is a slew limit of I / C.
+//! The equation is solved exactly. The hysteresis block gets v at [`DriverModel::SUBSTEPS`] instants per sample; the
+//! linear block gets the mean of the resulting z. The reason: a slewing voltage acts later than a voltage step. This is
+//! visible above a quarter of the sampling rate, and no block after the hysteresis could correct it. A current limit I
+//! with a capacitance C is a slew limit of I / C.
 //!
-//! It does not do: overshoot, limits of energy or power.
+//! Overshoot, and limits of energy or power, are not described.
 
 use crate::elementary::exp;
 use crate::error::{Error, positive};

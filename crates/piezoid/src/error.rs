@@ -1,12 +1,12 @@
-//! Errors for bad input.
+//! Errors for invalid input.
 //!
-//! Every message says what is wrong, the value, where, and what to do. How a search ended is data, not an error (see
-//! [`crate::optimize`]).
+//! Every message says what is wrong, the value, where, and what to do. The outcome of a search is data, not an error
+//! (see [`crate::optimize`]).
 
 use serde_json::Value;
 use thiserror::Error;
 
-/// Bad input, with its numbers.
+/// Invalid input, with its numbers.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -80,17 +80,17 @@ pub enum Error {
     /// An error that options can resolve.
     #[error("{error}give {}", plain(options))]
     Advised {
-        /// What is wrong; its message ends so that the options can follow.
+        /// The error; its message ends such that the options can follow.
         error: Box<Error>,
-        /// Any of these helps: the name of an option and its value (null if only the user knows it).
+        /// Options, each of which resolves the error: name and value (null if only the user knows the value).
         options: Vec<(&'static str, Value)>,
     },
-    /// What is wrong with a file.
+    /// An error in a file.
     #[error("{name}: {error}")]
     File {
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// The error.
         error: Box<Error>,
     },
     /// A name that is not in a list.
@@ -100,7 +100,7 @@ pub enum Error {
         kind: &'static str,
         /// The name given.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: Vec<String>,
     },
     /// Two different sampling periods that must agree.
@@ -118,7 +118,7 @@ pub enum Error {
     /// Units that cannot be converted into each other.
     #[error("{what} is in {found}, but {wanted} is needed and the conversion is unknown: convert it first")]
     Units {
-        /// What carries the unit.
+        /// The object with this unit.
         what: String,
         /// Its unit.
         found: String,
@@ -128,7 +128,7 @@ pub enum Error {
     /// A part of the model that the data do not determine.
     #[error("{what} cannot be identified: {because}")]
     Unidentifiable {
-        /// Which part of the model.
+        /// The part of the model.
         what: String,
         /// Why, with the numbers, and what would help.
         because: String,
@@ -191,7 +191,7 @@ impl Error {
         }
     }
 
-    /// The same, ending so that options which would settle it follow.
+    /// The same error with options that resolve it; its message must end such that they can follow.
     pub fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
         Error::Advised { error: Box::new(self), options }
     }
@@ -201,7 +201,7 @@ impl Error {
         Error::File { name: name.into(), error: Box::new(self) }
     }
 
-    /// The same about the file of this name, unless it is about an option or another file.
+    /// The same error about the file of this name, unless it concerns an option or another file.
     pub fn about(self, name: &str) -> Self {
         match self {
             Error::Parameter { .. } | Error::Unknown { .. } | Error::Advised { .. } | Error::File { .. } => self,
@@ -210,7 +210,7 @@ impl Error {
     }
 }
 
-/// "`ts` = 0.1 or `time_col`"
+/// Options as text, such as "`ts` = 0.1 or `time_col`".
 fn plain(options: &[(&'static str, Value)]) -> String {
     let one = |(name, value): &(&str, Value)| match value {
         Value::Null => format!("`{name}`"),
@@ -252,7 +252,7 @@ pub fn finite(what: &str, samples: &[f64]) -> Result<(), Error> {
     }
 }
 
-/// "row 3, t_s: "
+/// A place as text, such as "row 3, t_s: ".
 fn place(row: Option<u64>, column: Option<&str>) -> String {
     match (row, column) {
         (Some(row), Some(column)) => format!("row {row}, {column}: "),
@@ -262,7 +262,7 @@ fn place(row: Option<u64>, column: Option<&str>) -> String {
     }
 }
 
-/// "; did you mean `x`?" when a known name is at most two edits away.
+/// The text "; did you mean `x`?" if a known name is at most two edits away.
 fn nearest(name: &str, known: &[String]) -> String {
     known
         .iter()

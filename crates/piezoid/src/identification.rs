@@ -1,4 +1,4 @@
-//! From records to a model: the front door of identification.
+//! Identification of a model from records: the entry point.
 
 use crate::driver::DriverModel;
 use crate::error::Error;
@@ -13,7 +13,7 @@ use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 
-/// How a model is identified.
+/// Method of identification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -98,23 +98,23 @@ options! {
     }
 }
 
-/// The records that a model is identified from.
+/// The records from which a model is identified.
 ///
-/// A slice of records is taken for large-signal records: they exercise the hysteresis, and the dynamics are found from
-/// them as far as they excite it.
+/// A slice of records means large-signal records. They exercise the hysteresis, and the dynamics are identified from
+/// them where they excite the dynamics.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Records<'r> {
-    /// Records for the linear block, such as a PRBS of about 1 V; there may be none.
+    /// Records for the linear block, such as a PRBS of about 1 V; may be empty.
     pub small_signal: &'r [Record],
     /// Records that exercise the hysteresis, such as rising sines at some frequencies.
     pub large_signal: &'r [Record],
 }
 
 impl Records<'_> {
-    /// As [`identify`], with progress; the callback can cancel it.
+    /// The same as [`identify`] with progress; the callback can cancel it.
     ///
     /// # Errors
-    /// As [`identify`], and [`Error::Cancelled`].
+    /// The errors of [`identify`], and [`Error::Cancelled`].
     pub fn identify(self, options: &IdentifyOptions, progress: &mut Progress) -> Result<Identified, Error> {
         let Records { small_signal, large_signal } = self;
         options.check()?;
@@ -147,21 +147,21 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 /// ```
 ///
 /// # Errors
-/// No record, records of different sampling periods or of units that cannot be converted, records that nothing can be
-/// identified from; options of the other method, and names that there are not.
+/// Returns an error if there is no record, if sampling periods differ or units cannot be converted, if nothing can be
+/// identified from the records, for options of the other method, and for unknown names.
 pub fn identify<'r>(records: impl Into<Records<'r>>, options: &IdentifyOptions) -> Result<Identified, Error> {
     records.into().identify(options, &mut Stage::ignore)
 }
 
 impl IdentifyOptions {
-    /// The same with what the owner of a twin knows of its driver: lag, and current limit over capacitance.
+    /// The same options with the known driver of a twin: its lag, and its current limit / capacitance.
     pub fn with_driver_of(self, plant: &Spec) -> Self {
         let twin = &plant.driver;
         let driver_slew = twin.current_a.map(|current| current / twin.capacitance_f);
         IdentifyOptions { driver_lag: Some(twin.lag_s).filter(|lag| *lag > 0.0), driver_slew, ..self }
     }
 
-    /// Refuses options that belong to the other method, and names that there are not: before any work is begun.
+    /// Checks the options before any work begins: none belongs to the other method, and all names are known.
     ///
     /// # Errors
     /// [`Error::Parameter`] and [`Error::Unknown`], with the option.
@@ -176,7 +176,7 @@ impl IdentifyOptions {
         }
     }
 
-    /// Refuses options of the other method.
+    /// Returns an error for options of the other method.
     fn check_method(&self) -> Result<(), Error> {
         let (of, other) = match self.method {
             Method::Joint => (PAPER, "paper"),
@@ -203,7 +203,7 @@ impl IdentifyOptions {
         })
     }
 
-    /// The driver as a block, where anything is known of it.
+    /// The driver as a block; `None` if nothing is known of it.
     fn driver(&self) -> Result<Option<DriverModel>, Error> {
         let limits = match &self.driver {
             Some(name) => excitation::Amplifier::find(name)?.loaded(self.capacitance)?,
@@ -236,7 +236,7 @@ impl IdentifyOptions {
         })
     }
 
-    /// How the swarm searches.
+    /// Settings of the swarm.
     pub fn swarm(&self) -> swarm::SwarmSettings {
         let usual = swarm::SwarmSettings::default();
         swarm::SwarmSettings {
@@ -255,7 +255,7 @@ mod tests {
     use crate::plant::Preset;
     use serde_json::{Value, json};
 
-    /// Every name that a row offers is one that the option can have.
+    /// Every name in a row is a valid value of its option.
     #[test]
     fn every_choice_is_read_and_every_default_is_one_of_its_values() {
         let usual = serde_json::to_value(IdentifyOptions::default()).unwrap();

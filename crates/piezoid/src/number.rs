@@ -19,7 +19,7 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// Like [`short`], but without zeros at the end: for settings and other round numbers.
+/// Like [`short`], but without zeros at the end, for settings and other round numbers.
 ///
 /// ```
 /// use piezoid::number::round;
@@ -32,7 +32,7 @@ pub fn round(x: f64) -> String {
     if exponent.is_empty() { digits.into() } else { format!("{digits}e{exponent}") }
 }
 
-/// "a, b and c".
+/// Items as text: "a, b and c".
 pub fn join(items: &[impl ToString]) -> String {
     let texts: Vec<String> = items.iter().map(ToString::to_string).collect();
     match texts.split_last() {

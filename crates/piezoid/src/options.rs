@@ -1,39 +1,39 @@
-//! The options of a verb: each stands once, as a field of a struct, with its range, unit, default and help.
+//! The options of a verb: each is defined once, as a field of a struct, with its range, unit, default and help.
 //!
-//! The command line makes a flag of every row, Python a keyword, a page a field of a form. What a value may be is
-//! checked here, so that all of them refuse the same values in the same words. An [`Error`] names the option by its
-//! field: whoever shows it writes `--input-col` or `input_col=` as its users do.
+//! The command line makes a flag of every row, Python a keyword. Values are checked here, so all front ends reject the
+//! same values with the same message. An [`Error`] names the option by its field; the front end shows it as
+//! `--input-col` or `input_col=`.
 
 use crate::error::Error;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// What an option can be.
+/// Kind of value of an option.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OptionKind {
     /// Yes or no.
     Switch,
     /// Yes or no, written 1 or 0.
     Bit,
-    /// A whole number, from the first to the second.
+    /// An integer, from the first to the second.
     Integer(u64, u64),
-    /// A number from `least` on, itself left out where `open`, and below `below`.
+    /// A number of at least `least`, or above `least` if `open`, and below `below`.
     Number {
-        /// The least.
+        /// The minimum.
         least: f64,
-        /// Whether that itself is too little.
+        /// True if the minimum itself is not allowed.
         open: bool,
-        /// What it must be below.
+        /// The upper bound, which itself is not allowed.
         below: f64,
     },
     /// Two numbers.
     Pair,
     /// One of these names, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
-    /// A name or text, as the help describes it; what its placeholder is called.
+    /// A name or text, with its placeholder in the help.
     Text(&'static str),
-    /// One text or several.
+    /// One or several texts, with the placeholder in the help.
     Texts(&'static str),
 }
 
@@ -42,26 +42,26 @@ pub enum OptionKind {
 pub struct OptionRow {
     /// Name of the field, in lower case with underscores.
     pub name: &'static str,
-    /// What it can be.
+    /// Kind of its value.
     pub values: OptionKind,
     /// Unit of a number; empty without one.
     pub unit: &'static str,
-    /// What it means.
+    /// Its description in the help.
     pub help: &'static str,
-    /// What it is where it is not given; null of an option that has no value then.
+    /// Its default; null if it has no value by default.
     pub default: fn() -> Value,
-    /// What holds where it has none; empty where nothing is to be said.
+    /// Description of the default if that has no value; may be empty.
     pub absent: &'static str,
-    /// Whether it must be given.
+    /// True if it must be given.
     pub required: bool,
-    /// The heading under which it stands; empty for the verb's own.
+    /// Its heading in the help; empty for the verb's own options.
     pub group: &'static str,
-    /// The option without which it means nothing; empty where there is none.
+    /// The option that it requires; empty if there is none.
     pub requires: &'static str,
 }
 
 impl OptionRow {
-    /// An option that takes `values`; a table adds its name and its help.
+    /// An option with this kind of value; a table adds its name and its help.
     pub const fn new(values: OptionKind) -> Self {
         let default = || Value::Null;
         OptionRow {
@@ -93,28 +93,27 @@ impl OptionRow {
         OptionRow { unit, ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: f64::INFINITY }) }
     }
 
-    /// What holds where it has no value.
+    /// Sets the description of a default without a value.
     pub const fn absent(self, absent: &'static str) -> Self {
         OptionRow { absent, ..self }
     }
 
-    /// Its heading.
+    /// Sets its heading.
     pub const fn group(self, group: &'static str) -> Self {
         OptionRow { group, ..self }
     }
 
-    /// The option without which it means nothing.
+    /// Sets the option that it requires.
     pub const fn requires(self, requires: &'static str) -> Self {
         OptionRow { requires, ..self }
     }
 
-    /// It must be given.
+    /// Makes it an option that must be given.
     pub const fn required(self) -> Self {
         OptionRow { required: true, ..self }
     }
 
-    /// What it is where it is not given, in words: its value, or what holds without one. Empty where nothing is to be
-    /// said.
+    /// The default as text: its value, or the description if it has none. May be empty.
     pub fn usual(&self) -> String {
         match (self.default)() {
             _ if self.required => String::new(),
@@ -129,7 +128,7 @@ impl OptionRow {
         }
     }
 
-    /// What a value must be, in words.
+    /// The rule for its values, as text.
     pub fn rule(&self) -> String {
         match self.values {
             OptionKind::Switch => "must be true or false".into(),
@@ -157,10 +156,10 @@ impl OptionRow {
         }
     }
 
-    /// The value that `text` writes, of an option with several one of them.
+    /// The value in `text`; for an option with several values, one of them.
     ///
     /// # Errors
-    /// [`Error::Parameter`] of a text that is no such value.
+    /// [`Error::Parameter`] if the text is not a valid value.
     pub fn parse(&self, text: &str) -> Result<Value, Error> {
         let read = match self.values {
             OptionKind::Choice(_) | OptionKind::Text(_) | OptionKind::Texts(_) => Some(Value::from(text)),
@@ -174,10 +173,10 @@ impl OptionRow {
         if let OptionKind::Pair | OptionKind::Texts(_) = self.values { Ok(value) } else { self.fit(value) }
     }
 
-    /// The value as the field takes it.
+    /// The value in the type of the field.
     ///
     /// # Errors
-    /// [`Error::Parameter`] of one that this option cannot have: its name, the value and what it must be.
+    /// [`Error::Parameter`] if the option cannot have this value: its name, the value and the rule.
     pub fn fit(&self, value: Value) -> Result<Value, Error> {
         let whole = |value: &Value| value.as_u64().or_else(|| value.as_f64().and_then(exactly));
         let is_number = |value: &Value| value.as_f64().is_some_and(f64::is_finite);
@@ -209,12 +208,12 @@ impl OptionRow {
     }
 }
 
-/// The finite number that `text` writes.
+/// The finite number in `text`.
 fn number(text: &str) -> Option<Value> {
     text.parse::<f64>().ok().filter(|x| x.is_finite()).map(Value::from)
 }
 
-/// A number that is whole and not negative, as such.
+/// The integer, if the number is an integer and not negative.
 fn exactly(x: f64) -> Option<u64> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     (x.fract() == 0.0 && (0.0..=EXACT).contains(&x)).then_some(x as u64)
@@ -222,11 +221,10 @@ fn exactly(x: f64) -> Option<u64> {
 
 /// The options of a verb.
 pub trait Options: Default + Serialize + DeserializeOwned {
-    /// Its table.
+    /// The rows of its table.
     fn rows() -> Vec<OptionRow>;
 
-    /// The options that a JSON object gives by their names; those that it leaves out, or that are null, have their
-    /// defaults.
+    /// The options from a JSON object by name. Those that are missing or null have their defaults.
     ///
     /// ```
     /// use piezoid::{IdentifyOptions, Options};
@@ -238,7 +236,7 @@ pub trait Options: Default + Serialize + DeserializeOwned {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unknown`] of an option that there is not, [`Error::Parameter`] of a value that it cannot have.
+    /// [`Error::Unknown`] for an unknown option, [`Error::Parameter`] for an invalid value.
     fn from_json(given: Value) -> Result<Self, Error> {
         let Value::Object(given) = given else {
             return Err(Error::Content(format!("options must be an object of names and values, not {given}")));
@@ -255,7 +253,7 @@ pub trait Options: Default + Serialize + DeserializeOwned {
         serde_json::from_value(Value::Object(fitted)).map_err(|e| Error::Content(format!("options: {e}")))
     }
 
-    /// The options that are not what they are by themselves, with their values in words.
+    /// The options that differ from their defaults, with their values as text.
     fn changed(&self) -> Vec<(OptionRow, String)> {
         let given = serde_json::to_value(self).unwrap_or_default();
         let changed = Self::rows().into_iter().filter(|row| given[row.name] != (row.default)());

@@ -124,7 +124,7 @@ impl Record {
     /// The part from `from` up to, but not including, `to` [s], counted from the first sample.
     ///
     /// # Errors
-    /// As [`Record::span`].
+    /// The errors of [`Record::span`].
     pub fn part(&self, from: f64, to: f64) -> Result<Self, Error> {
         self.slice(Record::span(from, to, self.ts, self.len())?)
     }

@@ -65,7 +65,7 @@ impl Compensate {
     }
 }
 
-/// How near the model says the displacement comes, and what that takes.
+/// Tables of the errors that the model predicts, and of the peaks of the input with their limits.
 fn tables(made: &Compensation, console: &Console) -> String {
     let (unit, (metrics, of_requested)) = (&made.units.y, made.metrics());
     let (rms, max) = (format!("rms error [{unit}]"), format!("max [{unit}]"));

@@ -96,7 +96,7 @@ impl Control {
     }
 }
 
-/// How long steps of each controller take here.
+/// Remarks on the computing time per step of each controller.
 fn steps(compared: &Comparison) -> impl Iterator<Item = String> + '_ {
     compared.driven.iter().filter(|d| d.drive.scheme.law.is_some()).filter_map(|d| {
         let attempt = d.attempts.iter().find_map(|attempt| attempt.as_ref().ok())?;
@@ -109,7 +109,7 @@ fn steps(compared: &Comparison) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// The time of a step of the controller on the readings of a run: of the middle one, and of 99 of 100 at most.
+/// Time of a controller step on the measurements of a run: median and 99th percentile.
 fn timed(drive: &TunedScheme, run: &ClosedLoopRun) -> [Duration; 2] {
     let controller = drive.controller();
     let mut x = controller.initial();
@@ -131,7 +131,7 @@ fn tables(compared: &Comparison, console: &Console) -> String {
     parts.join("\n")
 }
 
-/// One reference: all figures of each scheme. Several: the rms errors.
+/// Table of tracking. One reference: all figures of each scheme. Several references: the rms errors.
 fn tracking(compared: &Comparison, console: &Console) -> String {
     let unit = compared.unit();
     if let [only] = &compared.wanted[..] {

@@ -1,5 +1,5 @@
-//! `piezoid excite KIND`: a drive signal into a file. Each row of the library's list is a subcommand, each of its
-//! parameters a flag.
+//! `piezoid excite KIND`: writes a drive signal. Each row of the library's list is a subcommand, each of its parameters
+//! a flag.
 
 use crate::console::Console;
 use crate::files;
@@ -30,7 +30,7 @@ pub(crate) struct Excite {
     common: Common,
 }
 
-// What every kind takes. (No doc comment: it would become the help of each kind.)
+// Flags of every kind. This is no doc comment, because that would become the help of each kind.
 #[derive(Args)]
 struct Common {
     #[command(flatten)]

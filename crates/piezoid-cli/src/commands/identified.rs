@@ -1,4 +1,4 @@
-//! What `piezoid identify` found, as tables.
+//! Tables of the results of `piezoid identify`.
 
 use crate::console::Console;
 use crate::layout::table;
@@ -8,7 +8,7 @@ use piezoid::linear::{ModalForm, Residuals, Root};
 use piezoid::number::{round, short as number};
 use piezoid::{Identification, Model, System, Validated};
 
-/// What was found, for the terminal.
+/// The results as text for the terminal.
 pub(super) fn summary(made: &Identification, console: &Console) -> String {
     let found = &made.found;
     let (arx, units) = (found.model.linear(), found.model.units());
@@ -95,7 +95,7 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
     text
 }
 
-/// The linear block read as mechanics.
+/// Modes, delay and shares of the linear block as a table of mechanics.
 fn mechanics(reading: &ModalForm, console: &Console) -> String {
     let header = ["mechanics", "f [Hz]", "damping", "share %", "mass [g]", "damper [N s/m]"];
     let rows: Vec<Vec<String>> = reading.rows().into_iter().map(Vec::from).collect();
@@ -105,7 +105,7 @@ fn mechanics(reading: &ModalForm, console: &Console) -> String {
     said.fold(table(&header, &rows, console.room()), |text, said| text + &console.paragraph(&said, ""))
 }
 
-/// Creep and driver, where the model has them.
+/// Creep and driver, if the model has them.
 fn beside(model: &Model, console: &Console) -> String {
     let lags: Vec<_> = model.creep().lags().iter().filter(|lag| lag.gain != 0.0).collect();
     let mut text = String::new();
@@ -121,7 +121,7 @@ fn beside(model: &Model, console: &Console) -> String {
     text
 }
 
-/// The operators that were tried, the best first.
+/// The operators that were tried, best first.
 fn trials(found: &Identified, console: &Console) -> String {
     let mut trials: Vec<&OperatorTrial> = found.trials.iter().collect();
     trials.sort_by(|p, q| p.held_out_percent.total_cmp(&q.held_out_percent));

@@ -1,4 +1,4 @@
-//! The lists of what there is, each row with its one-line summary.
+//! The lists of operators, plants, drive signals and other members, each row with its one-line summary.
 
 use crate::console::Console;
 use crate::files;
@@ -86,7 +86,7 @@ impl Plants {
     }
 }
 
-/// The plant called `name`, or the one in the file of that name.
+/// The plant called `name`, or the plant in the JSON file of this name.
 pub(crate) fn plant(name: &str) -> Result<Spec> {
     if name.ends_with(".json") {
         let file = files::read(Path::new(name))?;

@@ -1,4 +1,4 @@
-//! One file a verb: arguments -> library call -> rendering.
+//! One file per verb: arguments -> library call -> output.
 
 mod compensate;
 mod control;

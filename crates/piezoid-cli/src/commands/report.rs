@@ -1,4 +1,4 @@
-//! `piezoid report`: a self-contained page on a model and how it meets records.
+//! `piezoid report`: a self-contained page on a model and how well it predicts records.
 
 use super::validate::ValidationFlags;
 use crate::console::Console;

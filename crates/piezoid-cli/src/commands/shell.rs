@@ -1,4 +1,4 @@
-//! `piezoid completions` and `piezoid man`: what a shell and `man` want to know.
+//! `piezoid completions` and `piezoid man`: completion scripts and manual pages.
 
 use crate::Cli;
 use crate::console::Console;

@@ -1,4 +1,4 @@
-//! `piezoid simulate`: a plant or a model on a drive signal.
+//! `piezoid simulate`: the response of a plant or a model to a drive signal.
 
 use super::lists;
 use crate::console::Console;

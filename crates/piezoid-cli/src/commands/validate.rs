@@ -1,4 +1,4 @@
-//! `piezoid validate`: a model against records it has not seen, in free run.
+//! `piezoid validate`: free runs of a model against validation records.
 
 use crate::console::Console;
 use crate::files;
@@ -56,7 +56,7 @@ pub(crate) struct ValidationFlags {
 }
 
 impl ValidationFlags {
-    /// The files that are read.
+    /// The input files.
     pub(crate) fn inputs(&self) -> Vec<&PathBuf> {
         self.data.iter().chain([&self.model]).collect()
     }

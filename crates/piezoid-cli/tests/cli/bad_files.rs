@@ -1,9 +1,9 @@
-//! Files that are not what they should be, by the dozen: one message each, and nothing left behind.
+//! Damaged and unsuitable files: each gives one message, and nothing is written.
 
 use crate::bench::Bench;
 use std::path::Path;
 
-/// A data file and what the message on it must hold. `input`: whether its input alone is bad too.
+/// A data file, and texts that the message on it must contain. `input`: true if the input is bad too.
 struct Bad {
     name: &'static str,
     bytes: &'static [u8],
@@ -15,7 +15,7 @@ const fn bad(name: &'static str, bytes: &'static [u8], says: &'static [&'static 
     Bad { name, bytes, says, input: true }
 }
 
-/// Bad for whoever needs the output only.
+/// A file that is bad only for verbs that need the output.
 const fn bad_output(name: &'static str, bytes: &'static [u8], says: &'static [&'static str]) -> Bad {
     Bad { name, bytes, says, input: false }
 }

@@ -1,4 +1,4 @@
-//! A temporary directory to work in, and what a command did there.
+//! A temporary directory for a test, and the result of a command in it.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -7,22 +7,22 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
-/// Records and a model of the paper's plant, made once by the binary itself: `prbs.csv`, `sine5.csv`, `sine20.csv`
+/// Records and a model of the paper's plant, created once by the binary itself: `prbs.csv`, `sine5.csv`, `sine20.csv`
 /// (records), `drive5.csv` (a drive signal) and `model.json`.
 static STOCK: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
 
-/// A directory of its own for one test.
+/// A separate directory for one test.
 pub(crate) struct Bench {
     dir: TempDir,
 }
 
 impl Bench {
-    /// An empty one.
+    /// An empty directory.
     pub(crate) fn new() -> Self {
         Bench { dir: tempfile::Builder::new().prefix("bench-").tempdir().unwrap() }
     }
 
-    /// One with records and a model of the paper's plant.
+    /// A directory with records and a model of the paper's plant.
     pub(crate) fn stocked() -> Self {
         let bench = Bench::new();
         for (name, bytes) in STOCK.get_or_init(stock) {
@@ -51,7 +51,7 @@ impl Bench {
         serde_json::from_slice(&self.bytes(name)).unwrap()
     }
 
-    /// Every file with its bytes, by its path below the directory.
+    /// All files with their bytes, by path below the directory.
     pub(crate) fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let mut files = BTreeMap::new();
         let mut folders = vec![self.dir.path().to_path_buf()];
@@ -73,24 +73,24 @@ impl Bench {
         self.files().into_keys().collect()
     }
 
-    /// The binary, ready to start here with the words of `line`.
+    /// The binary with the words of `line` as arguments, to be started in this directory.
     pub(crate) fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_piezoid"));
         command.current_dir(self.dir.path()).env_remove("COLUMNS").args(line.split_whitespace());
         command
     }
 
-    /// Runs the binary with the words of `line`.
+    /// Runs the binary with the words of `line` as arguments.
     pub(crate) fn run(&self, line: &str) -> Run {
         Run::of(line, &self.command(line).output().unwrap())
     }
 
-    /// Runs what must fail with status 1, one message and no trace in the directory.
+    /// Runs a command that must fail with status 1 and one message, and must not change the directory.
     pub(crate) fn refused(&self, line: &str) -> Run {
         self.fails(line, 1)
     }
 
-    /// The same with status 2, as the fault is on the command line.
+    /// The same with status 2, for an error in the command line.
     pub(crate) fn misused(&self, line: &str) -> Run {
         self.fails(line, 2)
     }
@@ -107,7 +107,7 @@ impl Bench {
     }
 }
 
-/// What a command did.
+/// Result of a command.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) line: String,
@@ -127,12 +127,12 @@ impl Run {
         self
     }
 
-    /// Succeeded.
+    /// Asserts that the command succeeded.
     pub(crate) fn ok(self) -> Self {
         self.exits(0)
     }
 
-    /// Said all of this on stderr.
+    /// Asserts that stderr contains all of this.
     pub(crate) fn says(self, parts: &[&str]) -> Self {
         for part in parts {
             assert!(self.err.contains(part), "`{part}` is missing: {self:#?}");
@@ -140,7 +140,7 @@ impl Run {
         self
     }
 
-    /// Printed all of this on stdout.
+    /// Asserts that stdout contains all of this.
     pub(crate) fn prints(self, parts: &[&str]) -> Self {
         for part in parts {
             assert!(self.out.contains(part), "`{part}` is missing: {self:#?}");

@@ -53,7 +53,7 @@ fn files_are_named_with_the_hash_of_what_was_read() {
     let rows: String = (0..40).map(|t| format!("{},{},{}\n", f64::from(t) / 1024.0, t % 8, 2 * (t % 8))).collect();
     bench.write("r.csv", format!("t_s,u_V,y_um\n{rows}"));
     bench.run("identify --data r.csv --operator proportional -o m.json").ok();
-    // Number from `sha256sum`, on the same bytes.
+    // The expected hash is that of `sha256sum` on the same bytes.
     let Ok(sum) = std::process::Command::new("sha256sum").arg(bench.path("r.csv")).output() else {
         skipped("no sha256sum to compare a hash with");
         return;

@@ -1,10 +1,10 @@
-//! A voltage for a wanted displacement.
+//! The voltage for a requested displacement.
 
 use crate::bench::{Bench, number};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-/// A bench with a reference that stands for 0.1 s and then is a sine of 5 Hz and this height [um].
+/// A bench with a reference that is constant for 0.1 s and then a sine of 5 Hz and this amplitude [um].
 fn bench(height: f64) -> Bench {
     let bench = Bench::stocked();
     let moved = |t: i32| height * (TAU * 5.0 * 5e-4 * f64::from((t - 200).max(0))).sin();
@@ -22,7 +22,7 @@ fn the_voltage_makes_the_model_follow_and_the_table_says_how_near() {
     run.prints(&["% of peak-to-peak of r", "predicted", "highest [V]", "current [A]", "% of limit"]);
     assert!(bench.text("u.csv").starts_with("t_s,u_V,r_um\n"));
     let figures = bench.json("figures.json");
-    // 0.004 %: what the corner at the start leaves, 0.6 um for a few samples.
+    // The error is 0.004 %: the corner at the start of the sine causes 0.6 um for a few samples.
     assert!(number(&figures["rms_pp_percent"]) < 0.01 && number(&figures["clipped"]) == 0.0, "{figures}");
     bench.run("simulate --plant paper --input u.csv -o y.csv").ok();
     bench.run(&format!("{MAKE} --smooth 0.01 --zvd --notch --json - -o shaped.csv")).ok();

@@ -1,9 +1,9 @@
-//! Schemes of control side by side on a simulated actuator.
+//! Control schemes side by side on a simulated actuator.
 
 use crate::bench::{Bench, number};
 use std::sync::OnceLock;
 
-/// The paper's plant under a driver's limits, from a model whose hysteresis rises everywhere.
+/// The paper's plant within the limits of a driver, with a model whose hysteresis is monotonic.
 const RUN: &str = "control --plant paper --model plays.json --driver pl140";
 
 /// A bench with that model.
@@ -37,12 +37,12 @@ fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_
     run.says(&["predictive: one step of the controller takes", "the sampling period is 500 us"]);
     let figures = bench.json("figures.json");
     let percent = |k: usize| number(&figures["schemes"][k]["tracking"][0]["percent_of_stroke"]);
-    // The model is a poor one, of two steady sines: each step up helps all the same.
+    // The model is poor, because it is identified from two steady sines. Each better scheme still reduces the error.
     assert!(percent(1) < percent(0) && percent(2) < percent(1) && percent(3) < 0.5 * percent(2), "{figures}");
     assert!(number(&figures["schemes"][2]["margins"]["gain_db"]) >= 5.99, "{figures}");
     assert_eq!(figures["schemes"][1]["margins"], serde_json::Value::Null);
     assert!(bench.text("page.html").contains("Control side by side"));
-    // The same command, the same bytes.
+    // The same command gives the same bytes.
     bench.run(&format!("{line} --json again.json --report again.html")).ok();
     assert_eq!(bench.bytes("figures.json"), bench.bytes("again.json"));
     assert_eq!(bench.bytes("page.html"), bench.bytes("again.html"));
@@ -122,7 +122,7 @@ fn what_makes_no_sense_is_named() {
 
 #[test]
 fn a_scheme_that_a_model_does_not_give_is_left_out_of_the_usual_ones_and_refused_by_name() {
-    let bench = Bench::stocked(); // of the paper's method: its branches fall in places
+    let bench = Bench::stocked(); // by the paper's method: its branches are not monotonic
     let line = "control --plant paper --model model.json --driver pl140 --reference sine:5 --amplitude 200";
     bench.run(line).ok().says(&["predictive is left out", "is not monotonic"]);
     bench.refused(&format!("{line} --controller predictive")).says(&["model.json", "predictive", "is not monotonic"]);

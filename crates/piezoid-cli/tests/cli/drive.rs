@@ -1,4 +1,4 @@
-//! Drive signals, their drivers, and the plants they drive.
+//! Drive signals, the limits of drivers, and the response of plants.
 
 use crate::bench::Bench;
 

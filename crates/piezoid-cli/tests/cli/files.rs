@@ -1,4 +1,4 @@
-//! Files that are written: whole or not there, and only where they were asked for.
+//! Written files are complete or absent, and only at the requested places.
 
 use crate::bench::Bench;
 
@@ -77,7 +77,7 @@ mod unix {
         assert_eq!(bench.text("run7.csv"), bench.text("sine5.csv"));
     }
 
-    /// It was renamed away: run as root, `-o /dev/null` would have made an ordinary file of the device.
+    /// A rename would replace the pipe. Run as root, `-o /dev/null` would replace the device by an ordinary file.
     #[test]
     fn a_pipe_with_a_name_is_written_to_and_not_replaced() {
         let bench = Bench::stocked();

@@ -1,4 +1,4 @@
-//! FMUs in importers: FMPy validates, simulates and misuses them, and libcosim runs them, see `fmu.py`.
+//! FMUs in importers: FMPy validates, simulates and misuses them, and libcosim runs them; see `fmu.py`.
 
 use crate::bench::{Bench, Run};
 use crate::skipped::skipped;
@@ -21,7 +21,7 @@ const PLAYS: &str = r#"{"piezoid": 1, "ts": 0.001, "units": {"u": "V", "y": "<co
     "thresholds": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], "weights": [0.7, 0.1, 0.09, 0.08, 0.07, 0.06, 0.05, 0.04, 0.03, 0.02, 0.01]},
     "creep": [], "linear": {"a": [1.6, -0.8], "b": [0.1, 0.1]}, "offset": -0.3}"#;
 
-/// Whether this runs; what is missing is said, and fails in CI.
+/// True if the program runs. If it does not, the test is reported as skipped, and fails in CI.
 fn there(program: &str, arguments: &[&str], what: &str) -> bool {
     let found = Command::new(program).args(arguments).output().is_ok_and(|told| told.status.success());
     if !found {
@@ -34,7 +34,7 @@ fn fmpy() -> bool {
     there("python3", &["-c", "import fmpy, numpy"], "FMPy") && there("cc", &["--version"], "cc")
 }
 
-/// What [`exported`] gives without options, made once.
+/// The files of [`exported`] without options, created once.
 static EXPORTED: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
 
 /// Writes a drive of 600 samples.
@@ -46,8 +46,7 @@ fn drive(bench: &Bench, ts: f64) {
     bench.write("drive.csv", format!("t_s,u_V\n{}", (0..600).map(row).collect::<String>()));
 }
 
-/// Both models with what they answer to a drive, and their FMUs of both versions: `<model>.csv`,
-/// `<version>/<model>.fmu`.
+/// Both models, their responses to a drive, and their FMUs of both versions: `<model>.csv`, `<version>/<model>.fmu`.
 fn exported() -> Bench {
     let bench = Bench::new();
     for (name, bytes) in EXPORTED.get_or_init(|| exported_with("").files()) {
@@ -74,7 +73,7 @@ fn exported_with(options: &str) -> Bench {
     bench
 }
 
-/// Runs a check of `fmu.py` on every FMU of the models.
+/// Runs a check of `fmu.py` on the FMUs of both models.
 fn holds(bench: &Bench, check: &str) {
     let fmus = ["fmu2", "fmu3"].map(|v| ["bouc_wen", "plays"].map(|name| format!("{v}/{name}.fmu,{name}.csv")));
     python(bench, &format!("{check} {}", fmus.as_flattened().join(" "))).ok();
@@ -87,7 +86,7 @@ fn python(bench: &Bench, line: &str) -> Run {
     Run::of(line, &python.output().unwrap())
 }
 
-/// What is in an FMU.
+/// The files in an FMU.
 fn unpacked(fmu: &[u8]) -> BTreeMap<String, Vec<u8>> {
     let mut archive = zip::ZipArchive::new(Cursor::new(fmu)).unwrap();
     let file = |k| {
@@ -205,7 +204,7 @@ fn sources_compiled_by_hand_give_the_same_bits() {
     }
 }
 
-/// The strictest usual settings.
+/// Strict compiler options.
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion -Werror -O1 -fPIC -shared -o library";
 
 #[test]

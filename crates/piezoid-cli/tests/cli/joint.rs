@@ -1,8 +1,8 @@
-//! The joint way, from the command line.
+//! The joint method, from the command line.
 
 use crate::bench::{Bench, number};
 
-/// A bench with a PRBS, a rising sine to learn from and a modulated one to test on, of the paper's actuator.
+/// A bench with records of the paper's actuator: a PRBS and rising sines for training, and a staircase for validation.
 fn stocked() -> Bench {
     let bench = Bench::stocked();
     for (name, kind) in [

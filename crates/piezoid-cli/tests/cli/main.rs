@@ -1,6 +1,6 @@
-//! The real binary in a temporary directory, as a user meets it.
+//! Tests of the real binary in a temporary directory, as a user runs it.
 
-// Helpers of tests are tests too.
+// Helpers of tests may panic like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod bad_files;

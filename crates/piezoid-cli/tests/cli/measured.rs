@@ -1,11 +1,11 @@
-//! The paper's way on measured data: a PICMA P-885.91 stack at 1 Hz.
+//! The paper's method on measured data: a PICMA P-885.91 stack at 1 Hz.
 
 use crate::bench::{Bench, Run, number};
 use crate::skipped::skipped;
 use crate::workflow::assert_self_contained;
 use std::path::{Path, PathBuf};
 
-/// The folder of the record, from `PIEZOID_DATA` or beside the workspace.
+/// The folder of the record: from `PIEZOID_DATA`, or beside the workspace.
 fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let given = std::env::var_os("PIEZOID_DATA").map(PathBuf::from);

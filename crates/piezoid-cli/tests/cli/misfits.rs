@@ -1,4 +1,4 @@
-//! Files that are sound each and do not fit: models that are none, units, sampling, parts, poor data.
+//! Files that cannot be used: files that are not models, other units or sampling periods, empty parts, poor data.
 
 use crate::bench::{Bench, number};
 
@@ -103,7 +103,7 @@ fn data_that_cannot_tell_the_linear_block_are_refused_in_words() {
     bench.run("validate --model model.json --data flat.csv").ok().says(&["note:", "flat.csv", "is constant"]);
 }
 
-/// Six coefficients in 50 iterations end with poles outside the unit circle: found by trying.
+/// Order 6 and 50 iterations give poles outside the unit circle; found by trial.
 #[test]
 fn an_unstable_model_is_told_as_such_and_its_blow_up_writes_nothing() {
     let bench = Bench::stocked();

@@ -1,18 +1,18 @@
-//! Records as laboratories have them, through `identify` from end to end: handled with a word, or refused with one.
+//! Records with defects that occur in laboratories, through `identify` from end to end: a note or an error names each.
 
 use crate::bench::{Bench, number};
 use crate::quality::rewritten;
 use std::sync::OnceLock;
 
-/// Input and output of sample `t` of a record, as something spoils them; none where the row is lost.
+/// Changes input and output of sample `t` of a record; `None` if the row is missing.
 type Change = fn(usize, f64, f64) -> Option<(f64, f64)>;
 
-/// The operator of all that follows, with the time step that rewritten records do without.
+/// Options of all tests here, with the sampling period, because rewritten records have no time column.
 const HOW: &str = "--ts 5e-4 --operator prandtl-ishlinskii --elements 8 -o m.json";
 const ALL: &str = "--small-signal small.csv --large-signal r5.csv r17.csv r40.csv";
 const RICH: &str = "--data r5.csv r17.csv r40.csv";
 
-/// A PRBS, three rising sines, and stairs to test on, of a plant with noise, creep and three modes.
+/// A PRBS, three rising sines, and a staircase for validation, of a plant with noise, creep and three modes.
 fn bench() -> Bench {
     static STOCK: OnceLock<Vec<(String, Vec<u8>)>> = OnceLock::new();
     let records = STOCK.get_or_init(|| {
@@ -35,7 +35,7 @@ fn bench() -> Bench {
     bench
 }
 
-/// A bench some of whose records are spoilt.
+/// A bench in which these records are changed.
 fn spoilt(records: &[&str], change: Change) -> Bench {
     let bench = bench();
     for name in records {
@@ -45,7 +45,7 @@ fn spoilt(records: &[&str], change: Change) -> Bench {
     bench
 }
 
-/// What the model leaves of the stairs, in percent of peak-to-peak.
+/// Residual of the model on the staircase [% of peak-to-peak].
 fn left(bench: &Bench) -> f64 {
     let seen = bench.run("validate --model m.json --data stairs.csv --offset free --json -").ok().out_json();
     number(&seen["total"]["rms_pp_percent"])

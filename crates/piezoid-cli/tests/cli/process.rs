@@ -1,4 +1,4 @@
-//! The process among others: closed pipes, full disks, Ctrl-C.
+//! The process and its environment: closed pipes, full disks, Ctrl-C.
 #![cfg(unix)]
 
 use crate::bench::{Bench, Run};
@@ -34,7 +34,7 @@ fn a_full_disk_is_a_failure() {
     }
 }
 
-/// Whether the process handles Ctrl-C by now.
+/// True if the process already handles Ctrl-C.
 #[cfg(target_os = "linux")]
 fn handles_interrupts(pid: u32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Validation: the figures of the contract, and what they mean.
+//! Validation: the figures of the JSON result, and their meaning.
 
 use crate::bench::{Bench, number};
 
@@ -93,7 +93,7 @@ fn the_error_is_told_by_frequency_by_amplitude_by_loop_and_beside_the_floor() {
     let [measured, model] = ["measured", "model"].map(|who| number(&loops[who]["width_percent"]));
     assert!((12.0..14.0).contains(&measured) && (measured - model).abs() < 0.5, "{loops}");
     assert_eq!(number(&loops["measured"]["reversals"]), 2.0);
-    // The twin's sensor has 0.2 um of noise.
+    // The sensor noise of the twin is 0.2 um.
     let floor = &json["files"][3]["floor"];
     assert!((number(&floor["rms"]) - 0.2).abs() < 0.02 && number(&floor["error_over_floor"]) > 10.0, "{floor}");
     assert!(json["files"][2]["floor"].is_null(), "a rising sine does not repeat");

@@ -1,8 +1,8 @@
-//! Records that can be read and should not be believed: what is said of them from end to end.
+//! Records that can be read but have defects: the messages about them, from end to end.
 
 use crate::bench::Bench;
 
-/// Rewrites a record row by row, from input and output, without its time.
+/// Rewrites a record row by row from input and output, without its time column.
 pub(crate) fn rewritten(bench: &Bench, from: &str, to: &str, change: impl Fn(usize, f64, f64) -> Option<(f64, f64)>) {
     let text = bench.text(from);
     let rows = text.lines().skip(1).map(|row| row.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>());
@@ -10,7 +10,7 @@ pub(crate) fn rewritten(bench: &Bench, from: &str, to: &str, change: impl Fn(usi
     bench.write(to, kept.fold("u_V,y_um\n".to_string(), |text, (u, y)| format!("{text}{u},{y}\n")));
 }
 
-/// A plant with noise at 5 Hz, 28 V.
+/// A bench with a record of a plant with noise, at 5 Hz and 28 V.
 fn stocked() -> Bench {
     let bench = Bench::stocked();
     bench.run("excite sine --ts 5e-4 --duration 2 --amplitude 28 --frequency 5 -o drive.csv").ok();
@@ -54,7 +54,7 @@ fn each_defect_is_named_with_its_place_by_identify_validate_and_the_report() {
             .ok()
             .says(&[&["note: large-signal record: "], says].concat());
         bench.run(&format!("report --model model.json --data {file} --ts 5e-4 -o page.html")).ok();
-        // Sentences there begin with a capital.
+        // Sentences on the page begin with a capital letter.
         assert!(bench.text("page.html").contains(&says[0][1..]), "{name}");
     }
     for file in ["sound.csv", "sine5.csv", "sine20.csv", "prbs.csv"] {

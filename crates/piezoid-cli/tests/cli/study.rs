@@ -5,14 +5,14 @@ use crate::workflow::assert_self_contained;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-/// A study of the paper's plant, what it said, and where.
+/// A study of the paper's plant: its directory and the result of the command.
 fn of_the_papers_plant() -> (Bench, Run) {
     let bench = Bench::new();
     let run = bench.run("study --plant paper --out a/b --json study.json").ok();
     (bench, run)
 }
 
-/// One for all tests.
+/// One study for all tests.
 static PAPER: LazyLock<(Bench, Run)> = LazyLock::new(of_the_papers_plant);
 
 #[test]

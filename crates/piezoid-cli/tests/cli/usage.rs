@@ -1,4 +1,4 @@
-//! Wrong command lines: status 2, and the word that was meant where it can be told.
+//! Wrong command lines: status 2, and the name that was probably meant.
 
 use crate::bench::Bench;
 
@@ -79,7 +79,7 @@ fn an_unknown_name_is_answered_with_the_nearest_one() {
     for (line, meant) in lines {
         bench.misused(line).says(&["known are", "did you mean", meant]);
     }
-    // A name that only the file can judge.
+    // Only the file can show that this name is wrong.
     let line = "validate --model model.json --data sine5.csv --output-col y_u";
     bench.refused(line).says(&["known are", "did you mean", "`y_um`"]);
 }

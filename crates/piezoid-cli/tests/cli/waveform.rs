@@ -1,11 +1,11 @@
-//! A wave table for controllers, from the command line to the commands.
+//! A wave table for controllers: from the command line to the commands of the controller.
 
 use crate::bench::Bench;
 use std::f64::consts::TAU;
 
 const MAKE: &str = "export --model model.json --target waveform --reference r.csv --driver pl140 --name scan";
 
-/// A bench with three periods of a sine of 5 Hz and this height [mm].
+/// A bench with three periods of a sine of 5 Hz and this amplitude [mm].
 fn bench(height: f64) -> Bench {
     let bench = Bench::stocked();
     let row = |t: i32| format!("{},{}\n", f64::from(t) * 5e-4, height * (TAU * f64::from(t) / 400.0).sin());

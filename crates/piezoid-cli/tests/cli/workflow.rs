@@ -1,4 +1,4 @@
-//! From records to a model and its report, as a user goes.
+//! From records to a model and its report, as a user works.
 
 use crate::bench::{Bench, number};
 
@@ -96,7 +96,7 @@ fn a_report_opens_from_disk_and_tells_the_figures() {
     assert_eq!(piped.out, html);
 }
 
-/// One HTML document that loads nothing.
+/// Asserts that this is one HTML document that loads nothing.
 pub(crate) fn assert_self_contained(html: &str) {
     let low = html.to_lowercase();
     assert_eq!((low.matches("<html").count(), low.matches("</html>").count()), (1, 1));

@@ -1,4 +1,4 @@
-//! C by two compilers, unoptimised and optimised, watched by sanitizers.
+//! C by two compilers, without and with optimisation, checked by sanitizers.
 
 use crate::{exported, in_both_precisions, models, run, self_tested, there};
 use piezoid_export::ExportRequest;
@@ -24,7 +24,7 @@ fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwar
         for entry in &whole.entries {
             let vectors = &entry.vectors;
             println!("{name} {}: {:.1e}", entry.step, vectors.off);
-            // What jumps from branch to branch may do it a sample earlier or later.
+            // Operators that jump from branch to branch may do so one sample earlier or later.
             let jumps = ["two_branch", "rate_scheduled"].contains(&name.as_str());
             let within = if entry.step == "step" { 1e-5 } else { 1e-4 };
             assert!(

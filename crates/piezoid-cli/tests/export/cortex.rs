@@ -1,4 +1,4 @@
-//! C on an emulated Cortex-M4F: the same bits as here, and how many instructions a step takes.
+//! C on an emulated Cortex-M4F: bit-identical to this machine, and the number of instructions per step.
 
 use crate::{TS, exported, models, run, there, together};
 use piezoid::Model;
@@ -12,22 +12,22 @@ use std::sync::LazyLock;
 const BUILD: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -ffp-contract=off -mcpu=cortex-m4 -mthumb -mfloat-abi=hard \
                      -mfpu=fpv4-sp-d16 -nostartfiles --specs=rdimon.specs";
 
-/// An instruction of 64 ns beside a SysTick of 40.
+/// An instruction takes 64 ns, a tick of SysTick 40 ns.
 const BOARD: &str = "qemu-system-arm -M mps2-an386 -nographic -monitor none -serial none \
                      -semihosting-config enable=on,target=native -icount shift=6 -kernel firmware.elf";
 
-/// What a step of each entry takes [instructions].
+/// Computing time of an entry [instructions].
 #[derive(Debug)]
 struct Taken {
     model: String,
     step: String,
     mean: f64,
     most: f64,
-    /// Of text and constants [bytes].
+    /// Code and constants [bytes].
     flash: usize,
 }
 
-/// One firmware of all models: the self-tests on the board, and what each step takes.
+/// One firmware of all models: it runs the self-tests on the board, and measures the steps of each entry.
 static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let mut models: BTreeMap<String, Model> = models().into_iter().collect();
@@ -60,7 +60,7 @@ static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     .collect()
 });
 
-/// What runs the self-test, and each entry once more under the clock.
+/// A program part that runs the self-test, and then each entry again with time measurement.
 fn counting(name: &str, whole: &ExportedProgram) -> String {
     let mut body = String::new();
     for entry in &whole.entries {
@@ -103,13 +103,13 @@ fn the_papers_model_takes_600_instructions_at_most_and_a_feed_forward_of_15_play
     assert!(model.most <= 600.0 && feed_forward.most <= 1500.0, "{model:?}, {feed_forward:?}");
 }
 
-/// Two branches and Table 2's block.
+/// Two branches and the linear block of Table 2.
 fn papers_model() -> Model {
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap();
     Model::new((Operator::find("two-branch").unwrap().example)(TS).unwrap(), block, 0.0).unwrap()
 }
 
-/// 15 plays before a resonance, whose inverse is a filter of 48 taps.
+/// 15 plays before a resonance. The inverse is a filter of 48 taps.
 fn fifteen_plays() -> Model {
     let design = BasisDesign { ts: TS, range: (-30.0, 30.0), elements: Some(15), frequencies: Vec::new() };
     let basis = (Operator::find("prandtl-ishlinskii").unwrap().basis)(&design).unwrap();

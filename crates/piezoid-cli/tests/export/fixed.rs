@@ -1,5 +1,4 @@
-//! C in fixed point by two compilers: the counts that are computed here, whatever the inputs, without any floating
-//! point.
+//! C in fixed point by two compilers: the same integers as computed here, for any input, without floating point.
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there, together};
 use piezoid::Model;
@@ -10,10 +9,10 @@ use tempfile::TempDir;
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow";
 const CORTEX_M0: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -mcpu=cortex-m0 -mthumb -mfloat-abi=soft";
 
-/// What cannot be exported so.
+/// Operators that cannot be exported in fixed point.
 const REFUSED: &[&str] = &["preisach"];
 
-/// A folder of all models that can, and their names.
+/// A folder of all models that can be exported in fixed point, and their names.
 fn all() -> (TempDir, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let models = models().into_iter().filter(|(name, _)| !REFUSED.contains(&name.as_str()));
@@ -30,14 +29,14 @@ fn every_operator_counts_the_same_from_both_compilers_at_any_level_and_no_saniti
     let (folder, names) = all();
     self_tested(folder.path(), &names, STRICT);
     if there("gcc") {
-        // From end to end of 32 bits: whatever is counted, nothing overflows.
+        // With inputs over the full range of 32 bits, nothing overflows.
         let files = together(folder.path(), &names, wild);
         run(folder.path(), &format!("gcc {STRICT} -O1 {WATCHED} {files} -o wild"));
         run(folder.path(), "./wild");
     }
 }
 
-/// A function that hands anything that fits in 32 bits to the model.
+/// A function that passes arbitrary 32-bit numbers to the model.
 fn wild(name: &str) -> String {
     format!(
         "#include \"{name}.h\"\nint {name}_part(void);\nint {name}_part(void)\n{{\n    {name}_state s;\n    uint32_t r = 1U;\n    {name}_reset(&s);\n    \

@@ -1,4 +1,4 @@
-//! Exported code, compiled and run where it is made for: the same numbers as here, to the bit.
+//! Exported code, compiled and run on its target: bit-identical to the library.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -27,7 +27,7 @@ use std::process::{Command, Output};
 /// Sampling period [s].
 const TS: f64 = 5e-4;
 
-/// A model of every operator, with creep and a resonance; and one behind a driver.
+/// A model of every operator, with creep and a resonance; and a model with a driver.
 fn models() -> Vec<(String, Model)> {
     let named = |name: &str| name.replace('-', "_");
     let mut models: Vec<(String, Model)> =
@@ -37,7 +37,7 @@ fn models() -> Vec<(String, Model)> {
     models
 }
 
-/// Each in double and in single precision, under names of their own.
+/// Each model in double and in single precision, under different names.
 fn in_both_precisions(models: impl IntoIterator<Item = (String, Model)>) -> Vec<(String, Model, bool)> {
     let both = |(name, model): (String, Model)| [(name.clone(), model.clone(), false), (name + "_single", model, true)];
     models.into_iter().flat_map(both).collect()
@@ -50,7 +50,7 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
 }
 
-/// What `target` makes of a model, written into a folder.
+/// Exports a model to `target_name` and writes the files into a folder.
 fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exported {
     let made = (ExportTarget::find(target_name).unwrap().make)(wanted).unwrap();
     for File { name, bytes } in &made.files {
@@ -61,7 +61,7 @@ fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exporte
     made
 }
 
-/// Whether a tool is there; where it is not, says so, and in CI fails.
+/// True if a tool is installed. If it is not, the test is reported as skipped, and fails in CI.
 #[track_caller]
 fn there(tool: &str) -> bool {
     let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
@@ -73,8 +73,8 @@ fn there(tool: &str) -> bool {
 
 const WATCHED: &str = "-fsanitize=address,undefined -fno-sanitize-recover=all";
 
-/// Writes one program of all models in a folder, which says the name of each, then calls its `int NAME_part(void)` from
-/// the text that `part` gives; its files.
+/// Writes one program of all models into a folder, and returns its files. The program prints the name of each model and
+/// calls its `int NAME_part(void)`, whose text is given by `part`.
 fn together(folder: &Path, names: &[String], part: impl Fn(&str) -> String) -> String {
     let (mut declared, mut called, mut files) = (String::new(), String::new(), String::from("all.c"));
     for name in names {
@@ -88,8 +88,8 @@ fn together(folder: &Path, names: &[String], part: impl Fn(&str) -> String) -> S
     files
 }
 
-/// Builds one program of all self-tests in a folder with the compilers there are, so strictly, unoptimised and
-/// optimised, watched and not: it finds no difference.
+/// Builds one program of all self-tests with each installed compiler: with these strict options, without and with
+/// optimisation, with and without sanitizers. The program must find no difference.
 fn self_tested(folder: &Path, names: &[String], strict: &str) {
     let files = together(folder, names, |name| format!("#define main {name}_part\n#include \"{name}_test.c\"\n"));
     let builds = [("gcc", "-O0", WATCHED), ("gcc", "-O3", ""), ("clang", "-O0", ""), ("clang", "-O3", WATCHED)];
@@ -102,7 +102,7 @@ fn self_tested(folder: &Path, names: &[String], strict: &str) {
     }
 }
 
-/// Runs a command line in a folder; what it prints, if it ends well.
+/// Runs a command line in a folder, which must succeed without messages. Returns what it prints.
 fn run(folder: &Path, line: &str) -> String {
     let mut words = line.split_whitespace();
     let output = Command::new(words.next().unwrap()).args(words).current_dir(folder).output().unwrap();

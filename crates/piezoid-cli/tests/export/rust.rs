@@ -1,4 +1,4 @@
-//! Modules of Rust, built by the compiler that is here: for every operator, in both precisions, with and without `std`.
+//! Rust modules, built by the installed compiler: every operator, in both precisions, with and without `std`.
 
 use crate::{exported, in_both_precisions, models, skipped, there};
 use piezoid_export::ExportRequest;
@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
 
-/// A crate of all modules, each in both precisions, and its root.
+/// A folder with all modules, each in both precisions, and the root of the crate.
 fn modules() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let mut modules = Vec::new();
@@ -19,7 +19,7 @@ fn modules() -> TempDir {
     folder
 }
 
-/// Runs a tool that comes with Rust, if it is there.
+/// Runs a tool of the Rust installation, if it is there.
 fn run(folder: &Path, tool: &str, arguments: &str) {
     if there(tool) {
         let output = Command::new(tool).args(arguments.split_whitespace()).current_dir(folder).output().unwrap();
@@ -43,7 +43,7 @@ fn modules_are_free_of_warnings_in_every_edition_and_as_rustfmt_has_them() {
     let folder = modules();
     for edition in [2018, 2021, 2024] {
         let how = format!("-D warnings --edition {edition} --crate-type lib --emit metadata all.rs");
-        // Clippy's driver is the compiler, and warns of all that it warns of.
+        // clippy-driver is a compiler, and also reports the compiler's warnings.
         let compiler = if there("clippy-driver") { "clippy-driver" } else { "rustc" };
         run(folder.path(), compiler, &how);
         run(folder.path(), compiler, &format!("--test {how}"));

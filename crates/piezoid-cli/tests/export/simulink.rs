@@ -1,4 +1,4 @@
-//! The class in GNU Octave, and the S-functions behind a stand-in for Simulink.
+//! The class in GNU Octave, and the S-functions with a stand-in for Simulink.
 
 use crate::{TS, exported, in_both_precisions, model, models, run, there};
 use piezoid::Model;
@@ -11,27 +11,26 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A controller to go along.
+/// A controller to be exported with the model.
 fn controller() -> Pi {
     Pi::new(TS, 0.05, 20.0, (-30.0, 30.0)).unwrap()
 }
 
-/// One that answers in the same sample.
+/// A model with feed-through.
 fn direct() -> (String, Model) {
     let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
     let block = Arx::new(TS, vec![0.6], vec![0.3, 0.2]).unwrap();
     ("direct".into(), Model::new(plays, block, 2.0).unwrap())
 }
 
-/// A model with a resonance and creep, one of them behind a driver, and one that answers in the same sample, in both
-/// precisions.
+/// A model with a resonance and creep, a model with a driver, and a model with feed-through, each in both precisions.
 fn kinds() -> Vec<(String, Model, bool)> {
     let kinds = ["bouc_wen", "driven_plays", "direct"];
     let models = models().into_iter().chain([direct()]).filter(|(name, _)| kinds.contains(&name.as_str()));
     in_both_precisions(models)
 }
 
-/// Runs a script; what it prints and whether it ends well. What Octave 7 says of itself when it ends is left out.
+/// Runs a script. Returns its output, without the exit message of Octave 7, and true if it succeeded.
 fn octave(folder: &Path, script: &str) -> (String, bool) {
     std::fs::write(folder.join("script.m"), script).unwrap();
     let mut command = Command::new("octave-cli");
@@ -149,7 +148,7 @@ fn the_s_functions_are_handed_to_mex_one_by_one_and_put_into_a_model_if_asked() 
     }
 }
 
-/// Runs an S-function behind the stand-in on `inputs`: the outputs, and what it says of itself.
+/// Runs an S-function with the stand-in on `inputs`. Returns the outputs, and the properties that it reports.
 fn simulated(engine: &Path, sfun: &str, inputs: &[Vec<f64>]) -> (Vec<f64>, String) {
     let mut engine = Command::new(engine);
     let mut child =
@@ -193,7 +192,7 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
         "gcc -std=c99 -pedantic -Wall -Wextra -Wconversion -Wshadow -Werror -ffp-contract=off -fsanitize=address,undefined \
          -I . -I {stand_in}"
     );
-    // As Simulink Coder does.
+    // Compiled without `MATLAB_MEX_FILE`, as Simulink Coder does.
     run(folder.path(), &format!("{gcc} -c{bare}"));
     run(folder.path(), &format!("{gcc} -DMATLAB_MEX_FILE{files} {stand_in}/engine.c -o engine"));
     for (sfun, vectors, says) in expected {

@@ -1,4 +1,4 @@
-//! Structured text, read strictly and run, for every operator in both precisions.
+//! Structured text, read strictly and executed, for every operator in both precisions.
 
 use crate::structured_text::{Library, Value};
 use crate::{exported, models, there};
@@ -47,14 +47,14 @@ fn the_grammar_of_twincat_takes_the_library() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    // Of long tables it takes minutes and gigabytes.
+    // For long tables, blark takes minutes and gigabytes.
     let brief = ["proportional", "prandtl_ishlinskii", "bouc_wen", "duhem", "driven_plays"];
     for (name, model) in models().into_iter().filter(|(name, _)| brief.contains(&name.as_str())) {
         exported("st", &ExportRequest::new(&model, &name), folder.path());
         let file = format!("{name}.st");
         let output = Command::new("blark").args(["parse", &file]).current_dir(folder.path()).output().unwrap();
         let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-        // It ends well whatever it finds.
+        // blark exits with success whatever it finds.
         assert!(output.status.success() && !said.contains("Failed"), "{name}\n{said}");
     }
 }

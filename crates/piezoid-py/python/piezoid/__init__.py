@@ -7,8 +7,9 @@
 >>> model = pz.identify(small_signal=[small], large_signal=[large], operator="preisach")
 >>> y = model.simulate([0.0, 1.0, 2.0])
 
-Voltages are in volts, displacements in the unit of the records (um unless they say otherwise), times in seconds. Series are
-numpy arrays of shape (n,); anything that numpy converts to such an array is accepted. Invalid input raises `PiezoidError`, a `ValueError` that says what is wrong, where, and what to do.
+Voltages are in volts, displacements in the unit of the records (um if no unit is given), times in seconds. Series are
+numpy arrays of shape (n,); anything that numpy converts to such an array is accepted. Invalid input raises
+`PiezoidError`, a `ValueError` that says what is wrong, where, and what to do.
 """
 
 from importlib import import_module
@@ -64,7 +65,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    # What needs packages of its own is imported for whoever asks for it.
+    # These modules need further packages, and are imported on first use.
     if name in ("fleet", "learn", "plot"):
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

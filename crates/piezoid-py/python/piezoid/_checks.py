@@ -1,4 +1,4 @@
-"""Settings, checked before they are handed on."""
+"""Checks of settings before they are passed on."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Settings(Limits, total=False):
 
 
 def limits(given: Limits) -> dict[str, Any]:
-    """Limits by their keywords; another is a `TypeError`, as of any function."""
+    """Limits by their keywords; any other keyword is a `TypeError`."""
     known = Limits.__annotations__
     for name in given:
         if name not in known:
@@ -44,7 +44,7 @@ def limits(given: Limits) -> dict[str, Any]:
 
 
 def number(name: str, value: Any) -> float:
-    """A number."""
+    """Converts `value` to a number."""
     if not isinstance(value, str):
         with suppress(TypeError, ValueError):
             return float(value)
@@ -52,7 +52,7 @@ def number(name: str, value: Any) -> float:
 
 
 def some(name: str, value: Any, what: str) -> tuple[Any, ...]:
-    """As many as `what` names, such as "low, high"; a list does as well."""
+    """`value` as a tuple with as many members as `what` names, such as "low, high"; a list is accepted too."""
     count = what.count(",") + 1
     if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != count:
         raise PiezoidError(f"{name} = {value!r}: must be ({what})")
@@ -61,7 +61,7 @@ def some(name: str, value: Any, what: str) -> tuple[Any, ...]:
 
 @contextmanager
 def called(**names: str) -> Iterator[None]:
-    """Errors about settings of the library, by what they are called here."""
+    """Renames settings of the library in its errors to their names here."""
     try:
         yield
     except PiezoidError as error:
@@ -72,7 +72,7 @@ def called(**names: str) -> Iterator[None]:
 
 
 def whole(name: str, value: Any, least: int = 0) -> int:
-    """A whole number from `least` on that 64 bits hold."""
+    """A whole number from `least` to 2^63 - 1."""
     try:
         number = operator.index(value)
     except TypeError:

@@ -1,4 +1,4 @@
-"""Files: read with errors that help, and written whole or not at all."""
+"""Files: read with helpful errors, and written completely or not at all."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._piezoid import PiezoidError
 
 @contextmanager
 def named(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Errors that begin with the file they are about."""
+    """Adds the name of the file to the beginning of errors."""
     try:
         yield
     except PiezoidError as error:
@@ -22,7 +22,7 @@ def named(path: str | os.PathLike[str]) -> Iterator[None]:
 
 
 def write(path: str | os.PathLike[str], text: str) -> None:
-    """Writes a file; what stood there before stays until the new one is whole."""
+    """Writes a file; an existing file stays until the new one is complete."""
     _piezoid.write(path, text.encode())
 
 

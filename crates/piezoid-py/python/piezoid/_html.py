@@ -1,4 +1,4 @@
-"""How things look in a notebook: a small table of what they are, with lines in the colour of the text, light or dark."""
+"""Objects in a notebook: a small table of properties, with lines in the colour of the text, light or dark."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from .records import Record
 
 Rows: TypeAlias = list[tuple[str, str, str]]
-"""Of each row its name, what it says, and a drawing or nothing."""
+"""Name, text, and drawing of each row; the drawing may be empty."""
 
 WIDTH, HEIGHT = 180, 36
-"""Of a drawing [pixels]."""
+"""Size of a drawing [pixels]."""
 
 LEFT = "style='text-align:left'"
 
@@ -74,7 +74,7 @@ def _table(title: str, rows: Rows, notes: list[str] | None = None) -> str:
 
 
 def _series(samples: Array) -> str:
-    """Samples over time: of each column of pixels from its lowest to its highest."""
+    """Samples over time: each column of pixels reaches from its minimum to its maximum."""
     columns = np.array_split(samples, min(len(samples), WIDTH))
     there = np.arange(len(columns))
     high, low = (np.array([end(column) for column in columns]) for end in (np.max, np.min))
@@ -89,7 +89,7 @@ def _loop(m: Model) -> str:
 
 
 def _gain(m: Model) -> str:
-    """The gain over frequency up to half the sampling rate, both logarithmic."""
+    """The gain over frequency up to half the sampling rate; both axes are logarithmic."""
     hz = np.geomspace(1e-3, 0.5, WIDTH) / m.ts
     gain = np.abs(m.response(hz))
     return _line(np.log(hz), np.log(np.maximum(gain, 1e-4 * gain.max() or 1.0)))

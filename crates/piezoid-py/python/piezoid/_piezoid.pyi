@@ -11,7 +11,7 @@ __version__: str
 
 
 class PiezoidError(ValueError):
-    """What is wrong, the value, where, and what to do."""
+    """Invalid input: what is wrong, the value, where, and what to do."""
 
 @final
 class Record:
@@ -128,21 +128,21 @@ class Arx:
 
     @property
     def is_stable(self) -> bool:
-        """Whether all poles lie inside the unit circle."""
+        """True if all poles lie inside the unit circle."""
 
     @property
     def poles(self) -> list[dict[str, Any]]:
-        """Of each (one of a conjugate pair) its frequency `hz` and its `damping`."""
+        """Frequency `hz` and `damping` of each pole, one per conjugate pair."""
 
     @property
     def zeros(self) -> list[dict[str, Any]]:
-        """Where they lie in the z plane."""
+        """Zeros in the z plane."""
 
     def simulate(self, u: Samples) -> Array:
         """The free run from rest; both of shape (n,)."""
 
     def predict(self, u: Samples, y: Samples) -> Array:
-        """One step ahead from measured outputs; all of shape (n,)."""
+        """Prediction one step ahead from measured outputs; all of shape (n,)."""
 
 def identify(
     records: tuple[list[Record], list[Record]],

@@ -1,4 +1,4 @@
-"""Progress of long work: as a bar, or told to a function."""
+"""Progress of long work: as a bar, or passed to a function."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._types import Progress, Told
 
 @contextmanager
 def told(progress: Progress) -> Iterator[Told | None]:
-    """What the library calls as work advances: bars that go away at the end, the caller's bar or function, or nothing."""
+    """Yields what the library calls as work advances: temporary bars, the caller's bar or function, or None."""
     if progress is None or progress is False:
         yield None
     elif progress is True or (isinstance(progress, type) and hasattr(progress, "update")):
@@ -39,7 +39,7 @@ def _tqdm() -> Any:
 
 
 def _advance(bar: Any, what: str, done: int, total: int) -> None:
-    """Moves a bar, back as well where the next kind of work begins."""
+    """Moves a bar; moves it back when the next kind of work begins."""
     bar.total = total
     if hasattr(bar, "set_description"):
         bar.set_description(what, refresh=False)
@@ -47,7 +47,7 @@ def _advance(bar: Any, what: str, done: int, total: int) -> None:
 
 
 class _Bars:
-    """One bar for each kind of work, in turn."""
+    """One bar per kind of work, one after the other."""
 
     def __init__(self, make: Any) -> None:
         self.make: Any = make

@@ -1,4 +1,4 @@
-"""Types that many files speak of."""
+"""Types that many files use."""
 
 from collections.abc import Callable
 from typing import Any, Literal, Protocol, TypeAlias
@@ -10,14 +10,14 @@ Array: TypeAlias = npt.NDArray[np.float64]
 """Samples, of shape (n,)."""
 
 Samples: TypeAlias = npt.ArrayLike
-"""What numpy makes an array of shape (n,) of."""
+"""Anything that numpy converts to an array of shape (n,)."""
 
 Told: TypeAlias = Callable[[str, int, int], Any]
-"""Called with what is being done, how many steps of it are done, and of how many."""
+"""Called with the kind of work, the number of steps done, and the total number of steps."""
 
 
 class Bar(Protocol):
-    """A bar as tqdm has them."""
+    """A bar with the interface of tqdm."""
 
     n: Any
     total: Any
@@ -26,10 +26,10 @@ class Bar(Protocol):
 
 
 Progress: TypeAlias = "bool | Told | Bar | type[Any] | None"
-"""True for a tqdm bar, a class of bars such as `tqdm.tqdm`, a bar, a function that is told, or nothing."""
+"""True for a tqdm bar, a class of bars such as `tqdm.tqdm`, a bar, a function to call, or None."""
 
 Units: TypeAlias = tuple[str, str]
-"""Of input and output."""
+"""Units of input and output."""
 
 Offset: TypeAlias = Literal["kept", "free"]
 Begin: TypeAlias = Literal["rest", "settled", "motion", "likely"]

@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     from ._checks import Limits, Unpack
 
 MOST = 1e8
-"""Samples of a reference."""
+"""Maximum number of samples of a reference."""
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Each controller along each reference."""
+    """Results of each controller along each reference."""
 
     figures: dict[str, Any] = field(repr=False)
     """All figures, as the command line writes them."""
     runs: list[dict[str, Any]] = field(repr=False)
-    """One dict a run: `controller`, `reference`, and the arrays `u`, `y`, `r` of shape (n,), or an `error`."""
+    """One dict per run: `controller`, `reference`, and the arrays `u`, `y`, `r` of shape (n,), or an `error`."""
     html: str = field(repr=False)
     """A page with tables and figures."""
     ts: float = field(repr=False)
     """Sampling period of the runs [s]."""
 
     def run(self, controller: str | None = None, reference: str | None = None) -> dict[str, Any]:
-        """The first run of these names."""
+        """The first run of this controller along this reference; None stands for any."""
         for run in self.runs:
             if controller in (None, run["controller"]) and reference in (None, run["reference"]):
                 return run
@@ -48,7 +48,10 @@ class Comparison:
 
     @property
     def table(self) -> pd.DataFrame:
-        """Rms errors in percent of the peak-to-peak of the reference, without the first whole periods (0.25 s or more) of a periodic one: one row a reference, one column a controller."""
+        """Rms errors in percent of the peak-to-peak of the reference: one row per reference, one column per controller.
+
+        The first whole periods (0.25 s or more) of a periodic reference are left out.
+        """
         import pandas as pd
 
         rows: dict[str, dict[str, float]] = {}
@@ -93,13 +96,14 @@ def control(
     progress: Progress = None,
     **limits: Unpack[Limits],
 ) -> Comparison:
-    """Simulates a twin that follows references [output unit of the model], with one or several controllers (`pz.controllers`), such as
-    "feed-forward+pi", tuned to the model.
+    """Simulates a twin that follows references [output unit of the model] with one or several controllers.
 
+    controller: names in `pz.controllers`, such as "feed-forward+pi"; they are tuned to the model
     late: sensor delay in samples; gain_margin [dB], phase_margin [degrees]: margins to which controllers are tuned
     preview: number of future samples of the reference that controllers may use; default: all
-    tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by up to this share
-    limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as of `Model.compensation`
+    tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by
+    up to this share
+    limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as in `Model.compensation`
     """
     named = reference if isinstance(reference, Mapping) else {"reference": reference}
     twin, known = plants[plant] if isinstance(plant, str) else plant, as_model(model)
@@ -109,7 +113,7 @@ def control(
     if not schemes or not named:
         raise _piezoid.PiezoidError(f"there is no {'reference' if schemes else 'controller'}: give one at least")
     share = (None, 200) if tolerance is None else some("tolerance", tolerance, "share, draws")
-    # The library counts in percent.
+    # The library uses percent.
     percent = None if share[0] is None else round(100 * number("tolerance", share[0]), 12)
     options = {
         "controller": schemes, "late": late, "gain_margin": gain_margin, "phase_margin": phase_margin, "preview": preview,

@@ -17,7 +17,7 @@ from .lists import ALL, described
 
 
 class Excitation:
-    """One kind of excitation: call it with a sampling period, a duration [s], and its own settings, by name."""
+    """One kind of drive signal: call it with a sampling period [s], a duration [s], and the settings of the kind."""
 
     def __init__(self, row: dict[str, Any]) -> None:
         self.kind: str = row["name"]

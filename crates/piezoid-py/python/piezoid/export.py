@@ -34,7 +34,7 @@ def export(
 
     reference: for the target waveform, one period of the requested displacement [output unit], of shape (n,)
 
-    Options, each of the targets that take it:
+    Options; each is for the targets that take it:
 
     {options}
 

@@ -8,22 +8,25 @@
 >>> list(table.index), bool(table.error.isna().all())
 (['stage 0', 'stage 1', 'stage 2'], True)
 
-`client` says where the work is done: in this process (None), on Dask (a `distributed.Client`), or on any
-`concurrent.futures.Executor`: Python's threads and processes, loky's, mpi4py's. For Ray, three lines make one:
+`client` selects where the work is done: in this process (None), on Dask (a `distributed.Client`), or on any
+`concurrent.futures.Executor`: Python's threads and processes, loky's, mpi4py's. For Ray, three lines define one:
 
     class OnRay(concurrent.futures.Executor):
         def submit(self, function, *args):
             return ray.remote(function).remote(*args).future()
 
-Jobs travel by pickle. A record may be a file, or a function without arguments that gives the record: both are read where
-the work is done, so that ten thousand records need not pass through one machine.
+Jobs are sent by pickle. A record may be a file, or a function without arguments that returns the record. Both are read
+where the work is done, so ten thousand records need not pass through one machine.
 
-A failed job stops no other, and none is lost: the text of its exception is the column `error` of its row. A `PiezoidError` or `TypeError` is final. Anything else, such as an unavailable file share or a worker that died, is tried again. Dask gives the work of a worker that died to
-others. A pool of Python's is broken for good when one of its processes dies; the rows that were done then remain, and
-the others have an error. Results do not depend on where they were made, nor on how often work was lost.
+A failed job does not stop the others, and no job is lost: the text of its exception is the column `error` of its row. A
+`PiezoidError` or `TypeError` is final. After any other failure, such as an unavailable file share or a worker that
+died, the job is tried again. Dask gives the work of a dead worker to others. A pool of Python's is unusable when one of
+its processes has died: the finished rows remain, and the others have an error. Results do not depend on where they were
+computed, nor on how often work was lost.
 
-A worker process should have one thread, and RAYON_NUM_THREADS=1 in its environment: otherwise each process uses all cores, and they slow each other down: short fits take a fifth longer with 16 threads per core. `local` starts such workers. A process that was
-forked after its parent identified something works on one thread by itself.
+A worker process should have one thread, and RAYON_NUM_THREADS=1 in its environment. Otherwise each process uses all
+cores, and they slow each other down: short fits take a fifth longer with 16 threads per core. `local` starts such
+workers. A process that was forked after its parent identified something uses one thread without this setting.
 """
 
 from __future__ import annotations
@@ -66,10 +69,10 @@ _TRAINING = [("large_signal", "rich", "data"), ("small_signal", "linear")]
 
 
 class Engine(Protocol):
-    """What does the work: a `distributed.Client` or a `concurrent.futures.Executor`."""
+    """An object that does the work: a `distributed.Client` or a `concurrent.futures.Executor`."""
 
     def submit(self, function: Callable[..., Any], /, *args: Any) -> Any:
-        """Starts `function(*args)` and gives its future."""
+        """Starts `function(*args)` and returns its future."""
 
 
 def identify(
@@ -81,20 +84,22 @@ def identify(
     progress: Progress = None,
     **settings: Any,
 ) -> pd.DataFrame:
-    """A model of each actuator, by name; `table.model` goes into `validate` and `compensate`.
+    """Identifies a model of each actuator, by name; `validate` and `compensate` accept `table.model`.
 
-    actuators: by name, the keywords of `pz.identify`: records as `small_signal`, `large_signal` or `data`, its own settings, and `test`: records on which the errors are computed (if missing, the training records). A record alone is `data`. Functions
-        without arguments may stand for any of these. A DataFrame has an actuator a row, and these keywords as columns.
-    settings: of `pz.identify`, for all
+    actuators: by name, the keywords of `pz.identify`: records as `small_signal`, `large_signal` or `data`, settings of
+    this actuator, and `test`: records on which the errors are computed (by default the training records). A single
+    record is `data`. A function without arguments may replace any of these. A DataFrame has one row per actuator, and
+    these keywords as columns.
+    settings: those of `pz.identify`, for all actuators
     retries, chunk, progress: see `run`
 
-    Columns: `model` (missing where there is an error), `operator`, `resonance_hz` and `damping` of the linear block, its
-    `dc_gain` [output unit / input unit], the largest `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit] among
-    the records, and those of `run`.
+    Columns: `model` (missing after an error), `operator`, `resonance_hz` and `damping` of the linear block, its
+    `dc_gain` [output unit / input unit], the largest `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output
+    unit] among the records, and the columns of `run`.
     """
     signature(_identify).bind(**settings)
     job = partial(_identified, settings)
-    if hasattr(actuators, "columns"):  # a row each
+    if hasattr(actuators, "columns"):  # one row per actuator
         columns: Any = actuators
         actuators = {name: dict(row) for name, row in zip(columns.index, columns.to_dict("records"), strict=True)}
         if len(actuators) < len(columns):
@@ -116,11 +121,12 @@ def validate(
 ) -> pd.DataFrame:
     """Compares each model with records of its actuator, preferably ones that were not used for identification.
 
-    models: by name, models or their files; records: by name, one or several, or a function that gives them
-    skip, offset: as of `Model.validate`; retries, chunk, progress: see `run`
+    models: by name, models or their files; records: by name, one or several, or a function that returns them
+    skip, offset: as in `Model.validate`; retries, chunk, progress: see `run`
 
-    Columns: `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit], the largest among the records, and those of
-    `run`. An actuator with a model but no record, or with a record but no model, has a row with an error.
+    Columns: `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit], the largest among the records, and
+    the columns of `run`. An actuator with a model but no record, or with a record but no model, has a row with an
+    error.
     """
     job = partial(_validated, skip, offset)
     table = run(job, _paired(models, records), client, retries=retries, chunk=chunk, progress=progress)
@@ -137,16 +143,18 @@ def compensate(
     progress: Progress = None,
     **settings: Unpack[Settings],
 ) -> pd.DataFrame:
-    """For each actuator, the voltages for a requested displacement.
+    """Computes the voltages for a requested displacement of each actuator.
 
     models: by name, models or their files
-    references: one for all, of shape (n,) [output unit], a file, or a function that gives either; or a mapping of such by name
-    settings: of `Model.compensation`; retries, chunk, progress: see `run`
+    references: one for all, of shape (n,) [output unit], a file, or a function that returns either; or a mapping of
+    these by name
+    settings: those of `Model.compensation`; retries, chunk, progress: see `run`
 
-    Columns: `u` [input unit] and `reached` [output unit], of shape (n,), `clipped`, the number of samples clipped to a limit, `notes`, and those of `run`.
+    Columns: `u` [input unit] and `reached` [output unit], of shape (n,), `clipped`, the number of samples clipped to a
+    limit, `notes`, and the columns of `run`.
     """
     signature(Model.compensation).bind(None, None, **settings)
-    named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series of such
+    named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series
     own = references if named else dict.fromkeys(dict(_items(models, "models")), references)
     job = partial(_compensated, dict(settings))
     table = run(job, _paired(models, own), client, retries=retries, chunk=chunk, progress=progress)
@@ -162,15 +170,16 @@ def run(
     chunk: int | None = None,
     progress: Progress = None,
 ) -> pd.DataFrame:
-    """`function(job)` of each job: a row each, by the names and in the order of `jobs`.
+    """Calls `function(job)` for each job: one row per job, with the names and in the order of `jobs`.
 
-    function: gives the columns of a row, as a mapping, or else what stands in the column `value`
-    retries: how often a failed job is repeated, in a task of its own; not after a `PiezoidError` or `TypeError`
-    chunk: how many jobs make one task of the engine, whose overhead is about a millisecond; up to 16 where it is not given
-    progress: as of `pz.identify`, called with the number of finished jobs; an exception that it raises cancels the jobs that have not started
+    function: returns the columns of a row as a mapping; any other result is the column `value`
+    retries: how often a failed job is repeated, as a separate task; not after a `PiezoidError` or `TypeError`
+    chunk: number of jobs per task of the engine, whose overhead is about a millisecond; by default up to 16
+    progress: as in `pz.identify`, called with the number of finished jobs; an exception that it raises cancels the jobs
+    that have not started
 
-    Columns in addition to those of `function` (they replace columns of the same name): `attempts`, `seconds` of the last one,
-    `worker` (machine and process), and `error`, a text, missing where all went well.
+    Columns in addition to those of `function` (they replace columns of the same name): `attempts`, `seconds` of the
+    last one, `worker` (machine and process), and `error`, a text, missing if the job succeeded.
 
     >>> import piezoid as pz
     >>> table = pz.fleet.run(lambda x: {"inverse": 1 / x}, {"a": 2, "b": 0})
@@ -208,9 +217,9 @@ def run(
 
 @contextmanager
 def local(workers: int | None = None, **settings: Any) -> Iterator[distributed.Client]:
-    """A Dask client of worker processes on this machine, of one thread each; as many as there are cores, unless said.
+    """A Dask client of worker processes on this machine, with one thread each; by default one process per core.
 
-    settings: of `distributed.LocalCluster`
+    settings: those of `distributed.LocalCluster`
 
         with pz.fleet.local(4) as client:
             table = pz.fleet.identify(actuators, client)
@@ -241,7 +250,7 @@ def _on_dask(client: Engine) -> bool:
 
 
 def _chunk(client: Any, jobs: int) -> int:
-    """How many jobs make a task: some tasks for each thread, so that none waits long for the last."""
+    """Number of jobs per task: several tasks for each thread, so that no thread waits long for the last task."""
     if client is None:
         return 1
     threads = sum(client.nthreads().values()) if _on_dask(client) else os.cpu_count()
@@ -251,7 +260,7 @@ def _chunk(client: Any, jobs: int) -> int:
 def _done(
     client: Any, function: Callable[[Any], Any], jobs: list[Any], batches: list[range]
 ) -> Iterator[tuple[range, list[tuple[Row, bool]]]]:
-    """Batches with the rows of their jobs, as they are done, and whether a row is final."""
+    """Batches with the rows of their jobs, as they are finished; True marks a row that is final."""
     if client is None:
         for batch in batches:
             yield batch, _batch(function, [jobs[at] for at in batch])
@@ -260,7 +269,7 @@ def _done(
     if _on_dask(client):
         submit, as_completed = partial(client.submit, pure=False), partial(_dask().as_completed, loop=client.loop)
         try:
-            client.nthreads()  # asks the scheduler: a client that is closing takes tasks that nobody will do
+            client.nthreads()  # asks the scheduler: a closing client accepts tasks that are never done
         except Exception as error:
             yield from ((batch, _lost(batch, error)) for batch in batches)
             return
@@ -285,7 +294,7 @@ def _done(
 
 
 def _lost(batch: range, error: Exception) -> list[tuple[Row, bool]]:
-    """What comes of a batch that the engine failed on; jobs keep their errors to themselves."""
+    """Rows of a batch on which the engine failed; errors of jobs do not reach the engine."""
     return [({"error": _text(error)}, False) for _ in batch]
 
 
@@ -294,18 +303,18 @@ def _batch(function: Callable[[Any], Any], jobs: list[Any]) -> list[tuple[Row, b
 
 
 def _row(function: Callable[[Any], Any], job: Any) -> tuple[Row, bool]:
-    """What a job comes to, whatever it raises, and whether that is final."""
+    """The row of a job, whatever the job raises, and True if the row is final."""
     begun, row, error, is_final = perf_counter(), Row(), None, True
     try:
         made = function(job)
         row = dict(made) if isinstance(made, Mapping) else {"value": made}
     except PiezoidError as refusal:
         error = str(refusal)
-    except TypeError as misuse:  # a keyword that nobody knows, say
+    except TypeError as misuse:  # such as an unknown keyword
         error = _text(misuse)
     except KeyboardInterrupt:
         raise
-    except BaseException as failure:  # one that panics or exits is no reason to lose its neighbours
+    except BaseException as failure:  # a job that panics or exits must not stop the others
         error, is_final = _text(failure), False
     return row | {"seconds": perf_counter() - begun, "worker": f"{node()}/{os.getpid()}", "error": error}, is_final
 
@@ -344,7 +353,7 @@ def _largest(model: Model, records: list[Record], **settings: Any) -> Row:
 
 
 def _paired(models: Any, others: Any) -> dict[Any, tuple[Any, Any]]:
-    """Both by name, with None where one is missing."""
+    """Both by name, with None for a missing one."""
     left, right = dict(_items(models, "models")), dict(_items(others, "records or references"))
     return {name: (left.get(name), right.get(name)) for name in left | right}
 
@@ -356,7 +365,7 @@ def _items(given: Any, what: str) -> Any:
 
 
 def _made(given: Any, what: str) -> Any:
-    """What was given, or what it makes if it is a function."""
+    """`given`, or its result if it is a function."""
     made = given() if callable(given) else given
     if _is_missing(made):
         raise PiezoidError(f"there is no {what} of this actuator: give one, or leave the actuator out")
@@ -364,7 +373,7 @@ def _made(given: Any, what: str) -> Any:
 
 
 def _is_missing(given: Any) -> bool:
-    # pandas has NaN for what is missing.
+    # pandas represents a missing value by NaN.
     return given is None or (isinstance(given, float) and isnan(given))
 
 

@@ -1,4 +1,4 @@
-"""From records to a model."""
+"""Identification of a model from records."""
 
 from __future__ import annotations
 
@@ -45,24 +45,27 @@ def identify(
     linear: Sources = (),
     rich: Sources = (),
 ) -> Model:
-    """Identifies a model of the actuator from records; `model.notes` holds the remarks.
+    """Identifies a model of the actuator from records; `model.notes` contains remarks.
 
     small_signal: records for the linear block (a PRBS of about 1 V); large_signal: records that exercise the hysteresis
-        (rising sines at some frequencies); data: records for linear block and hysteresis together, if there is no small-signal record. Each is one record or several, or anything that `read` accepts.
-    method: "joint" finds all parts together, by the error of the free run; "paper" takes the paper's six steps
-    operator: one of `pz.operators`; of several, separated by commas, and of all ("auto") the simplest one is taken that
-        predicts held-out parts as well as the best
-    order: of the linear block; chosen where it is not given (2 by the paper's method)
+    (rising sines at some frequencies); data: records for linear block and hysteresis together, if there is no
+    small-signal record. Each is one record or several, or anything that `read` accepts.
+    method: "joint" fits all parts together, by the error of the free run; "paper" follows the paper's six steps
+    operator: one of `pz.operators`, several separated by commas, or "auto" for all; of several, the simplest one is
+    selected that predicts held-out parts as well as the best
+    order: of the linear block; selected automatically by default (2 by the paper's method)
     seed: of the swarm
 
-    Joint method only: `elements` (thresholds, levels or knots of the operator), `creep`, and the driver that the records
-    were taken with, where its limits matter: `driver` by name, `capacitance` of the load [F], `driver_lag` [s],
+    Joint method only: `elements` (number of thresholds, levels or knots of the operator), `creep`, and the driver of
+    the measurement, if its limits matter: `driver` by name, `capacitance` of the load [F], `driver_lag` [s],
     `driver_slew` [V/s].
-    Paper's method only: `estimator` of the linear block, how the points of a loop are divided between the branches (`split`), averages on each branch (`bins`),
-    `reading` of held inputs, `particles` and `iterations` of the swarm, and its `global_best` (the best position ever,
-    or of the current ones).
 
-    progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception that it raises stops the work, as Ctrl-C does.
+    Paper's method only: `estimator` of the linear block; `split`, how the points of a loop are divided between the
+    branches; `bins`, the number of averages on each branch; `reading` of held inputs; `particles` and `iterations` of
+    the swarm, and its `global_best` (the best position ever, or of the current ones).
+
+    progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception
+    that it raises stops the work, as Ctrl-C does.
 
     >>> import piezoid as pz
     >>> u = pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4)
@@ -72,7 +75,7 @@ def identify(
     """
     keywords, rows = dict(locals()), _piezoid.identify_options()
     options = {row["name"]: keywords[row["name"]] for row in rows}
-    # The former names of small_signal and large_signal are linear and rich.
+    # linear and rich are the former names of small_signal and large_signal.
     given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], sources(data)]
     small, large, everything = ([as_record(source) for source in part] for part in given)
     if everything and (small or large):

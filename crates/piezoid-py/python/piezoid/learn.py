@@ -1,4 +1,4 @@
-"""The model as an estimator of scikit-learn: cross-validated over records, its operator and order searched for.
+"""The model as an estimator of scikit-learn: cross-validation over records, search for operator and order.
 
 >>> import piezoid as pz
 >>> from piezoid.learn import HammersteinRegressor, stack
@@ -44,21 +44,24 @@ _SETTINGS = {name: p for name, p in inspect.signature(identify).parameters.items
 
 
 class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
-    """Displacement from voltage: `piezoid.identify` and free runs behind fit and predict.
+    """Displacement from voltage: fit calls `piezoid.identify`, predict returns free runs.
 
-    X: voltages, of shape (n,) or (n, 1), where all rows are one record; or, of shape (n, 2), with the number of the record
-        that a row belongs to beside them. The rows of a record must be consecutive and in order of time. The record number is part of X, so that every part of scikit-learn respects the boundaries of the records: no fit and no free run crosses them.
+    X: voltages, of shape (n,) or (n, 1), if all rows are one record; or of shape (n, 2), with the record number of each
+    row in the second column. The rows of a record must be consecutive and in order of time. The record number is part
+    of X, so that every part of scikit-learn respects the boundaries of the records: no fit and no free run crosses
+    them.
     y: displacements, of shape (n,)
 
     ts: sampling period of all records [s]
     units: of voltages and displacements
-    small_signal: records whose input spans no more than this [input unit], peak to peak, are small-signal records for
-        `identify`; the others are large-signal ones. Without it all are `data`.
+    small_signal: records with at most this peak-to-peak input [input unit] are small-signal records for `identify`; the
+    others are large-signal records. By default all records are `data`.
 
-    All other parameters are those of `piezoid.identify`. Split by whole records (`LeaveOneGroupOut`, `GroupKFold`): a split within a record, as `KFold` makes it, leaves undetected gaps in the training data.
+    All other parameters are those of `piezoid.identify`. Split by whole records (`LeaveOneGroupOut`, `GroupKFold`). A
+    split within a record, as by `KFold`, leaves undetected gaps in the training data.
 
     model_: the `piezoid.Model`, after fit
-    n_features_in_: 1, or 2 where records are numbered
+    n_features_in_: 1, or 2 if X contains record numbers
 
     >>> from sklearn.model_selection import GridSearchCV, GroupKFold
     >>> search = GridSearchCV(
@@ -85,7 +88,7 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             setattr(self, name, settings.get(name, parameter.default))
 
     _own = inspect.signature(__init__).parameters
-    # scikit-learn asks the signature which parameters there are.
+    # scikit-learn reads the names of the parameters from the signature.
     __init__.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [p for p in _own.values() if p.kind is not p.VAR_KEYWORD] + list(_SETTINGS.values())
     )
@@ -105,7 +108,10 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return self
 
     def predict(self, X: npt.ArrayLike) -> Array:
-        """The free run of each record [output unit], of shape (n,): measured displacements are not used. The initial condition of a record is chosen from its inputs: in motion as in the record, or settled at the first input."""
+        """The free run of each record [output unit], of shape (n,); measured displacements are not used.
+
+        The initial condition of a record is chosen from its inputs: in motion, or settled at the first input.
+        """
         check_is_fitted(self, "model_")
         rows = validate_data(self, _columns(X), reset=False, dtype=np.float64)
         return np.concatenate([self.model_.simulate(u, begin="likely") for _, u in self._records(rows)])
@@ -131,14 +137,16 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def __sklearn_tags__(self) -> Tags:
         tags = super().__sklearn_tags__()
         tags.input_tags.one_d_array = True
-        # The score meant is that on rows without an order, of several columns.
+        # The tests of scikit-learn compute the score on unordered rows of several columns. It is poor there.
         tags.regressor_tags.poor_score = True
         return tags
 
 
 def stack(records: Iterable[Record]) -> tuple[Array, Array, npt.NDArray[np.int64]]:
-    """X, of shape (n, 2), and y, of shape (n,), of records one after the other, and the number of its record for each row,
-    of shape (n,), as `groups` of a cross-validation."""
+    """Concatenates records: X, of shape (n, 2), y, of shape (n,), and the record number of each row, of shape (n,).
+
+    The record numbers are the `groups` of a cross-validation.
+    """
     given = as_records(records)
     if len(kinds := {(r.ts, r.units) for r in given}) != 1:
         told = "; ".join(sorted(f"every {ts:g} s in {u} and {y}" for ts, (u, y) in kinds)) or "none"
@@ -149,7 +157,7 @@ def stack(records: Iterable[Record]) -> tuple[Array, Array, npt.NDArray[np.int64
 
 
 def _columns(X: Any) -> Any:
-    """Samples alone as a column; what else there may be is scikit-learn's to judge."""
+    """One-dimensional samples as a column; scikit-learn checks everything else."""
     if issparse(X) or getattr(X, "ndim", 1) != 1:
         return X
     X = np.asarray(X)

@@ -30,7 +30,7 @@ class Fit:
     residuals: dict[str, Any]
     """Residuals of the one-step prediction [output unit]."""
     history: list[float]
-    """Best cost at the start and after each iteration, of estimators that iterate."""
+    """Best cost at the start and after each iteration, for iterative estimators."""
 
 
 def fit(
@@ -44,7 +44,7 @@ def fit(
     seed: int = 1,
     progress: Progress = None,
 ) -> Fit:
-    """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to what `read` makes records of.
+    """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to anything that `read` accepts.
 
     order: of the block, or (number of a, number of b, samples of delay)
     estimator: one of `pz.estimators`; `particles`, `iterations`, `seed` and `global_best` apply to the swarm only

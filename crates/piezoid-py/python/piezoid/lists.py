@@ -16,11 +16,11 @@ from typing import Any, Generic, TypeVar
 from ._piezoid import PiezoidError, lists
 
 ALL: dict[str, list[dict[str, Any]]] = lists()
-"""All lists, as the library has them."""
+"""All lists of the library."""
 
 
 def described(rows: list[dict[str, Any]]) -> list[str]:
-    """What options mean, a line each."""
+    """The meaning of options, one line each."""
 
     def line(row: dict[str, Any]) -> str:
         known = row["unit"] or " or ".join(map(repr, row["choices"]))
@@ -37,14 +37,14 @@ class Row:
     summary: str
     reference: str
     properties: Mapping[str, bool] = field(default_factory=dict, repr=False)
-    """Of an operator: `minor_loops`, `rate_independent`, and `wipes_out` (it has the wiping-out property)."""
+    """For operators: `minor_loops`, `rate_independent`, and `wipes_out` (it has the wiping-out property)."""
 
 
 T = TypeVar("T")
 
 
 class Rows(Mapping[str, T], Generic[T]):
-    """A list by names, which says what there is when a name is not known."""
+    """A list by names; the error on an unknown name gives the known names."""
 
     def __init__(self, kind: str, rows: dict[str, T]) -> None:
         self._kind, self._rows = kind, rows

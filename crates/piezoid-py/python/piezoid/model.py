@@ -28,9 +28,10 @@ __all__ = ["Compensation", "FeedForward", "Model", "Validation", "load"]
 
 
 class Model:
-    """A Hammerstein model: hysteresis, creep, then linear dynamics. It never changes.
+    """A Hammerstein model: hysteresis, creep, then linear dynamics. It is immutable.
 
-    `identify` makes one, `load` reads one. It can be pickled. Two models are equal if their numbers are equal, however they were identified.
+    `identify` creates one, `load` reads one. It can be pickled. Two models are equal if their numbers are equal,
+    however they were identified.
 
     >>> import numpy as np, piezoid as pz
     >>> model = pz.Model.from_dict({
@@ -56,11 +57,11 @@ class Model:
 
     @classmethod
     def from_dict(cls, document: dict[str, Any]) -> Model:
-        """From the document that a model file holds."""
+        """From the content of a model file as a dict."""
         return cls(json.dumps(document, default=_plain))
 
     def to_dict(self) -> dict[str, Any]:
-        """The document that its file holds."""
+        """The content of its file as a dict."""
         return self._core.to_dict()
 
     def to_json(self) -> str:
@@ -68,7 +69,7 @@ class Model:
         return self._core.to_json()
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a model file, which every front end of piezoid reads."""
+        """Writes a model file, which all front ends of piezoid read."""
         _files.write(path, self.to_json())
 
     @property
@@ -93,7 +94,7 @@ class Model:
 
     @property
     def b(self) -> Array:
-        """Coefficients of its inputs [output unit / input unit]."""
+        """Coefficients of the inputs of the linear block [output unit / input unit]."""
         return self._core.b
 
     @property
@@ -108,7 +109,7 @@ class Model:
 
     @property
     def resonance(self) -> tuple[float, float] | None:
-        """Frequency [Hz] and damping ratio of the resonance, if it has one."""
+        """Frequency [Hz] and damping ratio of the resonance; None if there is none."""
         return self._core.resonance
 
     @property
@@ -118,14 +119,14 @@ class Model:
 
     @cached_property
     def provenance(self) -> dict[str, Any]:
-        """How it was made: the command, the version, the seed, files with their hashes; operators that were tried; parameters with
-        their errors; notes."""
+        """Origin: command, version, seed, files with hashes, operators that were tried, parameters with errors,
+        notes."""
         made = self.to_dict()["fit"]
         return made if isinstance(made, dict) else {}
 
     @property
     def notes(self) -> list[str]:
-        """What its user should know, as found when it was identified."""
+        """Remarks of the identification for users of the model."""
         return [str(note) for note in self._found("notes")]
 
     @property
@@ -145,7 +146,8 @@ class Model:
     def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
         """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
 
-        begin: initial condition: "rest"; "settled" at the first input; in "motion" as in `u`; or "likely": "settled" or "motion", chosen from `u`
+        begin: initial condition: "rest"; "settled" at the first input; in "motion" as in `u`; or "likely": "settled" or
+        "motion", chosen from `u`
         """
         return self._core.simulate(u, begin)
 
@@ -162,9 +164,10 @@ class Model:
         return self._core.response(hz)
 
     def validate(self, record: Source, *, skip: float = 0.0, offset: Offset = "kept") -> Validation:
-        """Compares its free run with a record, preferably one that was not used for identification; `record` is anything that `read` accepts.
+        """Compares its free run with a record, preferably one that was not used for identification.
 
-        skip: seconds at the start that do not count
+        record: anything that `read` accepts
+        skip: time at the start that does not count [s]
         offset: "free" subtracts the mean error first, because sensors drift
         """
         measured = as_record(record)
@@ -172,14 +175,19 @@ class Model:
         return Validation(measured, simulated, figures)
 
     def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
-        """The inverse, sample by sample: requested displacement to voltage; the displacement follows `late` samples later. A value that is not finite is replaced by the one before, and voltages beyond the limits are clipped.
+        """The inverse, sample by sample, from requested displacement to voltage.
 
-        `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the voltage, as of `compensation`.
+        The displacement follows `late` samples later. A value that is not finite is replaced by the one before, and
+        voltages beyond the limits are clipped. `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the
+        voltage, as in `compensation`.
         """
         return self._core._inverse(whole("late", late), checked(limits))
 
     def compensate(self, reference: Samples, **settings: Unpack[Settings]) -> Array:
-        """The voltages [input unit] for a requested displacement [output unit], both of shape (n,): `compensation(...).u`."""
+        """The voltages [input unit] for a requested displacement [output unit], both of shape (n,).
+
+        They are `compensation(...).u`.
+        """
         return self.compensation(reference, **settings).u
 
     def compensation(
@@ -198,14 +206,17 @@ class Model:
         notch: bool = False,
         sweeps: int = 0,
     ) -> Compensation:
-        """The voltages for a requested displacement. Before the first sample the actuator is assumed settled at its first value.
+        """The voltages for a requested displacement.
 
-        driver: one of `pz.drivers`, with the `capacitance` [F] of the load where it limits the current
+        Before the first sample the actuator is assumed settled at the first value of the reference.
+
+        driver: one of `pz.drivers`, with the `capacitance` [F] of the load if it limits the current
         low, high: limits of the voltage [V]; slew: of its change [V/s]; current: of the driver [A]
-        clip: come as close as the limits allow, instead of refusing
+        clip: come as close as the limits allow, instead of raising an error
         smooth: replace steps and corners by minimum-jerk moves of this length [s]
-        zvd: shape the reference so that the resonance is not excited; notch: filter the reference with a notch at the resonance
-        sweeps: largest number of iterations that correct the error left in the model's free run
+        zvd: shape the reference so that the resonance is not excited; notch: filter the reference with a notch at the
+        resonance
+        sweeps: maximum number of iterations that reduce the remaining error of the model's free run
         """
         settings = {
             "driver": driver, "capacitance": capacitance, "low": low, "high": high, "slew": slew, "current": current,
@@ -233,14 +244,14 @@ class Model:
 
 
 def _plain(values: Any) -> Any:
-    """Arrays as lists, for a document."""
+    """Arrays as lists, for JSON."""
     if isinstance(values, (np.ndarray, np.generic)):
         return values.tolist()
     raise PiezoidError(f"a model cannot contain a {type(values).__name__}: use numbers, strings, lists and dicts")
 
 
 def as_model(given: Any) -> Model:
-    """A model, or the one in a file."""
+    """A model, read if `given` is a file."""
     if isinstance(given, (str, os.PathLike)):
         return load(given)
     if not isinstance(given, Model):
@@ -249,7 +260,7 @@ def as_model(given: Any) -> Model:
 
 
 def load(path: str | os.PathLike[str]) -> Model:
-    """The model in a file."""
+    """Reads a model file."""
     with _files.named(path):
         try:
             return Model(_files.read(path).decode())
@@ -259,17 +270,17 @@ def load(path: str | os.PathLike[str]) -> Model:
 
 @dataclass(frozen=True, eq=False)
 class Validation:
-    """A free run beside its record."""
+    """A free run compared with its record."""
 
     record: Record
     simulated: Array = field(repr=False)
     """The free run, of shape (n,) [the record's output unit]."""
     figures: dict[str, Any] = field(repr=False)
-    """All that was found, as the command line writes it."""
+    """All results, as the command line writes them."""
 
     @property
     def n(self) -> int:
-        """Samples compared."""
+        """Number of samples compared."""
         return int(self.figures["metrics"]["n"])
 
     @property
@@ -319,24 +330,24 @@ class Validation:
 
     @property
     def table(self) -> pd.DataFrame:
-        """The errors by frequency: one row a band, with `at` [Hz] its middle."""
+        """The errors by frequency: one row per band, with its middle `at` [Hz]."""
         return _frame(self.figures["by_frequency"])
 
     @property
     def by_amplitude(self) -> pd.DataFrame:
-        """The errors by amplitude of the cycles: one row a band, with `at` [input unit] its middle."""
+        """The errors by amplitude of the cycles: one row per band, with its middle `at` [input unit]."""
         return _frame(self.figures["by_amplitude"])
 
     @property
     def loops(self) -> pd.DataFrame:
-        """Width, area, closure and slopes of the loops, as measured and as the model has them."""
+        """Width, area, closure and slopes of the loops, measured and of the model."""
         import pandas as pd
 
         return pd.json_normalize(self.figures["loops"])
 
     @property
     def remarks(self) -> list[str]:
-        """What the reader of the figures should know."""
+        """Remarks on the figures."""
         return list(self.figures["remarks"])
 
     @property
@@ -360,7 +371,7 @@ class Compensation:
     reached: Array = field(repr=False)
     """Predicted displacement: the model's free run on `u` [output unit], of shape (n,)."""
     usage: dict[str, Any] = field(repr=False)
-    """What they use of the limits: lowest and highest voltage, slew, current."""
+    """Use of the limits: lowest and highest voltage, slew, current."""
     clipped: int
     """Number of samples that were clipped to a limit."""
     notes: list[str]

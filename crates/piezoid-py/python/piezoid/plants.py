@@ -1,4 +1,4 @@
-"""Twins: simulated actuators, with driver, hysteresis, creep, beam and sensor, to measure on."""
+"""Twins: simulated actuators with driver, hysteresis, creep, beam and sensor, for measurements."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Plant:
     """
 
     def __init__(self, values: Mapping[str, Any] | str, name: str = "plant") -> None:
-        """From its values, as `to_dict` gives them or as a JSON text."""
+        """From its parameters: a dict, as `to_dict` returns it, or a JSON text."""
         try:
             self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
         except (PiezoidError, TypeError) as error:
@@ -38,8 +38,8 @@ class Plant:
     ) -> Array:
         """Sensor readings [um] for the voltages `u` [V], both of shape (n,), sampled every `ts` [s].
 
-        `seed` is that of the noise. `begin` is the initial condition: at rest, settled at the first voltage, or in motion as in `u`.
-        Limits that were reached are a `UserWarning`.
+        `seed` sets the noise. `begin` is the initial condition: at rest, settled at the first voltage, or in motion as
+        in `u`. A `UserWarning` names the limits that were reached.
         """
         y, reached = self._core._measured(u, number("ts", ts), {"seed": seed, "begin": begin})
         if reached is not None:
@@ -56,7 +56,10 @@ class Plant:
         return Record(u, y, ts)
 
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
-        """A random plant whose parameters differ from these by up to the fraction `tolerance`, as within a catalogue's tolerance; `seed` and `index` select it."""
+        """A random plant whose parameters differ from these by up to the fraction `tolerance`.
+
+        This corresponds to the tolerance of a catalogue. `seed` and `index` select it.
+        """
         made = Plant.__new__(Plant)
         made.name = f"{self.name}-{index}"
         with called(share="tolerance"):
@@ -82,7 +85,7 @@ class Plant:
 
 
 class _Presets(Rows[Plant]):
-    """Plants by name, made anew for whoever asks."""
+    """Plants by name."""
 
     def __init__(self) -> None:
         self._summaries = {row["name"]: row["summary"] for row in ALL["plants"]}
@@ -99,4 +102,4 @@ def _preset(name: str) -> Plant:
 
 
 plants: Rows[Plant] = _Presets()
-"""The twins there are."""
+"""The available twins."""

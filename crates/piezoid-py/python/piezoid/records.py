@@ -77,7 +77,7 @@ class Record:
 
     @property
     def duration(self) -> float:
-        """Length [s]."""
+        """Duration [s]."""
         return self._core.duration
 
     def part(self, start: float = 0.0, stop: float = float("inf")) -> Record:
@@ -86,18 +86,18 @@ class Record:
             return Record._of(self._core.part(number("start", start), number("stop", stop)))
 
     def output_in(self, unit: str) -> Record:
-        """The same with its output in another unit of length."""
+        """The same record with its output in another unit of length."""
         return Record._of(self._core.output_in(unit))
 
     def to_frame(self) -> pd.DataFrame:
-        """A DataFrame with the columns `u_V` and `y_um` (or its own units), and the times as its index `t_s`."""
+        """A DataFrame with the columns `u_V` and `y_um` (or other units), and the times as its index `t_s`."""
         import pandas as pd
 
         columns = {f"u_{self.units[0]}": self.u, f"y_{self.units[1]}": self.y}
         return pd.DataFrame(columns, index=pd.Index(self.t, name="t_s"))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a CSV file that `read` and the command line take."""
+        """Writes a CSV file that `read` and the command line accept."""
         if Path(path).suffix.lower() in (".npz", ".npy", ".mat", ".json"):
             raise PiezoidError(f"{path}: records are saved as CSV: name it .csv")
         _files.write(path, self._core.to_csv())
@@ -109,7 +109,7 @@ class Record:
         return isinstance(other, Record) and self._core == other._core
 
     def __hash__(self) -> int:
-        u, y = (samples + 0.0 for samples in (self.u, self.y))  # -0.0 is 0.0
+        u, y = (samples + 0.0 for samples in (self.u, self.y))  # -0.0 equals 0.0
         return hash((self.ts, self.units, u.tobytes(), y.tobytes()))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -127,7 +127,7 @@ class Record:
 
 
 _ENDS = {"from": "start", "to": "stop"}
-"""What the library calls the ends of a part."""
+"""The library's names for the ends of a part."""
 
 
 def _units(units: Any) -> Units:
@@ -142,12 +142,12 @@ def _ends(samples: Array) -> tuple[float, float]:
 
 
 def as_record(source: Source) -> Record:
-    """A record, read where it is none yet."""
+    """A record; reads it if `source` is not one yet."""
     return source if isinstance(source, Record) else read(source)
 
 
 def sources(given: Sources | None) -> list[Source]:
-    """One source of a record or several, as a list."""
+    """One or several sources of records, as a list."""
     if given is None:
         return []
     if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
@@ -156,7 +156,7 @@ def sources(given: Sources | None) -> list[Source]:
 
 
 def as_records(given: Sources | None) -> list[Record]:
-    """The records of one source or several."""
+    """The records of one or several sources."""
     return [as_record(source) for source in sources(given)]
 
 
@@ -171,12 +171,13 @@ def read(
     start: float = 0.0,
     stop: float = float("inf"),
 ) -> Record:
-    """A record from a file (CSV, .npz, .npy, .mat of any version, .h5), a DataFrame, or a mapping of arrays, as `scipy.io.loadmat`
-    gives it.
+    """Reads a record from a file (CSV, .npz, .npy, .mat of any version, .h5), a DataFrame, or a mapping of arrays.
 
     Columns are found by name: time `t_s` (or `ts`, the sampling period [s]), input `u_V` or the only `u_*`, output the
-    only `y_*`, whose unit is what follows. `input_col`, `output_col` and `time_col` select other columns, whose names may end in a unit (`_mm`, `[mm]` or `(mm)`); if they have none, give `units`. Only what lies from `start` up to `stop` [s] is taken.
-    Nothing is guessed: an ambiguous name raises an error that lists the columns.
+    only `y_*`; the rest of the name is the unit. `input_col`, `output_col` and `time_col` select other columns, whose
+    names may end in a unit (`_mm`, `[mm]` or `(mm)`); if they have none, give `units`. Only the part from `start` up to
+    `stop` [s] is read. Nothing is guessed: an ambiguous name raises an error that lists the columns. A mapping may be
+    the result of `scipy.io.loadmat`.
 
     >>> import numpy as np, piezoid as pz
     >>> pz.read({"t_s": np.arange(3) * 1e-3, "u_V": [0, 1, 2], "y_nm": [0, 9, 20]}).units
@@ -198,7 +199,10 @@ def read_reference(
     output_col: str | None = None,
     time_col: str | None = None,
 ) -> Array:
-    """A requested displacement for a model, in its unit, of shape (n,): the column `r_*`, or else `y_*`, of any source that `read` accepts. Its sampling period must be that of the model."""
+    """Reads a requested displacement for a model, in its unit, of shape (n,), from any source that `read` accepts.
+
+    It is the column `r_*`, or else `y_*`. Its sampling period must be that of the model.
+    """
     columns = _columns(source)
     with columns.named():
         own, r = columns.core.reference({"ts": ts, "output_col": output_col, "time_col": time_col}, model.units[1])
@@ -213,11 +217,11 @@ class _Columns:
 
     core: _piezoid.Columns
     about: str = ""
-    """The name of a file, as errors begin."""
+    """The name of a file, with which errors begin."""
 
     @contextmanager
     def named(self) -> Iterator[None]:
-        """Errors that say whose columns they are about."""
+        """Adds the source of the columns to errors."""
         try:
             yield
         except PiezoidError as error:
@@ -241,12 +245,12 @@ def _columns(source: Any) -> _Columns:
 
 
 def _frame(frame: Any) -> dict[str, Any]:
-    """The columns of a DataFrame, of pandas or its likes; times and a named index are columns too."""
+    """The columns of a DataFrame of pandas or a similar package; times and a named index are columns too."""
     columns = {str(name): frame[name].to_numpy() for name in frame.columns}
     index: Any = getattr(frame, "index", None)
-    if hasattr(index, "total_seconds"):  # differences in time
+    if hasattr(index, "total_seconds"):  # time differences
         columns.setdefault("t_s", index.total_seconds().to_numpy())
-    elif hasattr(index, "tz"):  # instants
+    elif hasattr(index, "tz"):  # points in time
         columns.setdefault("t_s", (index - index.min()).total_seconds().to_numpy())
     elif getattr(index, "name", None) is not None:
         columns.setdefault(str(index.name), index.to_numpy())
@@ -254,7 +258,7 @@ def _frame(frame: Any) -> dict[str, Any]:
 
 
 def _arrays(columns: dict[str, Any]) -> _Columns:
-    """The vectors among named arrays, those within structures too."""
+    """The vectors among named arrays, including those within structures."""
     vectors: list[tuple[str, Any]] = []
     others: list[tuple[str, str]] = []
     for name, values in _flat(columns):
@@ -262,7 +266,7 @@ def _arrays(columns: dict[str, Any]) -> _Columns:
             raise PiezoidError(f"{name} is a masked array: fill it, or leave the masked samples out")
         array = _numbers(name, values)
         if array.size > 0 and array.size == max(array.shape, default=0) and array.dtype.kind in "fiub":
-            # MATLAB's vectors are matrices of one row or column.
+            # Vectors of MATLAB are matrices of one row or column.
             vectors.append((name, array.ravel()))
         elif array.size != 1:
             others.append((name, f"of shape {array.shape}, {array.dtype}"))
@@ -270,7 +274,7 @@ def _arrays(columns: dict[str, Any]) -> _Columns:
 
 
 def _numbers(name: str, values: Any) -> npt.NDArray[Any]:
-    """An array; of numbers where its objects are such, and of seconds where they are instants."""
+    """An array; objects are converted to numbers if possible, and points in time to seconds."""
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -285,9 +289,9 @@ def _numbers(name: str, values: Any) -> npt.NDArray[Any]:
 
 
 def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Names and arrays; of a structure, as scipy reads them from MATLAB's files, its fields."""
+    """Names and arrays; for a structure from a MATLAB file, as scipy reads it, its fields."""
     for name, values in columns.items():
-        if name.startswith("__"):  # what scipy says of a file
+        if name.startswith("__"):  # scipy's information on the file
             continue
         if isinstance(values, Mapping):
             yield from _flat(values)

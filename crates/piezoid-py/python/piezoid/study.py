@@ -1,4 +1,4 @@
-"""The paper, end to end, as tables, figures and a page."""
+"""The paper's experiment from end to end, as tables, figures and a page."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Study:
     html: str = field(repr=False)
     """The page."""
     verdict: str
-    """What it shows, in words."""
+    """The conclusions in words."""
 
     @property
     def table1(self) -> pd.DataFrame:
@@ -38,7 +38,7 @@ class Study:
 
     @property
     def table2(self) -> pd.DataFrame:
-        """The linear block by each estimator."""
+        """The linear block of each estimator."""
         import pandas as pd
 
         return pd.DataFrame(self.figures["table2"])
@@ -56,7 +56,10 @@ class Study:
 
 
 def study(plant: str = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
-    """The paper's experiment on one of `pz.plants`: PRBS, ARX by particle swarm, two spline branches per frequency, test on stepped sines of 7 steps."""
+    """The paper's experiment on one of `pz.plants`.
+
+    PRBS, ARX by particle swarm, two spline branches per frequency, test on stepped sines of 7 steps.
+    """
     with told(progress) as watch:
         figures, svg, html, verdict = _piezoid.study({"plant": plant, "seed": seed}, watch)
     return Study(figures, dict(svg), html, verdict)

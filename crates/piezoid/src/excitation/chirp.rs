@@ -1,9 +1,10 @@
-//! Chirp: a sine whose frequency sweeps from `f0` to `f1` while its amplitude stays.
+//! Chirp: a sine of constant amplitude whose frequency sweeps from `f0` to `f1`.
 //!
 //! `u(t) = offset + amplitude sin(phi(t))` with, over the duration T,
 //! linear `phi = 2 pi (f0 t + (f1 - f0) t^2 / (2 T))`: equal time in every hertz;
 //! logarithmic `phi = 2 pi f0 T / ln(f1/f0) ((f1/f0)^(t/T) - 1)`: equal time in every octave, for wide bands.
-//! Both start at the offset and rise. Nothing fades in or out, so the spectrum ripples near the ends of the band.
+//! Both start at the offset and rise. The amplitude is not faded in or out, so the spectrum ripples near the ends of
+//! the band.
 //!
 //! Reference: Mueller and Massarani, Transfer-Function Measurement with Sweeps, J. Audio Eng. Soc. 49(6), 2001. The
 //! values are those of `scipy.signal.chirp` with phi = -90.
@@ -38,7 +39,7 @@ options! {
 }
 
 impl Chirp {
-    /// `n` samples [V], every `ts` [s]; the sweep takes all of them.
+    /// `n` samples [V], every `ts` [s]; the sweep lasts for all of them.
     ///
     /// # Errors
     /// The amplitude must be positive, both frequencies positive and below half the sampling rate.
@@ -68,7 +69,7 @@ pub(super) const ROW: Excitation = Excitation {
 mod tests {
     use super::*;
 
-    /// Upward crossings of zero in `u`.
+    /// Number of upward zero crossings of `u`.
     fn crossings(u: &[f64]) -> usize {
         u.windows(2).filter(|w| w[0] < 0.0 && w[1] >= 0.0).count()
     }

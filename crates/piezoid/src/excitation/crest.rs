@@ -1,22 +1,25 @@
 //! Phases that keep the peak of a multisine low.
 //!
-//! The clipping method, which swaps between time and frequency: clip the signal below its peak, keep the phases of what
-//! comes out, put the wanted amplitudes back, and repeat with the clip ever closer to the peak. It never ends worse
-//! than it starts, as the best phases met are what is returned. The peak is that of the continuous signal: the grid has
-//! at least eight samples in the period of the highest frequency. A fixed number of rounds and no random choice: the
-//! same start gives the same phases. Flat bands come to crest factors of 1.44 to 1.6 from either start.
+//! The clipping method alternates between time and frequency: it clips the signal below its peak, keeps the phases of
+//! the result, restores the requested amplitudes, and repeats this with a clip level ever closer to the peak. The
+//! result is never worse than the start, because the best phases found are returned. The peak is that of the continuous
+//! signal: the grid has at least eight samples per period of the highest frequency. The number of rounds is fixed and
+//! no choice is random: the same start gives the same phases. Flat bands reach crest factors of 1.44 to 1.6 from either
+//! start.
 //!
 //! Reference: Van der Ouderaa, Schoukens and Renneboog, Peak Factor Minimization Using a Time-Frequency Domain Swapping
 //! Algorithm, IEEE Trans. Instrum. Meas. 37(1), 1988. The start: Schroeder, Synthesis of Low-Peak-Factor Signals, 1970,
-//! DOI 10.1109/TIT.1970.1054411. Chebyshev methods (Guillaume et al., DOI 10.1109/19.119778) go lower at a higher cost.
+//! DOI 10.1109/TIT.1970.1054411. Chebyshev methods (Guillaume et al., DOI 10.1109/19.119778) reach lower peaks at a
+//! higher cost.
 
 use crate::fourier::{cosines, forward};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// Rounds of clipping. More of them gain little: 250 lower the crest factor by no more than 3 %.
+/// Number of clipping rounds. More rounds gain little: 250 lower the crest factor by no more than 3 %.
 const ROUNDS: usize = 150;
-/// The first clip, as a share of the peak; the last one is at the peak. Above 0.75 random phases end higher.
+/// The first clip level, as a share of the peak; the last one is at the peak. Above 0.75 random phases end with a
+/// higher peak.
 const FIRST_CLIP: f64 = 0.5;
 
 /// Schroeder's phases for `count` lines of equal amplitude [rad].
@@ -25,8 +28,8 @@ pub(super) fn schroeder(count: usize) -> Vec<f64> {
     (0..count as u64).map(|k| -PI * ((k * (k + 1)) % (2 * count as u64)) as f64 / count as f64).collect()
 }
 
-/// The best phases met when the peak of the sum of `cos(k x + phase)` over the harmonics k in `lines`, which ascend, is
-/// lowered from the phases at the `start` [rad].
+/// Lowers the peak of the sum of `cos(k x + phase)` over the harmonics k in `lines`, which ascend, from the phases
+/// `start` [rad]. Returns the best phases found.
 pub(super) fn lowered(lines: &[usize], start: Vec<f64>) -> Vec<f64> {
     let Some(highest) = lines.last() else { return start };
     let fft = forward((8 * highest).next_power_of_two());
@@ -51,7 +54,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Peak over rms of the sum of cosines, on a grid of its own.
+    /// Peak / rms of the sum of cosines, on a separate grid.
     fn crest_factor(lines: &[usize], phases: &[f64]) -> f64 {
         let n = 20 * lines.last().unwrap();
         let value = |t: usize| -> f64 {

@@ -1,4 +1,4 @@
-//! What every excitation shares: `u = offset + amplitude s`, with a shape `s` between -1 and 1.
+//! Code that all excitations share: `u = offset + amplitude s`, with a shape `s` between -1 and 1.
 
 use crate::error::{Error, positive};
 
@@ -21,7 +21,7 @@ impl Drive {
         Ok(Drive { amplitude, offset, ts })
     }
 
-    /// The frequency, when samples every `ts` can show it.
+    /// The frequency, if samples every `ts` can represent it.
     pub(super) fn shows(&self, name: &str, frequency: f64) -> Result<f64, Error> {
         positive(name, frequency, "hertz")?;
         let nyquist = 0.5 / self.ts;
@@ -35,17 +35,17 @@ impl Drive {
         Err(Error::parameter(name, format!("{frequency} Hz"), rule))
     }
 
-    /// The voltage where the shape is `s`.
+    /// The voltage for the value `s` of the shape.
     pub(super) fn voltage(&self, s: f64) -> f64 {
         self.offset + self.amplitude * s.clamp(-1.0, 1.0)
     }
 
-    /// `n` samples of the shape `s`, a function of the part of the period that has passed, from 0 up to 1.
+    /// `n` samples of the shape `s`, a function of the elapsed part of the period, from 0 up to 1.
     pub(super) fn periodic(&self, frequency: f64, n: usize, s: impl Fn(f64) -> f64) -> Vec<f64> {
         (0..n).map(|t| self.voltage(s(self.passed(frequency, t)))).collect()
     }
 
-    /// The part of the period that has passed at sample `t`, from 0 up to 1.
+    /// The elapsed part of the period at sample `t`, from 0 up to 1.
     pub(super) fn passed(&self, frequency: f64, t: usize) -> f64 {
         (frequency * self.ts * t as f64).fract()
     }

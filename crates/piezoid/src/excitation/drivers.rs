@@ -1,8 +1,8 @@
-//! Drivers by name: the limits of some amplifiers, with where the numbers come from.
+//! Drivers by name: the limits of some amplifiers, with the sources of the numbers.
 //!
-//! The current of an amplifier limits the slew only together with a load: where the row has no capacitance, set that of
-//! the actuator, `Limits { capacitance: Some(8.2e-6), ..driver.limits }`. The numbers are peak values from data sheets;
-//! continuous operation may allow less.
+//! The current limit of an amplifier limits the slew only together with a load. If the row has no capacitance, set that
+//! of the actuator: `Limits { capacitance: Some(8.2e-6), ..driver.limits }`. The numbers are peak values from data
+//! sheets; continuous operation may allow less.
 
 use super::Limits;
 use super::limits::GROUP;
@@ -13,19 +13,19 @@ use serde_json::Value;
 /// A driver by name.
 #[derive(Debug, Clone, Copy)]
 pub struct Amplifier {
-    /// What it is called in every front end.
+    /// Name in every front end.
     pub name: &'static str,
-    /// What it is, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub reference: &'static str,
-    /// What it can deliver.
+    /// Limits of its output.
     pub limits: Limits,
 }
 
 const NONE: Limits = Limits { low: None, high: None, slew: None, current: None, capacitance: None };
 
-/// Every driver there is.
+/// All drivers.
 pub static DRIVERS: &[Amplifier] = &[
     Amplifier { name: "ideal", summary: "no limits", reference: "by definition", limits: NONE },
     Amplifier {
@@ -52,15 +52,15 @@ impl Amplifier {
     /// The driver called `name`.
     ///
     /// # Errors
-    /// Refused when there is none, with the names there are.
+    /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Amplifier, Error> {
         row("driver", DRIVERS.iter(), |row| row.name, name)
     }
 
-    /// Its limits into a load of this capacitance [F], where the row has none.
+    /// Its limits with a load of this capacitance [F]; if it is `None`, with the capacitance of the row.
     ///
     /// # Errors
-    /// A current limit says nothing without a capacitance.
+    /// Returns an error if there is a current limit but no capacitance.
     pub fn loaded(&self, capacitance: Option<f64>) -> Result<Limits, Error> {
         let limits = Limits { capacitance: capacitance.or(self.limits.capacitance), ..self.limits };
         if limits.current.is_some() && limits.capacitance.is_none() {
@@ -83,10 +83,10 @@ options! {
 }
 
 impl LimitOptions {
-    /// The limits, if there are any; those given go before those of the driver.
+    /// The limits, if there are any. Limits that are given replace those of the driver.
     ///
     /// # Errors
-    /// No such driver, a current without a capacitance, limits without sense.
+    /// Returns an error for an unknown driver, a current limit without a capacitance, and inconsistent limits.
     pub fn limits(&self) -> Result<Option<Limits>, Error> {
         let own = self.own;
         let known = match &self.driver {

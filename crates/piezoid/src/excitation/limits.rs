@@ -1,10 +1,10 @@
-//! What a driver can deliver: range, slew and current.
+//! Limits of a driver: range, slew and current.
 //!
 //! A piezo is a capacitor: the current is `i = C du/dt`. A sine of peak-to-peak voltage `Vpp` and frequency f therefore
-//! draws a peak of `I = pi f Vpp C`, and a driver that gives at most I cannot exceed the slew `I / C`. Slew and current
-//! are taken from consecutive samples, `(u[t] - u[t-1]) / ts`: the mean over the sampling period, which a driver that
-//! jumps and holds exceeds for a moment. The driver is taken to have settled at the first sample: prepend the voltage
-//! it comes from, and the way there counts too. Average current and heat are not considered.
+//! draws a peak current of `I = pi f Vpp C`, and a driver that gives at most I cannot exceed the slew `I / C`. Slew and
+//! current are computed from consecutive samples, `(u[t] - u[t-1]) / ts`. This is the mean over the sampling period; a
+//! driver that jumps and holds exceeds it for a moment. The driver is assumed settled at the first sample: to check the
+//! change from an earlier voltage too, prepend this voltage. Average current and heat are not considered.
 //!
 //! Reference: Fleming, Techniques and Considerations for Driving Piezoelectric Actuators at High-Speed, University of
 //! Newcastle; PiezoDrive PD200X4 manual, section Power Bandwidth.
@@ -13,7 +13,7 @@ use crate::error::{Error, finite, positive};
 use crate::options::{OptionRow, options};
 use serde::Serialize;
 
-/// Shares of a limit this far above 1 are rounding.
+/// Shares of a limit up to this much above 1 are rounding.
 const ROUNDING: f64 = 1e-6;
 
 options! {
@@ -42,54 +42,54 @@ options! {
     }
 }
 
-/// The heading of what limits a voltage.
+/// Heading of the options that limit a voltage.
 pub(super) const GROUP: &str = "Driver";
 
-/// The extreme of one quantity in a drive, beside its limit.
+/// The extreme value of one quantity of a drive, with its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Peak {
-    /// What it is.
+    /// Name of the quantity.
     pub quantity: &'static str,
     /// Its unit in SI.
     pub unit: &'static str,
-    /// The extreme, in this unit.
+    /// The extreme value, in this unit.
     pub value: f64,
-    /// The sample where it is first met, from 0; for slew and current the sample that the change leads to.
+    /// The first sample with this value, from 0; for slew and current the sample after the change.
     pub sample: usize,
     /// The limit.
     pub limit: Option<f64>,
-    /// The part of the limit that is used, 1 at the limit: voltages count from the middle of the range, or from 0 V
-    /// when one end is open.
+    /// Used share of the limit, 1 at the limit. Voltages are measured from the middle of the range, or from 0 V if one
+    /// end is open.
     pub share: Option<f64>,
 }
 
-/// How much of its limits a drive uses.
+/// Use of the limits by a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Usage {
     /// The lowest voltage.
     pub lowest: Peak,
     /// The highest voltage.
     pub highest: Peak,
-    /// The fastest change, either way.
+    /// The fastest change, in either direction.
     pub slew: Peak,
-    /// The highest current, either way; absent without a capacitance.
+    /// The highest current, in either direction; `None` without a capacitance.
     pub current: Option<Peak>,
 }
 
 impl Usage {
-    /// All extremes in order, to be shown in a table.
+    /// All extreme values in order, for a table.
     pub fn peaks(&self) -> impl Iterator<Item = &Peak> {
         [&self.lowest, &self.highest, &self.slew].into_iter().chain(&self.current)
     }
 }
 
 impl Peak {
-    /// Whether it lies beyond the limit.
+    /// True if the value exceeds the limit.
     pub fn exceeds(&self) -> bool {
         self.share.is_some_and(|share| share > 1.0 + ROUNDING)
     }
 
-    /// The extreme, its place and its limit in words.
+    /// The value, its place and its limit as text.
     fn tell(&self, ts: f64) -> String {
         let Peak { quantity, unit, sample, .. } = self;
         let (value, at) = (rounded(self.value), rounded(*sample as f64 * ts));
@@ -99,10 +99,10 @@ impl Peak {
 }
 
 impl Limits {
-    /// How much of the limits the voltages `u` [V], every `ts` [s], use.
+    /// The use of the limits by the voltages `u` [V], every `ts` [s].
     ///
     /// # Errors
-    /// Limits that make no sense, voltages that are none, and no voltages.
+    /// Returns an error for inconsistent limits, voltages that are not finite, and an empty drive.
     pub fn check(&self, u: &[f64], ts: f64) -> Result<Usage, Error> {
         self.sensible()?;
         positive("ts", ts, "seconds")?;
@@ -134,10 +134,10 @@ impl Limits {
         })
     }
 
-    /// Refuses the voltages `u` [V], every `ts` [s], when they exceed a limit; otherwise tells how much of it they use.
+    /// Returns an error if the voltages `u` [V], every `ts` [s], exceed a limit; otherwise the use of the limits.
     ///
     /// # Errors
-    /// [`Error::Limits`] names every limit exceeded, the value and the sample; and what [`Limits::check`] refuses.
+    /// [`Error::Limits`] names every exceeded limit, the value and the sample. The errors of [`Limits::check`].
     pub fn refuse(&self, u: &[f64], ts: f64) -> Result<Usage, Error> {
         let usage = self.check(u, ts)?;
         let over: Vec<String> = usage.peaks().filter(|p| p.exceeds()).map(|p| p.tell(ts)).collect();
@@ -147,11 +147,11 @@ impl Limits {
         Err(Error::Limits(format!("{}; lower the amplitude or the frequency, or clip", over.join("; "))))
     }
 
-    /// The voltages `u` [V], every `ts` [s], as this driver would follow them: held inside the range, and each sample
-    /// as far from the one before as slew and current allow. The first sample is held inside the range only.
+    /// The voltages `u` [V], every `ts` [s], as this driver would follow them: clipped to the range, and changed from
+    /// sample to sample by at most what slew and current allow. The first sample is only clipped to the range.
     ///
     /// # Errors
-    /// What [`Limits::check`] refuses, except no voltages.
+    /// The errors of [`Limits::check`], except for an empty drive.
     pub fn clip(&self, u: &[f64], ts: f64) -> Result<Vec<f64>, Error> {
         self.sensible()?;
         positive("ts", ts, "seconds")?;
@@ -168,16 +168,16 @@ impl Limits {
         Ok(u.iter().map(follow).collect())
     }
 
-    /// The fastest change of the voltage that slew and current allow [V/s]; infinite where nothing limits it.
+    /// The fastest change of the voltage that slew and current allow [V/s]; infinite without such limits.
     pub fn fastest(&self) -> f64 {
         let charging = self.current.zip(self.capacitance).map_or(f64::INFINITY, |(i, c)| i / c);
         self.slew.unwrap_or(f64::INFINITY).min(charging)
     }
 
-    /// Refuses limits that leave nothing or cannot be checked.
+    /// Checks that the limits are consistent and complete.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Returns an error that names the wrong limit.
     pub fn sensible(&self) -> Result<(), Error> {
         for (name, value, unit) in [
             ("slew", self.slew, "volts per second"),
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_sine_draws_pi_f_vpp_c() {
-        // 60 Vpp into the 8.2 uF of a PL140.
+        // 60 V peak-to-peak with the 8.2 uF of a PL140.
         let limits = Amplifier::find("pl140").unwrap().limits;
         for (frequency, milliamperes) in [(5.0, 7.7), (20.0, 31.0), (40.0, 62.0), (80.0, 124.0), (160.0, 247.0)] {
             let u = Sine { amplitude: 30.0, frequency, offset: 0.0 }.samples(1e-5, 20_000).unwrap();

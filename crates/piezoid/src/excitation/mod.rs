@@ -1,12 +1,12 @@
-//! Excitations: the voltages that make an actuator show what it is.
+//! Excitations: voltages that drive an actuator for its identification.
 //!
-//! Small broad-band ones ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`], [`Sine`],
-//! [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] passes through the resonance.
-//! [`Limits`] tells whether a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`,
-//! starts where its own page says, and is the same for the same settings.
+//! Small broad-band excitations ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`],
+//! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] sweeps through the
+//! resonance. [`Limits`] checks that a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s|
+//! <= 1`, starts as its documentation says, and is the same for the same settings.
 //!
-//! [`EXCITATIONS`] is the list that the command line, Python and the web page iterate. A new kind costs one file, one
-//! `mod` line and one row.
+//! [`EXCITATIONS`] is the list that the command line and Python use. A new kind needs one file, one `mod` line and one
+//! row.
 //!
 //! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
 //! DOI 10.1002/9781118287422.
@@ -43,18 +43,18 @@ use serde_json::Value;
 /// One kind of excitation.
 #[derive(Debug, Clone, Copy)]
 pub struct Excitation {
-    /// What it is called in every front end.
+    /// Name in every front end.
     pub name: &'static str,
-    /// What it is and what it is for, in one line.
+    /// Summary in one line, with its purpose.
     pub summary: &'static str,
-    /// Where it is described.
+    /// Reference for a description.
     pub reference: &'static str,
     /// Its options.
     pub rows: fn() -> Vec<OptionRow>,
     generate: fn(Value, ts: f64, n: usize) -> Result<Vec<f64>, Error>,
 }
 
-/// Every kind there is.
+/// All kinds.
 pub static EXCITATIONS: &[Excitation] = &[
     prbs::ROW,
     multisine::ROW,
@@ -68,21 +68,22 @@ pub static EXCITATIONS: &[Excitation] = &[
 
 const PINTELON_SCHOUKENS: &str = "Pintelon and Schoukens, System Identification, 2012, DOI 10.1002/9781118287422";
 
-/// The most samples that are made: 0.8 GB of them.
+/// Maximum number of samples: 0.8 GB.
 const MOST: usize = 100_000_000;
 
 impl Excitation {
-    /// The excitation called `name`.    ///
+    /// The excitation called `name`.
+    ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("excitation", EXCITATIONS.iter(), |row| row.name, name)
     }
 }
 
 impl Excitation {
-    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. Its options are
-    /// `given` by their names.
+    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. `given` contains the
+    /// options by name.
     ///
     /// ```
     /// let sine = piezoid::excitation::Excitation::find("sine")?;
@@ -92,7 +93,7 @@ impl Excitation {
     /// ```
     ///
     /// # Errors
-    /// Unknown and missing options, and values that they cannot have.
+    /// Returns an error for unknown and missing options, and for invalid values.
     pub fn samples(&self, ts: f64, duration: f64, given: Value) -> Result<Vec<f64>, Error> {
         positive("ts", ts, "seconds")?;
         positive("duration", duration, "seconds")?;
@@ -113,7 +114,7 @@ mod tests {
     const AMPLITUDE: f64 = 7.3;
     const OFFSET: f64 = -2.1;
 
-    /// A second of an excitation with its defaults and something reasonable for what it requires.
+    /// One second of an excitation, with its defaults and with usable values of the required options.
     fn example(excitation: &Excitation) -> Vec<f64> {
         let value = |row: OptionRow| match row.name {
             "amplitude" => Some(("amplitude", AMPLITUDE)),

@@ -1,11 +1,11 @@
-//! Multisine: equal cosines at multiples of one base frequency, their phases chosen so that the peak is low.
+//! Multisine: equal cosines at multiples of one base frequency, with phases that keep the peak low.
 //!
 //! `u(t) = offset + amplitude s(t) / max |s|`, with `s(t) = sum over k of cos(2 pi k t / N + phi_k)`. The period has N
 //! = round(period / ts) samples, and the harmonics k are those with `frequency_low <= k / (N ts) <= frequency_high`:
-//! the band is snapped inwards to the grid of the period, so that whole periods have no leakage. With `odd`, only odd
-//! k: what then comes back at even harmonics is the actuator's nonlinearity. The phases start as Schroeder's (seed 0)
-//! or at random (any other seed: one more realisation) and are improved by clipping (`crest.rs` states the method). The
-//! peak is that of the samples.
+//! the band is narrowed to the grid of the period, so whole periods have no leakage. With `odd`, only odd k are used:
+//! even harmonics of the output then come from the actuator's nonlinearity. The phases start as Schroeder's (seed 0) or
+//! at random (each other seed gives another realisation), and are improved by clipping (see `crest.rs`). The peak is
+//! that of the samples.
 //!
 //! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
 //! DOI 10.1002/9781118287422; Schroeder, DOI 10.1109/TIT.1970.1054411.
@@ -47,15 +47,15 @@ options! {
     }
 }
 
-/// The most samples in a period: lowering the peak takes eight times as many complex numbers.
+/// Maximum number of samples per period: lowering the peak takes eight times as many complex numbers.
 const LONGEST: usize = 4_000_000;
 
 impl Multisine {
     /// `n` samples [V], every `ts` [s].
     ///
     /// # Errors
-    /// The amplitude must be positive, the band positive and below half the sampling rate and hold a harmonic of the
-    /// period, and the period must not be negative.
+    /// The amplitude must be positive. The band must be positive, below half the sampling rate, and contain a harmonic
+    /// of the period. The period must not be negative.
     pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
         let drive = Drive::new(self.amplitude, self.offset, ts)?;
         let samples = self.period_samples(ts, n)?;
@@ -66,7 +66,7 @@ impl Multisine {
         Ok((0..n).map(|t| drive.voltage(shape[t % samples].re / peak)).collect())
     }
 
-    /// Samples in a period.
+    /// Samples per period.
     fn period_samples(&self, ts: f64, n: usize) -> Result<usize, Error> {
         let samples = if self.period == 0.0 { n as f64 } else { (self.period / ts).round() };
         if (2.0..=LONGEST as f64).contains(&samples) {
@@ -76,7 +76,7 @@ impl Multisine {
         Err(Error::parameter("period", format!("{} s", self.period), rule))
     }
 
-    /// The harmonics of a period of `samples` every `ts` [s] that lie in the band, ascending.
+    /// The harmonics in the band, ascending, of a period of `samples` every `ts` [s].
     fn harmonics(&self, drive: &Drive, samples: usize, ts: f64) -> Result<Vec<usize>, Error> {
         const ROUNDING: f64 = 1e-9; // 10 Hz x 0.1 s is harmonic 1 however the product rounds
         let low = drive.shows("frequency_low", self.frequency_low)?;
@@ -97,7 +97,7 @@ impl Multisine {
         Ok(lines)
     }
 
-    /// The phases to start from [rad].
+    /// The initial phases [rad].
     fn start(&self, count: usize) -> Vec<f64> {
         if self.seed == 0 {
             return crest::schroeder(count);

@@ -1,13 +1,13 @@
 //! Pseudo-random binary sequence: two levels, switched by a linear feedback shift register of maximal length.
 //!
-//! With the register `s_0 ... s_(n-1)` and the taps of its primitive polynomial, each clock gives the bit `s_0`, shifts
-//! down, and puts `s_0 xor (xor of s_j over the taps j)` in at the top; `u = offset + amplitude (2 bit - 1)`. The
-//! sequence repeats after `2^n - 1` bits and no earlier, `2^(n-1)` of them ones, and over whole periods its
+//! With the register `s_0 ... s_(n-1)` and the taps of its primitive polynomial, each clock outputs the bit `s_0`,
+//! shifts down, and inserts `s_0 xor (xor of s_j over the taps j)` at the top; `u = offset + amplitude (2 bit - 1)`.
+//! The sequence repeats after `2^n - 1` bits and not earlier; `2^(n-1)` of them are ones. Over whole periods its
 //! autocorrelation is that of white noise. Holding each bit for `clock_divider` samples moves the power to low
 //! frequencies: the spectrum falls as `sinc^2` with its first zero at `1 / (clock_divider ts)`.
 //!
-//! It is not the sign of white noise, which has no period, no balance and a spectrum that is flat only on average. It
-//! is the paper's small signal (section 2.3): at about 1 V a bender stays linear to under 1 %.
+//! It differs from the sign of white noise, which has no period and no balance, and whose spectrum is flat only on
+//! average. It is the paper's small signal (section 2.3): at about 1 V a bender stays linear to under 1 %.
 //!
 //! Reference: MacWilliams and Sloane, Pseudo-Random Sequences and Arrays, Proceedings of the IEEE 64(12), 1976,
 //! DOI 10.1109/PROC.1976.10411. Taps, order of bits and default start are those of `scipy.signal.max_len_seq`.
@@ -82,7 +82,7 @@ struct Register {
 }
 
 impl Register {
-    /// The bit that leaves.
+    /// Shifts the register by one bit, and returns the bit that leaves.
     fn clock(&mut self) -> bool {
         let out = self.bits & 1;
         // The parity of the tapped bits is their exclusive or. Bit 0 is tapped in every polynomial.
@@ -92,7 +92,7 @@ impl Register {
     }
 }
 
-/// The bits tapped beside bit 0, by order.
+/// The tapped bits besides bit 0, by order.
 const TAPS: [u32; 32] = [
     0,
     0,

@@ -1,10 +1,10 @@
-//! Rising sine: loops that grow from nothing to the full amplitude.
+//! Rising sine: loops that grow from zero to the full amplitude.
 //!
 //! `u(t) = offset + amplitude g(t) sin(2 pi frequency t)`, where `g(t) = min(1, t / (T - 1/frequency))` and T is the
-//! whole duration: the amplitude grows linearly and is reached one period before the end, so that the last loop is the
-//! complete major loop. No two of the reversals before that are at the same voltage, and each loop wipes out the one
-//! before: between them they exercise the first-order reversal curves, which determine a Preisach model. The finer the
-//! growth, that is the more periods, the finer the density is resolved.
+//! whole duration. The amplitude grows linearly and is reached one period before the end, so the last loop is the
+//! complete major loop. No two earlier reversals are at the same voltage, and each loop wipes out the one before.
+//! Together they exercise the first-order reversal curves, which determine a Preisach model. More periods mean a finer
+//! growth, which resolves the density more finely.
 //!
 //! Reference: Mayergoyz, Mathematical Models of Hysteresis, Physical Review Letters 56(15), 1986,
 //! DOI 10.1103/PhysRevLett.56.1518.
@@ -40,7 +40,7 @@ impl RisingSine {
     ///
     /// # Errors
     /// The amplitude must be positive, the frequency positive and below half the sampling rate, and the duration at
-    /// least two periods: one to rise in and the last.
+    /// least two periods: one for the growth, and the last one.
     pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
         let drive = Drive::new(self.amplitude, self.offset, ts)?;
         let frequency = drive.shows("frequency", self.frequency)?;

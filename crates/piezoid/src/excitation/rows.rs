@@ -1,17 +1,17 @@
-//! Rows of options that excitations share, and what their tables need.
+//! Option rows that several excitations share.
 
 pub(super) use crate::options::{OptionKind, OptionRow, Options, options};
 
-/// Half of peak to peak.
+/// Half of the peak-to-peak voltage.
 pub(super) const AMPLITUDE: OptionRow = OptionRow::positive("V").required();
 
-/// What everything is centred on.
+/// The voltage that the excitation is centred on.
 pub(super) const OFFSET: OptionRow = OptionRow::number("V");
 
-/// Periods a second.
+/// Periods per second.
 pub(super) const FREQUENCY: OptionRow = OptionRow::positive("Hz").required();
 
-/// How many, from `least` on.
+/// An integer of at least `least`.
 pub(super) const fn count(least: u64) -> OptionRow {
     OptionRow::new(OptionKind::Integer(least, u32::MAX as u64))
 }

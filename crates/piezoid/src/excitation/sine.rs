@@ -1,8 +1,8 @@
 //! Sine: `u(t) = offset + amplitude sin(2 pi frequency t)`.
 //!
 //! The signal of the paper's loops (section 2.3). It starts at the offset and rises. One sine has one frequency and
-//! cannot identify the five parameters of the ARX block: that takes [`Prbs`](super::Prbs) or
-//! [`Multisine`](super::Multisine).
+//! cannot identify the five parameters of the ARX block; use [`Prbs`](super::Prbs) or [`Multisine`](super::Multisine)
+//! for this.
 //!
 //! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
 //! DOI 10.1002/9781118287422.

@@ -1,9 +1,9 @@
 //! Staircase: a sine rounded to evenly spaced levels.
 //!
-//! `u = offset + amplitude (2 l / (levels - 1) - 1)`, where `l` is the level from 0 to `levels - 1` that lies nearest
-//! to `sin(2 pi frequency t)`. It holds its level between jumps, which is what catches a model that reads a held input
-//! as a falling one. An odd number of levels has one at the offset; with an even number it starts at the next one
-//! above. A sine half way between two levels takes the upper one. A [`SteppedSine`](super::SteppedSine) has steps of
+//! `u = offset + amplitude (2 l / (levels - 1) - 1)`, where `l` is the level from 0 to `levels - 1` nearest to `sin(2
+//! pi frequency t)`. The level is held between jumps. This shows if a model treats a held input as a falling one. With
+//! an odd number of levels, one is at the offset; with an even number, the staircase starts at the next level above. If
+//! the sine is half way between two levels, the upper one is taken. A [`SteppedSine`](super::SteppedSine) has steps of
 //! equal length instead.
 //!
 //! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
@@ -52,8 +52,8 @@ impl Staircase {
     }
 }
 
-/// The level nearest to `s`, of those that divide -1 to 1 into equal `jumps`. What the sine is off by rounding must not
-/// choose between two levels equally near: the upper one is taken.
+/// The level nearest to `s`, of those that divide -1 to 1 into equal `jumps`. If two levels are equally near, the upper
+/// one is taken, even if the sine is slightly below because of rounding.
 fn nearest(s: f64, jumps: f64) -> f64 {
     const ROUNDING: f64 = 1e-9;
     let level = (0.5 * (s + 1.0) * jumps + 0.5 + ROUNDING).floor();

@@ -1,9 +1,9 @@
 //! Stepped sine: a sine held for equal times, a form of the paper's "periodic step-wise" test signal.
 //!
-//! `u = offset + amplitude sin(2 pi k / steps) / max_j sin(2 pi j / steps)` while the k-th part of the period lasts.
-//! Every step is held as equally long as whole samples allow, which is what catches a model that reads a held input as
-//! a falling one. The paper states neither the form nor the number of steps; 7 a period come nearest to its Table 1
-//! (the study shows all from 4 to 40). Where a step would be shorter than a sample, steps are left out. A
+//! `u = offset + amplitude sin(2 pi k / steps) / max_j sin(2 pi j / steps)` during the k-th part of the period. All
+//! steps are held equally long, as far as whole samples allow. This shows if a model treats a held input as a falling
+//! one. The paper states neither the form nor the number of steps; 7 per period come nearest to its Table 1 (the study
+//! shows all from 4 to 40). If a step would be shorter than a sample, steps are left out. A
 //! [`Staircase`](super::Staircase) has steps of equal height instead.
 //!
 //! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
@@ -46,7 +46,7 @@ impl SteppedSine {
         const ROUNDING: f64 = 1e-9; // sample 20 of 400 begins step 1 of 20 however the quotient rounds
         let drive = Drive::new(self.amplitude, self.offset, ts)?;
         let frequency = drive.shows("frequency", self.frequency)?;
-        // Two steps would both stand where the sine is zero.
+        // Both of two steps would lie where the sine is zero.
         if self.steps < 3 {
             return Err(Error::parameter("steps", self.steps, "must be at least 3"));
         }

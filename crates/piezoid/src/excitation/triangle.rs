@@ -1,6 +1,6 @@
 //! Triangle: straight ramps between `offset - amplitude` and `offset + amplitude`.
 //!
-//! The slope is `|du/dt| = 4 amplitude frequency` throughout [V/s], so that the load draws a constant current and a
+//! The slope is constant, `|du/dt| = 4 amplitude frequency` [V/s]. The load therefore draws a constant current, and a
 //! rate-dependent loop is measured at a single rate. It starts at the offset and rises. Its harmonics are odd and fall
 //! with the square of their number; near the resonance they ring.
 //!
@@ -43,7 +43,7 @@ impl Triangle {
     }
 }
 
-/// From 0 up to 1, down to -1 and back to 0 while `passed` goes from 0 to 1.
+/// Rises from 0 to 1, falls to -1 and returns to 0 while `passed` goes from 0 to 1.
 fn triangle(passed: f64) -> f64 {
     if passed < 0.25 {
         4.0 * passed

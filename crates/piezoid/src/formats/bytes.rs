@@ -1,18 +1,18 @@
-//! Bytes of a binary file: taken where they are, and refused where they are not. A length that a file states is
-//! believed only as far as the file reaches, and what is unpacked only as far as deflate can pack.
+//! Bytes of a binary file; reading beyond the end is an error. A length stated in a file is limited by the size of the
+//! file, and the size of unpacked data by the maximum density of deflate.
 
 use crate::Error;
 use miniz_oxide::inflate::{decompress_to_vec_with_limit, decompress_to_vec_zlib_with_limit};
 use std::fmt::Display;
 
-/// How deep structures, groups and types may stand in each other.
+/// Maximum depth of nested structures, groups and types.
 pub(super) const DEEPEST: usize = 32;
-/// Bytes that are unpacked from one file at most.
+/// Maximum number of bytes that are unpacked from one file.
 const LARGEST: usize = 1 << 31;
-/// Bytes that a packed byte holds at most, 1032, as often as they are counted.
+/// Maximum number of unpacked bytes per packed byte, 1032, times the number of times that each is counted.
 const DENSEST: usize = 4 * 1032;
 
-/// A file that does not hold what it says it holds.
+/// The error for a file whose content is inconsistent.
 pub(super) fn damaged(what: impl Display) -> Error {
     Error::Content(format!("the file is damaged (was its writing or copying interrupted?): {what}"))
 }
@@ -24,17 +24,17 @@ pub(super) fn part(bytes: &[u8], at: usize, len: usize) -> Result<&[u8], Error> 
     })
 }
 
-/// The whole number of `size` bytes, at most 8, at `at`.
+/// The unsigned integer of `size` bytes, at most 8, at `at`.
 pub(super) fn whole(bytes: &[u8], at: usize, size: usize, big: bool) -> Result<u64, Error> {
     let part = part(bytes, at, size.min(8))?;
     let fold = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
     Ok(if big { part.iter().fold(0, fold) } else { part.iter().rev().fold(0, fold) })
 }
 
-/// The same, where it is a length or a place.
+/// The same for a length or a position.
 pub(super) fn length(bytes: &[u8], at: usize, size: usize, big: bool) -> Result<usize, Error> {
     let number = whole(bytes, at, size, big)?;
-    // Half of what there is, so that two may be added.
+    // At most half of the maximum, so that two can be added.
     let fits = usize::try_from(number).ok().filter(|length| *length <= usize::MAX / 2);
     fits.ok_or_else(|| damaged(format!("a length of {number} at byte {at}")))
 }
@@ -45,18 +45,19 @@ pub(super) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(&bytes[..end]).into_owned()
 }
 
-/// A shape as it is said: `2 x 3`.
+/// A shape as text: `2 x 3`.
 pub(super) fn shape(dims: &[usize]) -> String {
     dims.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
 }
 
-/// How many elements a shape has.
+/// Number of elements of a shape.
 pub(super) fn size(dims: &[usize]) -> Result<usize, Error> {
     let size = dims.iter().try_fold(1, |n: usize, dim| n.checked_mul(*dim));
     size.ok_or_else(|| damaged(format!("an array of {} elements", shape(dims))))
 }
 
-/// How many samples an array of this shape has where it is a vector, that is, one dimension has all of them.
+/// Number of samples of an array of this shape. If it is not a vector, that is, one dimension does not have all of
+/// them, a description.
 pub(super) fn vector(dims: &[usize]) -> Result<Result<usize, String>, Error> {
     let n = size(dims)?;
     Ok(match dims.iter().max() {
@@ -66,7 +67,7 @@ pub(super) fn vector(dims: &[usize]) -> Result<Result<usize, String>, Error> {
     })
 }
 
-/// How the bytes of a number are to be read.
+/// Interpretation of the bytes of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum NumberKind {
     Signed,
@@ -78,14 +79,14 @@ pub(super) enum NumberKind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NumberFormat {
     pub(super) kind: NumberKind,
-    /// Bytes a number.
+    /// Bytes per number.
     pub(super) size: usize,
-    /// Whether the most significant byte stands first.
+    /// True if the most significant byte is first.
     pub(super) big: bool,
 }
 
 impl NumberFormat {
-    /// The numbers, one every `stride` bytes; none where there is no such type.
+    /// The numbers, one every `stride` bytes; `None` if there is no such type.
     pub(super) fn read(self, bytes: &[u8], stride: usize) -> Option<Vec<f64>> {
         let NumberFormat { kind, size, big } = self;
         let one: fn(u64) -> f64 = match (kind, size) {
@@ -126,7 +127,7 @@ fn half(bits: u64) -> f64 {
     if bits >> 15 & 1 == 1 { -size } else { size }
 }
 
-/// How much may still be unpacked from a file.
+/// Number of bytes that may still be unpacked from a file.
 #[derive(Debug)]
 pub(super) struct Unpacking {
     left: usize,
@@ -137,18 +138,18 @@ impl Unpacking {
         Unpacking { left: LARGEST.min(file.len().saturating_mul(DENSEST)) }
     }
 
-    /// Counts so many bytes, which may each have been counted before.
+    /// Counts unpacked bytes; the same bytes may be counted several times.
     pub(super) fn count(&mut self, bytes: usize) -> Result<(), Error> {
         self.left = self.left.checked_sub(bytes).ok_or_else(too_large)?;
         Ok(())
     }
 
-    /// What deflate packed.
+    /// Unpacks deflate data.
     pub(super) fn deflated(&mut self, packed: &[u8]) -> Result<Vec<u8>, Error> {
         self.unpack(decompress_to_vec_with_limit(packed, self.left))
     }
 
-    /// What deflate packed, within zlib's head and checksum.
+    /// Unpacks deflate data with zlib's header and checksum.
     pub(super) fn zlib(&mut self, packed: &[u8]) -> Result<Vec<u8>, Error> {
         self.unpack(decompress_to_vec_zlib_with_limit(packed, self.left))
     }

@@ -1,40 +1,40 @@
-//! Channels: what a file holds under a name, before those that belong together make a table.
+//! Channels: the named contents of a file. Those that belong together form a table.
 
 use super::quote::shortened;
 use super::table::{Column, Table};
 use crate::Error;
 use std::collections::HashMap;
 
-/// Things left out that a message names.
+/// Maximum number of omitted channels that a message names.
 const TOLD: usize = 12;
 
-/// What a file holds under one name.
+/// One named content of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Its name.
     pub name: String,
-    /// Its unit, where the file states one beside the name.
+    /// Its unit, if the file states it separately from the name.
     pub unit: Option<String>,
-    /// Its samples, or what it is instead of a vector of real numbers: `of shape 2 x 3`.
+    /// Its samples, or a description if it is not a vector of real numbers: `of shape 2 x 3`.
     pub samples: Result<Vec<f64>, String>,
 }
 
 impl Channel {
-    /// A channel of samples; a unit may stand in its name.
+    /// A channel of samples; its name may contain a unit.
     pub fn new(name: impl Into<String>, samples: Vec<f64>) -> Self {
         Channel { name: name.into(), unit: None, samples: Ok(samples) }
     }
 
-    /// What is no vector, and what it is.
+    /// A channel that is not a vector, with a description.
     pub fn other(name: impl Into<String>, what: impl Into<String>) -> Self {
         Channel { name: name.into(), unit: None, samples: Err(what.into()) }
     }
 }
 
 impl Table {
-    /// A table of the channels that are as long as most are; the others are left out, and told in errors about what is
-    /// missing. Single numbers are no samples where there are longer channels. Errors count samples from 0 where those
-    /// about text count lines.
+    /// A table of the channels with the most frequent length. The others are left out, and are named in errors about
+    /// missing columns. Single numbers are not samples if there are longer channels. Errors count samples from 0;
+    /// errors about text count lines.
     ///
     /// ```
     /// use piezoid::formats::{Channel, ColumnSelection, Table};
@@ -45,7 +45,7 @@ impl Table {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
-    /// Two channels of one name, and samples that are not finite, are an error to whoever needs them.
+    /// Two channels of one name, and samples that are not finite, are an error only if they are used.
     pub fn of(channels: impl IntoIterator<Item = Channel>) -> Self {
         let mut left = Vec::new();
         let mut columns = Vec::new();
@@ -87,7 +87,7 @@ impl Table {
     }
 }
 
-/// The most frequent length, the longest of those that are equally so.
+/// The most frequent length; of equally frequent lengths, the longest.
 fn usual(lengths: impl Iterator<Item = usize>) -> usize {
     let mut counts = HashMap::new();
     lengths.for_each(|length| *counts.entry(length).or_insert(0) += 1);

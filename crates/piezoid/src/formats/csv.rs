@@ -1,13 +1,14 @@
 //! CSV: a header row, then numbers.
 //!
-//! Commas, semicolons or tabs separate, whichever the header has; between semicolons and tabs the decimal sign may be a
+//! Commas, semicolons or tabs separate, as in the header. With semicolons and tabs, the decimal separator may be a
 //! comma. Accepted: a byte-order mark; any line ends; quotes and spaces around cells; `#` lines, `sep=;` and blank
-//! lines above the header; blank lines at the end; the header as the last `#` line, as numpy.savetxt writes it. Refused
-//! with line and column: everything else. Not done: cells that span lines, other encodings than UTF-8, dates.
+//! lines above the header; blank lines at the end; the header as the last `#` line, as numpy.savetxt writes it.
+//! Everything else is an error with line and column. Not supported: cells that span lines, encodings other than UTF-8,
+//! dates.
 //!
-//! The lines are split here and not by the csv crate: a refusal names its line whatever the line ends, an unclosed
-//! quote ends at its line instead of swallowing the file, and no cell is copied. [`Table::parse`] is pure and takes any
-//! bytes, so it can be handed to a fuzzer as it is.
+//! The lines are split here and not by the csv crate: an error names its line for any line ends, an unclosed quote ends
+//! at its line and does not include the rest of the file, and no cell is copied. [`Table::parse`] is pure and accepts
+//! any bytes, so a fuzzer can call it directly.
 
 mod cells;
 mod header;
@@ -23,7 +24,7 @@ use cells::{blank, cells};
 use header::Header;
 use number::NumberReader;
 
-/// The row of CSV. It takes what no other row knows: its refusals say what a file looks like.
+/// The row of CSV. It matches every file that no other row matches: its errors say what a file should look like.
 pub(super) const ROW: Format = Format {
     name: "csv",
     extensions: &["csv", "tsv", "txt"],
@@ -40,8 +41,8 @@ impl Table {
     /// Reads a CSV file.
     ///
     /// # Errors
-    /// The file is not text, has no header or no rows, or has a row of another length than the header. A cell that is
-    /// no number is an error only once its column is asked for.
+    /// Returns an error if the file is not text, has no header or no rows, or has a row whose length differs from the
+    /// header. A cell that is not a number is an error only if its column is used.
     pub fn parse(bytes: &[u8]) -> Result<Table, Error> {
         let text = text::decode(bytes)?;
         let mut lines = text::lines(text).peekable();
@@ -76,7 +77,7 @@ impl Table {
         Ok(table)
     }
 
-    /// Takes in one row.
+    /// Reads one row.
     fn row(&mut self, line: u64, row: &str, separator: char, numbers: &mut NumberReader) -> Result<(), Error> {
         let mut count = 0;
         for cell in cells(row, separator) {
@@ -94,7 +95,7 @@ impl Table {
         if count == self.columns.len() { Ok(()) } else { Err(self.ragged(line, row, count, separator)) }
     }
 
-    /// A row that is shorter or longer than the header.
+    /// The error for a row that is shorter or longer than the header.
     fn ragged(&self, line: u64, row: &str, count: usize, separator: char) -> Error {
         let names = self.columns.len();
         let advice = if row.trim_start().starts_with('#') {
@@ -120,7 +121,7 @@ impl Column {
         Column { name, unit: None, samples: Vec::new(), flaw: None, decimal: None }
     }
 
-    /// Takes in one cell; after the first flaw, none.
+    /// Reads one cell; ignores all cells after the first flaw.
     fn take(&mut self, cell: &str, line: u64, first: bool, numbers: &mut NumberReader) {
         if self.flaw.is_some() {
             return;
@@ -153,7 +154,7 @@ mod tests {
         record(file).unwrap_err().to_string()
     }
 
-    /// A file with this last row below two good ones.
+    /// The error for a file with this last row after two valid rows.
     fn third(row: &str) -> String {
         refusal(&format!("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n{row}\n"))
     }

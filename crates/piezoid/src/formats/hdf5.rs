@@ -1,10 +1,9 @@
-//! HDF5, as MATLAB writes it (`save -v7.3`) and h5py unless told otherwise: data sets, those in groups by their own
-//! names.
+//! HDF5, as MATLAB (`save -v7.3`) and h5py write it by default: data sets, also those in groups, by their own names.
 //!
-//! MATLAB says in attributes what an array is: text, logical, empty, sparse, an object. Not done: what only newer
-//! libraries write unless told otherwise (large groups in heaps, other indices of chunks than B-trees of version 1),
-//! files in several pieces, filters beyond deflate, shuffle and Fletcher's checksum. A data set that needs one of these
-//! is left out and told.
+//! MATLAB states in attributes what an array is: text, logical, empty, sparse, an object. Not supported: features of
+//! newer libraries (large groups in heaps, indices of chunks other than B-trees of version 1), files in several parts,
+//! and filters other than deflate, shuffle and Fletcher's checksum. A data set that needs one of these is left out and
+//! named in errors.
 
 mod data;
 mod group;
@@ -27,20 +26,20 @@ pub(super) const ROW: Format = Format {
 
 const MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Where a file begins, behind what its user has put there: MATLAB puts 512 bytes.
+/// Start of the data, after a block of the user: that of MATLAB has 512 bytes.
 fn start(bytes: &[u8]) -> Option<usize> {
     let at = |at: &usize| bytes.get(*at..).is_some_and(|rest| rest.starts_with(MAGIC));
     [0, 512, 1024, 2048, 4096].into_iter().find(at)
 }
 
-/// A file, and what reading it may still cost.
+/// A file, and the limits of reading it.
 struct Hdf5File<'a> {
-    /// From where addresses count.
+    /// The bytes to which addresses refer.
     bytes: &'a [u8],
     /// Address of the first group.
     root: usize,
     unpacking: Unpacking,
-    /// Nodes and heads that may still be visited: a damaged file may run in circles.
+    /// Number of nodes and object headers that may still be visited: references of a damaged file may be cyclic.
     visits: usize,
 }
 
@@ -48,7 +47,8 @@ impl<'a> Hdf5File<'a> {
     fn open(file: &'a [u8]) -> Result<Self, Error> {
         let bytes = file.get(start(file).unwrap_or(0)..).unwrap_or_default();
         let number = |at, size| length(bytes, at, size, false);
-        // Sizes of addresses and lengths; then where addresses begin, the file ends, and the first group stands.
+        // Positions of the sizes of addresses and lengths, of the base of addresses, of the end of the file, and of the
+        // first group.
         let (sizes, base, end, root) = match number(8, 1)? {
             0 => (13, 24, 40, 64),
             1 => (13, 28, 44, 68),
@@ -73,7 +73,7 @@ impl<'a> Hdf5File<'a> {
         Ok(channels)
     }
 
-    /// Counts one more node or head.
+    /// Counts one more node or object header.
     fn visit(&mut self) -> Result<(), Error> {
         self.visits =
             self.visits.checked_sub(1).ok_or_else(|| damaged("its objects refer to each other cyclically"))?;
@@ -84,13 +84,13 @@ impl<'a> Hdf5File<'a> {
         length(self.bytes, at, size, false)
     }
 
-    /// The channels of a group and of those in it.
+    /// The channels of a group and of the groups in it.
     fn group(&mut self, group: &Object<'a>, depth: usize, channels: &mut Vec<Channel>) -> Result<(), Error> {
         if depth > super::bytes::DEEPEST {
             return Err(damaged(format!("groups {depth} deep")));
         }
         for (name, at) in self.links(group)? {
-            // MATLAB's own: what cells refer to.
+            // Groups of MATLAB itself, to which cells refer.
             if name.starts_with('#') {
                 continue;
             }
@@ -107,7 +107,7 @@ impl<'a> Hdf5File<'a> {
     }
 }
 
-/// What is written otherwise than is read here.
+/// The error for an unsupported feature.
 fn newer(what: impl std::fmt::Display) -> Error {
     Error::Content(format!(
         "this HDF5 file uses a feature that is not supported ({what}): save it as MATLAB -v7 or CSV"

@@ -1,8 +1,8 @@
 //! MATLAB's files of versions 4, 5 and 7 (`save -v4`, `-v6`, `-v7`): variables, and the fields of structures by their
 //! own names.
 //!
-//! Single numbers and lines of text are what a file says of its record; matrices, complex and sparse ones, arrays of
-//! structures, and what is an object are left out and told. Version 7.3 is HDF5 (see `hdf5`).
+//! Single numbers and lines of text are information on the record. Matrices, complex and sparse arrays, arrays of
+//! structures, and objects are left out and named in errors. Version 7.3 is HDF5 (see `hdf5`).
 
 mod v4;
 mod v5;
@@ -20,7 +20,7 @@ pub(super) const ROW: Format = Format {
     read,
 };
 
-/// How Octave's own text begins, which it calls .mat as well.
+/// Signature of Octave's text format, which has the extension .mat too.
 const OCTAVE: &[u8] = b"# Created by Octave";
 
 fn read(file: &[u8]) -> Result<Table, Error> {

@@ -1,11 +1,11 @@
-//! Files into records and back: bytes in, [`Record`](crate::Record) out.
+//! File formats: from bytes to a [`Record`](crate::Record), and back.
 //!
-//! A format turns bytes into a [`Table`] of named columns; the names, and a [`ColumnSelection`] where they do not
-//! suffice, say which column is the time, the input and the output. Nothing here opens a file, and nothing is guessed:
-//! what could mean two things is refused, with the option that decides it.
+//! A format converts bytes to a [`Table`] of named columns. The names, and a [`ColumnSelection`] if they are not
+//! sufficient, determine which column is the time, the input and the output. No file is opened here, and nothing is
+//! guessed: an ambiguity is an error, which names the option that resolves it.
 //!
-//! The formats are the rows of [`FORMATS`], one file each. A file is recognised by its content ([`read`]), whatever it
-//! is called.
+//! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
+//! its name.
 
 mod bytes;
 mod channel;
@@ -28,25 +28,26 @@ use std::path::Path;
 /// A format of files that hold records.
 #[derive(Debug)]
 pub struct Format {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// How the names of its files end, in small letters.
+    /// Extensions of its files, in lower case.
     pub extensions: &'static [&'static str],
-    /// What it holds, in one line.
+    /// Content of its files, in one line.
     pub summary: &'static str,
-    /// Where it is described.
+    /// Reference for a description.
     pub reference: &'static str,
-    /// Whether a file begins as this format does.
+    /// True if a file begins like this format.
     pub matches: fn(&[u8]) -> bool,
-    /// The table in a file.
+    /// Reads the table in a file.
     pub read: fn(&[u8]) -> Result<Table, Error>,
 }
 
-/// The formats that are read. A row is more particular than those above it: the last one that matches reads a file.
+/// The formats that are read. Later rows are more specific: the last one that matches reads a file.
 pub static FORMATS: &[Format] = &[csv::ROW, numpy::ROW, matlab::ROW, hdf5::ROW];
 
 impl Table {
-    /// The table in a file of any of [`FORMATS`]. Its name tells only what a file was meant to be that cannot be read.
+    /// Reads the table in a file of any of [`FORMATS`]. Only errors use the name, whose extension shows the intended
+    /// format.
     ///
     /// ```
     /// use piezoid::formats::{ColumnSelection, Table};
@@ -56,7 +57,7 @@ impl Table {
     /// ```
     ///
     /// # Errors
-    /// The file is damaged, holds no named channels, or is in no format that is read.
+    /// Returns an error if the file is damaged, contains no named channels, or has an unknown format.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Table, Error> {
         let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
         let meant = FORMATS.iter().find(|format| format.extensions.contains(&extension.to_ascii_lowercase().as_str()));

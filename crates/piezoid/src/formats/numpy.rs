@@ -1,7 +1,7 @@
 //! Files of NumPy: an array with named fields (`.npy`), or an archive of named arrays (`.npz`).
 //!
-//! The names are those of fields and of arrays; instants become seconds from the earliest. Not done: objects, which
-//! only Python reads, and floats of 16 bytes, which are another thing on every machine.
+//! The names are those of fields and arrays; points in time become seconds from the earliest. Not supported: objects,
+//! which only Python reads, and floats of 16 bytes, whose format depends on the machine.
 
 mod descr;
 mod literal;
@@ -50,12 +50,12 @@ fn read(file: &[u8]) -> Result<Table, Error> {
     }
 }
 
-/// The channels of an array: one of its name, or of each of its fields.
+/// The channels of an array: one with its name, or one for each of its fields.
 fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Channel>, Error> {
     if !file.starts_with(MAGIC) {
         return Err(damaged(format!("the array {name:?} does not begin as numpy writes it")));
     }
-    // Versions differ in the width of a length.
+    // The width of a length depends on the version.
     let width = if part(file, MAGIC.len(), 1)? == [1] { 2 } else { 4 };
     let start = MAGIC.len() + 2 + width;
     let text = part(file, start, length(file, start - width, width, false)?)?;
@@ -84,7 +84,7 @@ fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Chann
     Ok(channels)
 }
 
-/// One field of an array, a number of which stands every `item` bytes; nothing where it is a single text or the like.
+/// One field of an array, with a number every `item` bytes; `None` for a single text or similar information.
 fn channel(
     name: String,
     field: &Descr,
@@ -113,8 +113,7 @@ fn channel(
     }))
 }
 
-/// Instants, counted in `unit` of which `per_second` are a second, in seconds from the earliest; NaN where there is
-/// none.
+/// Points in time in seconds from the earliest; a tick is `unit` / `per_second` seconds. NaN for a missing one.
 fn since_first(ticks: &[i64], unit: f64, per_second: f64) -> Vec<f64> {
     let none = |tick: &i64| *tick == i64::MIN;
     let first = ticks.iter().filter(|tick| !none(tick)).min().copied().unwrap_or(0);

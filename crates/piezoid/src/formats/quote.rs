@@ -1,16 +1,16 @@
-//! How text from a file stands in a message: in backticks, control characters escaped, cut where it is long.
+//! Text from a file in a message: in backticks, with control characters escaped, shortened if it is long.
 
-/// Characters of a cell or name that a message shows.
+/// Maximum number of characters of a cell or name in a message.
 const SHOWN: usize = 40;
-/// Names that a message lists.
+/// Maximum number of names in a message.
 const LISTED: usize = 12;
 
-/// `` `text` ``, its beginning only where it is long.
+/// `` `text` ``, shortened if it is long.
 pub(super) fn quoted(text: &str) -> String {
     format!("`{}`", shortened(text))
 }
 
-/// The text itself, its beginning only where it is long.
+/// The text without backticks, shortened if it is long.
 pub(super) fn shortened(text: &str) -> String {
     let mut shown = String::new();
     for c in text.chars().take(SHOWN) {

@@ -1,8 +1,8 @@
-//! Which column is which: by name, or as the user says.
+//! Selection of columns: by name, or by options of the user.
 //!
-//! Time is `t_s`. The input is `u_V`, or else the only `u_*`; the output is the only `y_*`; what follows the prefix is
-//! the unit. Other columns are ignored. No column is taken because it merely looks like the right one: its name is
-//! offered in the error instead.
+//! Time is `t_s`. The input is `u_V`, or else the only `u_*`; the output is the only `y_*`; the rest of the name is the
+//! unit. Other columns are ignored. No column is selected because its name is only similar: the error suggests it
+//! instead.
 
 use super::quote::{listed, shortened};
 use super::table::{Column, Table};
@@ -38,7 +38,7 @@ const NAME: OptionKind = OptionKind::Text("NAME");
 const GROUP: &str = "Data files";
 
 impl ColumnSelection {
-    /// The samples of `n` that are meant.
+    /// The selected range of `n` samples.
     pub(super) fn part(&self, ts: f64, n: usize) -> Result<Range<usize>, Error> {
         match (self.from, self.to) {
             (None, None) => Ok(0..n),
@@ -46,24 +46,24 @@ impl ColumnSelection {
         }
     }
 
-    /// Whether the user gave this column a role.
+    /// True if the user gave this column a role.
     fn mentions(&self, name: &str) -> bool {
         [&self.input_col, &self.output_col, &self.time_col].into_iter().flatten().any(|asked| asked.trim() == name)
     }
 }
 
-/// What a column can be, and how it is recognised.
+/// The role of a column, and how the column is recognised.
 pub(super) struct ColumnRole {
     what: &'static str,
-    /// Taken whatever else there is.
+    /// A column with this name is always selected.
     exact: Option<&'static str>,
-    /// Taken when only one column starts with it.
+    /// A column with this prefix is selected if it is the only one.
     prefix: Option<&'static str>,
     option: &'static str,
-    /// The option that does without a column.
+    /// The option that replaces the column.
     instead: Option<&'static str>,
     asked: fn(&ColumnSelection) -> Option<&String>,
-    /// First words of names that probably mean this, to be offered and never taken.
+    /// First words of names that probably have this role. Errors suggest them; they are never selected.
     hints: &'static [&'static str],
 }
 
@@ -102,11 +102,11 @@ const OUT: ColumnRole = ColumnRole {
     hints: &["y", "yum", "disp", "displacement", "pos", "position", "output", "out", "sensor", "x", "z"],
 };
 
-/// The reference r, a wanted output.
+/// The reference r, a requested output.
 pub(super) static REFERENCE: ColumnRole = ColumnRole { what: "reference", prefix: Some("r_"), ..OUT };
 
 impl ColumnRole {
-    /// The one column of the table that plays this role.
+    /// The only column of the table with this role.
     pub(super) fn find<'a>(&self, table: &'a Table, selection: &ColumnSelection) -> Result<&'a Column, Error> {
         if let Some(name) = (self.asked)(selection) {
             let column = table.columns.iter().find(|c| c.name == name.trim());
@@ -134,7 +134,7 @@ impl ColumnRole {
         }
     }
 
-    /// No column plays this role: what is looked for, and the column that may be meant.
+    /// The error that no column has this role: the name that is expected, and the column that may be meant.
     fn missing<'a>(&self, table: &Table, mut free: impl Iterator<Item = &'a str>) -> Error {
         let patterns = [self.exact.map(|name| format!("`{name}`")), self.prefix.map(|p| format!("exactly one `{p}*`"))];
         let patterns = patterns.into_iter().flatten().collect::<Vec<_>>().join(" or ");
@@ -151,13 +151,13 @@ impl ColumnRole {
     }
 }
 
-/// A column asked for by a name that the file does not have.
+/// The error for a requested column that the file does not have.
 fn unknown(name: &str, table: &Table) -> Error {
     let known: Vec<String> = table.names().take(100).map(shortened).collect();
     Error::unknown("column", name, known.iter().map(String::as_str))
 }
 
-/// Refuses a time column that says it is in another unit than seconds.
+/// Returns an error for a time column that states another unit than seconds.
 pub(super) fn in_seconds(column: &Column, header: u64) -> Result<&Column, Error> {
     match column.unit("t_") {
         other if ["ms", "us", "ns", "min", "h"].contains(&other.as_str()) => Err(Error::Line {
@@ -170,19 +170,19 @@ pub(super) fn in_seconds(column: &Column, header: u64) -> Result<&Column, Error>
     }
 }
 
-/// The letters and digits a name starts with, in lower case.
+/// The letters and digits at the start of a name, in lower case.
 fn first_word(name: &str) -> String {
     name.chars().take_while(|c| c.is_alphanumeric()).take(20).flat_map(char::to_lowercase).collect()
 }
 
 impl Column {
-    /// Its unit: what the format states, else what its name carries behind this prefix.
+    /// Its unit: the one that the format states, else the one in its name after this prefix.
     pub(super) fn unit(&self, prefix: &str) -> String {
         self.unit.as_deref().map_or_else(|| unit(&self.name, prefix), |stated| plain(stated.trim()))
     }
 }
 
-/// The unit that a name carries (see [`ColumnSelection`]), the Greek letter of micro written as `u`.
+/// The unit in a name (see [`ColumnSelection`]); the Greek letter of micro becomes `u`.
 fn unit(name: &str, prefix: &str) -> String {
     let bracketed = |open, close| name.strip_suffix(close).and_then(|head: &str| head.rsplit_once(open));
     let unit = name

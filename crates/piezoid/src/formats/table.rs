@@ -1,7 +1,7 @@
-//! A table is what a file holds before it is known what its columns mean: names, and numbers below them.
+//! A table: the content of a file before the meaning of its columns is known. It has names, and numbers below them.
 //!
-//! A column that is not numbers throughout (remarks, gaps) harms nobody until it is asked for: its first flaw is kept
-//! and becomes the error then. A table does not interpolate, resample or repair.
+//! A column that contains more than numbers (remarks, gaps) is an error only if it is used: its first flaw is stored
+//! and becomes the error. A table does not interpolate, resample or repair.
 
 use super::quote::{listed, quoted, shortened};
 use super::selection::{ColumnRole, ColumnSelection, INPUT, OUTPUT, REFERENCE, TIME, in_seconds};
@@ -22,13 +22,13 @@ use crate::record::{Record, Units};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub(super) columns: Vec<Column>,
-    /// Line of the names; 0 in what has no lines.
+    /// Line of the names; 0 if the format has no lines.
     pub(super) header: u64,
-    /// Line of the first row; the others follow, one a line.
+    /// Line of the first row; each row has one line.
     pub(super) first: u64,
-    /// Sampling period [s], where the format states it.
+    /// Sampling period [s], if the format states it.
     pub(super) ts: Option<f64>,
-    /// What was left out and why.
+    /// Channels that were left out, with the reasons.
     pub(super) left: String,
 }
 
@@ -36,18 +36,18 @@ pub struct Table {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Column {
     pub(super) name: String,
-    /// Its unit, where the format states one beside the name.
+    /// Its unit, if the format states it separately from the name.
     pub(super) unit: Option<String>,
-    /// The numbers above the first flaw.
+    /// The numbers before the first flaw.
     pub(super) samples: Vec<f64>,
-    /// The first cell that is no finite number, as the error it is to whoever needs this column.
+    /// The first cell that is not a finite number, as the error if the column is used.
     pub(super) flaw: Option<Error>,
-    /// The decimal sign, point or comma, and the line where it was first met.
+    /// The decimal separator, point or comma, and the line of its first use.
     pub(super) decimal: Option<(char, u64)>,
 }
 
 impl Record {
-    /// The record in a CSV file, whose columns are found by their names unless `columns` names others.
+    /// The record in a CSV file. Columns are found by their names, unless `columns` selects others.
     ///
     /// ```
     /// use piezoid::{Record, formats::ColumnSelection};
@@ -57,20 +57,20 @@ impl Record {
     /// ```
     ///
     /// # Errors
-    /// As [`Table::parse`] and [`Table::record`].
+    /// The errors of [`Table::parse`] and [`Table::record`].
     pub fn from_csv(bytes: &[u8], columns: &ColumnSelection) -> Result<Self, Error> {
         Table::parse(bytes)?.record(columns)
     }
 }
 
-/// One column with its sampling: an input to simulate, a reference to follow.
+/// One column with its sampling period: an input to simulate, a reference to follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     /// Sampling period [s].
     pub ts: f64,
     /// The samples, in `unit`.
     pub samples: Vec<f64>,
-    /// Unit of the samples, as the column's name gives it.
+    /// Unit of the samples, from the column's name.
     pub unit: String,
 }
 
@@ -88,7 +88,8 @@ impl Table {
     /// Input and output, with their units and sampling period.
     ///
     /// # Errors
-    /// A column is missing or could be several; a cell in a column that is needed is no finite number; time is uneven.
+    /// Returns an error if a column is missing or ambiguous, if a cell in a used column is not a finite number, or if
+    /// the time is uneven.
     pub fn record(&self, selection: &ColumnSelection) -> Result<Record, Error> {
         let (ts, [u, y]) = self.sampled([&INPUT, &OUTPUT], selection)?;
         let units = Units { u: u.unit("u_"), y: y.unit("y_") };
@@ -96,19 +97,19 @@ impl Table {
         Ok(Record::new(ts, u.samples[part.clone()].to_vec(), y.samples[part].to_vec())?.with_units(units))
     }
 
-    /// The input alone, of a file that need not have an output.
+    /// The input alone; the file need not have an output.
     ///
     /// # Errors
-    /// As [`record`](Table::record).
+    /// The errors of [`record`](Table::record).
     pub fn input(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let (ts, [u]) = self.sampled([&INPUT], selection)?;
         Ok(Signal { ts, samples: u.samples[selection.part(ts, u.samples.len())?].to_vec(), unit: u.unit("u_") })
     }
 
-    /// A reference, of a file that need not have an input: the only `r_*`, or where there is none what is the output.
+    /// A reference; the file need not have an input. It is the only `r_*`, or if there is none, the output.
     ///
     /// # Errors
-    /// As [`record`](Table::record).
+    /// The errors of [`record`](Table::record).
     pub fn reference(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
         let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
@@ -117,7 +118,7 @@ impl Table {
         Ok(Signal { ts, samples: r.samples[selection.part(ts, r.samples.len())?].to_vec(), unit: r.unit(prefix) })
     }
 
-    /// The sampling period [s], and the columns that play these roles, read without a flaw.
+    /// The sampling period [s], and the columns with these roles, which have no flaw.
     fn sampled<const N: usize>(
         &self,
         roles: [&ColumnRole; N],
@@ -135,7 +136,7 @@ impl Table {
         for role in roles {
             needed.push(role.find(self, selection)?);
         }
-        // What is said, else the stamps there are, else what the format states.
+        // The period that the user gives, else that of the time stamps, else that of the format.
         let time = TIME.find(self, selection);
         let stated = selection.ts.or_else(|| self.ts.filter(|_| time.is_err() && selection.time_col.is_none()));
         if stated.is_none() {
@@ -149,7 +150,7 @@ impl Table {
         Ok((positive("ts", ts, "seconds")?, std::array::from_fn(|i| needed[i])))
     }
 
-    /// Refuses columns that are one and the same, that have a flaw, or whose decimal signs contradict each other.
+    /// Returns an error if a column is used twice, if it has a flaw, or if the decimal separators of columns differ.
     fn usable(&self, needed: &[&Column]) -> Result<(), Error> {
         for (i, column) in needed.iter().enumerate() {
             if needed[..i].iter().any(|earlier| earlier.name == column.name) {
@@ -180,8 +181,8 @@ impl Table {
         }
     }
 
-    /// An error about what has no lines, but rows, which are counted from 0; names that are missing may be among what
-    /// was left out.
+    /// The error for a format that has rows, counted from 0, instead of lines. It also lists what was left out, because
+    /// a missing name may be there.
     fn without_lines(&self, error: Error) -> Error {
         let left = if self.left.is_empty() { String::new() } else { format!("; left out: {}", self.left) };
         match error {
@@ -198,7 +199,7 @@ impl Table {
         }
     }
 
-    /// An error about the names as a whole, with the names there are.
+    /// An error about the names as a whole, with all names.
     pub(super) fn about_names(&self, wrong: &str, remedy: &str) -> Error {
         Error::Line {
             line: self.header,

@@ -1,19 +1,20 @@
-//! From time stamps to the sampling period.
+//! The sampling period from time stamps.
 //!
 //! ```text
 //! steps        d[k] = t[k] - t[k-1], every one within 1 % of their median
 //! Ts           (t[n-1] - t[0]) / (n - 1), or the decimal number that the stamps mean by it
 //! ```
-//! Stamps are decimal numbers read as binary ones: multiples of 0.0005 give a quotient of 5.000000000000001e-4. The
-//! shortest decimal number that fits the stamps as well as the quotient does is what was meant. Nothing is resampled.
+//! Stamps are decimal numbers that are read as binary ones: multiples of 0.0005 give a quotient of
+//! 5.000000000000001e-4. The period is the shortest decimal number that fits the stamps as well as the quotient does.
+//! Nothing is resampled.
 
 use crate::Error;
 use serde_json::Value;
 
-/// Deviation from the median step that is allowed, relative to it.
+/// Allowed deviation from the median step, relative to it.
 const UNEVEN: f64 = 0.01;
 
-/// The sampling period [s] of the stamps `t` [s], which stand one a line from line `first`.
+/// The sampling period [s] of the stamps `t` [s], one per line from line `first` on.
 pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
     let refused = |row: usize, (problem, ts): (String, Option<Value>)| {
         let error = Error::Line { line: first + row as u64, column: Some(name.to_owned()), problem };
@@ -37,7 +38,8 @@ pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
     }
 }
 
-/// Time stands still (perhaps rounded, then `ts` helps) or goes back (then it does not).
+/// The problem of time that stands still (perhaps because of rounding, then `ts` helps) or goes back (then it does
+/// not).
 fn not_increasing(before: f64, here: f64) -> (String, Option<Value>) {
     if here == before {
         let problem = format!(
@@ -54,12 +56,12 @@ fn not_increasing(before: f64, here: f64) -> (String, Option<Value>) {
     }
 }
 
-/// Whether a step is uneven.
+/// True if a step is uneven.
 fn off(step: f64, median: f64) -> bool {
     (step - median).abs() > UNEVEN * median
 }
 
-/// Step `k` is wrong: by missing rows, if few steps are (then `ts` would only hide them), or by rough stamps.
+/// The problem of step `k`: missing rows, if few steps are uneven (`ts` would only hide them), or rounded stamps.
 fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Value>) {
     let (count, all) = (steps.iter().filter(|d| off(**d, median)).count(), steps.len());
     let found = format!(
@@ -78,9 +80,9 @@ fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Va
     }
 }
 
-/// The period that the stamps mean, given their mean step.
+/// The period that the stamps represent, from their mean step.
 fn meant(t: &[f64], mean: f64) -> f64 {
-    // As we write them: multiples of the second stamp, correctly rounded.
+    // As piezoid writes them: multiples of the second stamp, correctly rounded.
     let multiples = |ts: f64| t.iter().enumerate().all(|(k, t)| (t - k as f64 * ts).abs() <= 2.0 * f64::EPSILON * t);
     if multiples(t[1]) {
         return t[1];
@@ -92,7 +94,7 @@ fn meant(t: &[f64], mean: f64) -> f64 {
     (1..=15).map(|digits| rounded(mean, digits)).find(fits).unwrap_or(mean)
 }
 
-/// The nearest number with so many significant digits, at least one.
+/// The nearest number with this many significant digits, at least one.
 fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
 }

@@ -8,8 +8,8 @@
 //! L is the static displacement of the tip. The shares of all modes add up to 1; the share of omitted modes follows L
 //! directly. Each mode is advanced exactly for an L held over the step.
 //!
-//! Reference: R. G. Ballas, "Piezoelectric Multilayer Beam Bending Actuators", Springer (2007),
-//! DOI 10.1007/978-3-540-32642-7. Not here: shear, rotary inertia, torsion, a payload, air.
+//! Reference: R. G. Ballas, "Piezoelectric Multilayer Beam Bending Actuators", Springer (2007), DOI
+//! 10.1007/978-3-540-32642-7. Not modelled: shear, rotary inertia, torsion, a payload, air.
 //!
 //! State: for each mode, p [m] and p' / w [m].
 

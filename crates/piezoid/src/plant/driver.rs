@@ -7,7 +7,7 @@
 //! exact: a ramp while the lag exceeds the limit, then an exponential. Without lag the ramp ends at u; without limit
 //! too, v is u.
 //!
-//! Reference: PI, datasheet and tutorial: peak current pi f Vpp C. Not here: ripple, dead time, a load with motion.
+//! Reference: PI, datasheet and tutorial: peak current pi f Vpp C. Not modelled: ripple, dead time, a moving load.
 //!
 //! State: one number, the voltage v [V].
 

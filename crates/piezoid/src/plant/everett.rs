@@ -48,8 +48,8 @@ impl ExponentialEverett {
     }
 }
 
-/// x^(n+1)/(n+1)! - x^(n+2)/(n+2)! + ...: for n = 1 exp(-x) - 1 + x, for n = 2 x^2/2 less that. Below 1/2 by the
-/// series, to avoid cancellation in the closed form.
+/// x^(n+1)/(n+1)! - x^(n+2)/(n+2)! + .... For n = 1 this is exp(-x) - 1 + x, for n = 2 it is x^2/2 minus that. Below
+/// 1/2 the series is used, to avoid cancellation in the closed form.
 fn remainder(x: f64, n: u32) -> f64 {
     if x >= 0.5 {
         let first = (-x).exp_m1() + x;

@@ -11,7 +11,7 @@
 //! The plant must be independent of the model: nothing here may use the library's linear or hysteresis blocks.
 //!
 //! Reference: G. Strang, "On the construction and comparison of difference schemes", SIAM J. Numer. Anal. 5, 506
-//! (1968), DOI 10.1137/0705041 (symmetric splitting). Not here: load, temperature, several axes.
+//! (1968), DOI 10.1137/0705041 (symmetric splitting). Not modelled: load, temperature, several axes.
 
 mod beam;
 mod bouc_wen;
@@ -267,7 +267,7 @@ mod tests {
             let y = plant.run(&sine(30.0, 0.5, 12_000)).y;
             // The third period, at zero crossings and extremes.
             let [rising, top, falling, bottom] = [8000, 9000, 10_000, 11_000].map(|i| y[i]);
-            // Half a sample less the delays of driver and beam, over 2 s: 0.05 %.
+            // Half a sample minus the delays of driver and beam, relative to the period of 2 s: 0.05 %.
             assert_close(&[(falling - rising) / (top - bottom)], &[0.13], 0.0, 1e-3);
         }
     }

@@ -6,7 +6,7 @@
 //! with the Everett function E of [`super::everett`]. The memory of the ceramic is the list of dominant reversals:
 //! alternating maxima and minima, each loop inside the one before. An input that reaches an older reversal wipes out
 //! the loop that it closes, and continues bit-identically on the older branch, because f is stored with each reversal.
-//! Before the first reversal is its mirror image, where the virgin curve continues.
+//! The mirror image of the first reversal counts as the reversal before it; from there the virgin curve continues.
 //!
 //! Rate-independent; exact for any division of a path into steps.
 //!

@@ -7,7 +7,7 @@
 //! only on the seed and the number of the sample, so a copied state has the same future.
 //!
 //! Reference: J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC'11, DOI 10.1145/2063384.2063405
-//! (counter-based generators; here ChaCha with 8 rounds). Not here: drift, nonlinearity, coloured noise.
+//! (counter-based generators; here ChaCha with 8 rounds). Not modelled: drift, nonlinearity, coloured noise.
 //!
 //! State: one number, the lagged displacement s [m].
 

@@ -89,7 +89,7 @@ pub(crate) enum HysteresisSpec {
         width: f64,
         /// Half-width rho at which the density of relays is 1/e of its maximum [V].
         half_width_v: f64,
-        /// Asymmetry c: the density over that at zero is 1 + c at +range, 1 - c at -range [-].
+        /// Asymmetry c: relative to zero, the density is 1 + c at +range and 1 - c at -range [-].
         asymmetry: f64,
     },
 }

@@ -7,8 +7,8 @@
 //! an `f_derivative` is not differentiated itself; a parameter `value` of the derivative is f(a), so that it need not
 //! be computed twice. Comparisons use only the values: at a kink the slope is that of the selected side.
 //!
-//! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. It does not do: functions that copy
-//! states.
+//! Reference: R. E. Wengert, Commun. ACM 7 (1964), DOI 10.1145/355586.364791. Functions that copy states are not
+//! supported.
 
 use super::{Argument, Expr, Function, Op, Place, Program, Statement, ValueType};
 use crate::error::Error;

@@ -1,8 +1,9 @@
 //! Drift: a slow trend of the output that the input does not explain.
 //!
 //! The part of the output not explained by the input is averaged over ten blocks of whole periods. Creep after a step
-//! of the input grows with the logarithm of time: from the middle of the first block to the middle of the last one, 1/5
-//! of it occurs in the second half. Of a drift 1/2 occurs there. The sum of creep and drift cannot be separated.
+//! of the input grows with the logarithm of time: between the middle of the first block and the middle of the last one,
+//! 1/5 of the creep occurs in the second half. Of a drift, 1/2 occurs there. The sum of creep and drift cannot be
+//! separated.
 
 use super::explained::by_input;
 use super::{Defect, Finding};

@@ -7,7 +7,7 @@
 //! linear in the output, therefore i itself is regressed on the input). A spike of size s at t gives s (1/6, -2/3, 1,
 //! -2/3, 1/6) around t. A spike is reported if it has this shape, exceeds the scatter of i around it (Hampel's rule, by
 //! the median) and its neighbours, is not too small relative to the range, and is sharper than a response to a step of
-//! the input. It does not do: spikes of several samples, or two spikes within eight samples.
+//! the input. Spikes of several samples, and two spikes within eight samples, are not found.
 
 use super::explained::by_input;
 use super::runs::{quantile, resolution};

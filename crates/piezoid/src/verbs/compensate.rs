@@ -23,7 +23,7 @@ options! {
     } with limits: LimitOptions with shape: Shaping
 }
 
-/// A voltage, and how near the model says the displacement comes.
+/// The voltage for a reference, and the displacement that the model predicts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compensation {
     /// Sampling period [s].
@@ -32,19 +32,19 @@ pub struct Compensation {
     pub units: Units,
     /// The requested reference.
     pub requested: Vec<f64>,
-    /// The same, shaped.
+    /// The shaped reference.
     pub shaped: Vec<f64>,
-    /// The voltage, and what the model makes of it.
+    /// The voltage, and the displacement that the model predicts.
     pub made: Compensated,
     /// The lowest and the highest displacement that can be held.
     pub reach: (f64, f64),
 }
 
 impl CompensateOptions {
-    /// What compensation may use.
+    /// Settings of the feed-forward.
     ///
     /// # Errors
-    /// As [`LimitOptions::limits`].
+    /// The errors of [`LimitOptions::limits`].
     pub fn settings(&self) -> Result<FeedForwardSettings, Error> {
         Ok(FeedForwardSettings { sweeps: self.sweeps, ..FeedForwardSettings::within(&self.limits, self.clip)? })
     }
@@ -52,7 +52,8 @@ impl CompensateOptions {
     /// The voltage for the reference `r` [output unit].
     ///
     /// # Errors
-    /// Limits without sense, a model without an inverse, and a reference that cannot be shaped or reached.
+    /// Returns an error for inconsistent limits, a model without an inverse, and a reference that cannot be shaped or
+    /// reached.
     pub fn of(&self, model: &Model, r: Vec<f64>) -> Result<Compensation, Error> {
         let inverse = FeedForward::new(model, self.settings()?)?;
         let shaped = self.shape.of(model, r.clone())?;
@@ -61,10 +62,10 @@ impl CompensateOptions {
         Ok(Compensation { ts, units, requested: r, shaped, made, reach })
     }
 
-    /// The same for the model and the reference in files.
+    /// The same with the model and the reference from files.
     ///
     /// # Errors
-    /// As [`CompensateOptions::of`], and files without a model or a reference.
+    /// The errors of [`CompensateOptions::of`], and errors for files without a model or a reference.
     pub fn run(&self, model: &File, reference: &File, columns: &ColumnSelection) -> Result<Compensation, Error> {
         let (file, model) = (model, model.model()?);
         let made = self.of(&model, reference.reference(columns, &model)?);
@@ -73,7 +74,7 @@ impl CompensateOptions {
 }
 
 impl Compensation {
-    /// The free run against the shaped reference, and against the requested one where that is another.
+    /// Errors of the free run against the shaped reference, and, if it differs, against the requested one.
     pub fn metrics(&self) -> (Metrics, Option<Metrics>) {
         let of = |r: &[f64]| Metrics::of(r, &self.made.reached);
         (of(&self.shaped), (self.shaped != self.requested).then(|| of(&self.requested)))
@@ -89,10 +90,10 @@ impl Compensation {
         })
     }
 
-    /// Voltage and shaped reference as a file.
+    /// Voltage and shaped reference as a CSV file.
     ///
     /// # Errors
-    /// As [`Table::write`].
+    /// The errors of [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let (u, r) = (format!("u_{}", self.units.u), format!("r_{}", self.units.y));
         Table::write(self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])

@@ -1,4 +1,4 @@
-//! Schemes of control along references, on a simulated actuator.
+//! Control schemes along references, on a simulated actuator.
 
 use super::{File, blamed};
 use crate::compensation::{FeedForward, FeedForwardSettings};
@@ -17,7 +17,7 @@ use crate::progress::Progress;
 use crate::record::Units;
 use crate::system::System;
 
-/// What is compared where nothing is named.
+/// The schemes and references that are compared by default.
 const SCHEMES: [&str; 6] =
     ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
 const ALONG: [&str; 10] = [
@@ -33,17 +33,17 @@ const ALONG: [&str; 10] = [
     "random:20",
 ];
 
-/// Frequency where none is given [Hz].
+/// Default frequency [Hz].
 const FREQUENCY: f64 = 5.0;
 
-/// The height of a named reference, as a share of what the model can hold.
+/// Peak of a named reference, as a share of the displacement that the model can hold.
 const SHARE: f64 = 0.8;
 
-/// Its length: at least this long, and this many periods.
+/// Minimum duration of a named reference [s], and its minimum number of periods.
 const SECONDS: f64 = 1.0;
 const PERIODS: f64 = 4.0;
 
-/// Its length at most [samples].
+/// Its maximum number of samples.
 const LONGEST: f64 = 1e6;
 
 const COUNT: OptionKind = OptionKind::Integer(0, u64::MAX);
@@ -63,10 +63,10 @@ options! {
 }
 
 impl TuneOptions {
-    /// `scheme` for `model`, tuned.
+    /// Tunes `scheme` for `model`.
     ///
     /// # Errors
-    /// As [`TunedScheme::new`].
+    /// The errors of [`TunedScheme::new`].
     pub fn drive(&self, scheme: Scheme, model: &Model, settings: FeedForwardSettings) -> Result<TunedScheme, Error> {
         let target =
             MarginTarget { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..MarginTarget::default() };
@@ -107,11 +107,11 @@ impl ControlOptions {
         self.reference.iter().map(String::as_str).filter(|name| named(name).is_none())
     }
 
-    /// Each scheme along each reference on a plant. A reference that is no name is one of the `files`.
+    /// Runs each scheme along each reference on a plant. A reference that is not in the list is one of the `files`.
     ///
     /// # Errors
-    /// Names that there are not, a file that holds no reference or is not there, and what [`ControlOptions::along`]
-    /// refuses.
+    /// Returns an error for an unknown name, and for a file that is missing or contains no reference. The errors of
+    /// [`ControlOptions::along`].
     pub fn run(
         &self,
         (plant, spec): (&str, &Spec),
@@ -148,10 +148,11 @@ impl ControlOptions {
         self.along((plant, &spec), &model, wanted, progress).map_err(|e| blamed(e, file))
     }
 
-    /// The same along references that are known.
+    /// The same along given references.
     ///
     /// # Errors
-    /// As [`Comparison::run`], and what cannot be tuned or reached.
+    /// The errors of [`Comparison::run`], and errors for schemes that cannot be tuned and references that cannot be
+    /// reached.
     pub fn along(
         &self,
         plant: (&str, &Spec),
@@ -162,7 +163,7 @@ impl ControlOptions {
         let (settings, mut drives, mut notes) = (self.settings()?, Vec::new(), Vec::new());
         for scheme in self.schemes()? {
             match self.tuning.drive(scheme, model, settings) {
-                // Of the usual ones, those that the model gives.
+                // Default schemes that the model does not allow are left out.
                 Err(e) if self.controller.is_empty() && scheme.law.is_some() => {
                     notes.push(format!("{} is left out: {e}", scheme.name()));
                 }
@@ -195,7 +196,7 @@ impl ControlOptions {
         }
     }
 
-    /// A named reference.
+    /// The samples of a named reference.
     fn repeated(
         &self,
         name: &str,
@@ -220,10 +221,10 @@ impl ControlOptions {
 }
 
 impl Comparison {
-    /// The first run as a record, with the reference.
+    /// The first run as a CSV record, with the reference.
     ///
     /// # Errors
-    /// There is none, and as [`Table::write`].
+    /// Returns an error if there is no run. The errors of [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
         let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
@@ -234,7 +235,7 @@ impl Comparison {
         Table::write(ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
     }
 
-    /// What its reader should know, one sentence each.
+    /// Remarks for the reader, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut told = self.notes.clone();
         if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
@@ -250,7 +251,7 @@ impl Comparison {
                 match attempt {
                     Err(error) => told.push(format!("{}, {along}: {error}", d.name())),
                     Ok(ReferenceResult { feed_forward, run, .. }) => {
-                        // A feed-forward says the same under every controller.
+                        // The notes of a feed-forward are the same with every controller.
                         for note in &feed_forward.notes {
                             let note = format!("{}, {along}: {note}", d.drive.scheme.feed.name);
                             if !told.contains(&note) {
@@ -269,7 +270,7 @@ impl Comparison {
     }
 }
 
-/// A reference by name, and its frequency [Hz]; a name that is not in the list is a file's.
+/// A reference in the list and its frequency [Hz]; `None` for another name, which is that of a file.
 fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
     let (name, hz) = text.split_once(':').map_or((text, None), |(name, hz)| (name, Some(hz)));
     let kind = Reference::find(name).ok()?;
@@ -280,7 +281,7 @@ fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
     Some((kind, hz))
 }
 
-/// The peak of named references: 0.8 of what can be held to both sides of 0.
+/// The peak of named references: 0.8 of the displacement that can be held on both sides of 0.
 fn held(model: &Model, settings: FeedForwardSettings) -> Result<f64, Error> {
     let (low, high) = FeedForward::new(model, settings)?.reach();
     let both = high.min(-low);

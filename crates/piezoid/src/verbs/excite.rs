@@ -25,17 +25,17 @@ pub struct Excited {
     pub ts: f64,
     /// The voltages [V].
     pub u: Vec<f64>,
-    /// What they use of the limits, where there are any.
+    /// Use of the limits, if there are any.
     pub usage: Option<Usage>,
-    /// Samples that were clipped.
+    /// Number of clipped samples.
     pub clipped: usize,
 }
 
 impl ExciteOptions {
-    /// The signal of this kind, its own options `given` by their names.
+    /// The signal of this kind; `given` contains the kind's own options by name.
     ///
     /// # Errors
-    /// Options that make no sense, and a signal beyond the limits that is not to be clipped.
+    /// Returns an error for invalid options, and for a signal that exceeds the limits unless it is to be clipped.
     pub fn run(&self, kind: &Excitation, given: Value) -> Result<Excited, Error> {
         let mut u = kind.samples(self.ts, self.duration, given)?;
         let Some(limits) = self.limits.limits()? else {
@@ -60,10 +60,10 @@ impl ExciteOptions {
 }
 
 impl Excited {
-    /// The signal as a file.
+    /// The signal as a CSV file.
     ///
     /// # Errors
-    /// As [`Table::write`].
+    /// The errors of [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         Table::write(self.ts, &[("u_V", &self.u)])
     }

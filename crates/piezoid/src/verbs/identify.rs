@@ -1,4 +1,4 @@
-//! From records in files to a model with its figures.
+//! Identification of a model from records in files.
 
 use super::{Compared, File};
 use crate::error::Error;
@@ -10,24 +10,24 @@ use crate::progress::Progress;
 use crate::validation::{Linearity, Offset, ValidateOptions};
 use serde_json::{Value, json};
 
-/// A model, what was found on the way, and how it meets its training data.
+/// A model, the other results of its identification, and its errors on the training data.
 #[derive(Debug, Clone)]
 pub struct Identification {
-    /// What was found.
+    /// The results of the identification.
     pub found: Identified,
-    /// The model, which knows how it was made.
+    /// The model with its provenance.
     pub model: Model,
-    /// Its free run over the large-signal records.
+    /// Its free runs on the large-signal records.
     pub training: Vec<Compared>,
-    /// How linear each small-signal record is; none where a record cannot tell.
+    /// Linearity of each small-signal record; `None` if the record does not determine it.
     pub linearity: Vec<Option<Linearity>>,
 }
 
 impl IdentifyOptions {
-    /// Identifies a model from the records in files. `command` is how the model says it was made.
+    /// Identifies a model from the records in files. `command` is stored in the model's provenance.
     ///
     /// # Errors
-    /// Files without records, and what [`identify`](crate::identify) refuses.
+    /// Returns an error for files without records. The errors of [`identify`](crate::identify).
     pub fn run(
         &self,
         (small, large): (&[File], &[File]),
@@ -40,7 +40,7 @@ impl IdentifyOptions {
         let (small_signal_records, records) = (read(small)?, read(large)?);
         let both = Records { small_signal: &small_signal_records, large_signal: &records };
         let found = both.identify(self, progress)?;
-        // The joint method gives each record an offset of its own.
+        // The joint method fits a separate offset for each record.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
         let compare = |(file, record): (&File, &crate::Record)| {
@@ -55,8 +55,8 @@ impl IdentifyOptions {
         Ok(Identification { found, model, training, linearity })
     }
 
-    /// How a model was made, for its file: by which command, from which files. A report needs the operators that were
-    /// tried and the errors of the parameters too: the model alone does not tell them.
+    /// The provenance of a model, for its file: the command, the files, the operators that were tried, and the
+    /// parameters with their errors. A report needs the last two, and the model alone does not contain them.
     pub fn provenance(&self, found: &Identified, command: &str, files: Value) -> Value {
         let version = env!("CARGO_PKG_VERSION");
         let mut made = json!({"command": command, "version": version, "files": files, "seed": self.seed});
@@ -70,7 +70,7 @@ impl IdentifyOptions {
 }
 
 impl Identification {
-    /// What was found as a document.
+    /// The results as a document.
     pub fn to_json(&self) -> Value {
         let (found, arx) = (&self.found, self.found.model.linear());
         let each = |l: &HiddenLoop| {
@@ -106,7 +106,7 @@ impl Identification {
     }
 }
 
-/// The linear block read as mechanics; null of one without poles.
+/// The modal form of the linear block; null if it has no poles.
 fn modal_form(arx: &Arx) -> Value {
     let form = arx.modal_form();
     let pole = |p: &PoleShare| {

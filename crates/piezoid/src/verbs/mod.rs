@@ -1,5 +1,5 @@
-//! Verbs: from options and named bytes to a result, and from that to bytes again. Front ends are thin around them: they
-//! read files, call, and write files.
+//! Verbs: from options and named bytes to a result, and from the result to bytes. Front ends only read files, call a
+//! verb, and write files.
 
 mod compensate;
 mod control;
@@ -23,12 +23,12 @@ use crate::system::System;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-/// What a verb reads or writes: bytes with a name.
+/// A file that a verb reads or writes: bytes with a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct File {
-    /// What it is called, with `/` between folders; what errors about it begin with.
+    /// Its name, with `/` between folders; errors about the file begin with it.
     pub name: String,
-    /// What is in it.
+    /// Its content.
     pub bytes: Vec<u8>,
 }
 
@@ -38,7 +38,7 @@ impl File {
         File { name: name.into(), bytes: bytes.into() }
     }
 
-    /// Its name without folders: the same work gives the same bytes wherever it is done.
+    /// Its name without folders: the same work gives the same bytes in every folder.
     pub fn short(&self) -> &str {
         short(&self.name)
     }
@@ -46,13 +46,13 @@ impl File {
     /// Its text.
     ///
     /// # Errors
-    /// It is none.
+    /// Returns an error if it is not text.
     pub fn text(&self) -> Result<&str, Error> {
         let none = |_| Error::Content("this is not a text file (it is not UTF-8)".into()).of(&self.name);
         std::str::from_utf8(&self.bytes).map_err(none)
     }
 
-    /// What `part` takes of the table in it.
+    /// Applies `part` to the table in it.
     fn read<T>(&self, part: impl FnOnce(Table) -> Result<T, Error>) -> Result<T, Error> {
         Table::read(&self.name, &self.bytes).and_then(part).map_err(|e| e.of(&self.name))
     }
@@ -60,23 +60,24 @@ impl File {
     /// The record in it.
     ///
     /// # Errors
-    /// It holds none, or not the columns that are meant.
+    /// Returns an error if it contains no record, or not the selected columns.
     pub fn record(&self, columns: &ColumnSelection) -> Result<Record, Error> {
         self.read(|table| table.record(columns))
     }
 
-    /// The input in it, which may hold nothing else.
+    /// The input in it; other columns are not needed.
     ///
     /// # Errors
-    /// As [`File::record`].
+    /// The errors of [`File::record`].
     pub fn input(&self, columns: &ColumnSelection) -> Result<Signal, Error> {
         self.read(|table| table.input(columns))
     }
 
-    /// The reference in it, which may hold nothing else, in the unit of the model's output.
+    /// The reference in it, in the unit of the model's output; other columns are not needed.
     ///
     /// # Errors
-    /// As [`File::record`]; one that is sampled otherwise than the model, or in a unit that cannot be converted.
+    /// The errors of [`File::record`], and errors for another sampling period than the model's and for a unit that
+    /// cannot be converted.
     pub fn reference(&self, columns: &ColumnSelection, model: &Model) -> Result<Vec<f64>, Error> {
         self.read(|table| {
             let Signal { ts, samples, unit } = table.reference(columns)?;
@@ -91,20 +92,20 @@ impl File {
     /// The model in it.
     ///
     /// # Errors
-    /// It holds none.
+    /// Returns an error if it contains no model.
     pub fn model(&self) -> Result<Model, Error> {
         let known = |e| Error::Content(format!("{e}; give a file that `piezoid identify` wrote")).of(&self.name);
         Model::from_json(self.text()?).map_err(known)
     }
 
-    /// Its name and hash, as results tell where they come from.
+    /// Its name and hash, for the provenance of results.
     fn origin(&self) -> Value {
         let hex: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
         json!({"file": self.short(), "sha256": hex})
     }
 }
 
-/// What the model in `file` does not give is about that file.
+/// Adds the name of `file` to an error about a request that its model does not support.
 fn blamed(error: Error, file: &File) -> Error {
     let inner = if let Error::File { error, .. } = &error { error } else { &error };
     match inner {

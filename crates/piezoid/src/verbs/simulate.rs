@@ -1,4 +1,4 @@
-//! A plant or a model on a drive signal.
+//! The response of a plant or a model to a drive signal.
 
 use super::File;
 use crate::error::Error;
@@ -26,26 +26,26 @@ options! {
     }
 }
 
-/// An input and the answer to it.
+/// An input and the response to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
     /// Sampling period [s].
     pub ts: f64,
     /// The input.
     pub u: Vec<f64>,
-    /// The answer.
+    /// The response.
     pub y: Vec<f64>,
     /// Their units.
     pub units: Units,
-    /// Which limits were reached, in words; empty where none was.
+    /// The limits that were reached, as text; empty if there were none.
     pub reached: String,
 }
 
 impl SimulateOptions {
-    /// What a plant answers [um] to the input in a file [V].
+    /// The response [um] of a plant to the input [V] in a file.
     ///
     /// # Errors
-    /// A file without an input, and a plant that cannot be sampled so.
+    /// Returns an error for a file without an input. The errors of [`Plant::new`].
     pub fn plant(&self, plant: &Spec, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
         let Signal { ts, samples: u, .. } = input.input(columns)?;
         let plant = Plant::new(plant, ts)?.with_seed(self.seed);
@@ -70,10 +70,10 @@ impl SimulateOptions {
         }
     }
 
-    /// What a model answers to the input in a file.
+    /// The response of a model to the input in a file.
     ///
     /// # Errors
-    /// Files without an input or a model, and an input of another unit or sampling.
+    /// Returns an error for files without an input or a model, and for an input with another unit or sampling period.
     pub fn model(&self, model: &File, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
         let Signal { ts, samples: u, unit } = input.input(columns)?;
         let model = model.model()?;
@@ -90,7 +90,7 @@ impl SimulateOptions {
 }
 
 impl Simulated {
-    /// Refuses an answer without bounds.
+    /// Returns an error if the response is not finite.
     fn bounded(self) -> Result<Self, Error> {
         let Some(k) = self.y.iter().position(|y| !y.is_finite()) else { return Ok(self) };
         let time = k as f64 * self.ts;
@@ -98,10 +98,10 @@ impl Simulated {
         Err(Error::Content(format!("the output overflows at {time} s: {why}")))
     }
 
-    /// Input and answer as a file.
+    /// Input and response as a CSV file.
     ///
     /// # Errors
-    /// As [`Table::write`].
+    /// The errors of [`Table::write`].
     pub fn to_csv(&self) -> Result<String, Error> {
         let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
         Table::write(self.ts, &[(&u, &self.u), (&y, &self.y)])

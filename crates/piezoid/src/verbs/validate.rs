@@ -1,4 +1,4 @@
-//! A model against records in files.
+//! Validation of a model on records in files.
 
 use super::{File, merge, short};
 use crate::error::Error;
@@ -9,29 +9,29 @@ use crate::record::Record;
 use crate::validation::{Bin, Metrics, ValidateOptions, Validation};
 use serde_json::{Value, json};
 
-/// A record and the model's free run beside it.
+/// A record and the model's free run on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// What the record is called: its file.
+    /// Name of the record: that of its file.
     pub name: String,
     /// The record.
     pub record: Record,
-    /// The model's run.
+    /// Results of the free run.
     pub validation: Validation,
 }
 
-/// A model beside records, all in one unit.
+/// Free runs of a model on several records, all in one unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validated {
-    /// Record by record.
+    /// The results, one per record.
     pub files: Vec<Compared>,
 }
 
 impl ValidateOptions {
-    /// Compares a model with the records in files, in the unit of the first.
+    /// Compares a model with the records in files, in the unit of the first record.
     ///
     /// # Errors
-    /// Files without records, and what [`Model::validate_with`] refuses.
+    /// Returns an error for files without records. The errors of [`Model::validate_with`].
     pub fn run(&self, model: &Model, data: &[File], columns: &ColumnSelection) -> Result<Validated, Error> {
         let mut unit = None;
         let mut compare = |file: &File| {
@@ -59,7 +59,7 @@ impl Compared {
         short(&self.name)
     }
 
-    /// All about it as a document.
+    /// All its results as a document.
     pub fn to_json(&self) -> Value {
         let v = &self.validation;
         let mut object =
@@ -86,7 +86,7 @@ impl Validated {
         ]
     }
 
-    /// What none of the records can tell.
+    /// Properties of the model that none of the records tests.
     pub fn not_covered(&self) -> Vec<String> {
         let Some((first, others)) = self.files.split_first() else { return Vec::new() };
         let subject = |text: &str| text.split(':').next().unwrap_or_default().to_string();
@@ -96,7 +96,7 @@ impl Validated {
         first.validation.not_covered.iter().filter(by_all).cloned().collect()
     }
 
-    /// All figures as a document.
+    /// All results as a document.
     pub fn to_json(&self) -> Value {
         let mut total = json!(self.total());
         let [by_frequency, by_amplitude] = self.bins();

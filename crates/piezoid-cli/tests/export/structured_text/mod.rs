@@ -1,8 +1,8 @@
-//! A reader of structured text, as far as exports use it, that runs what it reads.
+//! A reader and interpreter of the part of structured text that exports use.
 //!
-//! It is strict where controllers are: names are one whatever their capitals, are declared once and are no words of the
-//! language; whole and real numbers do not mix; `AND` and `OR` look at both sides; an index out of range is an error.
-//! What functions change, they are handed as a copy, and the copy goes back.
+//! It is as strict as controllers: names are case-insensitive, are declared once and are no keywords; integers and
+//! reals do not mix; `AND` and `OR` evaluate both sides; an index out of range is an error. A variable that a function
+//! changes is copied in and copied back.
 
 mod read;
 mod run;
@@ -15,7 +15,7 @@ pub(crate) enum Value {
     ExportedProgram(i64),
     Truth(bool),
     Array(Vec<Value>),
-    /// Of this type.
+    /// A structure of this type.
     Struct(String, Room),
 }
 
@@ -31,7 +31,7 @@ enum Expr {
     Binary(String, Box<Expr>, Box<Expr>),
 }
 
-/// A name, and what is said of it: fields and indices.
+/// A name, followed by fields and indices.
 type Path = (String, Vec<Access>);
 
 #[derive(Debug, Clone)]
@@ -40,7 +40,7 @@ enum Access {
     Index(Expr),
 }
 
-/// An argument: by the order, by name, or a result by name.
+/// An argument: by position, by name, or an output by name.
 #[derive(Debug, Clone)]
 enum Given {
     Next(Expr),
@@ -60,26 +60,26 @@ enum Step {
 /// A function, a function block, a program, or a structure without steps.
 #[derive(Debug, Clone, Default)]
 struct Unit {
-    /// The kind of each variable, its name, and what it begins with.
+    /// The kind of each variable, its name, and its initial value.
     variables: Vec<(String, String, Value)>,
     steps: Vec<Step>,
 }
 
-/// All that was read.
+/// Everything that was read.
 pub(crate) struct Library {
     units: BTreeMap<String, Unit>,
     single: bool,
 }
 
 impl Library {
-    /// What stands in `text`, with numbers of single or double precision.
+    /// Reads `text`, with numbers of single or double precision.
     pub(crate) fn read(text: &str, single: bool) -> Self {
         let mut library = Library { units: BTreeMap::new(), single };
         read::units(text, &mut library);
         library
     }
 
-    /// A structure, a function block or a program as it begins.
+    /// A structure, a function block or a program with its initial values.
     pub(crate) fn instance(&self, name: &str) -> Value {
         let unit = self.units.get(name).unwrap_or_else(|| panic!("there is no `{name}`"));
         Value::Struct(
@@ -88,7 +88,7 @@ impl Library {
         )
     }
 
-    /// One cycle of a program.
+    /// Runs one cycle of a program.
     pub(crate) fn cycle(&self, instance: &mut Value) {
         let Value::Struct(name, room) = instance else { panic!("no program") };
         self.run(&self.units[name].steps, room);

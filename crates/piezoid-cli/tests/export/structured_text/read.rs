@@ -1,4 +1,4 @@
-//! Words, and what they declare and do.
+//! Tokens, declarations and statements.
 
 use super::{Access, Expr, Given, Library, Path, Step, Unit, Value};
 
@@ -33,7 +33,7 @@ fn words(text: &str) -> Vec<Word> {
             let mut n = length(&|c| c.is_ascii_digit());
             if rest[n..].starts_with('.') && !rest[n..].starts_with("..") {
                 n = rest.find(|c: char| !c.is_ascii_digit() && !".E-".contains(c)).unwrap_or(rest.len());
-                // A minus belongs to it only after E.
+                // A minus belongs to the number only after E.
                 n = rest[..n].match_indices('-').find(|(k, _)| !rest[..*k].ends_with('E')).map_or(n, |(k, _)| k);
                 words.push(Word::Real(rest[..n].parse().unwrap()));
             } else {
@@ -136,7 +136,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What a variable of the type that comes next begins with.
+    /// Initial value of a variable of the type that comes next.
     fn kind(&mut self) -> Value {
         match self.name().as_str() {
             "lreal" => {

@@ -1,4 +1,4 @@
-//! Runs what was read.
+//! Runs the statements.
 
 use super::{Access, Expr, Given, Library, Path, Room, Step, Value};
 
@@ -47,7 +47,7 @@ impl Library {
         }
     }
 
-    /// The indices of a path, as they are now.
+    /// The current indices of a path.
     fn indices(&self, path: &Path, room: &mut Room) -> Vec<usize> {
         let mut index = |access: &Access| match access {
             Access::Field(_) => None,

@@ -9,9 +9,9 @@
 ('input u [V]', 'output y [µm]')
 >>> ax.figure.savefig("loops.pdf")  # doctest: +SKIP
 
-Every function draws into the `ax` it is given, or else into a figure of its own with the width of `figure.figsize`, and
-returns what it drew into. The colour of a line shows its kind (measured, model, ...); brightness, markers and the legend show it as well. Nothing is
-shown, and no setting of matplotlib stays changed.
+Every function draws into the given `ax`, or into a new figure with the width of `figure.figsize`, and returns what it
+drew into. The colour of a line shows its kind (measured, model, ...); brightness, markers and the legend show it as
+well. No figure is displayed, and no setting of matplotlib stays changed.
 """
 
 from .._piezoid import PiezoidError

@@ -16,7 +16,7 @@ from ._panels import Panels, label, legend, panels, plain, several, span, stacke
 from ._style import COLOURS, EQUALS
 
 MARKERS = "osD^vP"
-"""One more than there are colours, so that no two of thirty series look the same."""
+"""One more than the colours, so that thirty series all look different."""
 
 Several: TypeAlias = Validation | Iterable[Validation]
 
@@ -28,13 +28,14 @@ def frequencies(
     measure: Literal["nrmse_percent", "rms_pp_percent", "rmse"] = "nrmse_percent",
     ax: Any = None,
 ) -> Axes:
-    """Errors by frequency, or by amplitude of the input, as the tables of a validation have them.
+    """Errors by frequency, or by amplitude of the input, as in the tables of a validation.
 
-    validations: one or several of one model; or of several models, by name
-    measure: rms error over the standard deviation of the output, over its peak-to-peak, or itself [output unit]
+    validations: one or several validations of one model; for several models, a mapping of these by name
+    measure: rms error divided by the standard deviation of the output, or by its peak-to-peak, or undivided [output
+    unit]
 
-    The axis of errors is logarithmic where they differ tenfold. A bar says how wide the band of a point is. Hollow
-    points are of the spectrum, where an input has no cycles.
+    The axis of errors is logarithmic if they differ by more than a factor of ten. A bar shows the width of the band of
+    a point. Hollow points come from the spectrum, for inputs without cycles.
 
     Returns the Axes.
     """
@@ -77,7 +78,7 @@ def frequencies(
                 continue
             shown = name if len(sources) == 1 else f"{name}, {source}".removeprefix(", ")
             part = rows[rows["source"] == source].sort_values("at")
-            # Where a band comes twice, what is next to each other does not belong together.
+            # If a band occurs twice, adjacent points do not belong together.
             joined = "-" if part["low"].is_unique else "none"
             a.plot(
                 part["at"], part[measure], linestyle=joined, linewidth=width(0.6), marker=marker, color=colour,
@@ -103,12 +104,12 @@ def tracking(
     controllers: Iterable[str] | None = None,
     ax: Any = None,
 ) -> Panels:
-    """The reference and the displacement with each controller, and below, with its own scale, the error.
+    """The reference and the displacement with each controller, and below, on a separate scale, the error.
 
-    reference: which one, the first unless given; controllers: which ones, all unless given
+    reference: name of one reference, by default the first; controllers: their names, by default all
     ax: two Axes
 
-    Returns an array of these.
+    Returns an array of the Axes.
     """
     if not isinstance(comparison, Comparison):
         raise PiezoidError(f"a {type(comparison).__name__} compares no controllers: give what pz.control gives")

@@ -1,4 +1,4 @@
-"""Models without records: the hysteresis operator, the linear block."""
+"""Figures of models without records: the hysteresis operator, the linear block."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ WAY = (
     *((1.0, HIDDEN), (0.0, HIDDEN), (1.0, MAJOR), (0.0, MAJOR)),
     *((0.92, HIDDEN), (0.1, MINOR), (0.76, MINOR), (0.26, MINOR), (0.6, MINOR), (0.42, MINOR), (0.92, MINOR)),
 )
-"""Turning points, as shares of the range, and how wide the line to them is. Once up and down before anything is drawn
-wipes out the past; the minor loops lie each within the one before."""
+"""Reversal points, as shares of the range, and the width of the line to each. A first cycle, which is not drawn, wipes
+out the past; each minor loop lies within the previous one."""
 
 FEWEST, MOST = 60, 20_000
-"""Samples from one end of the range to the other."""
+"""Minimum and maximum number of samples from one end of the range to the other."""
 
 
 def branches(
     model: Model, *, over: tuple[float, float] | None = None, hz: float | None = None, ax: Any = None
 ) -> Axes:
-    """The hysteresis operator alone, without creep and driver: its major loop, and minor loops within.
+    """The hysteresis operator alone, without creep and driver: its major loop, and minor loops within it.
 
     over: lowest and highest input [input unit]; default: the range of the identification data
-    hz: frequency of the major loop [Hz], for rate-dependent operators; if not given, the lowest frequency of the identification data
+    hz: frequency of the major loop [Hz], for rate-dependent operators; if not given, the lowest frequency of the
+    identification data
 
     Returns the Axes.
     """
@@ -70,14 +71,14 @@ def response(model: Model, *, ax: Any = None) -> Panels:
 
     ax: two Axes
 
-    Returns an array of these.
+    Returns an array of the Axes.
     """
     _checked(model)
     half, mode = 0.5 / model.ts, model.resonance
     low = min(1e-3 * half, 0.1 * mode[0]) if mode else 1e-3 * half
     hz = np.geomspace(low, half, 600)
     if mode:
-        # The peak of a light mode is narrower than the steps elsewhere.
+        # The peak of a lightly damped mode is narrower than the frequency steps elsewhere.
         about = mode[0] * (1.0 + np.clip(abs(mode[1]), 1e-6, 0.3) * np.linspace(-5.0, 5.0, 201))
         hz = np.sort(np.append(hz, about[(about > low) & (about < half)]))
     values = model.response(hz)
@@ -111,14 +112,14 @@ def _checked(model: object) -> None:
 
 
 def _way(start: float, end: float, n: int) -> Array:
-    """From one turning point to the next, as a sine goes, without the start; `n` samples are the whole range."""
+    """From one reversal to the next along half a sine, without the start; `n` samples cover the whole range."""
     samples = max(2, round(abs(end - start) * n))
     way: Array = start + (end - start) * 0.5 * (1.0 - np.cos(np.pi * np.arange(1, samples + 1) / samples))
     return way
 
 
 def _arrow(ax: Axes, x: Array, y: Array, colour: str) -> None:
-    """A head in the middle of a line, that says which way it is run through."""
+    """An arrow head in the middle of a line that shows its direction."""
     k = len(x) // 2
     head = {"arrowstyle": "-|>,head_width=0.28,head_length=0.65", "color": colour, "linewidth": 0}
     ax.annotate("", (x[k + 1], y[k + 1]), (x[k - 1], y[k - 1]), arrowprops=head | {"shrinkA": 0, "shrinkB": 0})

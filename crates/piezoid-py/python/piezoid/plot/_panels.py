@@ -23,10 +23,10 @@ Panels: TypeAlias = "npt.NDArray[np.object_]"
 """Several Axes."""
 
 GAP = 3.5
-"""What a name in a legend takes besides its letters: its line and the gaps [size of the letters]."""
+"""Width of a legend entry beside its letters: the line and the gaps [font size]."""
 
 SINGLE = 3.4
-"""Up to this width [in] a figure keeps its proportions; a wider one grows less in height."""
+"""Up to this width [in] a figure keeps its proportions; the height of a wider one grows more slowly."""
 
 
 def panels(
@@ -37,10 +37,10 @@ def panels(
     ratios: Sequence[float] | None = None,
     shared: tuple[bool, bool] = (True, False),
 ) -> list[Axes]:
-    """The Axes given, or those of a new figure.
+    """The given Axes, or those of a new figure.
 
-    rows: which panel, counted from 0, stands where, and -1 where none does
-    height: over the width, in a single column; ratios: of the heights of the rows; shared: x and y
+    rows: the number of the panel at each place, counted from 0; -1 for an empty place
+    height: relative to the width, for a single column; ratios: heights of the rows; shared: x and y axes
     """
     n = 1 + max(max(row) for row in rows)
     if ax is not None:
@@ -61,7 +61,7 @@ def panels(
 
 
 def _hold(ax: Axes) -> None:
-    # Ticks are made when they are drawn, with the settings of that moment: here they hold on to those of now.
+    # Matplotlib creates ticks when it draws, with the settings of that moment. This fixes the present settings.
     now: Any = mpl.rcParams
     for name, axis in (("xtick", ax.xaxis), ("ytick", ax.yaxis)):
         both = {key: now[f"{name}.{key}"] for key in ("direction", "labelsize")}
@@ -71,33 +71,33 @@ def _hold(ax: Axes) -> None:
 
 
 def several(axes: Iterable[Axes]) -> Panels:
-    """Axes as an array, as matplotlib gives them."""
+    """Axes as an array, as in matplotlib."""
     return np.array(list(axes), dtype=object)
 
 
 def label(ax: Axes, x: str, y: str) -> None:
-    """Says what stands along both axes."""
+    """Labels both axes."""
     ax.set_xlabel(x)
     ax.set_ylabel(y)
 
 
 def unit(name: str) -> str:
-    """A unit as it is printed."""
+    """A unit in its printed form."""
     return "µ" + name[1:] if name.startswith("u") and len(name) > 1 else name
 
 
 def width(share: float = 1.0) -> float:
-    """A line's width, as a share of the usual."""
+    """Width of a line, as a share of the default."""
     return share * float(mpl.rcParams["lines.linewidth"])
 
 
 def stacked(axes: Sequence[Axes]) -> None:
-    """Panels over one x axis: the lowest of a column labels it, and the labels of y stand in one line."""
+    """Panels over one x axis: only the lowest of a column labels it, and the y labels are aligned."""
     columns = {ax: spec.colspan for ax in axes if (spec := ax.get_subplotspec()) is not None}
     for k, ax in enumerate(axes):
         x = ax.get_xlabel()
         ax.label_outer()
-        # With an empty place below it is the lowest all the same.
+        # A panel above an empty place is also the lowest of its column.
         if ax in columns and not any(columns.get(below) == columns[ax] for below in axes[k + 1 :]):
             ax.xaxis.set_tick_params(labelbottom=True)
             ax.set_xlabel(x)
@@ -107,13 +107,13 @@ def stacked(axes: Sequence[Axes]) -> None:
 
 
 def span(axes: Iterable[Axes], start: float, end: float) -> None:
-    """Time from one end to the other, and no further."""
+    """Limits the time axes to these ends."""
     for ax in axes:
         ax.set_xlim(start, end)
 
 
 def plain(axis: Axis) -> None:
-    """Numbers as people write them along a logarithmic axis: 1, 10, 100; 2 and 5 as well where these are few."""
+    """Plain numbers along a logarithmic axis: 1, 10, 100; also 2 and 5 if these are few."""
     low, high = axis.get_view_interval()
     axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     between = FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else "")
@@ -126,7 +126,7 @@ def zero(ax: Axes) -> None:
 
 
 def legend(ax: Axes, over: Figure | None = None) -> None:
-    """Names the lines above their panel, where no data are, or `over` a whole figure, in as many columns as fit."""
+    """Names the lines above their panel, outside the data, or above the figure `over`, in as many columns as fit."""
     handles, names = ax.get_legend_handles_labels()
     if len(names) < 2:
         return
@@ -145,12 +145,12 @@ def legend(ax: Axes, over: Figure | None = None) -> None:
 
 
 def _columns(widths: Sequence[float], rows: int) -> float:
-    """The width of names set in columns, one below the other."""
+    """Width of names that are arranged in columns, `rows` to a column."""
     return sum(max(widths[k : k + rows]) for k in range(0, len(widths), rows))
 
 
 def named(given: Any, kinds: tuple[type, ...]) -> dict[str, Any] | None:
-    """Several by name, a number being a frequency [Hz]; none where one is given."""
+    """Several by name, where a number is a frequency [Hz]; None if a single one is given."""
     if isinstance(given, kinds):
         return None
     wanted = " or ".join(f"a {kind.__name__}" for kind in kinds)

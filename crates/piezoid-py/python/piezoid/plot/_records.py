@@ -1,4 +1,4 @@
-"""Records, and free runs beside them: loops, time series, residuals."""
+"""Figures of records and free runs: loops, time series, residuals."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ._panels import Panels, label, legend, named, panels, several, span, stacke
 from ._style import COLOURS, EQUALS
 
 POINTS = 5000
-"""So many points and more are drawn as an image, also in a PDF."""
+"""More points than this are drawn as an image, also in a PDF."""
 
 
 def loops(
     data: Record | Validation | Mapping[Any, Record] | Mapping[Any, Validation], *, ax: Any = None
 ) -> Axes | Panels:
-    """Output over input: measured, and as the model runs free.
+    """Output over input: measured, and the free run of the model.
 
     data: one, or several by name, where a number is a frequency [Hz]; records share a panel, validations have one each
-    ax: Axes to draw into; one a validation where there are several
+    ax: Axes to draw into; one per validation
 
-    Returns the Axes, or an array of them, one a validation.
+    Returns the Axes, or an array of one per validation.
     """
     many = named(data, (Record, Validation))
     if many is None:
@@ -36,7 +36,7 @@ def loops(
         [a] = panels(ax, [[0]], 0.8)
         for k, (name, record) in enumerate(many.items()):
             colour = COLOURS["reference"] if len(many) == 1 else EQUALS[k % len(EQUALS)]
-            # What covers most lies below.
+            # The record with the longest path lies at the bottom, because it covers the most.
             order = 2.0 + 1.0 / (1.0 + float(np.abs(np.diff(record.u)).sum()))
             thin = width(0.8 if len(many) == 1 else 0.5)
             a.plot(record.u, record.y, color=colour, linewidth=thin, zorder=order, label=name or "measured")
@@ -63,11 +63,11 @@ def loops(
 
 
 def series(data: Record | Validation, *, ax: Any = None) -> Panels:
-    """Input and output over time; for a validation also the free run, and below, with its own scale, the residual.
+    """Input and output over time; for a validation also the free run, and below, on a separate scale, the residual.
 
     ax: two Axes for a record, three for a validation
 
-    Returns an array of these.
+    Returns an array of the Axes.
     """
     if not isinstance(data, (Record, Validation)):
         raise PiezoidError(f"a {type(data).__name__} has no series: give a Record or a Validation")
@@ -92,14 +92,14 @@ def series(data: Record | Validation, *, ax: Any = None) -> Panels:
 
 
 def residuals(validation: Validation, *, ax: Any = None) -> Panels:
-    """Residual of the free run: against time, its autocorrelation, and against the input.
+    """Residual of the free run: over time, its autocorrelation, and over the input.
 
-    White noise stays within the shaded bound at all lags in 99 of 100 records. Where too little is left to correlate,
-    how often which error occurs stands there instead.
+    White noise stays within the shaded bound at all lags in 99 of 100 records. If there are too few residuals for an
+    autocorrelation, their histogram is drawn instead.
 
     ax: three Axes
 
-    Returns an array of these.
+    Returns an array of the Axes.
     """
     if not isinstance(validation, Validation):
         raise PiezoidError(f"a {type(validation).__name__} leaves no residuals: give what Model.validate gives")

@@ -1,4 +1,4 @@
-"""The look of a paper: sizes, type and colours."""
+"""The style of a paper: sizes, fonts and colours."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ COLOURS = {
     "residual": "#9c4a8c",
     "muted": "#d5d9dd",
 }
-"""What a line is, and its colour: the hues of the library's reports, set apart in darkness as well."""
+"""Kinds of lines and their colours: the hues of the library's reports, which also differ in brightness."""
 
 EQUALS = ("#0b3c6f", "#d5752a", "#83386f", "#d4a833", "#1f8465")
-"""The colours of several equals: neighbours are far apart in darkness, and no two are alike in it."""
+"""Colours of lines of the same kind: all differ in brightness, adjacent ones strongly."""
 
 WIDTHS = {"single": 3.4, "double": 7.0}
 """Widths of figures in one or two columns of a journal [in]."""
@@ -34,11 +34,11 @@ FONTS = ("Helvetica", "Arial", "Liberation Sans", "DejaVu Sans")
 
 @contextmanager
 def style(width: Literal["single", "double"] | float = "single") -> Iterator[None]:
-    """Figures made within look right in a paper: in one or two of its columns, or as wide as is said [in]."""
+    """Figures created within this context fit a paper: one or two of its columns, or another width [in]."""
     inches = WIDTHS.get(width) if isinstance(width, str) else width
     if inches is None or not inches > 0:
         raise PiezoidError(f"width = {width}: must be single, double, or a number of inches above 0")
-    # One font that is there, by its own name: texts hold on to it when the style has ended.
+    # One installed font by its own name: texts keep it when the style has ended.
     known = {font.name for font in fontManager.ttflist}
     font = next((name for name in FONTS if name in known), FONTS[-1])
     look: dict[Any, Any] = {
@@ -70,7 +70,7 @@ def style(width: Literal["single", "double"] | float = "single") -> Iterator[Non
         **{f"{axis}tick.minor.size": 1.5 for axis in "xy"},
         **{f"{axis}tick.major.pad": 2.5 for axis in "xy"},
     }
-    # Its own settings alone are put back: whoever draws first in a notebook also starts the notebook's way of showing figures.
+    # Only these settings are restored: the first figure in a notebook also sets how the notebook displays figures.
     before = {name: mpl.rcParams[name] for name in look}
     mpl.rcParams.update(look)
     try:

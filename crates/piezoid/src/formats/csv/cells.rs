@@ -1,11 +1,11 @@
-//! A line into its cells, without copying any.
+//! Splits a line into its cells, without copying them.
 
-/// The cells of a line, without the spaces and quotes around them; a quote that does not fit ends them with an error.
+/// The cells of a line, without the spaces and quotes around them; an invalid quote ends them with an error.
 pub(super) fn cells(line: &str, separator: char) -> Cells<'_> {
     Cells { rest: Some(line), separator }
 }
 
-/// Whether a line holds nothing but separators and spaces.
+/// True if a line contains only separators and spaces.
 pub(super) fn blank(line: &str, separator: char) -> bool {
     line.chars().all(|c| c == separator || c.is_whitespace())
 }
@@ -31,7 +31,7 @@ impl<'a> Iterator for Cells<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// Takes a cell in quotes off the line, up to the quote that is not doubled.
+    /// Splits off a cell in quotes, up to the quote that is not doubled.
     fn quoted(&mut self, line: &'a str) -> Result<&'a str, &'static str> {
         let (_, body) = line.split_once('"').unwrap_or(("", line));
         let mut close = 0;
@@ -52,7 +52,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// What stands before the first separator, and what after it, if there is one.
+/// The text before the first separator, and the text after it, if there is one.
 fn split(line: &str, separator: char) -> (&str, Option<&str>) {
     match line.bytes().position(|b| char::from(b) == separator) {
         Some(at) => (&line[..at], Some(&line[at + 1..])),

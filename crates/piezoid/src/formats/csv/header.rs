@@ -8,7 +8,7 @@ use crate::formats::quote::{listed, quoted};
 use std::collections::HashMap;
 use std::iter::Peekable;
 
-/// More columns than any logger has.
+/// Maximum number of columns: more than any logger has.
 const MOST: usize = 10_000;
 
 /// The row of names.
@@ -16,12 +16,12 @@ const MOST: usize = 10_000;
 pub(super) struct Header {
     pub(super) line: u64,
     pub(super) separator: char,
-    /// One a column; empty where a column has no name, and nobody can ask for it.
+    /// One per column; empty if a column has no name and therefore cannot be selected.
     pub(super) names: Vec<String>,
 }
 
 impl Header {
-    /// Takes the header off the lines, and with it all that stands above.
+    /// Takes the header and everything above it off the lines.
     pub(super) fn read<'a>(lines: &mut Peekable<impl Iterator<Item = (u64, &'a str)>>) -> Result<Header, Error> {
         let mut comment = None;
         while let Some((line, text)) = lines.next_if(|(_, text)| comment_text(text).is_some() || text.trim().is_empty())
@@ -60,7 +60,7 @@ impl Header {
         Ok(Header { line, separator, names: cells(text, separator).map(name).collect::<Result<_, _>>()? })
     }
 
-    /// Whether these are numbers and not names.
+    /// True if these are numbers and not names.
     fn is_a_row(&self) -> bool {
         let mut named = self.names.iter().filter(|name| !name.is_empty()).peekable();
         named.peek().is_some() && named.all(|name| looks_numeric(name))
@@ -74,7 +74,7 @@ impl Header {
         Error::Line { line: self.line, column: None, problem }
     }
 
-    /// Refuses names that stand twice, or none at all.
+    /// Returns an error if a name occurs twice, or if there are no names.
     fn checked(self) -> Result<Header, Error> {
         let refused = |column, problem| Err(Error::Line { line: self.line, column, problem });
         let mut seen = HashMap::new();
@@ -92,14 +92,14 @@ impl Header {
     }
 }
 
-/// What follows the `#` of a comment, or the `sep=` by which spreadsheets name the separator.
+/// The text after the `#` of a comment, or after the `sep=` with which spreadsheets name the separator.
 fn comment_text(line: &str) -> Option<&str> {
     let line = line.trim_start();
     line.strip_prefix('#').or_else(|| line.strip_prefix("sep="))
 }
 
-/// Tab before semicolon before comma, whichever the header has outside quotes: a name may well hold a comma where
-/// semicolons or tabs separate, hardly the other way round.
+/// A tab if the header has one outside quotes, else a semicolon if it has one, else a comma: a name may contain a comma
+/// if semicolons or tabs separate, but hardly a semicolon if commas separate.
 fn separator(header: &str) -> char {
     let outside = || header.split('"').step_by(2);
     ['\t', ';'].into_iter().find(|c| outside().any(|part| part.contains(*c))).unwrap_or(',')

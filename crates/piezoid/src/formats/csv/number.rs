@@ -1,22 +1,22 @@
-//! A cell into a number, or into the reason why it is none.
+//! Converts a cell to a number, or to the reason why it is not a number.
 
 use crate::formats::quote::quoted;
 
-/// Ways to say that there is no number, beyond the `nan` and `inf` that Rust reads: of Windows, spreadsheets, data
+/// Notations for a missing number, besides the `nan` and `inf` that Rust reads: those of Windows, spreadsheets and data
 /// frames.
 const NOT_FINITE: [&str; 15] = [
     "1.#inf", "1.#nan", "1.#qnan", "1.#snan", "1.#ind", "nan(ind)", "nanq", "na", "n/a", "#n/a", "#num!", "#div/0!",
     "null", "none", "\u{221e}",
 ];
 
-/// A cell that is no finite number; [`problem`] says why.
+/// A cell that is not a finite number; [`problem`] gives the reason.
 pub(super) struct NotANumber;
 
-/// Reads numbers with the decimal signs that a separator allows.
+/// Reads numbers with the decimal separators that the column separator allows.
 pub(super) struct NumberReader {
-    /// Whether a comma can be a decimal sign, because it is not the separator.
+    /// True if a comma can be a decimal separator, because it does not separate columns.
     comma: bool,
-    /// The last cell with its comma made a point.
+    /// The last cell, with its comma replaced by a point.
     pointed: String,
 }
 
@@ -25,7 +25,7 @@ impl NumberReader {
         NumberReader { comma: separator != ',', pointed: String::new() }
     }
 
-    /// Point or comma, where the cell has one and it could be either.
+    /// Point or comma, if the cell has one and it could be either.
     pub(super) fn decimal_sign(&self, cell: &str) -> Option<char> {
         if self.comma { cell.chars().find(|c| ".,".contains(*c)) } else { None }
     }
@@ -44,12 +44,12 @@ impl NumberReader {
     }
 }
 
-/// Whether a cell would be a number, or a way to say that there is none, in some notation.
+/// True if a cell would be a number, or a notation for a missing number, in some format.
 pub(super) fn looks_numeric(cell: &str) -> bool {
     cell.replacen(',', ".", 1).parse::<f64>().is_ok() || not_finite(cell)
 }
 
-/// Why a cell is no number. Where the `first` row holds words it is probably a row of units.
+/// The reason why a cell is not a number. If the `first` row contains words, it is probably a row of units.
 pub(super) fn problem(cell: &str, first: bool) -> String {
     if cell.is_empty() {
         return "the cell is empty: every row needs a number here".into();
@@ -69,7 +69,7 @@ pub(super) fn problem(cell: &str, first: bool) -> String {
     format!("{shown} is not a number")
 }
 
-/// A column that uses point and comma.
+/// The problem of a column that uses point and comma.
 pub(super) fn mixed(cell: &str, sign: char, above: u64) -> String {
     format!(
         "{} has another decimal separator than line {above} (`{sign}`): use one of them throughout, and no thousands \
@@ -78,7 +78,7 @@ pub(super) fn mixed(cell: &str, sign: char, above: u64) -> String {
     )
 }
 
-/// Whether a cell says that there is no number, in any spelling.
+/// True if a cell is a notation for a missing number, in any spelling.
 fn not_finite(cell: &str) -> bool {
     let unsigned = cell.trim_start_matches(['+', '-']);
     NOT_FINITE.iter().any(|spelling| unsigned.eq_ignore_ascii_case(spelling))

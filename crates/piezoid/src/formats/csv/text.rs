@@ -1,8 +1,8 @@
-//! From bytes to lines of text, or to the reason why these bytes are none.
+//! Converts bytes to lines of text, or to the reason why they are not text.
 
 use crate::Error;
 
-/// How files start that are taken for a CSV by mistake.
+/// Signatures of files that are taken for CSV by mistake.
 const OTHERS: [(&[u8], &str); 7] = [
     (b"PK\x03\x04", "a zip archive, such as .xlsx or .npz"),
     (b"\x89HDF", "an HDF5 file, such as .mat of version 7.3"),
@@ -13,7 +13,7 @@ const OTHERS: [(&[u8], &str); 7] = [
     (b"<", "HTML or XML"),
 ];
 
-/// The text, without its byte-order mark; its lines all end alike and hold no NUL.
+/// The text without its byte-order mark. All lines end in the same way and contain no NUL.
 pub(super) fn decode(bytes: &[u8]) -> Result<&str, Error> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
@@ -46,14 +46,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<&str, Error> {
     }
 }
 
-/// The lines with their numbers, from 1. They end with a line feed or, in a file without any, with a carriage return;
-/// the return before a line feed remains, as the space it is to every reader of cells.
+/// The lines with their numbers, from 1. They end with a line feed or, in a file without line feeds, with a carriage
+/// return. A carriage return before a line feed remains; readers of cells treat it as a space.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
     let end = if text.contains('\n') { '\n' } else { '\r' };
     (1..).zip(text.split(end))
 }
 
-/// Whether every other byte at the start is zero, or a UTF-16 byte-order mark is there.
+/// True if every other byte at the start is zero, or if there is a UTF-16 byte-order mark.
 fn utf16(bytes: &[u8]) -> bool {
     match bytes {
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => true,
@@ -62,7 +62,7 @@ fn utf16(bytes: &[u8]) -> bool {
     }
 }
 
-/// A byte that is not UTF-8: another encoding in a text, or no text at all.
+/// The error for a byte that is not UTF-8: text in another encoding, or no text.
 fn not_utf8(bytes: &[u8], at: usize) -> Error {
     let control = |b: &u8| *b < b' ' && !b"\t\n\r\x0c".contains(b);
     let byte = bytes.get(at).copied().unwrap_or_default();
@@ -83,12 +83,12 @@ fn not_utf8(bytes: &[u8], at: usize) -> Error {
     }
 }
 
-/// A carriage return that no line feed follows, in a file with line feeds.
+/// Position of a carriage return without a line feed after it, in a file with line feeds.
 fn stray_return(bytes: &[u8]) -> Option<usize> {
     bytes.windows(2).position(|pair| pair[0] == b'\r' && !b"\r\n".contains(&pair[1]))
 }
 
-/// The line, from 1, of a place in the file.
+/// The line, from 1, of a position in the file.
 fn line_at(bytes: &[u8], at: usize) -> u64 {
     let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     1 + bytes.iter().take(at).filter(|b| **b == end).count() as u64

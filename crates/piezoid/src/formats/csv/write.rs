@@ -1,7 +1,7 @@
-//! Records and signals as CSV, so that reading gives the same numbers back, to the bit.
+//! Records and signals as CSV. Reading them gives bit-identical numbers.
 //!
-//! Samples are written as the shortest decimal numbers that read back as themselves. Time stamps are exact decimal
-//! multiples of the decimal number that the sampling period is written as: 0.0015, never 0.0015000000000000002.
+//! Each sample is written as the shortest decimal number that reads back as the same number. Time stamps are exact
+//! decimal multiples of the sampling period as it is written: 0.0015, never 0.0015000000000000002.
 
 use crate::error::{Error, finite, positive};
 use crate::formats::Table;
@@ -18,7 +18,7 @@ impl Table {
     /// ```
     ///
     /// # Errors
-    /// `ts` must be positive, the columns equally long and finite, their names different and without line ends.
+    /// `ts` must be positive, the columns equally long and finite, and their names different and without line ends.
     pub fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<String, Error> {
         positive("ts", ts, "seconds")?;
         let rows = columns.first().map_or(0, |(_, samples)| samples.len());
@@ -61,7 +61,7 @@ impl Record {
     /// This record as a CSV file with the columns `t_s`, `u_*` and `y_*` in its units.
     ///
     /// # Errors
-    /// The units hold a line end.
+    /// Returns an error if the units contain a line end.
     pub fn to_csv(&self) -> Result<String, Error> {
         let name = |prefix: &str, unit: &str| format!("{prefix}{unit}");
         let (u, y) = (name("u_", &self.units().u), name("y_", &self.units().y));
@@ -69,7 +69,7 @@ impl Record {
     }
 }
 
-/// A name, in quotes where it holds what separates or quotes.
+/// A name, in quotes if it contains a separator or a quote.
 fn push_name(text: &mut String, name: &str) {
     if name.contains([',', ';', '"']) {
         text.extend(["\"", &name.replace('"', "\"\""), "\""]);
@@ -78,7 +78,7 @@ fn push_name(text: &mut String, name: &str) {
     }
 }
 
-/// The shortest number that reads back as this one, with a power of ten where zeros would pile up.
+/// The shortest number that reads back as this one, with a power of ten if there would be many zeros.
 fn push_number(text: &mut String, value: f64) {
     let plain = value == 0.0 || (1e-5..1e16).contains(&value.abs());
     // Writing to a String cannot fail.
@@ -103,7 +103,7 @@ impl Stamps {
         }
     }
 
-    /// Stamp `k`: at most 17 digits times 20 fit into the 38 of an u128.
+    /// Time stamp `k`. The product of 17 and 20 digits fits into the 38 digits of an u128.
     fn push(&self, text: &mut String, k: usize) {
         let product = self.digits * k as u128;
         let decimals = usize::try_from(self.decimals).unwrap_or(0);

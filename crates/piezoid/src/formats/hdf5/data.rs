@@ -1,4 +1,4 @@
-//! Data sets: their type, shape and place, and the filters their chunks went through.
+//! Data sets: their type, shape and position, and the filters of their chunks.
 
 use super::Hdf5File;
 use super::object::{FILTERS, LAYOUT, Object, SPACE, TYPE, attribute};
@@ -9,18 +9,18 @@ use crate::formats::bytes::{self, NumberFormat, NumberKind, damaged, length, par
 const NUMBERS: [&str; 11] =
     ["double", "single", "logical", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"];
 
-/// Samples, or what is no vector of such.
+/// Samples, or a description if the data set is not a vector of real numbers.
 type Samples = Result<Vec<f64>, String>;
 
 impl<'a> Hdf5File<'a> {
-    /// The samples of a data set; nothing where it is a line of text or the like.
+    /// The samples of a data set; `None` for a line of text or similar information on the record.
     pub(super) fn samples(&mut self, data: &Object<'a>) -> Result<Option<Samples>, Error> {
         let left = |what: &str| Ok(Some(Err(what.to_string())));
         let (Some(space), Some(kind), Some(layout)) = (data.first(SPACE), data.first(TYPE), data.first(LAYOUT)) else {
             return left("no data set of a supported type");
         };
         let dims = dims(space)?;
-        // Last first, as MATLAB counts: a line of text has one row.
+        // The last dimension is the first one of MATLAB: a line of text has one row.
         let rows = dims.last().copied().unwrap_or(1);
         let class = attribute(data, "MATLAB_class")?.map(bytes::text);
         match class.as_deref() {
@@ -33,7 +33,7 @@ impl<'a> Hdf5File<'a> {
         }
         let numbers = match numbers(kind)? {
             Ok(numbers) => numbers,
-            // A single text or the like is what a file says of its record.
+            // A single text or similar value is information on the record.
             Err(_) if bytes::size(&dims)? == 1 => return Ok(None),
             Err(what) => return left(what),
         };
@@ -44,7 +44,7 @@ impl<'a> Hdf5File<'a> {
         self.placed(data, layout, &dims, numbers, n).map(Some)
     }
 
-    /// The `n` numbers of a vector of this shape, from where they stand.
+    /// The `n` numbers of a vector of this shape, from their position.
     fn placed(
         &mut self,
         data: &Object<'a>,
@@ -57,7 +57,7 @@ impl<'a> Hdf5File<'a> {
         self.unpacking.count(len.max(8 * n.min(usize::MAX / 8)))?;
         let read = |bytes: &[u8]| Ok(numbers.read(bytes, numbers.size).ok_or_else(|| "of an unknown type".into()));
         let number = |at, size| length(layout, at, size, false);
-        // The class (compact, contiguous, chunked), and where the address and the shape of chunks stand.
+        // The class (compact, contiguous, chunked), and the positions of the address and the shape of chunks.
         let version = number(0, 1)?;
         let (class, place, shape) = match (version, number(1, 1)?) {
             (1 | 2, rank) if number(2, 1)? == 0 => (0, 12 + 4 * rank, 0),
@@ -94,7 +94,7 @@ impl<'a> Hdf5File<'a> {
             Ok(filters) => filters,
             Err(what) => return Ok(Err(what)),
         };
-        // All samples lie along one dimension, at the start of the others.
+        // All samples lie along one dimension, at the first index of the others.
         let along = dims.iter().position(|dim| *dim == n).unwrap_or(0);
         let (Some(&step), Some(behind)) = (chunk.get(along), chunk.get(along + 1..)) else {
             return Err(damaged("chunks of a single number"));
@@ -126,7 +126,7 @@ impl<'a> Hdf5File<'a> {
         Ok(if filled == n { Ok(samples) } else { Err(format!("of {filled} samples written, not {n}")) })
     }
 
-    /// A chunk as it was before it went through these filters.
+    /// Reverses the filters of a chunk.
     fn unfiltered(&mut self, packed: &[u8], filters: &[Filter], mask: usize) -> Result<Vec<u8>, Error> {
         let mut bytes = packed.to_vec();
         for (k, filter) in filters.iter().enumerate().rev() {
@@ -143,16 +143,16 @@ impl<'a> Hdf5File<'a> {
     }
 }
 
-/// What a chunk goes through when it is written.
+/// A filter that is applied to a chunk when it is written.
 enum Filter {
     Deflate,
-    /// The first bytes of all elements, then the second ones, and so on, of elements of this length.
+    /// For elements of this length: the first bytes of all elements, then the second bytes, and so on.
     Shuffle(usize),
-    /// Fletcher's, which is not checked.
+    /// Fletcher's checksum, which is not checked.
     Checksum,
 }
 
-/// The filters of a data set, or the one that is not known.
+/// The filters of a data set, or a description of an unknown one.
 fn pipeline(message: &[u8]) -> Result<Result<Vec<Filter>, String>, Error> {
     let number = |at, size| length(message, at, size, false);
     let first = number(0, 1)? == 1;
@@ -194,7 +194,7 @@ fn dims(space: &[u8]) -> Result<Vec<usize>, Error> {
     (0..rank).map(|k| number(start + 8 * k, 8)).collect()
 }
 
-/// How numbers are stored, or what is no real number.
+/// The format of numbers, or a description of a type that is not real numbers.
 fn numbers(kind: &[u8]) -> Result<Result<NumberFormat, &'static str>, Error> {
     let number = |at, size| length(kind, at, size, false);
     let (bits, size) = (number(1, 1)?, number(4, 4)?);
@@ -210,7 +210,7 @@ fn numbers(kind: &[u8]) -> Result<Result<NumberFormat, &'static str>, Error> {
         3 => Err("text"),
         6 => Err("complex numbers, or several in one"),
         7 => Err("references, as of cells and arrays of structures"),
-        // h5py's truth: names of whole numbers, whose type follows.
+        // Booleans of h5py: an enumeration of integers, whose type follows.
         8 => self::enumeration(kind)?,
         9 if bits & 15 == 1 => Err("text"),
         9 => Err("series of several lengths"),

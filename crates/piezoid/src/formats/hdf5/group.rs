@@ -1,4 +1,4 @@
-//! Groups: names and addresses, in B-trees of version 1 or in messages of their own.
+//! Groups: names and addresses, in B-trees of version 1 or in link messages.
 
 use super::object::{LINK, Object, SYMBOLS};
 use super::{Hdf5File, newer};
@@ -6,7 +6,7 @@ use crate::Error;
 use crate::formats::bytes::{damaged, length, part, text};
 
 impl<'a> Hdf5File<'a> {
-    /// What stands in a group: names, and addresses of their objects. Links to elsewhere are not followed.
+    /// Names in a group, and addresses of their objects. Links to other places are not followed.
     pub(super) fn links(&mut self, group: &Object<'a>) -> Result<Vec<(String, usize)>, Error> {
         let mut links = Vec::new();
         if let Some(symbols) = group.first(SYMBOLS) {
@@ -33,7 +33,7 @@ impl<'a> Hdf5File<'a> {
         part(self.bytes, self.number(at + 24, 8)?, self.number(at + 8, 8)?)
     }
 
-    /// The symbols of a leaf.
+    /// Adds the symbols of a leaf to `links`.
     fn symbols(&mut self, at: usize, names: &[u8], links: &mut Vec<(String, usize)>) -> Result<(), Error> {
         self.visit()?;
         if part(self.bytes, at, 4)? != b"SNOD" {
@@ -50,7 +50,7 @@ impl<'a> Hdf5File<'a> {
         Ok(())
     }
 
-    /// The leaves below a node of a B-tree, whose keys have this length.
+    /// The leaves below a node of a B-tree with keys of this length.
     pub(super) fn leaves(&mut self, root: usize, key: usize) -> Result<Vec<Leaf<'a>>, Error> {
         let mut leaves = Vec::new();
         let mut nodes = vec![(root, usize::MAX)];
@@ -75,14 +75,14 @@ impl<'a> Hdf5File<'a> {
     }
 }
 
-/// A child of the lowest level of a tree.
+/// An entry of the lowest level of a tree.
 pub(super) struct Leaf<'a> {
     pub(super) key: &'a [u8],
     /// Its address.
     pub(super) child: usize,
 }
 
-/// A link that is a message: a name, and the address of its object.
+/// A link message: a name, and the address of its object; `None` for other kinds of link.
 fn link(message: &[u8]) -> Result<Option<(String, usize)>, Error> {
     let flags = length(message, 1, 1, false)?;
     let kind = if flags & 8 > 0 { length(message, 2, 1, false)? } else { 0 };

@@ -1,17 +1,17 @@
-//! Objects: the messages in their heads, of versions 1 and 2.
+//! Objects: the messages in their headers, of versions 1 and 2.
 
 use super::{Hdf5File, newer};
 use crate::Error;
 use crate::formats::bytes::{damaged, length, part, text};
 
-/// A group or a data set: what its head says of it.
+/// A group or a data set: the content of its header.
 pub(super) struct Object<'a> {
     messages: Vec<Message<'a>>,
 }
 
 struct Message<'a> {
     kind: usize,
-    /// Whether it stands elsewhere.
+    /// True if the message is stored elsewhere.
     shared: bool,
     bytes: &'a [u8],
 }
@@ -27,12 +27,12 @@ const CONTINUATION: usize = 16;
 pub(super) const SYMBOLS: usize = 17;
 
 impl<'a> Object<'a> {
-    /// The messages of a kind that stand here.
+    /// The messages of a kind that are stored here.
     pub(super) fn all(&self, kind: usize) -> impl Iterator<Item = &'a [u8]> {
         self.messages.iter().filter(move |m| m.kind == kind && !m.shared).map(|m| m.bytes)
     }
 
-    /// The first of a kind.
+    /// The first message of a kind.
     pub(super) fn first(&self, kind: usize) -> Option<&'a [u8]> {
         self.all(kind).next()
     }
@@ -41,17 +41,17 @@ impl<'a> Object<'a> {
         self.messages.iter().any(|message| [SYMBOLS, LINK_INFO, LINK].contains(&message.kind))
     }
 
-    /// Whether the links of a group stand in a heap of their own, for their number.
+    /// True if the links of a group are stored in a separate heap, because there are many.
     pub(super) fn is_large(&self) -> Result<bool, Error> {
         let Some(info) = self.first(LINK_INFO) else { return Ok(false) };
-        // Behind the largest order of creation, where that is told.
+        // After the largest creation order, if it is stored.
         let at = if length(info, 1, 1, false)? & 1 > 0 { 10 } else { 2 };
         Ok(part(info, at, 8)? != [0xff; 8])
     }
 }
 
 impl<'a> Hdf5File<'a> {
-    /// The object whose head stands at an address.
+    /// The object whose header is at an address.
     pub(super) fn object(&mut self, at: usize) -> Result<Object<'a>, Error> {
         let second = part(self.bytes, at, 4)? == b"OHDR";
         let (first, extra) = if second {
@@ -83,7 +83,7 @@ impl<'a> Hdf5File<'a> {
                 let bytes = part(block, at + head, len)?;
                 if kind == CONTINUATION {
                     let (at, len) = (length(bytes, 0, 8, false)?, length(bytes, 8, 8, false)?);
-                    // Those of version 2 begin with a signature and end with a checksum.
+                    // Blocks of version 2 begin with a signature and end with a checksum.
                     blocks.push(if second { (at + 4, len.saturating_sub(8)) } else { (at, len) });
                 } else {
                     messages.push(Message { kind, shared: flags & 2 > 0, bytes });
@@ -95,11 +95,11 @@ impl<'a> Hdf5File<'a> {
     }
 }
 
-/// The value of an attribute, a number or a text that stands here, if there is such.
+/// The value of an attribute, if it is a number or a text that is stored here.
 pub(super) fn attribute<'a>(object: &Object<'a>, wanted: &str) -> Result<Option<&'a [u8]>, Error> {
     for bytes in object.all(ATTRIBUTE) {
         let number = |at| length(bytes, at, 2, false);
-        // Version 1 fills its parts up to eight bytes; version 3 says how names are encoded.
+        // Version 1 pads its parts to eight bytes; version 3 states the encoding of names.
         let (start, fill) = match length(bytes, 0, 1, false)? {
             1 => (8, 8),
             2 => (8, 1),

@@ -1,10 +1,10 @@
-//! Version 4: matrices one after the other, each behind a head of 20 bytes and its name.
+//! Version 4: matrices one after the other, each after a header of 20 bytes and its name.
 
 use crate::Error;
 use crate::formats::Channel;
 use crate::formats::bytes::{NumberFormat, NumberKind, damaged, length, part, size, text, vector, whole};
 
-/// The head of a matrix.
+/// The header of a matrix.
 struct MatrixHead {
     numbers: NumberFormat,
     /// Numbers, text, or a sparse matrix.
@@ -14,7 +14,8 @@ struct MatrixHead {
     name: usize,
 }
 
-/// The head at this place, where there can be one. Nothing marks such a file, but hardly anything else passes.
+/// The header at this position, if it can be one. These files have no signature, but hardly any other file passes the
+/// checks.
 fn head(file: &[u8], at: usize) -> Option<MatrixHead> {
     let big = whole(file, at, 4, false).ok()? > 9999;
     let number = |k: usize| length(file, at + 4 * k, 4, big).ok();
@@ -37,7 +38,7 @@ fn head(file: &[u8], at: usize) -> Option<MatrixHead> {
     fits.then_some(MatrixHead { numbers, kind, dims: [number(1)?, number(2)?], complex: complex == 1, name })
 }
 
-/// Whether a file begins with a matrix.
+/// True if a file begins with a matrix.
 pub(super) fn begins(file: &[u8]) -> bool {
     head(file, 0).is_some()
 }

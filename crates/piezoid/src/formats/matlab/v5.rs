@@ -1,8 +1,7 @@
-//! Versions 5 and 7: elements within elements, each behind a tag of its type and length; version 7 deflates every
-//! variable.
+//! Versions 5 and 7: nested elements, each after a tag with its type and length. Version 7 deflates every variable.
 //!
-//! Numbers are stored in the smallest type that holds them, whatever the class of their array. A cell that stands alone
-//! is what it holds, and cells of single numbers are a vector of them.
+//! Numbers are stored in the smallest sufficient type, whatever the class of their array. A single cell is read as its
+//! content, and cells of single numbers as a vector.
 
 use crate::Error;
 use crate::formats::Channel;
@@ -10,7 +9,7 @@ use crate::formats::bytes::{
     DEEPEST, NumberFormat, NumberKind, Unpacking, damaged, length, part, shape, size, text, vector,
 };
 
-/// Bytes of the text that a file begins with, and of version and byte order.
+/// Bytes of the text at the start of a file, with version and byte order.
 const HEAD: usize = 128;
 /// Types of elements.
 const MATRIX: usize = 14;
@@ -18,7 +17,7 @@ const COMPRESSED: usize = 15;
 /// The flag of an array of complex numbers.
 const COMPLEX: usize = 0x800;
 
-/// Whether a file begins as these versions do.
+/// True if a file has the signature of these versions.
 pub(super) fn begins(file: &[u8]) -> bool {
     matches!(file.get(HEAD - 4..HEAD), Some([_, 1, b'I', b'M'] | [1, _, b'M', b'I']))
 }
@@ -37,7 +36,7 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
         } else {
             array(element, big, 0)?
         };
-        // What has no name is MATLAB's own.
+        // Variables without a name are MATLAB's own.
         if !name.is_empty() {
             flat(name, value, &mut channels);
         }
@@ -45,9 +44,9 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
     Ok(channels)
 }
 
-/// What a variable, field or cell holds.
+/// The content of a variable, field or cell.
 enum MatValue {
-    /// Samples, or what is no vector of such.
+    /// Samples, or a description if they are not a vector of real numbers.
     Samples(Result<Vec<f64>, String>),
     /// A line of text.
     Text,
@@ -75,7 +74,7 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
     let mut parts = Elements { bytes, at: 0, big };
     let (_, flags) = parts.next()?;
     let flags = length(flags, 0, 4, big)?;
-    // What is opaque says its name in place of its dimensions.
+    // An opaque object states its name in place of its dimensions.
     let dims = if flags & 0xff == 17 { Vec::new() } else { parts.lengths()? };
     let name = text(parts.next()?.1);
     let value = match flags & 0xff {
@@ -122,7 +121,7 @@ fn fields(parts: &mut Elements<'_>, depth: usize) -> Result<MatValue, Error> {
     Ok(MatValue::Fields(fields))
 }
 
-/// Elements one after the other.
+/// A sequence of elements.
 struct Elements<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -130,29 +129,29 @@ struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// The next one: its type and its bytes.
+    /// The next element: its type and its bytes.
     fn next(&mut self) -> Result<(usize, &'a [u8]), Error> {
         let &mut Elements { bytes, at, big } = self;
         let tag = length(bytes, at, 4, big)?;
-        // Up to four bytes stand within the tag.
+        // Up to four bytes are stored within the tag.
         if tag >> 16 > 0 {
             self.at += 8;
             return Ok((tag & 0xffff, part(bytes, at + 4, (tag >> 16).min(4))?));
         }
         let element = part(bytes, at + 8, length(bytes, at + 4, 4, big)?)?;
-        // All but what is compressed is filled up to eight bytes, the last one perhaps not.
+        // All elements except compressed ones are padded to eight bytes; the padding of the last one may be missing.
         let end = at + 8 + element.len();
         self.at = if tag == COMPRESSED { end } else { end.next_multiple_of(8).min(bytes.len()) };
         Ok((tag, element))
     }
 
-    /// The next one, whole numbers of four bytes that are lengths.
+    /// The next element as integers of four bytes, which are lengths.
     fn lengths(&mut self) -> Result<Vec<usize>, Error> {
         let (_, bytes) = self.next()?;
         (0..bytes.len() / 4).map(|k| length(bytes, 4 * k, 4, self.big)).collect()
     }
 
-    /// The next one, so many numbers.
+    /// The next element as `count` numbers.
     fn numbers(&mut self, count: usize) -> Result<Vec<f64>, Error> {
         let (kind, bytes) = self.next()?;
         let (number, size) = match kind {

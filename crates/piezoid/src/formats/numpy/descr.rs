@@ -1,11 +1,11 @@
-//! What an array consists of: the head of a `.npy` file.
+//! The type and shape of an array: the header of a `.npy` file.
 
 use super::literal::{Literal, parse};
 use crate::Error;
 use crate::formats::bytes::{DEEPEST, NumberFormat, NumberKind, damaged, shape, size};
 use crate::formats::quote::quoted;
 
-/// The head of a file.
+/// The header of a file.
 #[derive(Debug, PartialEq)]
 pub(super) struct ArrayHead {
     pub(super) descr: Descr,
@@ -16,18 +16,18 @@ pub(super) struct ArrayHead {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Descr {
     Numbers(NumberFormat),
-    /// Instants or spans of time, whole numbers of 8 bytes: in this unit, of which so many are a second.
+    /// Points in time or time differences, integers of 8 bytes; a tick is `unit` / `per_second` seconds.
     Instants {
         big: bool,
         unit: f64,
         per_second: f64,
     },
     Fields(Vec<(String, Descr)>),
-    /// What is no real number, and its bytes.
+    /// A description of a type that is not a real number, and its bytes.
     Other(String, usize),
 }
 
-/// Reads the head of a file.
+/// Reads the header of a file.
 pub(super) fn head(bytes: &[u8]) -> Result<ArrayHead, Error> {
     let text = String::from_utf8_lossy(bytes);
     let wrong = || damaged(format!("the description of an array, {:.60?}", text.trim()));
@@ -55,7 +55,7 @@ fn descr(literal: &Literal, depth: usize) -> Option<Descr> {
     }
 }
 
-/// A name, perhaps with a title before it, a type, and perhaps a shape.
+/// A name, possibly with a title before it, a type, and possibly a shape.
 fn field(literal: &Literal, depth: usize) -> Option<(String, Descr)> {
     let Literal::List(parts) = literal else { return None };
     let (name, kind, dims) = match &parts[..] {
@@ -108,7 +108,7 @@ fn plain(code: &str) -> Option<Descr> {
     }
 }
 
-/// A unit of time, such as `us` or `10us`: how many of one of which how many are a second.
+/// A unit of time, such as `us` or `10us`: the quotient of the two numbers is its duration [s].
 fn seconds(unit: &str) -> Option<(f64, f64)> {
     let digits = unit.len() - unit.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let count: f64 = if digits > 0 { unit[..digits].parse().ok()? } else { 1.0 };
@@ -130,7 +130,7 @@ fn seconds(unit: &str) -> Option<(f64, f64)> {
 }
 
 impl Descr {
-    /// Bytes an element; none where they cannot be counted.
+    /// Bytes per element; `None` if the number is too large.
     pub(super) fn size(&self) -> Option<usize> {
         match self {
             Descr::Numbers(numbers) => Some(numbers.size),

@@ -1,9 +1,9 @@
-//! The few words of Python in which numpy describes an array: text, whole numbers, truth, tuples, lists, dictionaries.
+//! The Python literals with which numpy describes an array: text, integers, booleans, tuples, lists, dictionaries.
 
 use crate::Error;
 use crate::formats::bytes::{DEEPEST, damaged};
 
-/// A value in Python's words.
+/// A Python literal.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Literal {
     Text(String),
@@ -14,7 +14,7 @@ pub(super) enum Literal {
     Dict(Vec<(Literal, Literal)>),
 }
 
-/// Reads a value, and nothing behind it but space.
+/// Reads a literal, which only space may follow.
 pub(super) fn parse(text: &str) -> Result<Literal, Error> {
     let mut rest = text;
     let value = value(&mut rest, 0).filter(|_| rest.trim().is_empty());
@@ -54,7 +54,7 @@ fn value(rest: &mut &str, depth: usize) -> Option<Literal> {
     }
 }
 
-/// What stands between brackets, separated by commas; the last may stand behind the last value.
+/// The values between brackets, separated by commas; a comma may follow the last value.
 fn series<T>(rest: &mut &str, close: char, one: impl Fn(&mut &str) -> Option<T>) -> Option<Vec<T>> {
     let mut values = Vec::new();
     *rest = &rest[1..];

@@ -1,5 +1,5 @@
-//! Zip archives, as far as `numpy.savez` and `savez_compressed` write them: the directory at the end, members stored or
-//! deflated. Not done: more than 4 GiB, encryption, several disks.
+//! Zip archives as `numpy.savez` and `savez_compressed` write them: the directory at the end, members stored or
+//! deflated. Not supported: more than 4 GiB, encryption, several disks.
 //!
 //! Reference: PKWARE, .ZIP File Format Specification 6.3,
 //! <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
@@ -22,13 +22,13 @@ pub(super) struct Member {
     at: usize,
 }
 
-/// The name of the first member, of an archive that begins with one.
+/// The name of the first member, if the archive begins with one.
 pub(super) fn first(bytes: &[u8]) -> Option<&[u8]> {
     let len = length(bytes.strip_prefix(MEMBER)?, 22, 2, false).ok()?;
     part(bytes, 30, len).ok()
 }
 
-/// What stands in the directory.
+/// The entries of the directory.
 pub(super) fn members(file: &[u8]) -> Result<Vec<Member>, Error> {
     let end = file.windows(END.len()).rposition(|window| window == END);
     let end = end.ok_or_else(|| damaged("the directory at its end is missing"))?;
@@ -53,7 +53,7 @@ pub(super) fn members(file: &[u8]) -> Result<Vec<Member>, Error> {
 }
 
 impl Member {
-    /// Its bytes, whose checksum is right.
+    /// Its unpacked bytes, whose checksum is checked.
     pub(super) fn bytes<'a>(&self, file: &'a [u8], unpacking: &mut Unpacking) -> Result<Cow<'a, [u8]>, Error> {
         let (name, at) = (&self.name, self.at);
         if part(file, at, MEMBER.len())? != MEMBER {
