@@ -239,7 +239,7 @@ def test_the_readers_of_records_serve_fleets_too(tmp_path):
 
 def test_what_would_lose_rows_or_run_nothing_is_refused() -> None:
     twice = pd.Series([1, 2], index=["a", "a"])
-    with pytest.raises(pz.PiezoidError, match="2 jobs have 1 names"):
+    with pytest.raises(pz.PiezoidError, match="the names of the 2 jobs are not all different"):
         pz.fleet.run(float, twice)
     for settings in [{"retries": -1}, {"chunk": 0}]:
         with pytest.raises(pz.PiezoidError, match="whole number"):

@@ -153,7 +153,7 @@ def test_voltages_alone_are_one_record_with_or_without_a_second_axis() -> None:
 
 def test_rows_that_are_no_records_are_refused_with_their_place() -> None:
     X, y, _ = stack(TWIN)
-    with pytest.raises(pz.PiezoidError, match="record 0 goes on at row 2500 of X"):
+    with pytest.raises(pz.PiezoidError, match="again at row 2500 of X"):
         clone(PLAIN).fit(np.roll(X, -500, axis=0), y)
     half = X.copy()
     half[7, 1] = 0.5
@@ -225,7 +225,7 @@ def test_a_grid_search_finds_the_operator_that_made_the_data() -> None:
 def test_records_that_differ_in_kind_are_not_stacked() -> None:
     with pytest.raises(pz.PiezoidError, match="every 0.001 s in V and um; every 0.002 s in V and um"):
         stack([TWIN[0], pz.Record(TWIN[0].u, TWIN[0].y, 2e-3)])
-    with pytest.raises(pz.PiezoidError, match="these are none"):
+    with pytest.raises(pz.PiezoidError, match="these are: none"):
         stack([])
 
 

@@ -143,7 +143,7 @@ def test_branches_go_the_way_their_names_say_and_close(model):
 def test_a_model_that_knows_no_range_asks_for_one(model):
     document = {key: part for key, part in model.to_dict().items() if key != "identified"}
     blind = pz.Model.from_dict(document | {"hysteresis": {"operator": "proportional", "gain": 1.0}})
-    with pytest.raises(pz.PiezoidError, match="the model knows no range"):
+    with pytest.raises(pz.PiezoidError, match="does not state its input range"):
         pz.plot.branches(blind)
     assert pz.plot.branches(blind, over=(0, 10)).dataLim.x1 == 10
 

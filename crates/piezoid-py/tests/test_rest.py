@@ -86,7 +86,7 @@ def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Reco
         "model = 3": lambda: pz.export(3, "c"),  # type: ignore[arg-type]
         "give controller=": lambda: pz.export(model, "c", late=2),
         "servo_cycle = 0.001: does not apply to": lambda: pz.export(model, "c", servo_cycle=1e-3),
-        "no values of a plant": lambda: pz.Plant("pl140"),
+        "not the parameters of a plant": lambda: pz.Plant("pl140"),
         "stands in no model": lambda: pz.Model.from_dict({"ts": {1}}),
     }
     for told, call in wrong.items():
@@ -104,7 +104,7 @@ def test_a_model_is_exported_as_code_that_gives_its_numbers(model: pz.Model, tmp
     assert said.count("0 of 400 differ") == 3
     with pytest.raises(pz.PiezoidError, match="float = true: does not apply to the target fixed"):
         pz.export(model, "fixed", float=True)
-    with pytest.raises(pz.PiezoidError, match="must be a letter"):
+    with pytest.raises(pz.PiezoidError, match="must begin with a letter"):
         pz.export(model, "c", tmp_path / "nothing", name="1")
     assert not (tmp_path / "nothing").exists()
 

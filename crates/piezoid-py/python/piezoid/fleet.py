@@ -190,7 +190,7 @@ def run(
 
     named = dict(_items(jobs, "jobs"))
     if len(named) < len(jobs):
-        raise PiezoidError(f"{len(jobs)} jobs have only {len(named)} different names: give each job its own name")
+        raise PiezoidError(f"the names of the {len(jobs)} jobs are not all different: give each job its own name")
     whole("retries", retries)
     if chunk is not None:
         whole("chunk", chunk, least=1)
