@@ -98,12 +98,12 @@ fn what_cannot_be_read_is_told_by_what_it_should_be() {
         message("r.mat", b"nothing of the kind"),
         "cannot be read: a .mat file should hold variables of MATLAB, but this one does not start with the signature of that format: it is damaged, or has another format"
     );
-    assert!(message("r.NPZ", b"PK\x03\x04").contains("a file called .NPZ should hold named arrays"));
+    assert!(message("r.NPZ", b"PK\x03\x04").contains("a .NPZ file should hold named arrays"));
     assert!(message("r.csv", b"nothing").starts_with("there are no numbers: the file ends after its header"));
     assert!(message("r.xlsx", b"PK\x03\x04\x14\0\x06\0").contains("a zip archive, such as .xlsx"));
     assert!(message("r.mat", b"# Created by Octave 7.3.0\n# name: t_s\n").contains("`save -v7`"));
     let plain = b"\x93NUMPY\x01\x00\x3a\x00{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }\n";
-    assert!(message("r.npy", plain).starts_with("there are no names: the file holds one plain array"));
+    assert!(message("r.npy", plain).starts_with("the file holds one array without column names"));
 }
 
 #[test]

@@ -181,7 +181,9 @@ fn requests_without_a_table_are_errors() {
     let said = |request: ExportRequest| make(&request).unwrap_err().to_string();
     assert!(said(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
     let single = ExportOptions { float: true, ..Default::default() }.of("waveform", &model, Some(&r), None);
-    assert!(single.unwrap_err().to_string().starts_with("float = true: does not apply to the target waveform, only to c,"));
+    assert!(
+        single.unwrap_err().to_string().starts_with("float = true: does not apply to the target waveform, only to c,")
+    );
     let c = ExportOptions::default().of("c", &model, Some(&r), None);
     assert!(c.unwrap_err().to_string().ends_with("does not apply to the target c, only to waveform"));
     let options = ExportOptions { name: "9".into(), ..Default::default() };

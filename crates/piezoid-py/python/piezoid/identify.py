@@ -85,7 +85,8 @@ def identify(
     command = f"piezoid.identify({', '.join(f'{name}={value!r}' for name, value in changed.items())})"
     files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]
     with told(progress) as watch:
-        core = _piezoid.identify(([r._core for r in small], [r._core for r in large + everything]), options, (command, json.dumps(files)), watch)
+        cores = [r._core for r in small], [r._core for r in large + everything]
+        core = _piezoid.identify(cores, options, (command, json.dumps(files)), watch)
     return Model._of(core)
 
 

@@ -129,7 +129,8 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         seen: set[float] = set()
         for row in starts:
             if number[row] in seen:
-                raise PiezoidError(f"the rows of record {number[row]:g} are not consecutive (again at row {row} of X): keep them together")
+                again = f"again at row {row} of X"
+                raise PiezoidError(f"the rows of record {number[row]:g} are not consecutive ({again}): keep them together")
             seen.add(number[row])
         rows = [slice(*ends) for ends in zip(starts, [*starts[1:], len(X)], strict=True)]
         return [(record, X[record, 0]) for record in rows]

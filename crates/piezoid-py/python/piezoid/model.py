@@ -46,7 +46,10 @@ class Model:
     def __init__(self, text: str) -> None:
         """From the text of a model file."""
         if not isinstance(text, str):
-            raise PiezoidError(f"Model takes the JSON text of a model, not a {type(text).__name__}: use Model.from_dict for a dict, pz.load for a file")
+            raise PiezoidError(
+                f"Model takes the JSON text of a model, not a {type(text).__name__}: use Model.from_dict for a dict, "
+                "pz.load for a file"
+            )
         self._core = _piezoid.Model.from_json(text)
 
     @classmethod

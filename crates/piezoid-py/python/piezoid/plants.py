@@ -30,7 +30,8 @@ class Plant:
             self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
         except (PiezoidError, TypeError) as error:
             told = str(error).split("; start from")[0]
-            raise PiezoidError(f"these are not the parameters of a plant: {told}; start from pz.plants['pl140'].to_dict()") from None
+            remedy = "start from pz.plants['pl140'].to_dict()"
+            raise PiezoidError(f"these are not the parameters of a plant: {told}; {remedy}") from None
         self.name = name
 
     def simulate(

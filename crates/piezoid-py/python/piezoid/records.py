@@ -240,7 +240,8 @@ def _columns(source: Any) -> _Columns:
     if isinstance(source, np.ndarray) and source.dtype.names:
         return _arrays({field: source[field] for field in source.dtype.names})
     raise PiezoidError(
-        f"an object of type {type(source).__name__} cannot be read as a record: give a file, a DataFrame, a mapping of arrays, or an array with named fields"
+        f"an object of type {type(source).__name__} cannot be read as a record: give a file, a DataFrame, a mapping of "
+        "arrays, or an array with named fields"
     )
 
 

@@ -207,8 +207,8 @@ mod tests {
         );
         assert_eq!(
             third("0.2,3,4,5"),
-            "line 4: 4 fields, but the header on line 1 names 3 columns: remove what is too much, or name it in the \
-             header"
+            "line 4: 4 fields, but the header on line 1 names 3 columns: remove the additional cells, or name their columns in \
+             the header"
         );
         assert!(third("0,2,3,0,4,0").contains("if the numbers have decimal commas"));
         assert!(

@@ -263,7 +263,7 @@ mod tests {
         assert!(default(&OUTPUT, "t_s,u_V,yref_um").unwrap_err().ends_with("; give `output_col`"));
         assert_eq!(
             default(&TIME, "u_V,y_um").unwrap_err(),
-            "line 1: there is no time column: `t_s` is missing among the columns `u_V`, `y_um`; give `ts` or `time_col`"
+            "line 1: there is no time column: expected `t_s` among the columns `u_V`, `y_um`; give `ts` or `time_col`"
         );
         assert!(
             default(&TIME, "time,u_V,y_um")

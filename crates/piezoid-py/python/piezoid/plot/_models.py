@@ -40,7 +40,8 @@ def branches(
     _checked(model)
     low, high = over or model.input_range or (0.0, 0.0)
     if not low < high:
-        raise PiezoidError(f"over = {over}: give the lowest and the highest input, because the model does not state its input range")
+        remedy = "give the lowest and the highest input, because the model does not state its input range"
+        raise PiezoidError(f"over = {over}: {remedy}")
     document = model.to_dict()
     known = (document.get("identified") or {}).get("hz") or [1.0]
     n = int(np.clip(0.5 / ((hz or known[0]) * model.ts), FEWEST, MOST))
