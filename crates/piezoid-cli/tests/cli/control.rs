@@ -41,7 +41,7 @@ fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_
     assert!(percent(1) < percent(0) && percent(2) < percent(1) && percent(3) < 0.5 * percent(2), "{figures}");
     assert!(number(&figures["schemes"][2]["margins"]["gain_db"]) >= 5.99, "{figures}");
     assert_eq!(figures["schemes"][1]["margins"], serde_json::Value::Null);
-    assert!(bench.text("page.html").contains("Control side by side"));
+    assert!(bench.text("page.html").contains("Comparison of controllers"));
     // The same command gives the same bytes.
     bench.run(&format!("{line} --json again.json --report again.html")).ok();
     assert_eq!(bench.bytes("figures.json"), bench.bytes("again.json"));

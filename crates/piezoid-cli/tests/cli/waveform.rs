@@ -53,5 +53,5 @@ fn what_cannot_be_made_leaves_nothing_behind() {
         .says(&["--float: does not apply to", "only to c,"]);
     bench
         .misused("export --model model.json --target c --controller predictive -o scan")
-        .says(&["--controller predictive", "no law to export"]);
+        .says(&["--controller predictive", "cannot be exported: choose another feedback"]);
 }
