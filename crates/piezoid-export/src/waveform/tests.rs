@@ -190,7 +190,10 @@ fn requests_without_a_table_are_errors() {
     assert!(said(ExportRequest { options, ..plain() }).starts_with("name = `9`"));
     let far = sine(100, 1e5);
     assert!(said(ExportRequest { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
-    assert!(said(ExportRequest { reference: Some(&r[..60]), ..plain() }).contains("must end where it begins"));
+    assert!(
+        said(ExportRequest { reference: Some(&r[..60]), ..plain() })
+            .contains("the step from the last sample to the first must not exceed")
+    );
     let options = ExportOptions { servo_cycle: 0.0, ..Default::default() };
     assert!(said(ExportRequest { options, ..plain() }).starts_with("servo_cycle = 0"));
     let millivolts = model.clone().with_units(Units { u: "mV".into(), y: "um".into() });
