@@ -87,7 +87,7 @@ def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Reco
         "give controller=": lambda: pz.export(model, "c", late=2),
         "servo_cycle = 0.001: does not apply to": lambda: pz.export(model, "c", servo_cycle=1e-3),
         "not the parameters of a plant": lambda: pz.Plant("pl140"),
-        "stands in no model": lambda: pz.Model.from_dict({"ts": {1}}),
+        "cannot contain a set": lambda: pz.Model.from_dict({"ts": {1}}),
     }
     for told, call in wrong.items():
         with pytest.raises(pz.PiezoidError) as raised:
