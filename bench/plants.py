@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Identifies every simulated plant of bench/plants with the default options and compares its error with the noise floor.
+
+usage: plants.py [--seeds 1 2] [--only p04 p11] [--piezoid FILE] [--data FOLDER] [--json FILE]
+
+Each plant is recorded (if FOLDER does not have its records yet), identified from its training records, and validated on
+its test records: free run, each record with its own constant, without the first tenth of the record, in which the past
+decides. The floor is noise, quantisation and hum. On `day` the plant has another gain, creep and offset; the floor is
+the error of the true plant of the training day. Needs numpy and scipy, and a command `piezoid`.
+"""
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SKIPPED = 0.1
+
+
+def run(piezoid: str, words: list[str], folder: Path) -> tuple[int, str]:
+    """The command in a folder: its exit status and what it wrote on stderr."""
+    done = subprocess.run([piezoid, *words], cwd=folder, capture_output=True, text=True, check=False)
+    return done.returncode, done.stderr
+
+
+def recorded(name: str, seed: int, data: Path) -> Path:
+    """The folder with the records of a plant, made if it is not there."""
+    folder = data / f"{name}-{seed}"
+    if not (folder / "truth.json").exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        subprocess.run([sys.executable, HERE / "plants" / f"{name}.py", folder, str(seed)], check=True)
+    return folder
+
+
+def measured(piezoid: str, folder: Path, options: list[str]) -> dict:
+    """Identification and validation of one plant."""
+    truth = json.loads((folder / "truth.json").read_text())["records"]
+    names = sorted(truth)
+    small = [n for n in names if n.startswith("small")]
+    train = [n for n in names if n.startswith("train")]
+    words = ["--small-signal", *small, "--large-signal", *train] if small else ["--data", *train]
+    start = time.perf_counter()
+    status, said = run(
+        piezoid, ["identify", *words, *options, "--quiet", "-o", "model.json", "--json", "fit.json"], folder
+    )
+    row = {"seconds": time.perf_counter() - start, "notes": said, "errors": {}, "floors": {}}
+    if status != 0:
+        return row
+    model = json.loads((folder / "model.json").read_text())
+    row["operator"] = model["hysteresis"]["operator"]
+    row["order"] = len(model["linear"]["a"])
+    for name in (n for n in names if n.startswith("test")):
+        skip = SKIPPED * truth[name]["seconds"]
+        words = ["validate", "--model", "model.json", "--data", name, "--offset", "free", "--skip", f"{skip:g}"]
+        status, _ = run(piezoid, [*words, "--json", "test.json", "--quiet"], folder)
+        figures = json.loads((folder / "test.json").read_text())["total"] if status == 0 else {}
+        kind = name.removeprefix("test_").removesuffix(".csv")
+        row["errors"][kind] = figures.get("nrmse_percent", float("inf"))
+        row["floors"][kind] = truth[name].get("day_nrmse_percent", truth[name]["floor_nrmse_percent"])
+    return row
+
+
+def main() -> None:
+    """Measures, and prints a table."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--seeds", type=int, nargs="+", default=[1])
+    words.add_argument("--only", nargs="+", default=[""])
+    words.add_argument("--piezoid", default="piezoid")
+    words.add_argument("--data", type=Path, default=HERE.parent / "target" / "plants")
+    words.add_argument("--json", type=Path)
+    words.add_argument("--options", nargs=argparse.REMAINDER, default=[], help="further options of identify, last")
+    given = words.parse_args()
+    names = [p.stem for p in sorted((HERE / "plants").glob("p[0-9]*.py"))]
+    rows = {}
+    print("| plant | operator | order | error / floor [% NRMSE] by test | median ratio | time [s] |")
+    print("|---|---|--:|---|--:|--:|")
+    for name in (n for n in names if any(n.startswith(part) for part in given.only)):
+        for seed in given.seeds:
+            row = measured(given.piezoid, recorded(name, seed, given.data), given.options)
+            rows[f"{name}-{seed}"] = row
+            ratios = [e / row["floors"][k] for k, e in row["errors"].items()]
+            row["ratio"] = statistics.median(ratios) if ratios else float("inf")
+            tests = ", ".join(f"{k} {e:.2g} / {row['floors'][k]:.2g}" for k, e in row["errors"].items())
+            tests = tests or row["notes"].strip().splitlines()[-1]
+            block = f"{row.get('operator', '-')} | {row.get('order', '-')}"
+            print(f"| {name}-{seed} | {block} | {tests} | {row['ratio']:.1f} | {row['seconds']:.0f} |", flush=True)
+    every = [row["ratio"] for row in rows.values()]
+    print(f"\nMedian ratio over {len(every)} plants: {statistics.median(every):.2f}; largest: {max(every):.1f}.")
+    if given.json:
+        given.json.write_text(json.dumps(rows, indent=1))
+
+
+if __name__ == "__main__":
+    main()
