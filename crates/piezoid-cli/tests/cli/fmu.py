@@ -189,7 +189,7 @@ def refusals(path, run):
         one.refuses("no whole number of samples", lambda: one.step(20, 0))
         one.refuses("no whole number of samples", lambda: one.step(20, -1))
         one.refuses("no whole number of samples", lambda: one.step(20, float("nan")))
-        one.refuses("go on from there", lambda: one.step(25))
+        one.refuses("continue from that time", lambda: one.step(25))
         one.refuses("not finite", lambda: one.set("u", float("nan")))
         one.refuses("not finite", lambda: one.set("u", float("inf")))
         one.refuses("cannot be set", lambda: one.set("y", 1.0))
@@ -224,7 +224,7 @@ def refusals(path, run):
             assert "Failed to instantiate" in str(error), error
         else:
             raise AssertionError("a foreign token was not refused")
-        assert "from the same FMU" in Instance.texts[0], Instance.texts
+        assert "of the same FMU" in Instance.texts[0], Instance.texts
 
 
 def logged(new):

@@ -78,7 +78,7 @@ EXPORT fmi3Instance FMI(fmi3InstantiateCoSimulation)(fmi3String instanceName, fm
     } else if (eventModeUsed) {
         why = "fmi3InstantiateCoSimulation: this FMU has no event mode: set eventModeUsed to false";
     } else if ((token == NULL) || (strcmp(token, TOKEN) != 0)) {
-        why = "fmi3InstantiateCoSimulation: the token is not that of this binary: take modelDescription.xml from the "
+        why = "fmi3InstantiateCoSimulation: the token does not match this binary: use the modelDescription.xml of the "
               "same FMU";
     } else {
         made = instance(name, loggingOn ? ALL : NOTHING, environment, (void (*)(void))logMessage);
