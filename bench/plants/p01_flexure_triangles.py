@@ -2,20 +2,17 @@
 """Flexure stage, 100 um at 0..100 V, strain gauge; triangles at three rates, nothing else.
 
 usage: p01_flexure_triangles.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
 Truth: generalised plays with a quadratic envelope, loop width 13.6 % -> creep 1.2 % a decade (1 ms to 100 s) -> modes
-460 Hz (damping 0.020, share 0.92), 1350 Hz (0.015, 0.06),
-residual 0.02 -> strain-gauge amplifier, first order 0.106 ms. The function generator is analog: corners fall between
-samples.
+460 Hz (damping 0.020, share 0.92), 1350 Hz (0.015, 0.06), residual 0.02 -> strain-gauge amplifier, first order 0.106
+ms. The function generator is analog: corners fall between samples.
 Recorded: 5 kHz; full-stroke triangles at 2, 10, 40 Hz (3, 2, 1 s), the first one from the virgin state at 0 V, the
-others after earlier cycles. 16 bits, white noise 0.04 %
-and 1/f noise 0.025 % of stroke. Tests: triangle 22 Hz; random minor loops with pauses; 10 Hz on another day, from the
-virgin state.
+others after earlier cycles. 16 bits, white noise 0.04 % and 1/f noise 0.025 % of stroke. Tests: triangle 22 Hz; random
+minor loops with pauses; 10 Hz on another day, from the virgin state.
 A perfect Hammerstein model: reaches the noise, 0.15 to 0.18 % NRMSE; the plant has that form. Minor loops and turning
-points inside the range are in no training record: the share of the single plays
-is known from the first rise and the full loop only, so test_random tells regularisation from luck. Other day: 0.3 %
-(gain, creep).
+points inside the range are in no training record: the share of the single plays is known from the first rise and the
+full loop only, so test_random tells regularisation from luck. Other day: 0.3 % (gain, creep).
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

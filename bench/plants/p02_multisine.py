@@ -2,12 +2,11 @@
 """Nanopositioner +-100 V, 42 um, capacitive sensor; one large-signal multisine is all there is.
 
 usage: p02_multisine.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
-Truth: Preisach (exponential in coercive voltage 11 V, Gaussian in interaction voltage 6 +- 42 V, 44 %) and a
-reversible part; width 11 % at +-70 V, 9 % at +-100 V ->
-power-law creep t^0.12 (2 ms to 50 s) -> modes 310 Hz (0.030, 0.91), 1180 Hz (0.020, 0.07), residual 0.02 -> sensor
-0.06 ms. DAC held over the sample.
+Truth: Preisach (exponential in coercive voltage 11 V, Gaussian in interaction voltage 6 +- 42 V, 44 %) and a reversible
+part; width 11 % at +-70 V, 9 % at +-100 V -> power-law creep t^0.12 (2 ms to 50 s) -> modes 310 Hz (0.030, 0.91), 1180
+Hz (0.020, 0.07), residual 0.02 -> sensor 0.06 ms. DAC held over the sample.
 Recorded: 6.4 kHz (t printed with 7 decimals, so dt jitters by 0.03 %); a multisine of 1..350 Hz falling above 25 Hz,
 period 4 s, peak 72 V, three periods cut out of a running experiment.
 Tests: rising sine 17 Hz to 62 V; random minor loops with pauses; another realisation on another day. 16 bits, noise

@@ -2,21 +2,22 @@
 """Loaded stack stage, 38 um at 0..100 V, interferometer; random steps are all there is.
 
 usage: p03_random_steps.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
 Truth: Maxwell slip with Weibull thresholds and a cubic curve behind, width 11.7 % -> creep 1.6 % a decade (3 ms to 30
-s) -> mode 240 Hz (0.05, share 0.96), residual 0.04 ->
-sensor lag 0.12 ms; y is read 0.4 sample after the DAC. Drift 1e-5..4e-5 of stroke a second.
+s) -> mode 240 Hz (0.05, share 0.96), residual 0.04 -> sensor lag 0.12 ms; y is read 0.4 sample after the DAC. Drift
+1e-5..4e-5 of stroke a second.
 Recorded: 2 kHz, one record of 20 s: levels uniform in 5..95 V, holds log-uniform in 12..250 ms, after earlier full
 cycles. 14 bits over three strokes, noise 0.04 %.
 Tests: holds of 6..30 ms; a rising sine 9 Hz; smooth random loops; random steps on another day.
-A perfect Hammerstein model: reaches the noise, 0.13 to 0.15 %. Between two holds the path is a jump: only the
-sequence of levels drives the hysteresis, and the overshoot reaches half a stroke.
+A perfect Hammerstein model: reaches the noise, 0.13 to 0.15 %. Between two holds the path is a jump: only the sequence
+of levels drives the hysteresis, and the overshoot reaches half a stroke.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """
 
 from common import *
+from random_steps import record_all
 
 B = Bench("p03_random_steps", fs=2000, over=10, analog=False, range=(0, 100))
 stroke, T = 38.0, B.T
@@ -37,31 +38,7 @@ def plant(u, gain=1.0, creep=1.0):
 
 drift = lambda t, rng: rng.uniform(1, 4) * 1e-5 * rng.choice([-1, 1]) * t
 meas = dict(stroke=stroke, drift=drift, noise=4e-4, bits=14, span=3.0, u_range=100, u_bits=14, skew=skew, offset=0.05)
-after = dict(kind="after", lo=0, hi=100, hz=4, cycles=2, level=0, wait=1.5)
-day1, day2 = {}, B.day2()
-st = lambda s, hold: np.r_[np.zeros(100), steps(B.rng, s, B.fs, 5, 95, hold)]
-B.record("train_steps", st(20, (0.012, 0.25)), 20, plant, day1, hist=after, **meas)
-B.record(
-    "test_rate",
-    st(5, (0.006, 0.03)),
-    5,
-    plant,
-    day1,
-    hist=after,
-    note="holds of 6 to 30 ms, training had 12 to 250 ms",
-    **meas,
-)
-B.record(
-    "test_sine",
-    lambda t: 48 * (1 - np.cos(2 * np.pi * 9 * t)) * ramp01(t, -0.01, 1.2),
-    2,
-    plant,
-    day1,
-    hist=after,
-    **meas,
-)
-B.record("test_random", zigzag(B.rng, 4, B.fs, 4, 96, leg=(0.01, 0.3), hold=0.1), 4, plant, day1, hist=after, **meas)
-B.record("test_day", st(6, (0.012, 0.25)), 6, plant, day1, day=day2, hist=after, **meas)
+record_all(B, plant, **meas)
 B.finish(
     modes=M,
     residual=0.04,

@@ -2,17 +2,17 @@
 """Positive-only stack, 0..120 V, 18 um, first-order amplifier in front of the ceramic, 12-bit sensor.
 
 usage: p04_stack120.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
-Truth: amplifier 0.55 ms -> Preisach on 0..120 V, denser about 48 V (50 %), and a bowed reversible part, width 13.3 %
--> creep 1.5 % a decade (10 ms to 100 s) -> mode 2100 Hz (0.05).
-The generator is analog and its voltage, before the amplifier, is what is logged.
-Recorded: 10 kHz; rising sines 0..120 V at 5, 30, 120 Hz after a rest of 0.25 s at 0 V. 12 bits over 1.25 strokes,
-noise 0.02 %.
+Truth: amplifier 0.55 ms -> Preisach on 0..120 V, denser about 48 V (50 %), and a bowed reversible part, width 13.3 % ->
+creep 1.5 % a decade (10 ms to 100 s) -> mode 2100 Hz (0.05). The generator is analog and its voltage, before the
+amplifier, is what is logged.
+Recorded: 10 kHz; rising sines 0..120 V at 5, 30, 120 Hz after a rest of 0.25 s at 0 V. 12 bits over 1.25 strokes, noise
+0.02 %.
 Tests: rising sine 65 Hz; band-limited random path (25 Hz); 30 Hz on another day.
 A perfect Hammerstein model: a lag in front of the hysteresis is not a lag behind it. The truth with the lag moved
-behind leaves 0.16 % at 30 Hz, 0.55 % at 65 Hz, 1.4 % at 120 Hz; the noise is 0.08 %.
-That is an upper bound of what a Hammerstein model leaves. With the lag in front, the noise.
+behind leaves 0.16 % at 30 Hz, 0.55 % at 65 Hz, 1.4 % at 120 Hz; the noise is 0.08 %. That is an upper bound of what a
+Hammerstein model leaves. With the lag in front, the noise.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

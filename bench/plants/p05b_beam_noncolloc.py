@@ -3,12 +3,12 @@
 outside the unit circle.
 
 usage: p05b_beam_noncolloc.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
 Truth: Preisach, lognormal in coercive voltage (42 %), and reversible part, width 13.0 % -> creep 1.1 % a decade ->
 modes 176 Hz (0.018, 1.12), 990 Hz (0.012, -0.12). DAC held.
-Recorded: 8 kHz; small_prbs (+-1 V, clock 3); rising sines +-30 V at 4, 20, 70 Hz, all after full cycles: the
-remanence is in every record but the first. 16 bits, noise 0.03 %.
+Recorded: 8 kHz; small_prbs (+-1 V, clock 3); rising sines +-30 V at 4, 20, 70 Hz, all after full cycles: the remanence
+is in every record but the first. 16 bits, noise 0.03 %.
 Tests: 42 Hz; random minor loops; chirp 30..1200 Hz with 4 V; 20 Hz on another day.
 A perfect Hammerstein model: reaches the noise, 0.11 to 0.2 %; other day 0.5 to 0.7 %. The inverse of the linear block
 is unstable.

@@ -2,14 +2,13 @@
 """Stack stage -20..120 V, 65 um, heavy load, 50 Hz mains hum in the sensor.
 
 usage: p06_hum.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and truth_y.npz
-    (noise-free y) into DIR
+(noise-free y) into DIR
 
 Truth: Preisach, power-law falling in coercive voltage (60 %), and reversible part, width 13 % -> creep 1.7 % a decade
-(2 ms to 200 s) -> mode 192 Hz (0.04) -> sensor 0.3 ms.
-Hum: 50 Hz 0.15 %, 100 Hz 0.015 %, 150 Hz 0.042 % of stroke (amplitudes), mains frequency off by up to 0.03 %, slowly
-breathing.
-Recorded: 2 kHz; triangles about 50 V that rise to +-69 V at 1, 6, 20 Hz (7, 3, 2 s) from an analog generator. 16
-bits, noise 0.02 %.
+(2 ms to 200 s) -> mode 192 Hz (0.04) -> sensor 0.3 ms. Hum: 50 Hz 0.15 %, 100 Hz 0.015 %, 150 Hz 0.042 % of stroke
+(amplitudes), mains frequency off by up to 0.03 %, slowly breathing.
+Recorded: 2 kHz; triangles about 50 V that rise to +-69 V at 1, 6, 20 Hz (7, 3, 2 s) from an analog generator. 16 bits,
+noise 0.02 %.
 Tests: 11 Hz; random walk; 6 Hz on another day.
 A perfect Hammerstein model: 0.55 %, nearly all of it hum, which is counted as noise: it is not caused by u. A model
 that is 0.1 % from the truth scores 0.56 %, so compare with truth_y.npz too.

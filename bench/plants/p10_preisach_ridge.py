@@ -2,16 +2,15 @@
 """Small +-75 V actuator, 12 um, with a sharp ridge in the Preisach density.
 
 usage: p10_preisach_ridge.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
 Truth: Preisach (66 %): ridge at coercive 7 V (sd 0.7 V) over an exponential ground; reversible part cubic; width 11.3
-%. Only the switching part creeps, 3 % a decade.
-Modes 690 Hz (0.015, 0.9), 1720 Hz (0.03, 0.1). Analog generator.
+%. Only the switching part creeps, 3 % a decade. Modes 690 Hz (0.015, 0.9), 1720 Hz (0.03, 0.1). Analog generator.
 Recorded: 5 kHz; rising sines to +-73 V at 4, 25, 80 Hz after depolarising. 16 bits, noise 0.03 %.
 Tests: 50 Hz; random loops; two sines whose minor loops are as wide as the ridge; 25 Hz on another day.
 A perfect Hammerstein model: the noise is 0.1 to 0.2 %. Creep of one part alone is not quite the form (operator, then
-creep of all of it): the truth with its creep on both parts leaves 0.2 to 0.4 %;
-a better compromise exists, so that is an upper bound.
+creep of all of it): the truth with its creep on both parts leaves 0.2 to 0.4 %; a better compromise exists, so that is
+an upper bound.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

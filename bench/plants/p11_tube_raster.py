@@ -5,15 +5,15 @@ usage: p11_tube_raster.py DIR [SEED]    writes train_*, small_*, test_* CSV file
 truth_y.npz (noise-free y) into DIR
 
 Truth: moving generalised plays: the domains see u + 0.085 * what they give, cubic envelope, so minor loops are not
-congruent; width 12.8 % -> creep 1.3 % a decade -> modes 850 Hz (0.008, 0.94),
-5200 Hz (0.02, 0.05), residual 0.01 -> amplifier 22 us (put behind). DAC held; y read 1/3 sample after.
+congruent; width 12.8 % -> creep 1.3 % a decade -> modes 850 Hz (0.008, 0.94), 5200 Hz (0.02, 0.05), residual 0.01 ->
+amplifier 22 us (put behind). DAC held; y read 1/3 sample after.
 Recorded: 20 kHz; fast triangle +-52 V on a slow ramp: up at 12 lines a second (2.4 s), down at 40 (1.6 s). 16 bits,
 noise 0.05 %.
-Tests: raster 25 lines a second; a spiral arm (rising sine 30 Hz); random walk; 40 lines a second on another day,
-other ramp direction.
-A perfect Hammerstein model: reaches the noise, 0.22 to 0.3 %. A generalised play model (45 plays, cubic) fitted to
-the static raster loops leaves 0.05 % of them and 0.1 % on spiral and random path.
-No training record has the full loop. The unknown past costs 0.5 to 0.7 % (best simple guess). Other day 0.7 to 0.9 %.
+Tests: raster 25 lines a second; a spiral arm (rising sine 30 Hz); random walk; 40 lines a second on another day, other
+ramp direction.
+A perfect Hammerstein model: reaches the noise, 0.22 to 0.3 %. A generalised play model (45 plays, cubic) fitted to the
+static raster loops leaves 0.05 % of them and 0.1 % on spiral and random path. No training record has the full loop. The
+unknown past costs 0.5 to 0.7 % (best simple guess). Other day 0.7 to 0.9 %.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

@@ -5,12 +5,10 @@ usage: p13_short_records.py DIR [SEED]    writes train_*, small_*, test_* CSV fi
 truth_y.npz (noise-free y) into DIR
 
 Truth: amplifier lag 0.08 ms -> plays with gamma-like thresholds, cubic envelope, width 13.7 % -> creep 1.2 % a decade
-(0.5 ms to 20 s) -> mode 1400 Hz (0.020, 0.95), residual 0.05.
-DAC held, y read half a sample after.
-Recorded: 8 kHz; amplitudes 10, 20, 35, 50, 65, 80, 100 V at 20 or 60 Hz: 4 ms at 0 V, then the generator's offset
-comes as a step and the sine with it. Each follows the one before
-after 0.8 s at 0 V. 16 bits, noise 0.05 %, so 2 % NRMSE at 10 V. Tests: 37 Hz at 80 V; 110 Hz at 28 V; random loops
-0.6 s; 60 Hz on another day.
+(0.5 ms to 20 s) -> mode 1400 Hz (0.020, 0.95), residual 0.05. DAC held, y read half a sample after.
+Recorded: 8 kHz; amplitudes 10, 20, 35, 50, 65, 80, 100 V at 20 or 60 Hz: 4 ms at 0 V, then the generator's offset comes
+as a step and the sine with it. Each follows the one before after 0.8 s at 0 V. 16 bits, noise 0.05 %, so 2 % NRMSE at
+10 V. Tests: 37 Hz at 80 V; 110 Hz at 28 V; random loops 0.6 s; 60 Hz on another day.
 A perfect Hammerstein model: with the small lag moved behind the operator 0.5 % at 100 V (noise 0.14 to 0.2 %), nearly
 all of it in the first milliseconds of the ring: an upper bound.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see

@@ -5,13 +5,13 @@ usage: p14_tanh_rate.py DIR [SEED]    writes train_*, small_*, test_* CSV files 
 truth_y.npz (noise-free y) into DIR
 
 Truth: plays on a tanh edge; thresholds shrink by 22 % toward +150 V and grow by 3.5 % a decade of the smoothed sweep
-rate (domains need time), width 11.8 % at 1 Hz ->
-creep 1.5 % a decade -> mode 920 Hz (0.03, 0.97), residual 0.03. Analog generator.
+rate (domains need time), width 11.8 % at 1 Hz -> creep 1.5 % a decade -> mode 920 Hz (0.03, 0.97), residual 0.03.
+Analog generator.
 Recorded: 5 kHz; rising sines to +-147 V at 1, 12, 100 Hz after depolarising. 16 bits, noise 0.03 %. Tests: 40 Hz;
 random loops with pauses; 12 Hz on another day.
-A perfect Hammerstein model: rate-dependent thresholds are not of Hammerstein form. The truth with thresholds fixed at
-6 kV/s leaves 0.46 / 0.25 / 0.25 % at 1 / 12 / 100 Hz, 0.2 % at 40 Hz, 0.65 to 0.75 %
-on random loops (in the pauses the thresholds relax); noise 0.12 %. Upper bounds.
+A perfect Hammerstein model: rate-dependent thresholds are not of Hammerstein form. The truth with thresholds fixed at 6
+kV/s leaves 0.46 / 0.25 / 0.25 % at 1 / 12 / 100 Hz, 0.2 % at 40 Hz, 0.65 to 0.75 % on random loops (in the pauses the
+thresholds relax); noise 0.12 %. Upper bounds.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

@@ -2,17 +2,17 @@
 """Outside the form, 2: a mode whose frequency falls with its amplitude. Stage 0..100 V, 80 um.
 
 usage: p16_soft_mode.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
-Truth: amplifier 0.3 ms -> plays, quadratic envelope, width 10.5 % -> creep 1.2 % a decade -> x'' = -w^2 e (1 - b |e|)
-- 2 zeta w x', e = x - z the elastic strain: 500 Hz (0.015),
-lower by 3 % when it rings with half the stroke. Semi-implicit Euler at 64 kHz. DAC held.
+Truth: amplifier 0.3 ms -> plays, quadratic envelope, width 10.5 % -> creep 1.2 % a decade -> x'' = -w^2 e (1 - b |e|) -
+2 zeta w x', e = x - z the elastic strain: 500 Hz (0.015), lower by 3 % when it rings with half the stroke.
+Semi-implicit Euler at 64 kHz. DAC held.
 Recorded: 8 kHz; small_prbs (+-1 V about 5 V); a staircase of ten levels; rising sines 0..98 V at 10, 130 Hz. 16 bits,
 noise 0.02 %.
 Tests: 60 Hz; another staircase; random loops; 130 Hz on another day.
-A perfect Hammerstein model: with one frequency (lower by 0.9 %) and the lag in its place 0.08 % at 10 Hz, 0.25 % at
-60 Hz, 0.55 % at 130 Hz, 3.5 to 8 % on the staircases, where the ring falls out of step.
-Small and large records want different frequencies. (The lag in front of the operator costs besides, see p04 and p20.)
+A perfect Hammerstein model: with one frequency (lower by 0.9 %) and the lag in its place 0.08 % at 10 Hz, 0.25 % at 60
+Hz, 0.55 % at 130 Hz, 3.5 to 8 % on the staircases, where the ring falls out of step. Small and large records want
+different frequencies. (The lag in front of the operator costs besides, see p04 and p20.)
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

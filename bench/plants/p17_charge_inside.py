@@ -5,14 +5,13 @@ usage: p17_charge_inside.py DIR [SEED]    writes train_*, small_*, test_* CSV fi
 truth_y.npz (noise-free y) into DIR
 
 Truth: Goldfarb and Celanovic: R q' = u - rc(q) - v, q = a x + v, x'' + 2 zeta w x' + w^2 (x - v) = 0, rc = eight
-Maxwell slip elements driven by the charge; a = 0.5 (coupling k^2 = 0.33),
-RC 0.15 ms, 380 Hz (0.018) at fixed voltage, stiffer while the elements stick, damped by their slip. Width 15.8 %.
-Creep 1.2 % a decade behind. DAC held.
+Maxwell slip elements driven by the charge; a = 0.5 (coupling k^2 = 0.33), RC 0.15 ms, 380 Hz (0.018) at fixed voltage,
+stiffer while the elements stick, damped by their slip. Width 15.8 %. Creep 1.2 % a decade behind. DAC held.
 Recorded: 4 kHz; small_prbs (+-1 V about 20 V); a staircase of seven levels; rising sines 0..98 V at 6, 35, 110 Hz. 16
 bits, noise 0.02 %. Tests: 65 Hz; random loops; 35 Hz on another day.
-A perfect Hammerstein model: the static loop of the same elements followed by one mode of middling frequency and
-damping leaves 0.1 / 0.5 / 0.9 / 1.3 % at 6 / 35 / 65 / 110 Hz, 0.15 to 0.25 % on random loops,
-about 10 % on the staircase: crude upper bounds; noise 0.07 %.
+A perfect Hammerstein model: the static loop of the same elements followed by one mode of middling frequency and damping
+leaves 0.1 / 0.5 / 0.9 / 1.3 % at 6 / 35 / 65 / 110 Hz, 0.15 to 0.25 % on random loops, about 10 % on the staircase:
+crude upper bounds; noise 0.07 %.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

@@ -5,14 +5,13 @@ usage: p18_servo.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s
 (noise-free y) into DIR
 
 Truth: plays, stretched exponential, quadratic envelope, width 10.4 % -> creep 1.4 % a decade -> mode 300 Hz (0.025).
-DAC held. Servo: integral action 30 rad/s at 5 kHz, so
-u contains the noise of y and the creep; the ceramic itself is of Hammerstein form.
-Recorded: 5 kHz; closed loop: triangle reference 2.5 Hz (4 s), twenty reference steps (4 s), from the virgin state at
-0 V. 16 bits, noise 0.03 %.
+DAC held. Servo: integral action 30 rad/s at 5 kHz, so u contains the noise of y and the creep; the ceramic itself is of
+Hammerstein form.
+Recorded: 5 kHz; closed loop: triangle reference 2.5 Hz (4 s), twenty reference steps (4 s), from the virgin state at 0
+V. 16 bits, noise 0.03 %.
 Tests: 5 Hz triangle and random reference in closed loop; a rising sine 14 Hz in open loop; 2.5 Hz on another day.
 A perfect Hammerstein model: reaches the noise, 0.1 to 0.22 %. The mode is hardly excited, least squares on y and u is
-biased by the feedback, u is never fast. Other day 0.3 to 1.2 % (the servo hides the change
-of gain in u).
+biased by the feedback, u is never fast. Other day 0.3 to 1.2 % (the servo hides the change of gain in u).
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """

@@ -2,20 +2,20 @@
 """Outside the form, 5: random steps through a slow amplifier in front of the ceramic. 52 um at 0..100 V.
 
 usage: p20_slow_amp_steps.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-    truth_y.npz (noise-free y) into DIR
+truth_y.npz (noise-free y) into DIR
 
-Truth: amplifier 1.2 ms -> Maxwell slip with Weibull thresholds, cubic curve, width 11.7 % -> creep 1.6 % a decade (3
-ms to 30 s) -> mode 205 Hz (0.03, 0.96), residual 0.04.
-DAC held, y read 0.4 sample after.
+Truth: amplifier 1.2 ms -> Maxwell slip with Weibull thresholds, cubic curve, width 11.7 % -> creep 1.6 % a decade (3 ms
+to 30 s) -> mode 205 Hz (0.03, 0.96), residual 0.04. DAC held, y read 0.4 sample after.
 Recorded: 2 kHz, one record of 20 s: levels 5..95 V, holds 12..250 ms. 14 bits, noise 0.04 %. Tests as in p03.
 A perfect Hammerstein model: every edge runs through the loop's curve as an exponential, so the ring after a step
-depends on where it goes. The truth with its lag (1.15 times longer) behind leaves 1.7 % in training,
-3.5 % on the fast holds, 0.85 % on the sine, 0.4 % on smooth loops; noise 0.15 %. With the lag in front, the noise.
+depends on where it goes. The truth with its lag (1.15 times longer) behind leaves 1.7 % in training, 3.5 % on the fast
+holds, 0.85 % on the sine, 0.4 % on smooth loops; noise 0.15 %. With the lag in front, the noise.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """
 
 from common import *
+from random_steps import record_all
 
 B = Bench("p20_slow_amp_steps", fs=2000, over=10, analog=False, range=(0, 100))
 stroke, T = 52.0, B.T
@@ -38,31 +38,7 @@ def plant(u, gain=1.0, creep=1.0, behind=0.0):
 swapped = lambda u, **p: plant(u, behind=1.15, **p)
 
 meas = dict(stroke=stroke, ref=swapped, noise=4e-4, bits=14, span=2.0, u_range=100, u_bits=14, skew=skew, offset=0.05)
-after = dict(kind="after", lo=0, hi=100, hz=4, cycles=2, level=0, wait=1.5)
-day1, day2 = {}, B.day2()
-st = lambda s, hold: np.r_[np.zeros(100), steps(B.rng, s, B.fs, 5, 95, hold)]
-B.record("train_steps", st(20, (0.012, 0.25)), 20, plant, day1, hist=after, **meas)
-B.record(
-    "test_rate",
-    st(5, (0.006, 0.03)),
-    5,
-    plant,
-    day1,
-    hist=after,
-    note="holds of 6 to 30 ms, training had 12 to 250 ms",
-    **meas,
-)
-B.record(
-    "test_sine",
-    lambda t: 48 * (1 - np.cos(2 * np.pi * 9 * t)) * ramp01(t, -0.01, 1.2),
-    2,
-    plant,
-    day1,
-    hist=after,
-    **meas,
-)
-B.record("test_random", zigzag(B.rng, 4, B.fs, 4, 96, leg=(0.01, 0.3), hold=0.1), 4, plant, day1, hist=after, **meas)
-B.record("test_day", st(6, (0.012, 0.25)), 6, plant, day1, day=day2, hist=after, **meas)
+record_all(B, plant, **meas)
 B.finish(
     modes=M,
     residual=0.04,

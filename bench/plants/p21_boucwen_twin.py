@@ -6,15 +6,12 @@ usage: p21_boucwen_twin.py DIR [SEED]    writes train_*, small_*, test_* CSV fil
 truth_y.npz (noise-free y) into DIR
 
 Truth: Bouc-Wen (Low and Guo: alpha 0.32, beta 0.020, gamma 0.005 1/V), width 11.5 % -> creep 1.2 % a decade (10 ms to
-10 s) -> modes 151 Hz (0.025, 0.891), 946 Hz (0.020, 0.079), residual 0.03
--> lag 0.2 ms. DAC held.
-Recorded: 2 kHz; small_prbs (+-1 V, clock 1); rising sines at 5, 20, 80 Hz from the virgin state. 16 bits, noise 0.01
-%.
+10 s) -> modes 151 Hz (0.025, 0.891), 946 Hz (0.020, 0.079), residual 0.03 -> lag 0.2 ms. DAC held.
+Recorded: 2 kHz; small_prbs (+-1 V, clock 1); rising sines at 5, 20, 80 Hz from the virgin state. 16 bits, noise 0.01 %.
 Tests: 40 Hz; a stepped sine 20 Hz of 20 steps a period; random minor loops; 20 Hz on another day.
-A perfect Hammerstein model: the form is Hammerstein and reaches the noise with a Bouc-Wen operator. Its minor loops
-do not close: a generalised play model fitted to the static loops of rising sines leaves
-1.1 % there, 8 % on random minor loops, 1.7 % on the stepped sine. Measured ceramics do wipe out: weigh this plant as
-a twin, not as a measurement.
+A perfect Hammerstein model: the form is Hammerstein and reaches the noise with a Bouc-Wen operator. Its minor loops do
+not close: a generalised play model fitted to the static loops of rising sines leaves 1.1 % there, 8 % on random minor
+loops, 1.7 % on the stepped sine. Measured ceramics do wipe out: weigh this plant as a twin, not as a measurement.
 Seed 1 is the nominal plant; other seeds move frequencies by up to 4 %, damping and creep by up to 25 % (see
 truth.json).
 """
