@@ -32,8 +32,8 @@ impl Causal {
             state = state.number("unused", 0.0);
         }
         let limits = if slews {
-            "let from = clamp(s.before - most_change, low, high);\n    let to = clamp(s.before + most_change, low, \
-            high);"
+            "let from = clamp(s.before - most_change, low, high);\n    \
+             let to = clamp(s.before + most_change, low, high);"
         } else {
             "let from = low;\n    let to = high;"
         };

@@ -213,7 +213,10 @@ impl ControlOptions {
             return Err(Error::parameter("reference", name, rule));
         }
         let r = (kind.samples)(ts, n as usize, peak, hz).map_err(|e| match e {
-            Error::Parameter { rule, .. } => Error::parameter("reference", format!("{}:{hz}", kind.name), rule),
+            // The frequency stands in the name of the reference.
+            Error::Parameter { name: field, rule, .. } if field.starts_with("frequency") || field == "hz" => {
+                Error::parameter("reference", name, rule)
+            }
             other => other,
         })?;
         Ok(NamedReference::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
