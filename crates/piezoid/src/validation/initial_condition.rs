@@ -5,7 +5,8 @@ use crate::record::Record;
 use crate::series::mean;
 use crate::system::System;
 
-/// Share of a record that determines the initial condition.
+/// Share of a record, and of the path of its input, that determines the initial condition: before the input moves, all
+/// are alike.
 const FIRST: f64 = 0.1;
 
 /// A less likely initial condition is used if its squared error is below this share of that of the likelier.
@@ -15,7 +16,14 @@ const CLEARLY: f64 = 0.8;
 /// input alone does not determine it.
 pub(super) fn free_run_from(model: &Model, record: &Record, k: f64, free_offset: bool) -> (Vec<f64>, InitialCondition) {
     let u = record.u();
-    let part = (u.len() as f64 * FIRST).ceil() as usize;
+    let moves = || u.windows(2).map(|w| (w[1] - w[0]).abs());
+    let enough = FIRST * moves().sum::<f64>();
+    let mut path = 0.0;
+    let before_enough = moves().take_while(|step| {
+        path += step;
+        path < enough
+    });
+    let part = (before_enough.count() + 2).max((u.len() as f64 * FIRST).ceil() as usize).min(u.len());
     let error = |initial_condition: InitialCondition| {
         let simulated = model.resume(&mut model.before(u, initial_condition), &u[..part]);
         let e: Vec<f64> = record.y().iter().zip(&simulated).map(|(y, s)| y - k * s).collect();

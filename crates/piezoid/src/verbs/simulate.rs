@@ -7,11 +7,14 @@ use crate::hammerstein::InitialCondition;
 use crate::options::{OptionKind, OptionRow, options};
 use crate::plant::{Plant, Spec};
 use crate::record::{Record, Units};
+use crate::series::ends;
 use crate::system::System;
 
 const INITIAL_CONDITIONS: OptionKind = OptionKind::Choice(&[
     ("rest", "At rest, with a jump to the first input"),
     ("settled", "Settled at the first input"),
+    ("from-above", "Settled at the first input, after a fall from the top of the range"),
+    ("from-below", "Settled at the first input, after a rise from the bottom of the range"),
     ("motion", "In motion as in the record, as if the record had begun earlier"),
 ]);
 
@@ -19,7 +22,8 @@ options! {
     /// How to simulate.
     #[derive(Copy)]
     pub struct SimulateOptions {
-        /// Initial condition: rest; settled at the first input; or already in the motion of the record.
+        /// Initial condition: rest; settled at the first input, without a past or after cycles over the whole range;
+        /// or already in the motion of the record.
         begin: InitialCondition = InitialCondition::Rest, OptionRow::new(INITIAL_CONDITIONS);
         /// Seed of the plant's noise.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
@@ -65,6 +69,13 @@ impl SimulateOptions {
             InitialCondition::Motion => {
                 let mut x = settled();
                 plant.resume(&mut x, u);
+                x
+            }
+            InitialCondition::FromAbove | InitialCondition::FromBelow => {
+                let mut x = settled();
+                let sweep = self.begin.inputs_before(u, ends(u.iter().copied()));
+                let waits = std::iter::repeat_n(sweep[sweep.len() - 1], sweep.len());
+                plant.resume(&mut x, &sweep.iter().copied().chain(waits).collect::<Vec<_>>());
                 x
             }
         }

@@ -46,7 +46,15 @@ pub(super) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Erro
     Arx::new(ts, denominator[1..].iter().map(|a| -a).collect(), arx.b().to_vec())
 }
 
-fn is_lag(pole: &Pole) -> bool {
+/// Smallest damping of the mode of an actuator.
+const LEAST_DAMPING: f64 = 2e-3;
+
+/// True if every mode is damped. One that is not would be a sine of any size in each record.
+pub(super) fn is_damped(arx: &Arx) -> bool {
+    arx.poles().iter().all(|pole| pole.damping >= LEAST_DAMPING)
+}
+
+pub(super) fn is_lag(pole: &Pole) -> bool {
     pole.z.im == 0.0 && pole.z.re > 0.0
 }
 
@@ -78,7 +86,7 @@ impl Dynamics {
 }
 
 /// The polynomial c in q^-1 divided by its factor 1 - p q^-1.
-fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
+pub(super) fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
     let mut last = 0.0;
     c[..c.len() - 1]
         .iter()

@@ -12,13 +12,29 @@
 use super::estimate::Estimate;
 use super::layout::ColumnLayout;
 use super::products::Segment;
+use crate::linear::Arx;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Expected distance of creep from settled at the start, over the peak-to-peak of y, and the error it is weighted
 /// against.
-const CREPT: f64 = 0.03;
+const CREPT: f64 = 0.01;
 const ERROR: f64 = 0.003;
+
+/// Expected drift over a record, over the peak-to-peak of y: of any, and of one whose output drifts.
+const DRIFT: f64 = 0.01;
+const MUCH: f64 = 1.0;
+
+/// Expected distance of G from its state at the start, over the peak-to-peak of y.
+const RUNG: f64 = 0.03;
+
+/// Independent errors in a record: those of a model are alike from sample to sample.
+const ALONE: f64 = 100.0;
+
+/// The time constant of the slowest pole [samples].
+fn longest_decay(linear: &Arx) -> f64 {
+    linear.poles().iter().map(|pole| -1.0 / pole.z.modulus().ln()).fold(0.0, f64::max)
+}
 
 /// Sums of squares as functions of the weights and of the steps of the other parameters.
 #[derive(Debug, Clone)]
@@ -66,10 +82,16 @@ impl RecordEquations {
         // The square of one sample of the constant's column, and of the effect of a unit of creep's state on y.
         let constant = layout.constant - p;
         let one = own[(constant, constant)] / f64::max(samples, 1.0);
-        let doubt = (ERROR / CREPT * estimate.linear.dc_gain()).powi(2) * one;
+        let error = ERROR.powi(2) * one * (samples / ALONE).max(1.0);
+        let doubt = error * (estimate.linear.dc_gain() / CREPT).powi(2);
+        // The state of G rings for as long as its slowest pole.
+        let rings = (error / one) / RUNG.powi(2) / longest_decay(&estimate.linear).clamp(1.0, samples.max(1.0));
+        let drift = error / if parts[0].drifts { MUCH } else { DRIFT }.powi(2);
         for k in 0..m {
             own[(k, k)] += 1e-10 * own[(k, k)] + f64::MIN_POSITIVE;
             own[(k, k)] += if layout.crept.contains(&(p + k)) { doubt } else { 0.0 };
+            own[(k, k)] += if layout.trend == p + k { drift } else { 0.0 };
+            own[(k, k)] += if layout.state.contains(&(p + k)) { rings * own[(k, k)] } else { 0.0 };
         }
         let crossed = gram.view((p, 0), (m, p)).into_owned();
         let crossed_y = gram.view((p, y), (m, 1)).column(0).into_owned();

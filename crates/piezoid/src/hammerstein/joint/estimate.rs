@@ -2,6 +2,7 @@
 
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
+use super::signals::add;
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
 use crate::error::Error;
@@ -9,11 +10,17 @@ use crate::hammerstein::Model;
 use crate::hysteresis::{Basis, ShapeParameter};
 use crate::linear::Arx;
 use crate::system::System;
+use std::ops::Range;
+
+/// Least lag of a driver that is sought [samples].
+const LEAST_LAG: f64 = 0.05;
 
 /// y = G C sum_k w_k phi_k: the parameters of each part.
 #[derive(Debug)]
 pub(super) struct Estimate {
     pub(super) driver: Option<DriverModel>,
+    /// True if the lag of the driver is a parameter.
+    pub(super) seeks_lag: bool,
     pub(super) basis: Box<dyn Basis>,
     pub(super) weights: Vec<f64>,
     pub(super) lags: Vec<Lag>,
@@ -23,7 +30,15 @@ pub(super) struct Estimate {
 impl Estimate {
     /// An estimate with unknown weights.
     pub(super) fn new(driver: Option<DriverModel>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
-        Estimate { driver, weights: vec![0.0; basis.len()], basis, lags, linear }
+        Estimate { driver, seeks_lag: false, weights: vec![0.0; basis.len()], basis, lags, linear }
+    }
+
+    /// The same estimate with another linear block; `None` if its basis does not take its own shape.
+    pub(super) fn with_linear(&self, linear: Arx) -> Option<Self> {
+        let shape: Vec<f64> = self.basis.shape().iter().map(|shape| shape.value).collect();
+        let basis = self.basis.reshaped(&shape).ok()?;
+        let (weights, lags) = (self.weights.clone(), self.lags.clone());
+        Some(Estimate { driver: self.driver, seeks_lag: self.seeks_lag, basis, weights, lags, linear })
     }
 
     pub(super) fn ts(&self) -> f64 {
@@ -34,17 +49,23 @@ impl Estimate {
     /// valid.
     pub(super) fn moved(&self, x: &[f64]) -> Option<Self> {
         let layout = ColumnLayout::of(self);
+        let coefficients = |range: Range<usize>| of_differences(&x[range]);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
         let within = |(shape, &p): (ShapeParameter, &f64)| p.clamp(shape.low, shape.high);
-        let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape]).map(within).collect();
+        let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape.clone()]).map(within).collect();
         let delay = std::iter::repeat_n(0.0, self.linear.delay());
-        let linear =
-            Arx::new(self.ts(), x[layout.a].to_vec(), delay.chain(x[layout.b].iter().copied()).collect()).ok()?;
+        let linear = Arx::new(self.ts(), coefficients(layout.a), delay.chain(coefficients(layout.b)).collect()).ok()?;
         if !linear.is_stable() {
             return None;
         }
         let basis = self.basis.reshaped(&shape).ok()?;
-        Some(Estimate { driver: self.driver, basis, weights: x[layout.weights].to_vec(), lags, linear })
+        let lag = x[layout.shape].last().filter(|_| self.seeks_lag);
+        let driver = match lag {
+            Some(lag) => Some(DriverModel { lag_s: lag.max(LEAST_LAG * self.ts()), ..self.driver? }),
+            None => self.driver,
+        };
+        let weights = x[layout.weights].to_vec();
+        Some(Estimate { driver, seeks_lag: self.seeks_lag, basis, weights, lags, linear })
     }
 
     /// The model, with this output offset.
@@ -54,6 +75,28 @@ impl Estimate {
         let lags = self.lags.iter().copied().filter(|lag| lag.gain != 0.0).collect();
         Model::driven(self.driver, hysteresis, self.linear.clone(), offset)?.with_creep(Creep::new(self.ts(), lags)?)
     }
+}
+
+/// The differences of `v` of order 0, 1, 2 ... at its first element: v_0, v_0 - v_1, v_0 - 2 v_1 + v_2 ...
+pub(super) fn differences(v: &mut [f64]) {
+    for order in 1..v.len() {
+        for k in (order..v.len()).rev() {
+            v[k] = v[k - 1] - v[k];
+        }
+    }
+}
+
+/// The coefficients of the elements from those of the differences, and the reverse: the matrix is its own inverse.
+/// Slow inputs determine the coefficients of the differences, but not those of single elements, which are nearly equal.
+pub(super) fn of_differences(c: &[f64]) -> Vec<f64> {
+    let mut c = c.to_vec();
+    for order in (1..c.len()).rev() {
+        for k in order..c.len() {
+            c[k - 1] += c[k];
+            c[k] = -c[k];
+        }
+    }
+    c
 }
 
 /// The responses phi of a basis behind a driver, sample by sample.
@@ -69,14 +112,25 @@ pub(super) struct Responses<'a> {
 }
 
 impl<'a> Responses<'a> {
-    /// The responses before the first sample of a run, after its past.
-    pub(super) fn before(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
-        let u = run.record.u();
-        let mut responses = Responses::settled(estimate, u[0]);
-        if !run.past.is_empty() {
-            run.past.iter().chain(&u[..1]).for_each(|&u| _ = responses.next(u));
+    /// The responses before the first sample of a run, and the level about which creep and linear block are settled:
+    /// the mean over the inputs that pass them before the record, otherwise the last responses.
+    pub(super) fn before(estimate: &'a Estimate, run: &TrainingRecord) -> (Self, Vec<f64>) {
+        let mut responses = Responses::from_rest(estimate, run);
+        let mut mean = vec![0.0; estimate.basis.len()];
+        let moving = run.moving();
+        for (k, &u) in run.before.iter().enumerate().skip(1) {
+            let phi = responses.next(u);
+            if k + moving >= run.before.len() {
+                add(&mut mean, 1.0 / moving as f64, phi);
+            }
         }
-        responses
+        let level = if moving == 0 { responses.phi.clone() } else { mean };
+        (responses, level)
+    }
+
+    /// The responses at the first of the inputs before a run.
+    pub(super) fn from_rest(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
+        Responses::settled(estimate, run.before[0])
     }
 
     /// The responses from rest, settled at `u`.
@@ -97,8 +151,13 @@ impl<'a> Responses<'a> {
     }
 
     /// The current responses.
-    pub(super) fn current(&self) -> &[f64] {
-        &self.phi
+    pub(super) fn now(&self) -> Vec<f64> {
+        self.phi.clone()
+    }
+
+    /// The same with another driver.
+    pub(super) fn behind(self, driver: DriverModel) -> Self {
+        Responses { driver: Some(driver), ..self }
     }
 
     /// Advances by one sample.

@@ -1,6 +1,6 @@
 //! Held-out errors and their comparison.
 
-use super::equations::{ReducedEquations, equations};
+use super::equations::equations;
 use super::estimate::Estimate;
 use super::products::Segment;
 use super::runs::FOLDS;
@@ -65,19 +65,21 @@ pub(super) fn cross_validate(
     let folds: Vec<usize> =
         (0..FOLDS).filter(|fold| segments.iter().any(|s| s.fold == Some(*fold) && s.judged)).collect();
     let of = |&fold: &usize| -> Vec<(f64, DVector<f64>)> {
-        let (train, _) = equations(estimate, segments, |s| s.fold != Some(fold));
-        let tests: Vec<ReducedEquations> = segments
-            .iter()
-            .filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0)
-            .map(|s| equations(estimate, std::slice::from_ref(s), |_| true).0)
-            .collect();
+        let (train, each) = equations(estimate, segments, |s| s.fold != Some(fold));
+        let tests: Vec<&Segment> =
+            segments.iter().filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0).collect();
+        // The run's own coefficients are those of its other segments; without any, they are fitted to this one.
+        let error_of = |test: &Segment, steps: &DVector<f64>| match each.iter().find(|run| run.run == test.run) {
+            Some(run) => test.residual(steps, &run.own(steps)),
+            None => equations(estimate, std::slice::from_ref(test), |_| true).0.residual(steps),
+        };
         // From smooth to rough, each starting from the previous signs.
         let mut positive = vec![true; prior.current().len()];
         let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, free, &mut positive) {
             None => (f64::INFINITY, prior.current().clone()),
             Some(x) => {
                 let steps = prior.steps(&x);
-                (mean(&tests.iter().map(|test| test.residual(&steps) / test.samples).collect::<Vec<_>>()), x)
+                (mean(&tests.iter().map(|test| error_of(test, &steps) / test.samples).collect::<Vec<_>>()), x)
             }
         };
         let mut errors: Vec<_> = lambdas.iter().rev().map(error).collect();

@@ -10,15 +10,15 @@ pub(super) struct ColumnLayout {
     pub(super) weights: Range<usize>,
     /// Gains of creep.
     pub(super) gains: Range<usize>,
-    /// Shape parameters of the hysteresis.
+    /// Shape parameters of the hysteresis, then the lag of the driver if it is sought.
     pub(super) shape: Range<usize>,
-    /// a1, a2, ...
+    /// a1, a2, ..., as coefficients of the differences of the outputs.
     pub(super) a: Range<usize>,
-    /// b after the delay.
+    /// b after the delay, as coefficients of the differences of the inputs.
     pub(super) b: Range<usize>,
     /// A record's own: the initial state of creep.
     pub(super) crept: Range<usize>,
-    /// The initial state of G.
+    /// The initial state of G, likewise.
     pub(super) state: Range<usize>,
     /// The offset of its output.
     pub(super) constant: usize,
@@ -38,7 +38,7 @@ impl ColumnLayout {
         ColumnLayout {
             weights: next(estimate.basis.len()),
             gains: next(lags),
-            shape: next(estimate.basis.shape().len()),
+            shape: next(estimate.basis.shape().len() + usize::from(estimate.seeks_lag)),
             a: next(na),
             b: next(nb - estimate.linear.delay()),
             crept: next(lags),

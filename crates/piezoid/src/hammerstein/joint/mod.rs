@@ -18,6 +18,7 @@ mod check;
 mod dynamics;
 mod equations;
 mod estimate;
+mod extend;
 mod held_out;
 mod layout;
 mod products;
@@ -39,7 +40,7 @@ pub use uncertainty::FittedParameter;
 
 use super::large_signal::LinearPart;
 use super::paper::{Identified, common_units, unexcited_resonance};
-use super::{Domain, InitialCondition, Model};
+use super::{Domain, Model};
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::error::Error;
@@ -55,6 +56,7 @@ use layout::ColumnLayout;
 use refine::{Fitted, refine};
 use runs::TrainingRecord;
 use solve::FreeParameters;
+use structure::{Growth, Structure};
 
 /// Shortest time constant of creep [samples], and longest over the duration of the longest record.
 const QUICKEST: f64 = 10.0;
@@ -137,13 +139,23 @@ pub(crate) fn identify_joint(
     let bridged =
         |run: &TrainingRecord| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
     let bridged = runs.iter().map(bridged).collect::<Result<Vec<_>, Error>>()?;
-    let (linear, reason) = match small.is_empty() {
+    let growth = Growth::new(&bridged[small_beside.len()..], settings, &lags, &design);
+    let (linear, lags, mut reason, simpler) = match small.is_empty() {
         false => {
-            structure::from_small_signal(&bridged[..small.len()], &bridged[small_beside.len()..], settings, &lags)?
+            let (linear, reason) =
+                structure::from_small_signal(&bridged[..small.len()], &bridged[small_beside.len()..], settings, &lags)?;
+            let lags = structure::begin_all(&linear, &mut runs, settings, &design, &lags, &mut watch)?;
+            (linear, lags, reason, Vec::new())
         }
-        true => structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &mut watch)?,
+        true => {
+            let mut tried =
+                structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &growth, &mut watch)?;
+            let (chosen, reason) = growth.choose(&tried);
+            let Structure { fitted, .. } = tried.remove(chosen);
+            tried.truncate(chosen);
+            (fitted.estimate.linear, fitted.estimate.lags, reason, tried)
+        }
     };
-    notes.push(format!("linear block: {reason}"));
 
     let mut trials: Vec<(OperatorTrial, Option<Fitted>)> = Vec::new();
     for (done, row) in candidates.iter().enumerate() {
@@ -156,7 +168,15 @@ pub(crate) fn identify_joint(
         };
         trials.push(trial);
     }
-    let (fitted, trials) = trials::choose(trials)?;
+    let (mut fitted, trials) = trials::choose(trials)?;
+    if settings.order.is_none() {
+        let row = Operator::find(trials.iter().find(|t| t.verdict == "taken").map_or("", |t| t.operator))?;
+        let mut watch = |_| report(candidates.len(), row.name);
+        let (settled, why) = growth.settle(fitted, &simpler, row, &mut runs, &mut watch)?;
+        fitted = settled;
+        reason = why;
+    }
+    notes.push(format!("linear block: {reason}"));
     notes.extend(check::check_fit(&fitted, &runs)?);
     notes.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
@@ -226,7 +246,7 @@ fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
 /// Mean of the free-run error of a record, and its rms about that mean.
 fn free_run_residual(run: &TrainingRecord, model: &Model) -> (f64, f64) {
     let (u, y) = (run.record.u(), run.record.y());
-    let simulated = model.resume(&mut model.before(u, InitialCondition::of(u)[0]), u);
+    let simulated = model.resume(&mut model.before(u, run.initial), u);
     let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
     let errors: Vec<f64> = errors.collect();
     (mean(&errors), (scatter(&errors) / errors.len() as f64).sqrt())
@@ -251,7 +271,7 @@ fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, uni
     let free = estimate.model(0.0).ok().filter(|_| slow);
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
-        let first = dot(Responses::before(estimate, run).current(), &estimate.weights);
+        let first = dot(&Responses::before(estimate, run).1, &estimate.weights);
         let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
         let Some((mean, rms)) = free.as_ref().map(|model| free_run_residual(run, model)) else { return fits };
         if (mean - fits).abs() > rms { mean } else { fits }

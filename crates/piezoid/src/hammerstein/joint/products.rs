@@ -9,20 +9,23 @@
 //! All are exact. The response to a record's past is linear as well: q^-i/A for the state of G, G exp(-t/tau_i) for
 //! that of creep. Columns are computed sample by sample and multiplied in blocks, so records may have any length.
 
-use super::estimate::{Estimate, Responses};
+use super::estimate::{Estimate, Responses, differences};
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
 use super::signals::{AllPole, Ladder, LinearFilter};
 use crate::driver::DriverModel;
 use crate::series::dot;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 /// Rows per block.
 const BLOCK: usize = 256;
 
 /// Maximum number of large-signal rows kept of all runs: neighbouring rows have similar information.
-const ROWS: usize = 40_000;
+const ROWS: usize = 20_000;
+
+/// Step of the difference quotient for the lag of the driver, over the lag.
+const LAG_STEP: f64 = 1e-3;
 
 /// Products of the columns with each other and with y, over a segment of a run.
 #[derive(Debug, Clone)]
@@ -33,10 +36,22 @@ pub(super) struct Segment {
     pub(super) fold: Option<usize>,
     /// True if its held-out error counts, as for large-signal records.
     pub(super) judged: bool,
+    /// True if its output drifts.
+    pub(super) drifts: bool,
     /// All columns, then y.
     pub(super) gram: DMatrix<f64>,
     /// Number of usable samples, kept or not.
     pub(super) samples: f64,
+}
+
+impl Segment {
+    /// The sum of squares for the parameters `x` and the run's own coefficients.
+    pub(super) fn residual(&self, x: &DVector<f64>, own: &[f64]) -> f64 {
+        let n = self.gram.nrows() - 1;
+        let all = DVector::from_iterator(n, x.iter().chain(own).copied());
+        let (h, g) = (self.gram.view((0, 0), (n, n)), self.gram.view((0, n), (n, 1)));
+        (self.gram[(n, n)] + all.dot(&(h * &all - g * 2.0).column(0))).max(0.0)
+    }
 }
 
 /// The products of each segment of each run. `own` are the last own coefficients of the runs; empty at first.
@@ -57,6 +72,8 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
     let size = layout.columns() + 1;
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
     let mut block = DMatrix::zeros(size, BLOCK);
+    let past = &run.before[run.before.len() - run.moving()..];
+    past.iter().for_each(|&u| columns.step(None, u, block.column_mut(0).as_mut_slice()));
     let mut start = 0;
     let segment = |&(end, fold): &(usize, Option<usize>)| {
         let mut gram = DMatrix::zeros(size, size);
@@ -66,7 +83,7 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
             samples += f64::from(u8::from(counts));
             let mut column = block.column_mut(filled);
             let row = column.as_mut_slice();
-            columns.step(t, u[t], row);
+            columns.step(Some(t), u[t], row);
             if counts && kept(t, thin) {
                 // Relative to the level, to avoid cancellation.
                 row[size - 1] = y[t] - run.level;
@@ -79,7 +96,7 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
                 filled = 0;
             }
         }
-        Segment { run: index, fold, judged: run.large_signal, gram, samples }
+        Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples }
     };
     run.segments.iter().map(segment).collect()
 }
@@ -96,9 +113,10 @@ struct RunColumns<'a> {
     layout: &'a ColumnLayout,
     own: &'a [f64],
     responses: Responses<'a>,
-    /// The responses before the first sample, the origin of z.
-    first: Vec<f64>,
-    slopes: Vec<Vec<f64>>,
+    /// The origin of the responses.
+    level: Vec<f64>,
+    /// dz/dp of each shape parameter.
+    slopes: Vec<std::vec::IntoIter<f64>>,
     rates: Vec<f64>,
     lags: Vec<f64>,
     decaying: Vec<f64>,
@@ -118,21 +136,23 @@ impl<'a> RunColumns<'a> {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let rates: Vec<f64> = estimate.lags.iter().map(|lag| -(-estimate.ts() / lag.tau_s).exp_m1()).collect();
         let gains: Vec<f64> = estimate.lags.iter().map(|lag| lag.gain).collect();
-        let responses = Responses::before(estimate, run);
-        let slopes = slopes(estimate, run);
+        let (_, level) = Responses::before(estimate, run);
+        let mut responses = Responses::from_rest(estimate, run);
+        run.before[1..run.before.len() - run.moving()].iter().for_each(|&u| _ = responses.next(u));
+        let slopes: Vec<_> = slopes(estimate, run).into_iter().map(Vec::into_iter).collect();
         let behind_creep = layout.weights.len() + slopes.len();
         let width = behind_creep + 2 * rates.len();
         RunColumns {
-            first: responses.current().to_vec(),
+            level,
             ladder: Ladder::new(&rates, &gains, behind_creep),
             filter: LinearFilter::new(a, b, width),
             entering: vec![0.0; width],
             y_by_a: AllPole::new(a, layout.state.len()),
             zc_by_a: AllPole::new(a, b.len()),
             impulse_by_a: AllPole::new(a, layout.state.len()),
-            trend: if run.drifts { (run.record.len() as f64).recip() } else { 0.0 },
+            trend: (run.record.len() as f64).recip(),
             lags: vec![0.0; rates.len()],
-            decaying: vec![1.0; rates.len()],
+            decaying: vec![0.0; rates.len()],
             estimate,
             layout,
             own,
@@ -142,16 +162,20 @@ impl<'a> RunColumns<'a> {
         }
     }
 
-    fn step(&mut self, t: usize, u: f64, row: &mut [f64]) {
+    /// The next row, at sample `t`, or before the record.
+    fn step(&mut self, t: Option<usize>, u: f64, row: &mut [f64]) {
         let (layout, n) = (self.layout, self.rates.len());
-        let phi = if t == 0 { self.responses.current() } else { self.responses.next(u) };
+        if t == Some(0) {
+            self.decaying.fill(1.0);
+        }
+        let phi = self.responses.next(u);
         let (behind_creep, lagging) = self.entering.split_at_mut(layout.weights.len() + self.slopes.len());
         let (responses, sloped) = behind_creep.split_at_mut(layout.weights.len());
-        for ((v, phi), first) in responses.iter_mut().zip(phi).zip(&self.first) {
-            *v = phi - first;
+        for ((v, phi), level) in responses.iter_mut().zip(phi).zip(&self.level) {
+            *v = phi - level;
         }
-        for (v, slope) in sloped.iter_mut().zip(&self.slopes) {
-            *v = slope[t];
+        for (v, slope) in sloped.iter_mut().zip(&mut self.slopes) {
+            *v = slope.next().unwrap_or_default();
         }
         let z = dot(responses, &self.estimate.weights);
         for ((lag, decaying), rate) in self.lags.iter_mut().zip(&mut self.decaying).zip(&self.rates) {
@@ -165,7 +189,7 @@ impl<'a> RunColumns<'a> {
         let from_creep = dot(&self.decaying, self.own);
         let zc = dot(&self.entering[layout.weights.clone()], &self.estimate.weights) + from_creep;
         self.zc_by_a.step(zc);
-        self.impulse_by_a.step(f64::from(u8::from(t == 0)));
+        self.impulse_by_a.step(f64::from(u8::from(t == Some(0))));
 
         let out = self.filter.step(&self.entering);
         let (out_creep, out_lags) = out.split_at(layout.weights.len() + self.slopes.len());
@@ -178,21 +202,23 @@ impl<'a> RunColumns<'a> {
         let delay = self.estimate.linear.delay();
         row[layout.b.clone()].copy_from_slice(&self.zc_by_a.past()[delay..delay + layout.b.len()]);
         row[layout.state.clone()].copy_from_slice(&self.impulse_by_a.past()[..layout.state.len()]);
+        for range in [&layout.a, &layout.b, &layout.state] {
+            differences(&mut row[range.clone()]);
+        }
         row[layout.constant] = 1.0;
-        row[layout.trend] = self.trend * t as f64;
+        row[layout.trend] = self.trend * t.unwrap_or_default() as f64;
         // q^-1 y/A: entered now, read at the next sample.
         let from_past = dot(&row[layout.crept.start..layout.constant], self.own);
         self.y_by_a.step(dot(out_responses, &self.estimate.weights) + from_past);
     }
 }
 
-/// dz/dp_j along a run, relative to its first sample.
+/// dz/dp_j along a run and the inputs before it that pass the linear block, relative to the origin of z.
 fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
-    let u = run.record.u();
     let steps = if estimate.driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
     // The inputs of the hysteresis block; the first one is the path from rest.
-    let (mut v, mut seen) = (u[0], vec![u[0]]);
-    for &u in run.past.iter().chain(u) {
+    let (mut v, mut seen) = (run.before[0], vec![run.before[0]]);
+    for &u in run.before[1..].iter().chain(run.record.u()) {
         for _ in 0..steps {
             v = estimate.driver.map_or(u, |d| d.advance(v, u, estimate.ts() / steps as f64));
             seen.push(v);
@@ -201,19 +227,43 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
     let of = |j: usize| {
         let slope = estimate.basis.slope(j, &estimate.weights, &seen);
         let at = |t: usize| {
-            let last = (run.past.len() + t + 1) * steps;
+            let last = t * steps;
             let mean = |k: usize| 0.5 * (slope[k - 1] + slope[k]) / steps as f64;
             if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
         };
-        // z is relative to its value before the first sample, not to a mean.
-        let first = slope[(run.past.len() + 1) * steps];
-        (0..u.len()).map(|t| if t == 0 { 0.0 } else { at(t) - first }).collect()
+        let (moving, before) = (run.moving(), run.before.len());
+        let level = match moving {
+            0 => slope[(before - 1) * steps],
+            _ => (before - moving..before).map(at).sum::<f64>() / moving as f64,
+        };
+        (before - moving..before + run.record.len()).map(|t| at(t) - level).collect()
     };
-    (0..estimate.basis.shape().len()).map(of).collect()
+    (0..estimate.basis.shape().len()).map(of).chain(lag_slope(estimate, run)).collect()
+}
+
+/// dz/d(lag) of a driver whose lag is sought, as a difference quotient.
+fn lag_slope(estimate: &Estimate, run: &TrainingRecord) -> Option<Vec<f64>> {
+    let driver = estimate.driver.filter(|_| estimate.seeks_lag)?;
+    let (moving, before) = (run.moving(), run.before.len());
+    let z = |lag_s: f64| -> Vec<f64> {
+        let mut responses = Responses::from_rest(estimate, run).behind(DriverModel { lag_s, ..driver });
+        let inputs = run.before[1..].iter().chain(run.record.u());
+        let z: Vec<f64> = inputs.map(|&u| dot(responses.next(u), &estimate.weights)).collect();
+        let level = match (moving, before) {
+            (0, 1) => dot(&Responses::from_rest(estimate, run).now(), &estimate.weights),
+            (0, _) => z[before - 2],
+            _ => z[before - 1 - moving..before - 1].iter().sum::<f64>() / moving as f64,
+        };
+        z[before - 1 - moving..].iter().map(|z| z - level).collect()
+    };
+    let step = LAG_STEP * driver.lag_s;
+    let (more, less) = (z(driver.lag_s + step), z(driver.lag_s - step));
+    Some(more.iter().zip(&less).map(|(more, less)| (more - less) / (2.0 * step)).collect())
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::estimate::of_differences;
     use super::*;
     use crate::creep::Lag;
     use crate::driver::DriverModel;
@@ -241,28 +291,39 @@ mod tests {
         let layout = ColumnLayout::of(estimate);
         let own_of = |column: usize| own[column - layout.parameters()];
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
-        let mut responses = Responses::before(estimate, run);
-        let first = dot(responses.current(), &estimate.weights);
+        let (_, level) = Responses::before(estimate, run);
+        let level = dot(&level, &estimate.weights);
+        let mut responses = Responses::from_rest(estimate, run);
+        let moving = run.moving();
+        let (earlier, later) = run.before[1..].split_at(run.before.len() - 1 - moving);
+        earlier.iter().for_each(|&u| _ = responses.next(u));
         let mut lags: Vec<f64> = vec![0.0; estimate.lags.len()];
         let mut began: Vec<f64> = layout.crept.clone().map(own_of).collect();
+        let state = of_differences(&layout.state.clone().map(own_of).collect::<Vec<_>>());
         let (mut zc, mut y): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-        for (t, &u) in run.record.u().iter().enumerate() {
-            let z = if t == 0 { 0.0 } else { dot(responses.next(u), &estimate.weights) - first };
+        for (t, &u) in later.iter().chain(run.record.u()).enumerate() {
+            let z = dot(responses.next(u), &estimate.weights) - level;
             let mut crept = z;
-            for ((lag, began), of) in lags.iter_mut().zip(&mut began).zip(&estimate.lags) {
+            for (lag, of) in lags.iter_mut().zip(&estimate.lags) {
                 let stays = (-TS / of.tau_s).exp();
                 *lag = stays * *lag + (1.0 - stays) * z;
-                *began *= stays;
-                crept += of.gain * *lag + *began;
+                crept += of.gain * *lag;
+            }
+            if t >= moving {
+                for (began, of) in began.iter_mut().zip(&estimate.lags) {
+                    *began *= (-TS / of.tau_s).exp();
+                    crept += *began;
+                }
             }
             zc.push(crept);
             let past = |x: &[f64], back: usize| if back <= t { x[t - back] } else { 0.0 };
             let fed_back: f64 = a.iter().enumerate().map(|(i, a)| a * if t > i { y[t - 1 - i] } else { 0.0 }).sum();
             let fed_forward: f64 = b.iter().enumerate().map(|(j, b)| b * past(&zc, j)).sum();
-            let state = layout.state.clone().nth(t).map_or(0.0, own_of);
+            let state = t.checked_sub(moving).and_then(|t| state.get(t)).unwrap_or(&0.0);
             y.push(fed_back + fed_forward + state);
         }
-        let slope = if run.drifts { own_of(layout.trend) / y.len() as f64 } else { 0.0 };
+        let y = y.split_off(moving);
+        let slope = own_of(layout.trend) / y.len() as f64;
         y.iter().enumerate().map(|(t, y)| y + own_of(layout.constant) + slope * t as f64).collect()
     }
 
@@ -282,12 +343,15 @@ mod tests {
             let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
             for (record, moving) in records.iter().zip([false, true]) {
                 let run = TrainingRecord::new(record, "record", true, vec![true; record.len()]).unwrap();
-                assert_eq!(!run.past.is_empty(), moving);
+                assert_eq!(run.moving() > 0, moving);
                 let run = TrainingRecord { drifts: true, ..run };
                 let mut columns = RunColumns::new(&estimate, &run, &layout, &own);
                 let mut rows = DMatrix::zeros(layout.columns() + 1, record.len());
+                for &u in &run.before[run.before.len() - run.moving()..] {
+                    columns.step(None, u, rows.column_mut(0).as_mut_slice());
+                }
                 for (t, &u) in record.u().iter().enumerate() {
-                    columns.step(t, u, rows.column_mut(t).as_mut_slice());
+                    columns.step(Some(t), u, rows.column_mut(t).as_mut_slice());
                 }
                 for k in 0..layout.columns() {
                     let own_index = k.checked_sub(layout.parameters());

@@ -3,7 +3,7 @@
 //!
 //! First only the weights, then also the gains of creep, then all parameters.
 
-use super::dynamics::{creep_pole, slowest_observable};
+use super::dynamics::{creep_pole, is_damped, slowest_observable};
 use super::equations::{RecordEquations, ReducedEquations, equations};
 use super::estimate::Estimate;
 use super::held_out::{HeldOut, cross_validate};
@@ -11,21 +11,22 @@ use super::products::{Segment, products};
 use super::runs::TrainingRecord;
 use super::solve::{FreeParameters, Prior};
 use crate::error::Error;
+use crate::linear::Arx;
 use crate::series::mean;
 use nalgebra::DVector;
 
 /// Initial damping.
-const DAMPING: f64 = 1e-6;
+const DAMPING: f64 = 1e-7;
 
 /// Maximum number of steps, and of tries per step.
-const STEPS: usize = 14;
+const STEPS: usize = 60;
 const TRIES: usize = 8;
 
 /// The step from which smoothness and record weights are fixed.
 const SETTLED: usize = 3;
 
 /// Relative decrease of the cost below which the search ends.
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = 3e-4;
 
 /// Maximum weight of small-signal samples over large-signal ones.
 const HEAVIEST: f64 = 30.0;
@@ -45,7 +46,7 @@ pub(super) struct Fitted {
 }
 
 /// An estimate and its equations.
-struct Iterate {
+pub(super) struct Iterate {
     estimate: Estimate,
     prior: Prior,
     segments: Vec<Segment>,
@@ -54,7 +55,7 @@ struct Iterate {
 }
 
 impl Iterate {
-    fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>]) -> Self {
+    pub(super) fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>]) -> Self {
         let segments = products(&estimate, runs, own);
         let (normal, each) = equations(&estimate, &segments, |_| true);
         Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each }
@@ -67,6 +68,13 @@ impl Iterate {
 
     fn cost(&self, lambda: f64) -> f64 {
         self.normal.residual(&self.unknowns()) + self.prior.penalty(&self.normal, lambda, self.prior.current())
+    }
+
+    /// The sum of squares at the solution of the linearised equations.
+    pub(super) fn predicted(&self) -> f64 {
+        let mut positive = vec![true; self.prior.current().len()];
+        let x = self.prior.solve(&self.normal, 0.0, DAMPING, FreeParameters::All, &mut positive);
+        x.map_or(f64::INFINITY, |x| self.normal.residual(&self.prior.steps(&x)))
     }
 
     /// The held-out errors by the linearised equations.
@@ -100,19 +108,36 @@ pub(super) fn refine(
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
     runs.iter_mut().for_each(|run| run.heavier = 1.0);
+    refine_from(start, None, runs, free, watch)
+}
+
+/// Fits the `free` parameters from `start`: from nothing but its linear block and shape, or, for a smoothness, from all
+/// its parameters. Then the cost never exceeds that at the start.
+pub(super) fn refine_from(
+    start: Estimate,
+    known: Option<f64>,
+    runs: &mut [TrainingRecord],
+    free: FreeParameters,
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
     let mut point = Iterate::at(start, runs, &[]);
-    let (mut damping, mut lambda) = (DAMPING, 0.0);
+    if known.is_some() {
+        let own = point.own(point.prior.current());
+        point = Iterate::at(point.estimate, runs, &own);
+    }
+    let (mut damping, mut lambda) = (DAMPING, known.unwrap_or(0.0));
     for step in 0..STEPS {
         watch(step)?;
         let now = match (step, free) {
+            _ if known.is_some() => free,
             (0, _) => FreeParameters::Weights,
             (1, FreeParameters::All) => FreeParameters::Creep,
             (_, free) => free,
         };
-        if step <= SETTLED {
+        if step <= SETTLED && known.is_none() {
             lambda = point.held_out(now, None).lambda;
         }
-        let cost = if step == 0 { f64::INFINITY } else { point.cost(lambda) };
+        let cost = if step == 0 && known.is_none() { f64::INFINITY } else { point.cost(lambda) };
         let Some(next) = lower(&point, runs, cost, lambda, &mut damping, now) else {
             if now == free {
                 break;
@@ -122,12 +147,15 @@ pub(super) fn refine(
             continue;
         };
         let fall = 1.0 - next.cost(lambda) / cost;
+        if std::env::var_os("PZ_STEPS").is_some() {
+            eprintln!("      step {step} {now:?} cost {:e} fall {fall:e} damping {damping:e}", next.cost(lambda));
+        }
         point = next;
-        if step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
+        if known.is_none() && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own);
         }
-        if step > SETTLED && fall < ENOUGH {
+        if (known.is_some() || step > SETTLED) && fall < ENOUGH {
             break;
         }
     }
@@ -150,7 +178,8 @@ fn lower(
     for _ in 0..TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
         let moved = point.estimate.moved(x.as_slice());
-        if let Some(estimate) = moved.filter(|estimate| creep_pole(&estimate.linear, slowest).is_none()) {
+        let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
+        if let Some(estimate) = moved.filter(|estimate| possible(&estimate.linear)) {
             let next = Iterate::at(estimate, runs, &point.own(&x));
             if next.cost(lambda) < cost {
                 *damping = (*damping * 0.1).max(1e-9);

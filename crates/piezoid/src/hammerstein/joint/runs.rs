@@ -2,20 +2,20 @@
 
 use crate::error::Error;
 use crate::hammerstein::paper::called;
+use crate::hammerstein::{InitialCondition, Model};
 use crate::quality::{Defect, Need, bridged, inspect};
 use crate::record::Record;
 use crate::series::{ends, scatter};
-use crate::waveform::{in_motion, inputs_before};
+use crate::system::System;
 
-/// Number of segments of a record whose parts are held out.
-const STRETCHES: usize = 10;
+/// Number of segments of a record.
+const SEGMENTS: usize = 11;
 
 /// Number of folds.
 pub(super) const FOLDS: usize = 5;
 
-/// How far the inputs of a record may exceed those of the others, over the range of all, if the others are to predict
-/// it.
-const COVERED: f64 = 0.02;
+/// A less likely initial condition is used if its squared error is below this share of that of the likelier.
+const CLEARLY: f64 = 0.9;
 
 /// A record with what the fit needs.
 #[derive(Debug, Clone)]
@@ -25,8 +25,12 @@ pub(super) struct TrainingRecord<'a> {
     pub(super) name: String,
     /// True if it exercises the hysteresis; false for a small-signal record.
     pub(super) large_signal: bool,
-    /// The assumed inputs before the record; empty if it started settled.
-    pub(super) past: Vec<f64>,
+    /// The state before it.
+    pub(super) initial: InitialCondition,
+    /// Those selected so far.
+    pub(super) tried: Vec<InitialCondition>,
+    /// The inputs before it, from rest; never empty.
+    pub(super) before: Vec<f64>,
     /// 1 / peak-to-peak of y, the factor of its errors.
     pub(super) scale: f64,
     /// The middle of y, its origin.
@@ -49,7 +53,9 @@ impl<'a> TrainingRecord<'a> {
             record,
             name: name.into(),
             large_signal,
-            past: if in_motion(record.u()) { inputs_before(record.u()) } else { Vec::new() },
+            initial: InitialCondition::of(record.u())[0],
+            tried: vec![InitialCondition::of(record.u())[0]],
+            before: InitialCondition::of(record.u())[0].inputs_before(record.u(), ends(record.u().iter().copied())),
             scale: 1.0 / (high - low),
             level: 0.5 * (low + high),
             drifts: false,
@@ -57,6 +63,35 @@ impl<'a> TrainingRecord<'a> {
             usable,
             segments: vec![(record.len(), None)],
         })
+    }
+
+    /// Number of inputs before the record that pass creep and linear block too: those of a record in motion.
+    pub(super) fn moving(&self) -> usize {
+        if self.initial == InitialCondition::Motion { self.record.len().min(self.before.len() - 1) } else { 0 }
+    }
+
+    /// Selects the initial condition with the smallest free-run error of `model`, with a line through the errors. True
+    /// if it is another than those selected before.
+    pub(super) fn begin(&mut self, model: &Model, range: (f64, f64)) -> bool {
+        let error = |initial: InitialCondition| {
+            let simulated = model.resume(&mut model.before(self.record.u(), initial), self.record.u());
+            let errors = self.record.y().iter().zip(simulated).zip(&self.usable).enumerate();
+            let errors = errors.filter(|(_, (_, usable))| **usable).map(|(t, ((y, s), _))| (t as f64, y - s));
+            scatter_about_line(errors)
+        };
+        let [likely, others @ ..] = InitialCondition::of(self.record.u()).map(|initial| (error(initial), initial));
+        let better = |best: (f64, _), one: (f64, _)| if one.0 < CLEARLY * best.0 { one } else { best };
+        let found = others.into_iter().fold(likely, better).1;
+        let changed = found != self.initial && !self.tried.contains(&found);
+        if changed {
+            self.tried.push(found);
+            self.initial = found;
+            self.before = found.inputs_before(self.record.u(), range);
+        }
+        if std::env::var_os("PZ_DEBUG").is_some() {
+            eprintln!("{} {:?}", self.name, InitialCondition::of(self.record.u()).map(|i| (i, (error(i) / self.record.len() as f64).sqrt() * self.scale * 100.0)));
+        }
+        changed
     }
 
     /// Mean square of the output about its mean, over the squared peak-to-peak.
@@ -69,6 +104,21 @@ impl<'a> TrainingRecord<'a> {
     pub(super) fn bridged(&self) -> Vec<f64> {
         bridged(self.record.y(), &self.usable)
     }
+}
+
+/// The sum of squares of points (t, e) about the line of least squares.
+fn scatter_about_line(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (mut n, mut mt, mut me, mut tt, mut te, mut ee) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    for (t, e) in points {
+        n += 1.0;
+        let (dt, de) = (t - mt, e - me);
+        mt += dt / n;
+        me += de / n;
+        tt += dt * (t - mt);
+        te += dt * (e - me);
+        ee += de * (e - me);
+    }
+    if tt > 0.0 { ee - te * te / tt } else { ee }
 }
 
 /// The usable samples of a series.
@@ -110,33 +160,14 @@ pub(super) fn of<'a>(
     Ok(runs)
 }
 
-/// Assigns the folds: whole large-signal records if the others can predict at least three of them, otherwise segments
-/// of each. Each fold also has a segment of each small-signal record. Its error does not count, but the parameters
-/// determined by these records alone get an uncertainty too.
+/// Assigns the folds: segments of each large-signal record, without the first, which shows the state before the record.
+/// Each fold also has a segment of each small-signal record. Its error does not count, but the parameters determined by
+/// these records alone get an uncertainty too.
 fn fold(runs: &mut [TrainingRecord]) {
-    let range = |run: &TrainingRecord| ends(run.record.u().iter().copied());
-    let large_signal: Vec<usize> = (0..runs.len()).filter(|&k| runs[k].large_signal).collect();
-    let (low, high) = ends(large_signal.iter().flat_map(|&k| <[f64; 2]>::from(range(&runs[k]))));
-    let slack = COVERED * (high - low);
-    let predictable = |&k: &usize| {
-        let (others_low, others_high) = ends(
-            large_signal.iter().filter(|&&other| other != k).flat_map(|&other| <[f64; 2]>::from(range(&runs[other]))),
-        );
-        let (low, high) = range(&runs[k]);
-        low >= others_low - slack && high <= others_high + slack
-    };
-    let whole: Vec<usize> = large_signal.iter().copied().filter(predictable).collect();
-    if whole.len() >= 3 {
-        for (fold, k) in whole.into_iter().enumerate() {
-            let n = runs[k].record.len();
-            runs[k].segments = vec![(n, Some(fold % FOLDS))];
-        }
-    } else {
-        for k in large_signal {
-            let n = runs[k].record.len();
-            let segment = |s: usize| ((s + 1) * n / STRETCHES, Some(s % FOLDS));
-            runs[k].segments = (0..STRETCHES).map(segment).collect();
-        }
+    for run in runs.iter_mut().filter(|run| run.large_signal) {
+        let n = run.record.len();
+        let segment = |s: usize| ((s + 1) * n / SEGMENTS, (s > 0).then_some(s % FOLDS));
+        run.segments = (0..SEGMENTS).map(segment).collect();
     }
     let folds =
         runs.iter().flat_map(|run| &run.segments).filter_map(|(_, fold)| *fold).max().map_or(1, |last| last + 1);

@@ -9,6 +9,7 @@ use super::products::products;
 use super::runs::TrainingRecord;
 use super::solve::{FreeParameters, Prior};
 use crate::error::Error;
+use crate::hammerstein::InitialCondition;
 use crate::hysteresis::ShapeParameter;
 use crate::optimize::{Bounds, swarm};
 use crate::progress::Stage;
@@ -38,7 +39,9 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
     let part = |(part, run): (_, &&TrainingRecord)| {
         let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
-        Some(TrainingRecord { drifts: run.drifts, ..end })
+        let before = run.before.iter().chain(&run.record.u()[..from(run)]).copied().collect();
+        let initial = if from(run) > 0 { InitialCondition::Motion } else { run.initial };
+        Some(TrainingRecord { drifts: run.drifts, initial, before, ..end })
     };
     let parts: Vec<TrainingRecord> = parts.iter().zip(&large_signal).filter_map(part).collect();
 

@@ -8,23 +8,21 @@
 //! of G is fixed, because G and w can share any factor.
 
 use super::equations::ReducedEquations;
-use super::estimate::Estimate;
+use super::estimate::{Estimate, of_differences};
 use super::layout::ColumnLayout;
-use crate::creep::Lag;
 use crate::optimize::non_negative;
 use nalgebra::{DMatrix, DVector};
 
 /// Weight that keeps undetermined weights at their values.
 const RIDGE: f64 = 1e-12;
 
-/// Minimum time constant of creep [s], and minimum in samples; faster lags are other dynamics.
-const SLOW: f64 = 0.04;
-const SAMPLES: f64 = 15.0;
-
 /// Weight that draws the gain of a lag to that of the next faster one, over the mean size of their columns, up to the
 /// usual gain: by the logarithmic law they are equal, and records are too short for the slowest.
 const ALIKE: f64 = 0.03;
 const USUAL: f64 = 0.03;
+
+/// Largest gain of a creep lag in ceramics.
+const CREEPS: f64 = 0.1;
 
 /// The free parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +47,6 @@ pub(super) struct Prior {
     signed: Vec<bool>,
     /// The derivative of ln(static gain of G).
     gain: DVector<f64>,
-    /// Number of free lags: those too fast for creep, and the first creep lag, if G is a gain and the lags are all
-    /// dynamics.
-    quick: usize,
 }
 
 impl Prior {
@@ -60,8 +55,9 @@ impl Prior {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let gains = estimate.lags.iter().map(|lag| lag.gain);
         let shape = estimate.basis.shape().into_iter().map(|shape| shape.value);
-        let now = estimate.weights.iter().copied().chain(gains).chain(shape).chain(a.iter().copied());
-        let now = now.chain(b[estimate.linear.delay()..].iter().copied());
+        let lag = estimate.driver.filter(|_| estimate.seeks_lag).map(|driver| driver.lag_s);
+        let now = estimate.weights.iter().copied().chain(gains).chain(shape).chain(lag).chain(of_differences(a));
+        let now = now.chain(of_differences(&b[estimate.linear.delay()..]));
 
         let mut smooth = DMatrix::zeros(layout.weights.len(), layout.weights.len());
         for row in estimate.basis.roughness() {
@@ -75,11 +71,10 @@ impl Prior {
 
         let (fed_back, fed_forward) = (1.0 - a.iter().sum::<f64>(), b.iter().sum::<f64>());
         let mut gain = DVector::zeros(layout.parameters());
-        gain.rows_range_mut(layout.a.clone()).fill(1.0 / fed_back);
-        gain.rows_range_mut(layout.b.clone()).fill(1.0 / fed_forward);
-        let quick = |lag: &&Lag| lag.tau_s < SLOW.max(SAMPLES * estimate.ts());
-        let quick = if a.is_empty() { estimate.lags.iter().filter(quick).count() + 1 } else { 0 };
-        Prior { current: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain, quick }
+        // Differences of a constant are zero: only the coefficients of order 0 enter.
+        gain.rows_range_mut(layout.a.clone()).iter_mut().take(1).for_each(|g| *g = 1.0 / fed_back);
+        gain.rows_range_mut(layout.b.clone()).iter_mut().take(1).for_each(|g| *g = 1.0 / fed_forward);
+        Prior { current: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain }
     }
 
     /// The current parameters.
@@ -129,7 +124,7 @@ impl Prior {
         }
         let gains = layout.gains.clone();
         let alike = ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64;
-        for k in gains.clone().skip(self.quick) {
+        for k in gains.clone() {
             h[(k, k)] += alike;
             g[k] += alike * self.current[if k == gains.start { k } else { k - 1 }].min(USUAL);
         }
@@ -151,7 +146,27 @@ impl Prior {
             (0..n * n).map(|k| h[(moving[k / n], moving[k % n])] * unit[k / n] * unit[k % n]).collect();
         let target: Vec<f64> = moving.iter().zip(&unit).map(|(&k, unit)| g[k] * unit).collect();
         let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
-        let solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
+        let mut solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
+        // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
+        let top = |j: usize| CREEPS / unit[j];
+        let mut held_at: Vec<usize> = Vec::new();
+        let over = |solved: &[f64], held_at: &[usize]| {
+            (0..n).find(|j| self.layout.gains.contains(&moving[*j]) && !held_at.contains(j) && solved[*j] > top(*j))
+        };
+        while let Some(j) = over(&solved, &held_at) {
+            held_at.push(j);
+            let rest: Vec<usize> = (0..n).filter(|j| !held_at.contains(j)).collect();
+            let m = rest.len();
+            let h: Vec<f64> = (0..m * m).map(|k| scaled[rest[k / m] * n + rest[k % m]]).collect();
+            let known = |i: usize| held_at.iter().map(|&j| scaled[i * n + j] * top(j)).sum::<f64>();
+            let g: Vec<f64> = rest.iter().map(|&i| target[i] - known(i)).collect();
+            let signed: Vec<bool> = rest.iter().map(|&i| signed[i]).collect();
+            let mut free: Vec<bool> = rest.iter().map(|&i| positive[i]).collect();
+            let found = non_negative(&h, &g, &signed, &mut free)?;
+            rest.iter().zip(&found).for_each(|(&i, x)| solved[i] = *x);
+            rest.iter().zip(&free).for_each(|(&i, free)| positive[i] = *free);
+            held_at.iter().for_each(|&j| solved[j] = top(j));
+        }
 
         let mut x = self.current.clone();
         for ((&k, solved), unit) in moving.iter().zip(solved).zip(unit) {

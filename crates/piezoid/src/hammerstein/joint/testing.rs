@@ -23,5 +23,5 @@ pub(super) fn estimate(name: &str, elements: usize) -> Estimate {
 pub(super) fn segment(layout: &ColumnLayout, run: usize, fold: Option<usize>, seed: u64) -> Segment {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = DMatrix::<f64>::from_fn(200, layout.columns() + 1, |_, _| StandardNormal.sample(&mut random));
-    Segment { run, fold, judged: true, gram: rows.tr_mul(&rows), samples: 200.0 }
+    Segment { run, fold, judged: true, drifts: false, gram: rows.tr_mul(&rows), samples: 200.0 }
 }

@@ -1,0 +1,118 @@
+//! Modes from free decays: where the input stands still, the output is a sum of the decaying responses of the poles.
+//!
+//! ```text
+//! y_t = y_end + sum_k c_k z_k^t,    H_0 = [d_{i+j}],  H_1 = [d_{i+j+1}],  d_t = y_{t+1} - y_t
+//! H_0 = U S V',    z_k = eigenvalues of S^-1 U' H_1 V     (rank r)
+//! ```
+//! The rows of all decays stand in one matrix, because they have the same poles.
+//!
+//! Matrix pencil: Hua & Sarkar 1990, DOI 10.1109/29.56027; with several decays: Juang & Pappa 1985, DOI 10.2514/3.20031.
+
+use super::Pole;
+use super::analysis::Root;
+use crate::record::Record;
+use crate::series::ends;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Shortest and longest decay that is used [samples].
+const SHORTEST: usize = 64;
+const LONGEST: usize = 800;
+
+/// Rank of the pencil: twice the number of modes, and some real poles.
+const RANK: usize = 8;
+
+/// Change of the input, as a share of its range, up to which it stands still.
+const STILL: f64 = 1e-4;
+
+/// Share of the energy of the decays from which a mode counts, and the most damping that rings.
+const SEEN: f64 = 0.03;
+const RINGS: f64 = 0.3;
+
+/// The highest frequency of a mode, over the sampling rate.
+const HIGHEST: f64 = 0.45;
+
+/// The modes that ring in the decays of `records`, the one with the most energy first.
+pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
+    let Some(first) = records.first() else { return Vec::new() };
+    let decays: Vec<Vec<f64>> = records.iter().flat_map(decays).collect();
+    let Some(longest) = decays.iter().map(Vec::len).max() else { return Vec::new() };
+    let rows = (longest / 3).clamp(RANK + 1, 160);
+    let columns: usize = decays.iter().map(|d| d.len().saturating_sub(rows)).sum();
+    if columns < 2 * RANK {
+        return Vec::new();
+    }
+    let mut hankel = [DMatrix::zeros(rows, columns), DMatrix::zeros(rows, columns)];
+    let mut column = 0;
+    for d in &decays {
+        for j in 0..d.len().saturating_sub(rows) {
+            for i in 0..rows {
+                hankel[0][(i, column)] = d[i + j];
+                hankel[1][(i, column)] = d[i + j + 1];
+            }
+            column += 1;
+        }
+    }
+    // U and S from the small matrix H_0 H_0'.
+    let [h0, h1] = hankel;
+    let eigen = (&h0 * h0.transpose()).symmetric_eigen();
+    let mut order: Vec<usize> = (0..rows).collect();
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    let u = DMatrix::from_fn(rows, RANK, |i, k| eigen.eigenvectors[(i, order[k])]);
+    let squares = DVector::from_fn(RANK, |k, _| eigen.eigenvalues[order[k]].max(f64::MIN_POSITIVE));
+    // S^-1 U' H_1 V = S^-2 U' H_1 H_0' U in other words.
+    let crossed = u.transpose() * &h1 * h0.transpose() * &u;
+    let pencil = DMatrix::from_fn(RANK, RANK, |i, j| crossed[(i, j)] / squares[j]);
+    let poles: Vec<Complex<f64>> = pencil.complex_eigenvalues().iter().copied().collect();
+    let energy = energies(&decays, &poles);
+    let total: f64 = decays.iter().flatten().map(|d| d * d).sum();
+    let ts = first.ts();
+    let mut modes: Vec<(f64, Pole)> = poles
+        .iter()
+        .zip(energy)
+        .filter(|(z, energy)| z.im > 0.0 && z.norm() < 1.0 && *energy > SEEN * total)
+        .map(|(z, energy)| {
+            let s = z.ln() / ts;
+            let damping = -s.re / s.norm();
+            (energy, Pole { hz: s.norm() / TAU, damping, z: Root { re: z.re, im: z.im } })
+        })
+        .filter(|(_, pole)| pole.damping < RINGS && pole.hz < HIGHEST / ts)
+        .collect();
+    modes.sort_by(|p, q| q.0.total_cmp(&p.0));
+    modes.into_iter().map(|(_, pole)| pole).collect()
+}
+
+/// The differences of the output from where the input stops on.
+fn decays(record: &Record) -> Vec<Vec<f64>> {
+    let (low, high) = ends(record.u().iter().copied());
+    let slack = STILL * (high - low);
+    let (u, y) = (record.u(), record.y());
+    let mut found = Vec::new();
+    let mut start = 0;
+    for t in 1..=u.len() {
+        if t == u.len() || (u[t] - u[start]).abs() > slack {
+            if t - start >= SHORTEST {
+                let part = &y[start..t.min(start + LONGEST)];
+                found.push(part.windows(2).map(|w| w[1] - w[0]).collect());
+            }
+            start = t;
+        }
+    }
+    found
+}
+
+/// The energy of each pole and its conjugate in the decays, by least squares on all.
+fn energies(decays: &[Vec<f64>], poles: &[Complex<f64>]) -> Vec<f64> {
+    let mut energy = vec![0.0; poles.len()];
+    for d in decays {
+        let n = d.len();
+        let basis = DMatrix::from_fn(n, poles.len(), |t, k| poles[k].powu(t as u32));
+        let target = DVector::from_iterator(n, d.iter().map(|d| Complex::new(*d, 0.0)));
+        let gram = basis.adjoint() * &basis;
+        let Some(c) = gram.lu().solve(&(basis.adjoint() * target)) else { continue };
+        for k in 0..poles.len() {
+            energy[k] += 2.0 * (0..n).map(|t| (c[k] * basis[(t, k)]).norm_sqr()).sum::<f64>();
+        }
+    }
+    energy
+}
