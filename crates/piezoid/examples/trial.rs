@@ -35,6 +35,10 @@ fn main() {
             let skip = if floor.is_some() { 0.1 * of["seconds"].as_f64().unwrap() } else if name == "test_random.csv" { 0.0 } else { 1.2 };
             let v = model.validate_with(&record, &ValidateOptions { skip, offset: Offset::Free }).unwrap();
             let e = v.metrics.nrmse_percent;
+            if let Some(dir) = std::env::var_os("PZ_DUMP") {
+                let rows: String = record.u().iter().zip(record.y()).zip(&v.simulated).map(|((u, y), s)| format!("{u} {y} {s}\n")).collect();
+                std::fs::write(format!("{}/{}_{}.txt", dir.to_str().unwrap(), folder.rsplit('/').next().unwrap(), name), rows).unwrap();
+            }
             // Without the drift.
             let errors: Vec<f64> = record.y()[v.start..].iter().zip(&v.simulated[v.start..]).map(|(y, s)| y - s).collect();
             let n = errors.len() as f64;

@@ -41,6 +41,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "Bouc-Wen with different ascending and descending branches",
     reference: "Song & Der Kiureghian 2006, doi:10.1061/(ASCE)0733-9399(2006)132:6(610)",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     load: Weighted::<AsymmetricBoucWen>::load,

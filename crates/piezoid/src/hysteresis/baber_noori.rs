@@ -51,6 +51,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "Bouc-Wen with degradation and pinching",
     reference: "Baber & Noori 1985, doi:10.1061/(ASCE)0733-9399(1985)111:8(1010)",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     load: Weighted::<BaberNoori>::load,

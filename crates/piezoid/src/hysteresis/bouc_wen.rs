@@ -42,6 +42,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "a differential equation of two parameters: smooth symmetric loops",
     reference: "Low & Guo 1995, doi:10.1109/84.475550",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     load: Weighted::<BoucWen>::load,

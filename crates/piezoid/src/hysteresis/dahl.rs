@@ -41,6 +41,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "Dahl's friction with its exponent: smooth symmetric loops",
     reference: "Dahl 1976, doi:10.2514/3.61511",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     load: Weighted::<Dahl>::load,

@@ -50,6 +50,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "Coleman & Hodgdon's differential equation with polynomials of the input: smooth asymmetric loops",
     reference: "Coleman & Hodgdon 1986, Int. J. Eng. Sci. 24; Adriaens et al. 2000, doi:10.1109/3516.891044",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     load: Weighted::<Duhem>::load,

@@ -52,6 +52,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "play operators with two nonlinear envelope functions, and dead zones: asymmetric loops",
     reference: "Al Janaideh, Rakheja & Su 2011, doi:10.1109/TMECH.2010.2052366",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
     load: Weighted::<GeneralisedPlay>::load,

@@ -45,6 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "a triangular grid of relays with ridges: asymmetric, saturating loops, continuous",
     reference: "Krasnosel'skii & Pokrovskii 1989, doi:10.1007/978-3-642-61302-9",
     minor_loops: true,
+    needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
     load: Weighted::<Krasnoselskii>::load,

@@ -47,6 +47,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "elastic sliders whose breakaway force depends on speed: loops that change with frequency",
     reference: "Al-Bender, Lampaert & Swevers 2005, doi:10.1109/TAC.2005.858676",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
     load: Weighted::<MaxwellSlip>::load,

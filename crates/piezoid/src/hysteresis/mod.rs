@@ -90,6 +90,8 @@ pub struct Operator {
     pub reference: &'static str,
     /// True if a minor loop leaves and rejoins the major loop without a jump.
     pub minor_loops: bool,
+    /// True if major loops do not determine its minor loops: its weights show only in minor loops.
+    pub needs_minor_loops: bool,
     /// True if the output depends only on the order of the inputs, not on their timing.
     pub rate_independent: bool,
     /// True if an input that passes an older reversal deletes the loops inside it from memory.

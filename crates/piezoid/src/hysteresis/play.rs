@@ -39,6 +39,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "a sum of play operators: symmetric loops, minor loops, a closed-form inverse",
     reference: "Krejci & Kuhnen 2001, doi:10.1049/ip-cta:20010375",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
     load: Weighted::<Play>::load,

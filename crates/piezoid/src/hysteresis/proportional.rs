@@ -30,6 +30,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "no hysteresis, z = k u: the baseline",
     reference: "a linear model",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
     basis: |design| Ok(Box::new(Proportional::new(design.ts, 1.0)?)),

@@ -44,6 +44,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "play operators with thresholds that increase with the input rate",
     reference: "Al Janaideh & Krejci 2013, doi:10.1109/TMECH.2012.2205265",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
     load: Weighted::<RatePlay>::load,

@@ -65,6 +65,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "two splines for each of several frequencies, interpolated by the rate of the input; no minor loops",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     minor_loops: false,
+    needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
     basis: |design| Ok(Box::new(RateScheduledBasis::new(design)?)),

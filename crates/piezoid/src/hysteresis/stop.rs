@@ -34,6 +34,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "Prandtl-Ishlinskii model with stop operators: the input minus a weighted sum of stop operators",
     reference: "Brokate & Sprekels 1996, doi:10.1007/978-1-4612-4048-8",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
     load: Weighted::<Stop>::load,

@@ -46,6 +46,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "two splines and a differential equation between them: minor loops without jumps",
     reference: "Tellinen 1998, doi:10.1109/20.706508",
     minor_loops: true,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     basis: |design| Ok(Box::new(TellinenBasis::even(design)?)),

@@ -80,6 +80,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "one spline for rising and one for falling input; no minor loops",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 2.2",
     minor_loops: false,
+    needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
     basis: |design| Ok(Box::new(TwoBranchBasis { ts: design.ts, nodes: Nodes::new(design)? })),

@@ -28,7 +28,7 @@ const LAGS: f64 = 2.0;
 const MODES: f64 = 1.3;
 
 /// Number of extensions that are refined together with the hysteresis.
-const REFINED: usize = 2;
+const REFINED: usize = 1;
 
 /// Ratio of squared errors up to which an extension is refined beside the best.
 const ALIKE: f64 = 1.2;
@@ -96,7 +96,19 @@ pub(super) fn extensions(
         Some((name, Arx::new(ts, a[1..].iter().map(|a| -a).collect(), times(linear.b(), &factor)).ok()?))
     };
     if order < most {
-        kinds.push(lags.filter_map(with).collect());
+        // A lag acts like a delay of its time constant.
+        let (delay, b) = (linear.delay(), linear.b());
+        let instead = |(name, factor): &(String, Vec<f64>)| -> Option<(String, Arx)> {
+            let a = times(&linear.denominator(), factor);
+            let b = b[delay..].iter().map(|b| b * (1.0 + factor[1])).collect();
+            let arx = Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b).ok()?;
+            Some((format!("{name} instead of a delay"), arx))
+        };
+        let lags: Vec<_> = lags.collect();
+        if delay > 0 {
+            kinds.push(lags.iter().filter_map(instead).collect());
+        }
+        kinds.push(lags.into_iter().filter_map(with).collect());
     }
     if order + 2 <= most {
         kinds.push(grid.map(pair).filter_map(with).collect());

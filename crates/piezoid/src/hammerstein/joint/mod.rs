@@ -144,7 +144,7 @@ pub(crate) fn identify_joint(
         false => {
             let (linear, reason) =
                 structure::from_small_signal(&bridged[..small.len()], &bridged[small_beside.len()..], settings, &lags)?;
-            let lags = structure::begin_all(&linear, &mut runs, settings, &design, &lags, &mut watch)?;
+            let lags = structure::creep_behind(&linear, &mut runs, settings, &design, &lags, &mut watch)?;
             (linear, lags, reason, Vec::new())
         }
         true => {

@@ -73,7 +73,7 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
     let mut block = DMatrix::zeros(size, BLOCK);
     let past = &run.before[run.before.len() - run.moving()..];
-    past.iter().for_each(|&u| columns.step(None, u, block.column_mut(0).as_mut_slice()));
+    past.iter().for_each(|&u| columns.step(None, u, false, block.column_mut(0).as_mut_slice()));
     let mut start = 0;
     let segment = |&(end, fold): &(usize, Option<usize>)| {
         let mut gram = DMatrix::zeros(size, size);
@@ -83,8 +83,9 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
             samples += f64::from(u8::from(counts));
             let mut column = block.column_mut(filled);
             let row = column.as_mut_slice();
-            columns.step(Some(t), u[t], row);
-            if counts && kept(t, thin) {
+            let wanted = counts && kept(t, thin);
+            columns.step(Some(t), u[t], wanted, row);
+            if wanted {
                 // Relative to the level, to avoid cancellation.
                 row[size - 1] = y[t] - run.level;
                 row.iter_mut().for_each(|v| *v *= weight);
@@ -162,8 +163,8 @@ impl<'a> RunColumns<'a> {
         }
     }
 
-    /// The next row, at sample `t`, or before the record.
-    fn step(&mut self, t: Option<usize>, u: f64, row: &mut [f64]) {
+    /// The next row, at sample `t`, or before the record; `wanted` if it is kept.
+    fn step(&mut self, t: Option<usize>, u: f64, wanted: bool, row: &mut [f64]) {
         let (layout, n) = (self.layout, self.rates.len());
         if t == Some(0) {
             self.decaying.fill(1.0);
@@ -194,7 +195,9 @@ impl<'a> RunColumns<'a> {
         let out = self.filter.step(&self.entering);
         let (out_creep, out_lags) = out.split_at(layout.weights.len() + self.slopes.len());
         let (out_responses, out_slopes) = out_creep.split_at(layout.weights.len());
-        row[layout.weights.clone()].copy_from_slice(out_responses);
+        if wanted {
+            row[layout.weights.clone()].copy_from_slice(out_responses);
+        }
         row[layout.shape.clone()].copy_from_slice(out_slopes);
         row[layout.gains.clone()].copy_from_slice(&out_lags[..n]);
         row[layout.crept.clone()].copy_from_slice(&out_lags[n..]);
@@ -348,10 +351,10 @@ mod tests {
                 let mut columns = RunColumns::new(&estimate, &run, &layout, &own);
                 let mut rows = DMatrix::zeros(layout.columns() + 1, record.len());
                 for &u in &run.before[run.before.len() - run.moving()..] {
-                    columns.step(None, u, rows.column_mut(0).as_mut_slice());
+                    columns.step(None, u, true, rows.column_mut(0).as_mut_slice());
                 }
                 for (t, &u) in record.u().iter().enumerate() {
-                    columns.step(Some(t), u, rows.column_mut(t).as_mut_slice());
+                    columns.step(Some(t), u, true, rows.column_mut(t).as_mut_slice());
                 }
                 for k in 0..layout.columns() {
                     let own_index = k.checked_sub(layout.parameters());

@@ -45,6 +45,13 @@ pub(super) struct Fitted {
     pub(super) residuals: Vec<f64>,
 }
 
+impl Fitted {
+    /// Mean over the runs of the mean squared error over the squared peak-to-peak.
+    pub(super) fn cost(&self) -> f64 {
+        mean(&self.residuals)
+    }
+}
+
 /// An estimate and its equations.
 pub(super) struct Iterate {
     estimate: Estimate,

@@ -70,6 +70,12 @@ impl<'a> TrainingRecord<'a> {
         if self.initial == InitialCondition::Motion { self.record.len().min(self.before.len() - 1) } else { 0 }
     }
 
+    /// Sets the initial condition.
+    pub(super) fn begin_from(&mut self, initial: InitialCondition, range: (f64, f64)) {
+        self.initial = initial;
+        self.before = initial.inputs_before(self.record.u(), range);
+    }
+
     /// Selects the initial condition with the smallest free-run error of `model`, with a line through the errors. True
     /// if it is another than those selected before.
     pub(super) fn begin(&mut self, model: &Model, range: (f64, f64)) -> bool {
@@ -82,14 +88,13 @@ impl<'a> TrainingRecord<'a> {
         let [likely, others @ ..] = InitialCondition::of(self.record.u()).map(|initial| (error(initial), initial));
         let better = |best: (f64, _), one: (f64, _)| if one.0 < CLEARLY * best.0 { one } else { best };
         let found = others.into_iter().fold(likely, better).1;
+        if std::env::var_os("PZ_DEBUG").is_some() {
+            eprintln!("{} {:?}", self.name, InitialCondition::of(self.record.u()).map(|i| (i, (error(i) / self.record.len() as f64).sqrt() * self.scale * 100.0)));
+        }
         let changed = found != self.initial && !self.tried.contains(&found);
         if changed {
             self.tried.push(found);
-            self.initial = found;
-            self.before = found.inputs_before(self.record.u(), range);
-        }
-        if std::env::var_os("PZ_DEBUG").is_some() {
-            eprintln!("{} {:?}", self.name, InitialCondition::of(self.record.u()).map(|i| (i, (error(i) / self.record.len() as f64).sqrt() * self.scale * 100.0)));
+            self.begin_from(found, range);
         }
         changed
     }

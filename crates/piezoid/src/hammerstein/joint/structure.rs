@@ -19,7 +19,7 @@ use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::fourier::plain_power;
-use crate::hammerstein::{Domain, Model};
+use crate::hammerstein::{Domain, InitialCondition, Model};
 use crate::hammerstein::large_signal::{affine, lines, require_excitation};
 use crate::hysteresis::{Basis, BasisDesign, Operator, Proportional};
 use crate::linear::{Arx, Estimator, OrderSearch, Orders, OutputError, Pole, Refinement, free_decay_modes, refine as refine_alone, select};
@@ -45,12 +45,20 @@ const CLEARLY: f64 = 1.5;
 const VAIN: usize = 1;
 const GAIN: f64 = 0.95;
 
+/// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
+const HOPELESS: f64 = 2.0;
+
 /// Number of frequencies of the inputs from which modes between them show; otherwise the least ratio of the frequency
-/// of a mode to theirs, and distance of power in a spectrum from its line. A pair of poles with more damping is not a
-/// mode.
+/// of a mode to theirs.
 const FEW: usize = 6;
-const ABOVE: f64 = 1.3;
+const ABOVE: f64 = 2.0;
+
+/// Distance of power from the dominant frequency of an input, as a ratio, and its share from which the input is broad.
+const AWAY: f64 = 1.3;
 const BROAD: f64 = 0.1;
+
+/// Difference of ln(frequency) up to which two modes are the same. A pair of poles with more damping is not a mode.
+const NEAR: f64 = 0.2;
 const RINGS: f64 = 0.5;
 
 /// Rows of the grid that represents the hysteresis.
@@ -265,8 +273,12 @@ impl Growth {
             let b = linear.b().iter().map(|b| b / (1.0 - pole.z.re)).collect();
             (1.0 / (TAU * pole.hz), Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b))
         });
+        let delay = linear.delay();
+        let instead = (delay > 0).then(|| {
+            (delay as f64 * ts, Arx::new(ts, linear.a().to_vec(), linear.b()[delay..].to_vec()))
+        });
         let mut found = Vec::new();
-        for (lag_s, linear) in moved.chain([(0.2 * ts, Ok(linear.clone()))]) {
+        for (lag_s, linear) in moved.chain([(0.2 * ts, Ok(linear.clone()))]).chain(instead) {
             let driver = DriverModel::new(lag_s, None)?;
             let made = basis(ts / DriverModel::SUBSTEPS as f64)?.reshaped(&shape)?;
             let Some(like) = best.estimate.with_linear(linear?) else { continue };
@@ -283,7 +295,7 @@ impl Growth {
 
     /// True if each mode of a linear block shows in the records.
     fn shows(&self, linear: &Arx) -> bool {
-        let seen = |hz: f64| self.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < ABOVE.ln());
+        let seen = |hz: f64| self.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR);
         let rings = |pole: &&Pole| pole.z.im > 0.0 && pole.damping < RINGS;
         linear.poles().iter().filter(rings).all(|pole| pole.hz >= self.lowest || seen(pole.hz))
     }
@@ -316,7 +328,9 @@ impl Growth {
         watch: StepCallback,
     ) -> Result<(Fitted, String), Error> {
         let mut tried = Vec::new();
-        for Structure { name, fitted: coarse } in simpler {
+        let least = simpler.iter().map(|t| t.held_out().rms_pp()).fold(f64::INFINITY, f64::min);
+        let near = |t: &&Structure| t.held_out().rms_pp() < HOPELESS * least;
+        for Structure { name, fitted: coarse } in simpler.iter().filter(near) {
             let Some(mut start) = fitted.estimate.with_linear(coarse.estimate.linear.clone()) else { continue };
             start.lags.clone_from(&coarse.estimate.lags);
             let fit = refine_from(start, Some(fitted.held_out.lambda), runs, FreeParameters::All, watch)?;
@@ -351,10 +365,7 @@ pub(super) fn from_large_signal(
         let b = [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat();
         Arx::new(ts, Vec::new(), b)
     };
-    let mut plain = refine(start(delayed_gain(first, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
-    while begin(&plain, runs, design.range)? {
-        plain = refine(start(delayed_gain(first, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
-    }
+    let plain = begin_all(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
     let best_delay = delay(&hidden(&plain, runs)?);
     let delayed = |d: usize| if d == 0 { "a gain".into() } else { format!("a gain with a delay of {d} samples") };
     let mut tried = vec![Structure::new(delayed(first), plain)];
@@ -383,15 +394,39 @@ fn is_broadband(record: &Record) -> bool {
     let bin = dominant * record.len() as f64 * record.ts();
     let power = plain_power(record.u());
     let (line, above) = power.iter().enumerate().fold((0.0, 0.0), |(line, above), (k, power)| match k as f64 / bin {
-        share if share > ABOVE => (line, above + power),
-        share if share > 1.0 / ABOVE => (line + power, above),
+        share if share > AWAY => (line, above + power),
+        share if share > 1.0 / AWAY => (line + power, above),
         _ => (line, above),
     });
     above > BROAD * line
 }
 
-/// The initial conditions of the large-signal records, with a coarse fit for this linear block.
-pub(super) fn begin_all(
+/// A fit with the initial conditions of the large-signal records that it shows. Hysteresis without a past and after
+/// cycles over the whole range explain the same records by different weights, so both are fitted.
+fn begin_all(
+    start: &dyn Fn() -> Result<Estimate, Error>,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let mut likely = refine(start()?, runs, FreeParameters::Creep, watch)?;
+    let large_signal = |runs: &[TrainingRecord]| -> Vec<InitialCondition> { runs.iter().map(|run| run.initial).collect() };
+    let before = large_signal(runs);
+    runs.iter_mut().filter(|run| run.large_signal).for_each(|run| run.begin_from(InitialCondition::FromBelow, range));
+    let cycled = refine(start()?, runs, FreeParameters::Creep, watch)?;
+    if cycled.cost() < likely.cost() {
+        likely = cycled;
+    } else {
+        runs.iter_mut().zip(before).for_each(|(run, initial)| run.begin_from(initial, range));
+    }
+    while begin(&likely, runs, range)? {
+        likely = refine(start()?, runs, FreeParameters::Creep, watch)?;
+    }
+    Ok(likely)
+}
+
+/// The creep that a coarse fit shows behind this linear block, with the initial conditions of the records.
+pub(super) fn creep_behind(
     linear: &Arx,
     runs: &mut [TrainingRecord],
     settings: &JointOptions,
@@ -400,14 +435,11 @@ pub(super) fn begin_all(
     watch: StepCallback,
 ) -> Result<Vec<Lag>, Error> {
     let coarse = BasisDesign { elements: Some(COARSE), ..design.clone() };
-    loop {
+    let start = || {
         let basis = (Operator::find("preisach")?.basis)(&coarse)?;
-        let start = Estimate::new(settings.driver, basis, lags.to_vec(), linear.clone());
-        let fit = refine(start, runs, FreeParameters::Creep, watch)?;
-        if !begin(&fit, runs, design.range)? {
-            return Ok(fit.estimate.lags);
-        }
-    }
+        Ok(Estimate::new(settings.driver, basis, lags.to_vec(), linear.clone()))
+    };
+    Ok(begin_all(&start, runs, design.range, watch)?.estimate.lags)
 }
 
 /// Selects the initial conditions of the large-signal records; true if one changed to another than before.

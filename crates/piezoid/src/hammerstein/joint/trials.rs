@@ -36,7 +36,7 @@ pub struct OperatorTrial {
 
 /// The operators to try: those named, or with `auto` those that suit the records. Without minor loops in the records,
 /// operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe out minor
-/// loops, as measured ceramics do. If large-signal records stand `alone`, rate-dependent operators are left out: their
+/// loops, as measured ceramics do, and whose minor loops the major loops determine. If large-signal records stand `alone`, rate-dependent operators are left out: their
 /// dynamics cannot be separated from the linear block.
 pub(super) fn candidates(
     name: &str,
@@ -59,10 +59,10 @@ pub(super) fn candidates(
     }
     notes.push(
         "the records have no minor loops, so smaller amplitudes are extrapolated; only operators with the wiping-out \
-         property were tried, as for measured ceramics: add a rising sine"
+         property were tried, as for measured ceramics, whose minor loops follow from the major loops: add a rising sine"
             .into(),
     );
-    Ok(all().filter(|o| o.minor_loops && o.wipes_out).collect())
+    Ok(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
 }
 
 /// Selects the operator with the fewest parameters of those as good as the best; returns its fit and all trials.

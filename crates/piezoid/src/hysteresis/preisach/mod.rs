@@ -68,6 +68,7 @@ pub(super) static OPERATOR: Operator = Operator {
     summary: "relays on a triangular grid: asymmetric loops of any shape, minor loops, wiping-out",
     reference: "Mayergoyz 1991, doi:10.1007/978-1-4612-3028-1",
     minor_loops: true,
+    needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
     basis: |design| Ok(Box::new(CellBasis::new(design)?)),
