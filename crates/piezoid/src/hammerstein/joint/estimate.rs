@@ -33,6 +33,12 @@ impl Estimate {
         Estimate { driver, seeks_lag: false, weights: vec![0.0; basis.len()], basis, lags, linear }
     }
 
+    /// The same driver, creep and linear block behind another hysteresis, with unknown weights.
+    pub(super) fn with_basis(&self, basis: Box<dyn Basis>) -> Self {
+        let (lags, linear) = (self.lags.clone(), self.linear.clone());
+        Estimate { seeks_lag: self.seeks_lag, ..Estimate::new(self.driver, basis, lags, linear) }
+    }
+
     /// The same estimate with another linear block; `None` if its basis does not take its own shape.
     pub(super) fn with_linear(&self, linear: Arx) -> Option<Self> {
         let shape: Vec<f64> = self.basis.shape().iter().map(|shape| shape.value).collect();

@@ -1,11 +1,11 @@
-//! Extensions of the linear block: a pole, a pair of poles, or one more coefficient of the numerator.
+//! Extensions of the linear block: a lag, a mode, or one more coefficient of the numerator.
 //!
 //! ```text
 //! B/A = B P / A P,    P = 1 - p q^-1   or   1 - 2 Re(p) q^-1 + |p|^2 q^-2
 //! ```
-//! The extended block is at first the same block, so a refinement from there cannot be worse. Where p helps most is
-//! seen in the responses to z, which is held: for each p of a grid, and for the modes of free decays, the least-squares
-//! problem in all coefficients and initial states is linear. The best of each kind is refined on these responses.
+//! The extended block is at first the same block. Where p helps most is seen in the responses to z, which is held: for
+//! each p of a grid, and for the modes seen in free decays, the linearised problem is solved in all coefficients and
+//! initial states. The best p of each kind is refined on these responses.
 
 use super::estimate::{Estimate, Responses};
 use super::refine::{Fitted, Iterate, StepCallback, refine};
@@ -23,159 +23,152 @@ use crate::system::System;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Ratio of neighbouring time constants, and of neighbouring frequencies, of the grids.
+/// Ratio of neighbouring time constants and of neighbouring frequencies of the grids, and damping of their modes.
 const LAGS: f64 = 2.0;
 const MODES: f64 = 1.3;
-
-/// Number of extensions that are refined together with the hysteresis.
-const REFINED: usize = 1;
-
-/// Ratio of squared errors up to which an extension is refined beside the best.
-const ALIKE: f64 = 1.2;
-
-/// Damping of the modes of the grid.
 const DAMPING: [f64; 2] = [0.03, 0.2];
 
-/// The highest frequency of a mode, over the sampling rate.
+/// The shortest lag [samples], and the highest frequency of a mode, over the sampling rate.
+const SHORTEST: f64 = 0.5;
 const HIGHEST: f64 = 0.45;
 
 /// Cycles of a mode in the longest record.
 const CYCLES: f64 = 10.0;
 
-/// An extended linear block.
+/// A coefficient that is next to nothing, over the gain: zero would be a delay.
+const NOTHING: f64 = 1e-9;
+
+/// An extended linear block, and what was added.
 pub(super) struct Extension {
-    /// What was added.
     pub(super) name: String,
     pub(super) linear: Arx,
 }
 
-/// The responses of the linear block: the records with z in place of u.
-struct Hidden {
-    record: Record,
+/// Where poles are sought.
+pub(super) struct Search {
+    /// Modes seen in free decays.
+    pub(super) modes: Vec<Pole>,
+    /// Frequency of the slowest lag that is not creep [Hz].
+    pub(super) slowest: f64,
+    /// The lowest frequency of a mode that shows only in the response to the inputs [Hz].
+    pub(super) lowest: f64,
+    /// The highest order.
+    pub(super) most: usize,
+}
+
+/// The extension of the linear block of `fitted` that leaves least, with z held; `None` if there is none.
+pub(super) fn extension(
+    fitted: &Fitted,
+    runs: &[TrainingRecord],
+    search: &Search,
+    watch: StepCallback,
+) -> Result<Option<Extension>, Error> {
+    let linear = &fitted.estimate.linear;
+    let hidden = runs.iter().zip(&fitted.own).map(|(run, own)| Hidden::of(&fitted.estimate, run, own));
+    let hidden: Vec<Hidden> = hidden.collect::<Result<_, _>>()?;
+    let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
+    let estimate = |linear: Arx| -> Result<Estimate, Error> {
+        Ok(Estimate::new(None, Box::new(Proportional::new(linear.ts(), 1.0)?), Vec::new(), linear))
+    };
+    let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
+    let mut best: Option<(f64, Extension)> = None;
+    for kind in kinds(linear, search, CYCLES / longest)? {
+        let score =
+            |one: &Extension| Some(Iterate::at(estimate(one.linear.clone()).ok()?, &responses, &[]).predicted());
+        let scores: Vec<f64> = kind.par_iter().map(|one| score(one).unwrap_or(f64::INFINITY)).collect();
+        let least = scores.into_iter().zip(kind).min_by(|p, q| p.0.total_cmp(&q.0));
+        let Some((_, Extension { name, linear })) = least else { continue };
+        let alone = refine(estimate(linear)?, &mut responses, FreeParameters::All, watch)?;
+        if best.as_ref().is_none_or(|(cost, _)| alone.cost() < *cost) {
+            best = Some((alone.cost(), Extension { name, linear: alone.estimate.linear }));
+        }
+    }
+    Ok(best.map(|(_, extension)| extension))
+}
+
+/// All extensions of a linear block by kind, with modes from `lowest` [Hz] on.
+fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension>>, Error> {
+    let (ts, order, delay) = (linear.ts(), linear.a().len(), linear.delay());
+    let by = |name: String, factor: &[f64], b: Vec<f64>| -> Result<Extension, Error> {
+        let a = times(&linear.denominator(), factor);
+        Ok(Extension { name, linear: Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b)? })
+    };
+    let with = |name: String, factor: &[f64]| by(name, factor, times(linear.b(), factor));
+    let mut kinds = Vec::new();
+    if order < search.most {
+        let grid = std::iter::successors(Some(SHORTEST * ts), |tau| Some(LAGS * tau));
+        let grid: Vec<f64> = grid.take_while(|tau| TAU * tau * search.slowest < 1.0).collect();
+        let lag = |tau: f64| [1.0, -(-ts / tau).exp()];
+        kinds.push(grid.iter().map(|&tau| with("a lag".into(), &lag(tau))).collect::<Result<_, _>>()?);
+        // A lag acts like a delay of its time constant.
+        let instead = |&tau: &f64| {
+            let [one, p] = lag(tau);
+            let b = linear.b()[delay..].iter().map(|b| b * (1.0 + p)).collect();
+            by("a lag instead of the delay".into(), &[one, p], b)
+        };
+        if delay > 0 {
+            kinds.push(grid.iter().map(instead).collect::<Result<_, _>>()?);
+        }
+    }
+    if order + 2 <= search.most {
+        let grid = std::iter::successors(Some(HIGHEST / ts), |hz| Some(hz / MODES));
+        let grid = grid.take_while(|hz| *hz > search.lowest.max(lowest));
+        let mode = |(hz, damping): (f64, f64)| {
+            let (radius, angle) = ((-damping * TAU * hz * ts).exp(), TAU * hz * ts * (1.0 - damping * damping).sqrt());
+            with("a mode".into(), &[1.0, -2.0 * radius * angle.cos(), radius * radius])
+        };
+        kinds.push(grid.flat_map(|hz| DAMPING.map(|damping| mode((hz, damping)))).collect::<Result<_, _>>()?);
+        for pole in &search.modes {
+            let name = format!("a mode at {} Hz, seen in free decays", short(pole.hz));
+            kinds.push(vec![with(name, &[1.0, -2.0 * pole.z.re, pole.z.modulus().powi(2)])?]);
+        }
+    }
+    let longer = [linear.b(), &[NOTHING * linear.b().iter().sum::<f64>()]].concat();
+    kinds.push(vec![by("one more coefficient".into(), &[1.0], longer)?]);
+    Ok(kinds)
+}
+
+/// The responses of the linear block in a run.
+pub(super) struct Hidden {
+    /// z with its creep, about the level at which the block is settled, and y without drift.
+    pub(super) record: Record,
     /// z before the record, for one in motion.
     before: Vec<f64>,
 }
 
-/// The best extension of each kind of the linear block of `fitted`. `slowest` is the frequency of the slowest lag [Hz];
-/// `modes` are those seen in free decays.
-pub(super) fn extensions(
-    fitted: &Fitted,
-    runs: &[TrainingRecord],
-    modes: &[Pole],
-    slowest: f64,
-    least: f64,
-    most: usize,
-    watch: StepCallback,
-) -> Result<Vec<Extension>, Error> {
-    let linear = &fitted.estimate.linear;
-    let (ts, order) = (linear.ts(), linear.a().len());
-    let hidden = runs.iter().zip(&fitted.own).map(|(run, own)| hidden(&fitted.estimate, run, own));
-    let hidden: Vec<Hidden> = hidden.collect::<Result<_, _>>()?;
-    let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| TrainingRecord::of_hidden(z, run)).collect();
-    let estimate = |linear: Arx| -> Result<Estimate, Error> {
-        Ok(Estimate::new(None, Box::new(Proportional::new(ts, 1.0)?), Vec::new(), linear))
-    };
-    let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
-    let slower = 1.0 / (TAU * slowest);
-    let lags = std::iter::successors(Some(0.5 * ts), |tau| Some(LAGS * tau)).take_while(|tau| *tau < slower);
-    let lags = lags.map(|tau| (format!("a lag of {} s", short(tau)), vec![1.0, -(-ts / tau).exp()]));
-    let frequencies = std::iter::successors(Some(HIGHEST / ts), |hz| Some(hz / MODES));
-    let frequencies = frequencies.take_while(|hz| *hz > least.max(CYCLES / longest));
-    let grid = frequencies.flat_map(|hz| DAMPING.map(|damping| (hz, damping)));
-    let pair = |(hz, damping): (f64, f64)| {
-        let (radius, angle) = ((-damping * TAU * hz * ts).exp(), TAU * hz * ts * (1.0 - damping * damping).sqrt());
-        (format!("a mode of {} Hz", short(hz)), vec![1.0, -2.0 * radius * angle.cos(), radius * radius])
-    };
-    let seen = modes.iter().map(|mode| {
-        let (re, norm) = (mode.z.re, mode.z.modulus().powi(2));
-        (format!("a mode of {} Hz, seen in free decays", short(mode.hz)), vec![1.0, -2.0 * re, norm])
-    });
-    let mut kinds: Vec<Vec<(String, Arx)>> = Vec::new();
-    let with = |(name, factor): (String, Vec<f64>)| -> Option<(String, Arx)> {
-        let a = times(&linear.denominator(), &factor);
-        Some((name, Arx::new(ts, a[1..].iter().map(|a| -a).collect(), times(linear.b(), &factor)).ok()?))
-    };
-    if order < most {
-        // A lag acts like a delay of its time constant.
-        let (delay, b) = (linear.delay(), linear.b());
-        let instead = |(name, factor): &(String, Vec<f64>)| -> Option<(String, Arx)> {
-            let a = times(&linear.denominator(), factor);
-            let b = b[delay..].iter().map(|b| b * (1.0 + factor[1])).collect();
-            let arx = Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b).ok()?;
-            Some((format!("{name} instead of a delay"), arx))
-        };
-        let lags: Vec<_> = lags.collect();
-        if delay > 0 {
-            kinds.push(lags.iter().filter_map(instead).collect());
+impl Hidden {
+    pub(super) fn of(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Result<Self, Error> {
+        let (_, level) = Responses::before(estimate, run);
+        let level = dot(&level, &estimate.weights);
+        let mut responses = Responses::from_rest(estimate, run);
+        let moving = run.moving();
+        let inputs = run.before[1..].iter().chain(run.record.u());
+        let z = inputs.map(|&u| dot(responses.next(u), &estimate.weights) - level);
+        let z: Vec<f64> = z.skip(run.before.len() - 1 - moving).collect();
+        let mut crept = Creep::new(estimate.ts(), estimate.lags.clone())?.simulate(&z);
+        let before: Vec<f64> = crept.drain(..moving).collect();
+        // The state of creep comes first in a run's own coefficients, the drift last.
+        for (lag, began) in estimate.lags.iter().zip(own) {
+            let stays = (-estimate.ts() / lag.tau_s).exp();
+            let mut began = *began;
+            for z in &mut crept {
+                began *= stays;
+                *z += began;
+            }
         }
-        kinds.push(lags.into_iter().filter_map(with).collect());
+        let rise = own.last().map_or(0.0, |trend| trend / crept.len() as f64);
+        let y = run.bridged().iter().enumerate().map(|(t, y)| y - rise * t as f64).collect();
+        Ok(Hidden { record: Record::new(estimate.ts(), crept, y)?, before })
     }
-    if order + 2 <= most {
-        kinds.push(grid.map(pair).filter_map(with).collect());
-        kinds.extend(seen.filter_map(with).map(|one| vec![one]));
-    }
-    let longer = [linear.b(), &[1e-9 * linear.b().iter().sum::<f64>()]].concat();
-    kinds.push(vec![("one more coefficient".into(), Arx::new(ts, linear.a().to_vec(), longer)?)]);
-    let mut found = Vec::new();
-    for kind in kinds {
-        let score = |one: &(String, Arx)| estimate(one.1.clone()).map_or(f64::INFINITY, |e| predicted(e, &responses));
-        let scores: Vec<f64> = if kind.len() > 1 { kind.par_iter().map(score).collect() } else { vec![0.0; kind.len()] };
-        let best = scores.iter().zip(kind).min_by(|p, q| p.0.total_cmp(q.0));
-        let Some((_, (name, linear))) = best else { continue };
-        let alone = refine(estimate(linear)?, &mut responses, FreeParameters::All, watch)?;
-        if std::env::var_os("PZ_DEBUG").is_some() {
-            eprintln!("   {name}: {:.6} {:?}", 100.0 * (alone.residuals.iter().sum::<f64>() / alone.residuals.len() as f64).sqrt(),
-            alone.estimate.linear.poles().iter().map(|p| (p.hz, p.damping)).collect::<Vec<_>>());
-        }
-        let left = alone.residuals.iter().sum::<f64>();
-        found.push((left, Extension { name, linear: alone.estimate.linear }));
-    }
-    found.sort_by(|p, q| p.0.total_cmp(&q.0));
-    let least = found.first().map_or(0.0, |best| best.0);
-    found.truncate(REFINED);
-    found.retain(|one| one.0 < ALIKE * least);
-    Ok(found.into_iter().map(|(_, extension)| extension).collect())
-}
 
-/// The cost at the solution of the linearised problem.
-fn predicted(estimate: Estimate, runs: &[TrainingRecord]) -> f64 {
-    Iterate::at(estimate, runs, &[]).predicted()
-}
-
-/// The responses of the linear block in a run: z with its creep, about the level at which it is settled, and y without
-/// drift.
-fn hidden(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Result<Hidden, Error> {
-    let (_, level) = Responses::before(estimate, run);
-    let level = dot(&level, &estimate.weights);
-    let mut responses = Responses::from_rest(estimate, run);
-    let moving = run.moving();
-    let z = run.before[1..].iter().chain(run.record.u()).map(|&u| dot(responses.next(u), &estimate.weights) - level);
-    let z: Vec<f64> = z.skip(run.before.len() - 1 - moving).collect();
-    let creep = Creep::new(estimate.ts(), estimate.lags.clone())?;
-    let mut crept = creep.simulate(&z);
-    let before: Vec<f64> = crept.drain(..moving).collect();
-    for (k, lag) in estimate.lags.iter().enumerate() {
-        let stays = (-estimate.ts() / lag.tau_s).exp();
-        let mut began = own[k];
-        for z in &mut crept {
-            began *= stays;
-            *z += began;
-        }
-    }
-    let n = crept.len();
-    let rise = own.last().map_or(0.0, |trend| trend / n as f64);
-    let y = run.bridged().iter().enumerate().map(|(t, y)| y - rise * t as f64).collect();
-    Ok(Hidden { record: Record::new(estimate.ts(), crept, y)?, before })
-}
-
-impl<'a> TrainingRecord<'a> {
-    fn of_hidden(hidden: &'a Hidden, run: &TrainingRecord) -> Self {
+    /// The run with z in place of u.
+    fn run<'a>(&'a self, run: &TrainingRecord) -> TrainingRecord<'a> {
         let moving = run.moving() > 0;
         TrainingRecord {
-            record: &hidden.record,
+            record: &self.record,
             name: run.name.clone(),
             initial: if moving { InitialCondition::Motion } else { InitialCondition::Rest },
-            before: [&[0.0], &hidden.before[..]].concat(),
+            before: [&[0.0], &self.before[..]].concat(),
             tried: Vec::new(),
             usable: run.usable.clone(),
             segments: run.segments.clone(),

@@ -14,11 +14,13 @@
 //! over-parametrised and iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017,
 //! DOI 10.1016/j.automatica.2017.06.044 (a survey). Not here: hysteresis inside the feedback of the dynamics.
 
+mod beginnings;
 mod check;
 mod dynamics;
 mod equations;
 mod estimate;
 mod extend;
+mod growth;
 mod held_out;
 mod layout;
 mod products;
@@ -50,23 +52,21 @@ use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{dot, ends, mean, scatter};
 use crate::system::System;
+use beginnings::{begin_all, coarse};
 use dynamics::{creep_pole, slowest_observable};
 use estimate::{Estimate, Responses};
+use growth::{Growth, Structure};
 use layout::ColumnLayout;
 use refine::{Fitted, refine};
 use runs::TrainingRecord;
-use solve::FreeParameters;
-use structure::{Growth, Structure};
+use solve::{CREEPS, FreeParameters};
 
 /// Shortest time constant of creep [samples], and longest over the duration of the longest record.
 const QUICKEST: f64 = 10.0;
-const SLOWEST: f64 = 1.0;
+const SLOWEST: f64 = 10.0;
 
 /// Maximum number of thresholds, levels or knots.
 const MOST: usize = 1000;
-
-/// Largest gain of a creep lag in ceramics.
-const CREEPS: f64 = 0.1;
 
 /// Options of the joint method.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,11 +110,11 @@ pub(crate) fn identify_joint(
     let units = common_units(small.iter().chain(large_signal))?;
     let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
     let (small, large_signal) = (convert(small)?, convert(large_signal)?);
-    let Some(first) = large_signal.first().or(small.first()) else {
+    let Some(any) = large_signal.first().or(small.first()) else {
         let remedy = "give small-signal records, large-signal records, or both".into();
         return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
     };
-    let (ts, mut notes) = (first.ts(), Vec::new());
+    let (ts, mut notes) = (any.ts(), Vec::new());
     // Without large-signal records, the hysteresis is identified from the small-signal records.
     let (small_beside, large_signal) =
         if large_signal.is_empty() { (&[][..], small.clone()) } else { (&small[..], large_signal) };
@@ -139,13 +139,13 @@ pub(crate) fn identify_joint(
     let bridged =
         |run: &TrainingRecord| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
     let bridged = runs.iter().map(bridged).collect::<Result<Vec<_>, Error>>()?;
-    let growth = Growth::new(&bridged[small_beside.len()..], settings, &lags, &design);
-    let (linear, lags, mut reason, simpler) = match small.is_empty() {
+    let growth = Growth::new(&bridged, settings, &lags, &design);
+    let (first, mut reason, simpler) = match small.is_empty() {
         false => {
             let (linear, reason) =
                 structure::from_small_signal(&bridged[..small.len()], &bridged[small_beside.len()..], settings, &lags)?;
-            let lags = structure::creep_behind(&linear, &mut runs, settings, &design, &lags, &mut watch)?;
-            (linear, lags, reason, Vec::new())
+            let start = || coarse(linear.clone(), settings, &design, &lags);
+            (begin_all(&start, &mut runs, range, &mut watch)?.estimate, reason, Vec::new())
         }
         true => {
             let mut tried =
@@ -153,14 +153,16 @@ pub(crate) fn identify_joint(
             let (chosen, reason) = growth.choose(&tried);
             let Structure { fitted, .. } = tried.remove(chosen);
             tried.truncate(chosen);
-            (fitted.estimate.linear, fitted.estimate.lags, reason, tried)
+            (fitted.estimate, reason, tried)
         }
     };
+    let faster = if first.driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
+    let design = BasisDesign { ts: ts / faster, ..design };
 
     let mut trials: Vec<(OperatorTrial, Option<Fitted>)> = Vec::new();
     for (done, row) in candidates.iter().enumerate() {
         let mut watch = |_| report(done + 1, row.name);
-        let trial = match fit(row, &design, &linear, &lags, settings, &mut runs, &mut watch) {
+        let trial = match fit(row, &design, &first, settings, &mut runs, &mut watch) {
             Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
             Err(why) if candidates.len() == 1 => return Err(why),
             Err(why) => (OperatorTrial::refused(row, why.to_string()), None),
@@ -194,7 +196,7 @@ pub(crate) fn identify_joint(
             p.name
         )
     }));
-    notes.extend(model.creep().lags().iter().filter(|lag| lag.gain > CREEPS).map(|lag| {
+    notes.extend(model.creep().lags().iter().filter(|lag| lag.gain >= CREEPS).map(|lag| {
         let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));
         format!(
             "creep of {tau} s adds {percent} %, more than creep of ceramics: it may represent a lag of driver, \
@@ -210,13 +212,12 @@ pub(crate) fn identify_joint(
 fn fit(
     row: &Operator,
     design: &BasisDesign,
-    linear: &crate::linear::Arx,
-    lags: &[Lag],
+    blocks: &Estimate,
     settings: &JointOptions,
     runs: &mut [TrainingRecord],
     watch: refine::StepCallback,
 ) -> Result<Fitted, Error> {
-    let start = Estimate::new(settings.driver, (row.basis)(design)?, lags.to_vec(), linear.clone());
+    let start = blocks.with_basis((row.basis)(design)?);
     watch(0)?;
     let by_swarm = search::search(&start, runs, settings.seed)?;
     let here = refine(start, runs, FreeParameters::All, watch)?;
@@ -252,9 +253,9 @@ fn free_run_residual(run: &TrainingRecord, model: &Model) -> (f64, f64) {
     (mean(&errors), (scatter(&errors) / errors.len() as f64).sqrt())
 }
 
-/// Lags one decade apart.
+/// Lags half a decade apart.
 fn ladder(from: f64, to: f64) -> Vec<Lag> {
-    let rungs = std::iter::successors(Some(from), |tau| Some(10.0 * tau)).take_while(|tau| *tau <= to);
+    let rungs = std::iter::successors(Some(from), |tau| Some(10f64.sqrt() * tau)).take_while(|tau| *tau <= to);
     rungs.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()
 }
 

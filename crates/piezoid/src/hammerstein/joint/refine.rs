@@ -154,9 +154,6 @@ pub(super) fn refine_from(
             continue;
         };
         let fall = 1.0 - next.cost(lambda) / cost;
-        if std::env::var_os("PZ_STEPS").is_some() {
-            eprintln!("      step {step} {now:?} cost {:e} fall {fall:e} damping {damping:e}", next.cost(lambda));
-        }
         point = next;
         if known.is_none() && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());

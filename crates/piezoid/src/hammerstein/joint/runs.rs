@@ -88,9 +88,6 @@ impl<'a> TrainingRecord<'a> {
         let [likely, others @ ..] = InitialCondition::of(self.record.u()).map(|initial| (error(initial), initial));
         let better = |best: (f64, _), one: (f64, _)| if one.0 < CLEARLY * best.0 { one } else { best };
         let found = others.into_iter().fold(likely, better).1;
-        if std::env::var_os("PZ_DEBUG").is_some() {
-            eprintln!("{} {:?}", self.name, InitialCondition::of(self.record.u()).map(|i| (i, (error(i) / self.record.len() as f64).sqrt() * self.scale * 100.0)));
-        }
         let changed = found != self.initial && !self.tried.contains(&found);
         if changed {
             self.tried.push(found);

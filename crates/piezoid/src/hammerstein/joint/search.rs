@@ -48,7 +48,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     let at = |x: &[f64]| -> Option<Estimate> {
         let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();
         let basis = estimate.basis.reshaped(&p).ok()?;
-        Some(Estimate::new(estimate.driver, basis, estimate.lags.clone(), estimate.linear.clone()))
+        Some(estimate.with_basis(basis))
     };
     let cost = |x: &[f64]| -> f64 {
         let Some(estimate) = at(x) else { return f64::INFINITY };

@@ -19,10 +19,10 @@ const RIDGE: f64 = 1e-12;
 /// Weight that draws the gain of a lag to that of the next faster one, over the mean size of their columns, up to the
 /// usual gain: by the logarithmic law they are equal, and records are too short for the slowest.
 const ALIKE: f64 = 0.03;
-const USUAL: f64 = 0.03;
+const USUAL: f64 = 0.015;
 
 /// Largest gain of a creep lag in ceramics.
-const CREEPS: f64 = 0.1;
+pub(super) const CREEPS: f64 = 0.1;
 
 /// The free parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,0 +1,63 @@
+//! The initial conditions of the records, which a coarse fit shows.
+
+use super::JointOptions;
+use super::estimate::Estimate;
+use super::refine::{Fitted, StepCallback, refine};
+use super::runs::TrainingRecord;
+use super::solve::FreeParameters;
+use crate::creep::Lag;
+use crate::error::Error;
+use crate::hammerstein::{Domain, InitialCondition};
+use crate::hysteresis::{BasisDesign, Operator};
+use crate::linear::Arx;
+
+/// Rows of the grid that represents the hysteresis.
+pub(super) const COARSE: usize = 12;
+
+/// An estimate with a coarse hysteresis and this linear block.
+pub(super) fn coarse(
+    linear: Arx,
+    settings: &JointOptions,
+    design: &BasisDesign,
+    lags: &[Lag],
+) -> Result<Estimate, Error> {
+    let design = BasisDesign { elements: Some(COARSE), ..design.clone() };
+    let basis = (Operator::find("preisach")?.basis)(&design)?;
+    Ok(Estimate::new(settings.driver, basis, lags.to_vec(), linear))
+}
+
+/// A fit with the initial conditions of the large-signal records that it shows. Hysteresis without a past, and
+/// hysteresis after cycles over the whole range, explain the same records by different weights, so both are fitted.
+pub(super) fn begin_all(
+    start: &dyn Fn() -> Result<Estimate, Error>,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let likely: Vec<InitialCondition> = runs.iter().map(|run| run.initial).collect();
+    let mut fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
+    for run in runs.iter_mut().filter(|run| run.large_signal) {
+        run.begin_from(InitialCondition::FromBelow, range);
+    }
+    let cycled = refine(start()?, runs, FreeParameters::Creep, watch)?;
+    if cycled.cost() < fitted.cost() {
+        fitted = cycled;
+    } else {
+        runs.iter_mut().zip(likely).for_each(|(run, initial)| run.begin_from(initial, range));
+    }
+    while begin(&fitted, runs, range)? {
+        fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
+    }
+    Ok(fitted)
+}
+
+/// Selects the initial conditions of the large-signal records; true if one changed to another than before.
+pub(super) fn begin(fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> Result<bool, Error> {
+    let domain = Domain { u: range.into(), hz: None, slew: 0.0, mean: range.into() };
+    let model = fitted.estimate.model(0.0)?.with_identified(domain);
+    let mut changed = false;
+    for run in runs.iter_mut().filter(|run| run.large_signal) {
+        changed |= run.begin(&model, range);
+    }
+    Ok(changed)
+}

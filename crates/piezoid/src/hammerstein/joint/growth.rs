@@ -1,0 +1,289 @@
+//! Growth of the linear block: from the simplest structure on, the extension that lowers the error most is added, until
+//! none lowers it clearly.
+//!
+//! The extended fit starts at the fit before it, with the same response, so its own error is never larger. The error
+//! that counts is that of the free run on segments of the records that were left out. Where no extension of the linear
+//! block helps, a lag before the hysteresis is tried: it does not commute with the hysteresis.
+
+use super::JointOptions;
+use super::beginnings::begin;
+use super::dynamics::{creep_pole, is_lag, slowest_pole, without_factor};
+use super::estimate::Estimate;
+use super::extend::{Extension, Search, extension};
+use super::held_out::HeldOut;
+use super::refine::{Fitted, StepCallback, refine_from};
+use super::runs::TrainingRecord;
+use super::solve::FreeParameters;
+use crate::creep::Lag;
+use crate::driver::DriverModel;
+use crate::error::Error;
+use crate::fourier::plain_power;
+use crate::hysteresis::{Basis, BasisDesign, Operator};
+use crate::linear::{Arx, PoleShare, free_decay_modes};
+use crate::number::short;
+use crate::record::Record;
+use crate::system::System;
+use crate::waveform::dominant_frequency;
+use std::cmp::Ordering;
+use std::f64::consts::TAU;
+
+/// Highest order.
+pub(super) const ORDER: usize = 8;
+
+/// Ratio of held-out errors that is a gain.
+const GAIN: f64 = 0.95;
+
+/// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
+const HOPELESS: f64 = 2.0;
+
+/// Number of frequencies of the inputs from which modes between them show; otherwise the least ratio of the frequency
+/// of a mode to theirs.
+const FEW: usize = 6;
+const ABOVE: f64 = 2.0;
+
+/// Least share of the static displacement of a mode between the frequencies of the inputs.
+const SHARE: f64 = 0.02;
+
+/// Distance of power from the dominant frequency of an input, as a ratio, and its share from which the input is broad.
+const AWAY: f64 = 1.3;
+const BROAD: f64 = 0.1;
+
+/// Difference of ln(frequency) up to which two modes are the same. A pair of poles with more damping is not a mode.
+const NEAR: f64 = 0.2;
+const RINGS: f64 = 0.5;
+
+/// A new lag before the hysteresis [samples].
+const NEW_LAG: f64 = 0.2;
+
+/// Makes the basis of an operator for a sampling period [s].
+type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>;
+
+/// A fit, and the last extension of its linear block.
+#[derive(Debug)]
+pub(super) struct Structure {
+    name: String,
+    pub(super) fitted: Fitted,
+}
+
+impl Structure {
+    pub(super) fn new(name: String, fitted: Fitted) -> Self {
+        Structure { name, fitted }
+    }
+
+    pub(super) fn better(p: &&Structure, q: &&Structure) -> Ordering {
+        p.error().total_cmp(&q.error())
+    }
+
+    /// The held-out error: rms over peak-to-peak.
+    fn error(&self) -> f64 {
+        HeldOut::rms_pp(&self.fitted.held_out)
+    }
+
+    /// Order and delay, and what was added last.
+    fn describe(&self) -> String {
+        let Estimate { linear, driver, seeks_lag, .. } = &self.fitted.estimate;
+        let (order, delay) = (linear.a().len(), linear.delay());
+        let block = if order == 0 { "a gain".into() } else { format!("order {order}") };
+        let delayed = if delay == 0 { String::new() } else { format!(", delay {delay}") };
+        let lag = driver.filter(|_| *seeks_lag).map_or(String::new(), |d| format!(", driver lag {} s", short(d.lag_s)));
+        let by = if self.name.is_empty() { String::new() } else { format!(" by {}", self.name) };
+        format!("{block}{delayed}{lag}{by}")
+    }
+}
+
+/// The search for the structure of the linear block.
+pub(super) struct Growth {
+    search: Search,
+    /// The frequency above which a mode is above those of the inputs [Hz].
+    above: f64,
+    /// True if the driver is known.
+    has_driver: bool,
+    /// The specified order.
+    order: Option<usize>,
+    /// How a basis is made.
+    design: BasisDesign,
+}
+
+impl Growth {
+    /// The search in these records, small-signal ones included.
+    pub(super) fn new(records: &[Record], settings: &JointOptions, lags: &[Lag], design: &BasisDesign) -> Self {
+        let driven = records.iter().filter_map(|record| dominant_frequency(record.u(), record.ts()));
+        let driven: Vec<f64> = driven.collect();
+        let above = ABOVE * driven.iter().copied().fold(0.0, f64::max);
+        // Between a few frequencies of the inputs, a mode could be anywhere.
+        let is_rich = driven.len() >= FEW || records.iter().any(is_broadband);
+        let lowest = driven.iter().copied().filter(|_| is_rich).fold(above, f64::min);
+        Growth {
+            search: Search {
+                modes: free_decay_modes(records),
+                slowest: slowest_pole(settings, lags),
+                lowest,
+                most: settings.order.unwrap_or(ORDER),
+            },
+            above,
+            has_driver: settings.driver.is_some(),
+            order: settings.order,
+            design: design.clone(),
+        }
+    }
+
+    /// Extends the last structure of `tried`, and its extensions, until that gains nothing.
+    pub(super) fn grow(
+        &self,
+        tried: &mut Vec<Structure>,
+        basis: MakeBasis,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<(), Error> {
+        let mut behind_lag = self.has_driver;
+        while let Some(Structure { fitted: from, .. }) = tried.last() {
+            behind_lag |= from.estimate.driver.is_some();
+            let least = tried.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
+            let mut longer: Vec<Structure> = Vec::new();
+            let found = extension(from, runs, &self.search, watch)?;
+            let found = found.and_then(|Extension { name, linear }| Some((name, from.estimate.with_linear(linear)?)));
+            if let Some((name, start)) = found {
+                let fit = refine_from(start, Some(from.held_out.lambda), runs, FreeParameters::All, watch)?;
+                let linear = &fit.estimate.linear;
+                if creep_pole(linear, self.search.slowest).is_none() && self.shows(linear) {
+                    longer.push(Structure::new(name, fit));
+                }
+            }
+            if !longer.iter().any(|t| t.error() < GAIN * least) && !behind_lag {
+                behind_lag = true;
+                longer.extend(self.behind_lag(tried, basis, runs, watch)?);
+            }
+            let Some(mut next) = longer.into_iter().min_by(|p, q| Structure::better(&p, &q)) else { break };
+            if begin(&next.fitted, runs, self.design.range)? {
+                let Estimate { linear, .. } = &next.fitted.estimate;
+                if let Some(same) = next.fitted.estimate.with_linear(linear.clone()) {
+                    let lambda = Some(next.fitted.held_out.lambda);
+                    next.fitted = refine_from(same, lambda, runs, FreeParameters::All, watch)?;
+                }
+            }
+            let gains = next.error() < GAIN * least;
+            tried.push(next);
+            // A specified order may need steps without gain.
+            if !gains && self.order.is_none() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The best structure so far with a lag before the hysteresis: a new one, or one that was behind it, as a lag or as
+    /// a delay.
+    fn behind_lag(
+        &self,
+        tried: &[Structure],
+        basis: MakeBasis,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Vec<Structure>, Error> {
+        let Some(Structure { fitted: best, .. }) = tried.iter().min_by(Structure::better) else {
+            return Ok(Vec::new());
+        };
+        let linear = &best.estimate.linear;
+        let (ts, delay) = (linear.ts(), linear.delay());
+        let moved = linear.poles().into_iter().filter(is_lag).map(|pole| {
+            let a = without_factor(&linear.denominator(), pole.z.re);
+            let b = linear.b().iter().map(|b| b / (1.0 - pole.z.re)).collect();
+            (1.0 / (TAU * pole.hz), Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b))
+        });
+        let undelayed = || Arx::new(ts, linear.a().to_vec(), linear.b()[delay..].to_vec());
+        let instead = (delay > 0).then(|| (delay as f64 * ts, undelayed()));
+        let mut found = Vec::new();
+        for (lag_s, linear) in moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead) {
+            let driver = (Some(DriverModel::new(lag_s, None)?), true);
+            let start = adopt(&best.estimate, driver, &best.estimate.lags, linear?, basis)?;
+            let fit = refine_from(start, Some(best.held_out.lambda), runs, FreeParameters::All, watch)?;
+            if self.shows(&fit.estimate.linear) {
+                found.push(Structure::new("a lag before the hysteresis".into(), fit));
+            }
+        }
+        Ok(found)
+    }
+
+    /// True if each mode of a linear block shows in the records.
+    fn shows(&self, linear: &Arx) -> bool {
+        let seen = |hz: f64| self.search.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR);
+        linear.modal_form().modes().iter().all(|PoleShare { pole, share }| {
+            let rings = pole.z.im > 0.0 && pole.damping < RINGS;
+            let within = pole.hz >= self.search.lowest && *share >= SHARE;
+            !rings || pole.hz >= self.above || within || seen(pole.hz)
+        })
+    }
+
+    /// The simplest structure that is as good as the best, and the reason.
+    pub(super) fn choose(&self, tried: &[Structure]) -> (usize, String) {
+        let best = tried.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
+        let (chosen, why) = match self.order.filter(|n| *n > 0) {
+            Some(n) => {
+                let of_order = |t: &Structure| t.fitted.estimate.linear.a().len() == n;
+                (tried.iter().rposition(of_order), "the specified order is used")
+            }
+            None => (
+                tried.iter().position(|t| GAIN * t.error() <= best),
+                "the simplest that is as good as the best is selected",
+            ),
+        };
+        let chosen = chosen.unwrap_or(tried.len().saturating_sub(1));
+        let listed = tried.iter().map(|t| format!("{} {} %", t.describe(), short(100.0 * t.error())));
+        let listed: Vec<String> = listed.collect();
+        let name = tried.get(chosen).map_or_else(String::new, Structure::describe);
+        (chosen, format!("{name}: held-out error, rms/pp: {}; {why}", listed.join(", ")))
+    }
+
+    /// The simplest structure with the operator of a fit that is as good as the best: of those simpler than its own,
+    /// its own, and extensions.
+    pub(super) fn settle(
+        &self,
+        fitted: Fitted,
+        simpler: &[Structure],
+        row: &Operator,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<(Fitted, String), Error> {
+        let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..self.design.clone() });
+        let least = simpler.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
+        let mut tried = Vec::new();
+        for Structure { name, fitted: coarse } in simpler.iter().filter(|t| t.error() < HOPELESS * least) {
+            let Estimate { driver, seeks_lag, lags, linear, .. } = &coarse.estimate;
+            let start = adopt(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
+            let fit = refine_from(start, Some(fitted.held_out.lambda), runs, FreeParameters::All, watch)?;
+            tried.push(Structure::new(name.clone(), fit));
+        }
+        tried.push(Structure::new(String::new(), fitted));
+        self.grow(&mut tried, &basis, runs, watch)?;
+        let (chosen, reason) = self.choose(&tried);
+        Ok((tried.swap_remove(chosen).fitted, reason))
+    }
+}
+
+/// The hysteresis of an estimate with another driver, and whether its lag is sought, other creep and another linear
+/// block.
+fn adopt(
+    estimate: &Estimate,
+    (driver, seeks_lag): (Option<DriverModel>, bool),
+    lags: &[Lag],
+    linear: Arx,
+    basis: MakeBasis,
+) -> Result<Estimate, Error> {
+    let shape: Vec<f64> = estimate.basis.shape().iter().map(|shape| shape.value).collect();
+    let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
+    let basis = basis(linear.ts() / faster)?.reshaped(&shape)?;
+    Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
+}
+
+/// True if the input has much power away from its dominant frequency, and above it.
+fn is_broadband(record: &Record) -> bool {
+    let Some(dominant) = dominant_frequency(record.u(), record.ts()) else { return false };
+    let bin = dominant * record.duration();
+    let power = plain_power(record.u());
+    let (line, above) = power.iter().enumerate().fold((0.0, 0.0), |(line, above), (k, power)| match k as f64 / bin {
+        ratio if ratio > AWAY => (line, above + power),
+        ratio if ratio > 1.0 / AWAY => (line + power, above),
+        _ => (line, above),
+    });
+    above > BROAD * line
+}
