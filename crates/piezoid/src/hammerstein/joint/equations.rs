@@ -31,6 +31,33 @@ const RUNG: f64 = 0.03;
 /// Independent errors in a record: those of a model are alike from sample to sample.
 const ALONE: f64 = 100.0;
 
+/// The weight that draws each of a run's own coefficients to zero: what is expected of them. `own` are their products.
+fn expected(
+    estimate: &Estimate,
+    layout: &ColumnLayout,
+    own: &DMatrix<f64>,
+    samples: f64,
+    drifts: bool,
+) -> DVector<f64> {
+    let p = layout.parameters();
+    // The square of one sample of the constant's column.
+    let one = own[(layout.constant - p, layout.constant - p)] / samples.max(1.0);
+    let error = ERROR.powi(2) * (samples / ALONE).max(1.0);
+    let creep = one * error * (estimate.linear.dc_gain() / CREPT).powi(2);
+    let drift = one * error / if drifts { MUCH } else { DRIFT }.powi(2);
+    // The state of G rings for as long as its slowest pole.
+    let rings = error / RUNG.powi(2) / longest_decay(&estimate.linear).clamp(1.0, samples.max(1.0));
+    DVector::from_fn(own.nrows(), |k, _| {
+        let weight = match p + k {
+            column if layout.crept.contains(&column) => creep,
+            column if layout.state.contains(&column) => rings * own[(k, k)],
+            column if layout.trend == column => drift,
+            _ => 0.0,
+        };
+        weight + 1e-10 * own[(k, k)] + f64::MIN_POSITIVE
+    })
+}
+
 /// The time constant of the slowest pole [samples].
 fn longest_decay(linear: &Arx) -> f64 {
     linear.poles().iter().map(|pole| -1.0 / pole.z.modulus().ln()).fold(0.0, f64::max)
@@ -79,20 +106,8 @@ impl RecordEquations {
         let gram = parts[1..].iter().fold(parts[0].gram.clone(), |sum, part| sum + &part.gram);
         let samples = parts.iter().map(|part| part.samples).sum();
         let mut own = gram.view((p, p), (m, m)).into_owned();
-        // The square of one sample of the constant's column, and of the effect of a unit of creep's state on y.
-        let constant = layout.constant - p;
-        let one = own[(constant, constant)] / f64::max(samples, 1.0);
-        let error = ERROR.powi(2) * one * (samples / ALONE).max(1.0);
-        let doubt = error * (estimate.linear.dc_gain() / CREPT).powi(2);
-        // The state of G rings for as long as its slowest pole.
-        let rings = (error / one) / RUNG.powi(2) / longest_decay(&estimate.linear).clamp(1.0, samples.max(1.0));
-        let drift = error / if parts[0].drifts { MUCH } else { DRIFT }.powi(2);
-        for k in 0..m {
-            own[(k, k)] += 1e-10 * own[(k, k)] + f64::MIN_POSITIVE;
-            own[(k, k)] += if layout.crept.contains(&(p + k)) { doubt } else { 0.0 };
-            own[(k, k)] += if layout.trend == p + k { drift } else { 0.0 };
-            own[(k, k)] += if layout.state.contains(&(p + k)) { rings * own[(k, k)] } else { 0.0 };
-        }
+        let expected = expected(estimate, layout, &own, samples, parts[0].drifts);
+        expected.iter().enumerate().for_each(|(k, weight)| own[(k, k)] += weight);
         let crossed = gram.view((p, 0), (m, p)).into_owned();
         let crossed_y = gram.view((p, y), (m, 1)).column(0).into_owned();
         let (carried, carried_y) = match own.cholesky() {
@@ -153,6 +168,12 @@ mod tests {
                 g[place(i)] += part.gram[(i, p + m)];
                 (0..p + m).for_each(|j| h[(place(i), place(j))] += part.gram[(i, j)]);
             }
+        }
+        for (run, samples) in [(0, 400.0), (1, 200.0)] {
+            let own = h.view((p + run * m, p + run * m), (m, m)).into_owned();
+            let expected = expected(&estimate, &layout, &own, samples, false);
+            assert!(expected.iter().all(|weight| *weight > 0.0));
+            (0..m).for_each(|k| h[(p + run * m + k, p + run * m + k)] += expected[k]);
         }
         let all = h.lu().solve(&g).unwrap();
         assert_close(x.as_slice(), &all.as_slice()[..p], 1e-6, 1e-7);
