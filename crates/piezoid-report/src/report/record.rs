@@ -21,6 +21,10 @@ pub(super) fn section(trial: &Compared) -> Section {
         }
         None => section,
     };
+    let section = match &validation.summary {
+        Some(summary) => section.text(sentence(summary)),
+        None => section,
+    };
     let section = section.figure(time_series(trial)).figure(loops(trial));
     let section = if validation.loops.is_empty() { section } else { section.table(shapes(trial)) };
     residuals::residuals(section, trial)
