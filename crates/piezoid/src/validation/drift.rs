@@ -9,7 +9,8 @@ const NAMED: f64 = 0.5;
 /// between these shares of the slope of the line. Creep that the model lacks slows down more.
 const STEADY: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
-/// Fastest drift that is named, over the peak-to-peak of the free run [1 / s]. Sensors and temperatures drift more slowly.
+/// Fastest drift that is named, over the peak-to-peak of the free run [1 / s]. Sensors and temperatures drift more
+/// slowly.
 const FASTEST: f64 = 0.01;
 
 /// The straight line through the error of a record.

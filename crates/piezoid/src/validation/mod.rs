@@ -5,8 +5,8 @@
 //! for its input, unless another has a clearly smaller error in the first tenth of the record; the result states which.
 //! The first `skip` seconds are left out of the figures. Further results: errors by frequency and amplitude ([`Bin`]),
 //! loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise floor ([`Floor`]), the
-//! drift of the error, remarks on extrapolation, and what the record does not test. [`Linearity`] tests whether a record is linear, without a
-//! model.
+//! drift of the error, remarks on extrapolation, and what the record does not test. [`Linearity`] tests whether a
+//! record is linear, without a model.
 //!
 //! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
 

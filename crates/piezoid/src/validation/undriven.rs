@@ -66,7 +66,8 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// The noise of a record, from the errors of a free run; `None` if no part of the spectrum tells it, or the record is too short.
+    /// The noise of a record, from the errors of a free run; `None` if no part of the spectrum tells it, or the record
+    /// is too short.
     pub(super) fn of(record: &Record, errors: &[f64], simulated: &[f64]) -> Option<Self> {
         let (e, s) = (spectrum(errors), spectrum(simulated));
         let background = Background::of(&e, &s).square()?;
