@@ -139,7 +139,7 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     text
 }
 
-/// The noise floor, and whether the residuals are white.
+/// The noise floor, the drift, and whether the residuals are white.
 fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -149,6 +149,7 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
             p.name.clone(),
             floor.map_or("-".into(), |f| number(f.rms)),
             floor.map_or("-".into(), |f| number(f.error_over_floor)),
+            number(p.validation.drift_per_s),
             whiteness.as_ref().map_or("-".into(), |w| word(w.is_white())),
             whiteness.as_ref().map_or("-".into(), |w| word(w.correlates_with_input())),
         ]
@@ -157,8 +158,9 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let Some(unit) = compared.first().filter(|_| !rows.is_empty()).map(|p| p.record.units().y.clone()) else {
         return String::new();
     };
-    let floor = format!("floor [{unit}]");
-    let mut text = table(&["residuals", &floor, "rmse/floor", "white", "correlated with u"], &rows, console.room());
+    let (floor, drift) = (format!("floor [{unit}]"), format!("drift [{unit}/s]"));
+    let header = ["residuals", &floor, "rmse/floor", &drift, "white", "correlated with u"];
+    let mut text = table(&header, &rows, console.room());
     for p in compared.iter().filter(|_| full) {
         for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
             text += &console.paragraph(&format!("{}: {said}.", p.name), "  ");

@@ -140,7 +140,7 @@ impl Model {
         let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
             "unit": record.record.units().y, "start": v.start, "initial_condition": v.initial_condition,
-            "metrics": v.metrics, "summary": v.summary, "floor": v.floor, "offset_removed": v.offset_removed,
+            "metrics": v.metrics, "summary": v.summary, "floor": v.floor, "offset": v.offset, "offset_removed": v.offset_removed,
             "drift_per_s": v.drift_per_s, "nrmse_without_drift_percent": v.nrmse_without_drift_percent,
             "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
             "whiteness": v.whiteness, "remarks": v.remarks, "unproven": v.not_covered,

@@ -81,7 +81,9 @@ pub struct Validation {
     pub start: usize,
     /// Initial condition of the free run.
     pub initial_condition: InitialCondition,
-    /// The subtracted mean error, if the offset is free, with or without drift [record's unit].
+    /// What was subtracted from the errors first.
+    pub offset: Offset,
+    /// The subtracted mean error; `None` if the offset is kept [record's unit].
     pub offset_removed: Option<f64>,
     /// Slope of the error over time, in the figures or removed from them [record's unit / s].
     pub drift_per_s: f64,
@@ -155,6 +157,7 @@ impl Model {
             metrics,
             start,
             initial_condition,
+            offset: options.offset,
             offset_removed: free_offset.then_some(found.mean),
             drift_per_s: found.slope / record.ts(),
             nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
