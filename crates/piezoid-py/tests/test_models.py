@@ -96,7 +96,7 @@ def test_noise_and_drift_are_told_apart_from_the_error_of_the_model(model: pz.Mo
     noise = np.random.default_rng(1).standard_normal(len(unseen))
     y = model.simulate(unseen.u, begin="likely") + 4.0 * seconds + 0.5 * noise
     record = pz.Record(unseen.u, y, ts=unseen.ts, units=unseen.units)
-    free, rest = (model.validate(record, offset=offset) for offset in ("free", "drift"))
+    free, rest = model.validate(record, offset="free"), model.validate(record, offset="drift")
     assert free.drift_per_s == pytest.approx(4, rel=0.05) == rest.drift_per_s
     assert free.nrmse_without_drift_percent == pytest.approx(rest.nrmse_percent, rel=1e-3)
     assert rest.floor is not None and rest.floor["rms"] == pytest.approx(0.5, rel=0.15) and rest.rmse < 0.6

@@ -2,8 +2,8 @@
 
 use crate::series::{dot, ends, mean};
 
-/// Share of the rms error from which a drift is named.
-const NAMED: f64 = 0.5;
+/// Share of the rms error about its mean, and of all of it, from which a drift is named.
+const NAMED: [f64; 2] = [0.5, 0.25];
 
 /// A drift goes on: over the whole record and over either half of it, the slope that the free run does not explain lies
 /// between these shares of the slope of the line. Creep that the model lacks slows down more.
@@ -34,7 +34,9 @@ impl Drift {
         let slope = dot(&time, errors) / dot(&time, &time).max(1.0);
         let rms = slope.abs() * ((n * n - 1.0) / 12.0).sqrt();
         let (low, high) = ends(simulated.iter().copied());
-        let large = rms > NAMED * (dot(errors, errors) / n).sqrt() && slope.abs() < FASTEST * (high - low) * ts;
+        let (mean, square) = (mean(errors), dot(errors, errors) / n);
+        let large = rms > NAMED[0] * (square - mean * mean).max(0.0).sqrt() && rms > NAMED[1] * square.sqrt();
+        let is_slow = slope.abs() < FASTEST * (high - low) * ts;
         let middle = errors.len() / 2;
         let goes_on = || {
             [0..errors.len(), 0..middle, middle..errors.len()].into_iter().all(|part| {
@@ -42,7 +44,7 @@ impl Drift {
                 STEADY.contains(&(own / slope))
             })
         };
-        Drift { mean: mean(errors), slope, rms, is_named: large && goes_on() }
+        Drift { mean, slope, rms, is_named: large && is_slow && goes_on() }
     }
 }
 

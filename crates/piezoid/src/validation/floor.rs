@@ -128,10 +128,10 @@ pub(crate) fn summary(metrics: &Metrics, floor: Option<&Floor>, drift: Option<f6
     let drift = (drift > SMALL * all).then(|| format!("drift {}", percent(drift)));
     let hum = floor.hum_hz.map_or(String::new(), |hz| format!(" (with hum at {} Hz)", round(hz)));
     let parts: Vec<String> = drift.into_iter().chain([format!("noise {}{hum}", percent(noise))]).collect();
-    let left = match (reducible > NOTHING * noise, parts.len()) {
-        (true, 1) => format!("a better model could gain up to {}", percent(reducible)),
-        (true, _) => format!("besides the drift, a better model could gain up to {}", percent(reducible)),
-        (false, _) => "no model could be clearly better".into(),
+    let besides = if parts.len() > 1 { "besides the drift, " } else { "" };
+    let left = match reducible > NOTHING * noise {
+        true => format!("{besides}a better model could gain up to {}", percent(reducible)),
+        false => format!("{besides}no model could be clearly better"),
     };
     Some(format!("{} NRMSE, of which {}: {left}", percent(all), join(&parts)))
 }
