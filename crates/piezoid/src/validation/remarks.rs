@@ -3,7 +3,7 @@
 use super::{LoopComparison, Metrics};
 use crate::hammerstein::{Domain, Model};
 use crate::number::short;
-use crate::quality::{Need, around, excites, inspect};
+use crate::quality::{Defect, Finding, Need, around, excites, inspect};
 use crate::record::Record;
 use crate::series::ends;
 use crate::waveform::dominant_frequency;
@@ -44,8 +44,9 @@ pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics) -> Vec<
     remarks.extend(frequency);
     remarks.extend(inner_reversals_of(model, record));
     remarks.extend(model.identified().map_or_else(Vec::new, |domain| beyond(model, domain, record, reported)));
-    let fatal = |f: &crate::quality::Finding| f.defect.is_fatal();
-    remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(|f| !fatal(f)).map(|f| f.text));
+    // What the figures themselves show is not repeated.
+    let shown = |f: &Finding| f.defect.is_fatal() && f.defect != Defect::Swapped;
+    remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(|f| !shown(f)).map(|f| f.text));
     remarks
 }
 
