@@ -83,10 +83,10 @@ fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
     };
     let (mut gram, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
     let mut row = vec![0.0; columns];
-    for t in PAST..x.len() {
+    for (t, x) in x.iter().enumerate().skip(PAST) {
         row.iter_mut().enumerate().for_each(|(i, cell)| *cell = value(t, i));
         for i in 0..columns {
-            right[i] += row[i] * x[t];
+            right[i] += row[i] * x;
             (0..=i).for_each(|j| gram[(i, j)] += row[i] * row[j]);
         }
     }
