@@ -50,29 +50,32 @@ pub(crate) fn compare(records: &[(&str, &Record)], notes: &mut Vec<String>) -> R
             let others = gains.iter().enumerate().filter(|(other, _)| *other != k).filter_map(|(_, g)| g.as_ref());
             others.filter(|g| (gain.rate / g.rate).max(g.rate / gain.rate) <= factor).map(|g| g.slope).collect()
         };
-        let odd = |slopes: &[f64], differs: &dyn Fn(f64) -> bool| {
-            2 * slopes.iter().filter(|slope| differs(gain.slope / **slope)).count() > slopes.len()
+        // Most records of similar rate differ, and most of all: of a pair, the one that others contradict is named.
+        let odd = |factor: f64, differs: &dyn Fn(f64) -> bool| {
+            let most = |slopes: Vec<f64>| {
+                2 * slopes.iter().filter(|slope| differs(gain.slope / **slope)).count() > slopes.len()
+            };
+            most(others(factor)) && most(others(f64::INFINITY))
         };
-        let (certain, near) = (others(AS_FAST), others(NEAR));
-        let both = |slopes: &[f64]| {
-            let (usual, units) = (quantile(slopes.to_vec(), 0.5), record.units());
+        let both = |factor: f64| {
+            let (usual, units) = (quantile(others(factor), 0.5), record.units());
             format!("(y over u: {} and {} {}/{})", short(gain.slope), short(usual), units.y, units.u)
         };
         let remedy = "invert its input or its output, or leave it out";
-        if odd(&certain, &|ratio| ratio < 0.0) {
-            let because = format!("{name}: it has the opposite sign of other records {}: {remedy}", both(&certain));
+        if odd(AS_FAST, &|ratio| ratio < 0.0) {
+            let because = format!("{name}: it has the opposite sign of other records {}: {remedy}", both(AS_FAST));
             return Err(Error::Unidentifiable { what: "a model".into(), because });
         }
-        if odd(&near, &|ratio| (-ALIKE..=-1.0 / ALIKE).contains(&ratio)) {
+        if odd(NEAR, &|ratio| (-ALIKE..=-1.0 / ALIKE).contains(&ratio)) {
             notes.push(format!(
                 "{name}: it has the opposite sign of other records {}: unless it is driven above a resonance, {remedy}",
-                both(&near)
+                both(NEAR)
             ));
-        } else if odd(&near, &|ratio| ratio > OTHER || (0.0..1.0 / OTHER).contains(&ratio)) {
+        } else if odd(NEAR, &|ratio| ratio > OTHER || (0.0..1.0 / OTHER).contains(&ratio)) {
             notes.push(format!(
                 "{name}: it has another gain than other records {}: check units and amplifier, and that it is of the \
                  same actuator",
-                both(&near)
+                both(NEAR)
             ));
         }
     }
@@ -122,6 +125,8 @@ mod tests {
 
     #[test]
     fn an_opposite_sign_is_refused_at_like_rates_and_doubtful_at_others() {
+        let because = said(&[record(5.0, 0.3, false), record(20.0, 0.3, false), record(7.0, -0.3, false)]).unwrap_err();
+        assert!(because.contains("record 3: "), "{because}");
         let because = said(&[record(5.0, 0.3, false), record(7.0, -0.3, false), record(6.0, 0.31, false)]).unwrap_err();
         assert!(because.contains("record 2: it has the opposite sign of other records (y over u: -0.3"), "{because}");
         let slow = [record(5.0, 0.3, true), record(9.0, -0.3, true)];
