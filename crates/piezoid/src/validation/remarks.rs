@@ -54,7 +54,8 @@ pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics, drift: 
     let is_told = |f: &Finding| match f.defect {
         // The error tells a drift better than the input alone.
         Defect::Drift => rise > DRIFTS * metrics.peak_to_peak,
-        defect => !defect.is_fatal(),
+        // What the figures themselves show is not repeated; swapped columns they do not show.
+        defect => defect == Defect::Swapped || !defect.is_fatal(),
     };
     remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(is_told).map(|f| f.text));
     remarks
