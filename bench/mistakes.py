@@ -10,10 +10,8 @@ is made in each whole record in which it can be made. False alarms are counted o
 other sample of them. The mistakes know nothing of how they are found. Needs numpy and a command `piezoid`.
 """
 
-import argparse
 import json
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -21,8 +19,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from plants import HERE, arguments, recorded
 
-HERE = Path(__file__).resolve().parent
 # A model that answers nothing but y = u: only what is said of the record counts.
 GAIN = {"hysteresis": {"operator": "proportional", "gain": 1.0}, "linear": {"a": [], "b": [1.0]}, "offset": 0.0}
 
@@ -48,10 +46,7 @@ def plants(data: Path, seeds: list[int]) -> Iterator[Record]:
     """The records of the simulated plants, made if they are not there."""
     for script in sorted((HERE / "plants").glob("p[0-9]*.py")):
         for seed in seeds:
-            folder = data / f"{script.stem}-{seed}"
-            if not (folder / "truth.json").exists():
-                folder.mkdir(parents=True, exist_ok=True)
-                subprocess.run([sys.executable, script, folder, str(seed)], check=True)
+            folder = recorded(script.stem, seed, data)
             for path in sorted(folder.glob("*.csv")):
                 if path.name.startswith(("train", "test", "small")):
                     yield read(f"{folder.name}/{path.stem}", path)
@@ -222,11 +217,7 @@ def right(record: Record) -> set[str]:
 
 def main() -> None:
     """Makes the mistakes, and prints a table."""
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--seeds", type=int, nargs="+", default=[1])
-    words.add_argument("--only", nargs="+", default=[""])
-    words.add_argument("--piezoid", default="piezoid")
-    words.add_argument("--data", type=Path, default=HERE.parent / "target" / "plants")
+    words = arguments(__doc__)
     words.add_argument("--stage", type=Path, nargs="*", default=[])
     words.add_argument("--measured", type=Path)
     given = words.parse_args()

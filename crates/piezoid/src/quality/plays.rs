@@ -8,6 +8,7 @@
 //! show this at their turning points; the fit has no dynamics and means nothing near a resonance, where it leaves much.
 
 use super::runs::standardised;
+use crate::optimize::non_negative;
 use crate::series::{dot_wide, ends, mean};
 use nalgebra::{DMatrix, DVector};
 
@@ -56,44 +57,11 @@ fn columns(u: &[f64], from: usize) -> Option<Vec<Vec<f64>>> {
     Some(all.map(|column| detrended(&column[from..])).collect())
 }
 
-/// Least squares with weights that are not negative, except the first two (Lawson and Hanson 1974, chapter 23).
+/// Least squares with weights that are not negative, except the first two.
 fn weights(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
-    let n = right.len();
-    let mut active: Vec<usize> = (0..n - PLAYS).collect();
-    let mut w = solved(gram, right, &active);
-    for _ in 0..4 * n {
-        let slope = right - gram * &w;
-        let next = (0..n).filter(|i| !active.contains(i)).max_by(|i, j| slope[*i].total_cmp(&slope[*j]));
-        let Some(next) = next.filter(|i| slope[*i] > 1e-12) else { break };
-        active.push(next);
-        loop {
-            let wanted = solved(gram, right, &active);
-            let negative = |i: &&usize| **i >= n - PLAYS && wanted[**i] <= 0.0;
-            let step = active.iter().filter(negative).map(|&i| w[i] / (w[i] - wanted[i])).fold(1.0, f64::min);
-            if !active.iter().any(|i| negative(&i)) {
-                w = wanted;
-                break;
-            }
-            w += (&wanted - &w) * step;
-            let before = active.len();
-            active.retain(|&i| i < n - PLAYS || w[i] > 1e-12);
-            (0..n).filter(|i| !active.contains(i)).for_each(|i| w[i] = 0.0);
-            if active.len() == before {
-                return w;
-            }
-        }
-    }
-    w
-}
-
-/// The least-squares solution in the `active` columns alone, zero in the others.
-fn solved(gram: &DMatrix<f64>, right: &DVector<f64>, active: &[usize]) -> DVector<f64> {
-    let part = DMatrix::from_fn(active.len(), active.len(), |i, j| gram[(active[i], active[j])]);
-    let target = DVector::from_fn(active.len(), |i, _| right[active[i]]);
-    let solution = part.cholesky().map_or_else(|| DVector::zeros(active.len()), |c| c.solve(&target));
-    let mut w = DVector::zeros(right.len());
-    active.iter().zip(solution.iter()).for_each(|(&i, x)| w[i] = *x);
-    w
+    let signed: Vec<bool> = (0..COLUMNS).map(|k| k >= COLUMNS - PLAYS).collect();
+    let found = non_negative(gram.as_slice(), right.as_slice(), &signed, &mut [true; COLUMNS]);
+    found.map_or_else(|| DVector::zeros(COLUMNS), DVector::from_vec)
 }
 
 /// A series without its regression line over time.

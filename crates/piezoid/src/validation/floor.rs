@@ -61,13 +61,18 @@ pub struct Floor {
 
 impl Floor {
     /// The noise floor of a record, of a model's free run with these errors; `None` if it is unknown.
-    pub(super) fn of(record: &Record, simulated: &[f64], metrics: &Metrics, drift: &Drift) -> Option<Self> {
+    pub(super) fn of(
+        record: &Record,
+        errors: &[f64],
+        simulated: &[f64],
+        metrics: &Metrics,
+        drift: &Drift,
+    ) -> Option<Self> {
         // The free run takes most of a transient away, but two periods would still contain it.
-        let errors: Vec<f64> = record.y().iter().zip(simulated).map(|(y, s)| y - s).collect();
-        let repeated = Repeated::of(record.u(), &errors).filter(|r| record.len() / r.period > 2);
+        let repeated = Repeated::of(record.u(), errors).filter(|r| record.len() / r.period > 2);
         let (noise, hum_hz) = match &repeated {
             Some(r) => (r.noise, None),
-            None => Noise::of(record, &errors, simulated).map(|n| (n.rms, n.hum_hz))?,
+            None => Noise::of(record, errors, simulated).map(|n| (n.rms, n.hum_hz))?,
         };
         let scatter = (metrics.mse - drift.mean.powi(2) - drift.rms.powi(2)).max(0.0).sqrt();
         let rms = noise.max(step(record.y()) / 12f64.sqrt()).min(scatter);
@@ -201,7 +206,8 @@ mod tests {
     fn floor(u: Vec<f64>, y: Vec<f64>, simulated: &[f64]) -> Option<Floor> {
         let errors: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
         let metrics = Metrics::of(&y, simulated);
-        Floor::of(&Record::new(TS, u, y).unwrap(), simulated, &metrics, &Drift::of(&errors, simulated, TS))
+        let drift = Drift::of(&errors, simulated, TS);
+        Floor::of(&Record::new(TS, u, y).unwrap(), &errors, simulated, &metrics, &drift)
     }
 
     #[test]

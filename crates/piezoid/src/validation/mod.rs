@@ -137,10 +137,8 @@ impl Model {
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
         let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
         let counted = record.part(options.skip, f64::INFINITY)?;
-        let errors = |simulated: &[f64]| -> Vec<f64> {
-            counted.y().iter().zip(&simulated[start..]).map(|(y, s)| y - s).collect()
-        };
-        let found = Drift::of(&errors(&simulated), &simulated[start..], record.ts());
+        let run = &simulated[start..];
+        let found = Drift::of(&errors(counted.y(), run), run, record.ts());
         let slope = if options.offset == Offset::Drift { found.slope } else { 0.0 };
         if free_offset {
             let middle = start as f64 + 0.5 * (counted.len() as f64 - 1.0);
@@ -149,9 +147,10 @@ impl Model {
         let cycles = cycles(counted.u(), counted.ts());
         let run = ComparedRun { record: &counted, simulated: &simulated[start..], cycles: &cycles };
         let metrics = Metrics::of(counted.y(), run.simulated);
-        let drift = Drift::of(&errors(&simulated), &simulated[start..], record.ts());
+        let errors = run.errors();
+        let drift = Drift::of(&errors, run.simulated, record.ts());
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
-        let floor = Floor::of(&counted, run.simulated, &metrics, &drift);
+        let floor = Floor::of(&counted, &errors, run.simulated, &metrics, &drift);
         let loops = loops::loops(&run);
         Ok(Validation {
             metrics,
@@ -163,7 +162,7 @@ impl Model {
             nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
             by_frequency: bins::by_frequency(&run),
             by_amplitude: bins::by_amplitude(&run),
-            whiteness: Whiteness::of(counted.u(), &run.errors()),
+            whiteness: Whiteness::of(counted.u(), &errors),
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
             remarks: remarks::remarks(self, &counted, &metrics, &drift),
@@ -185,8 +184,13 @@ struct ComparedRun<'a> {
 impl ComparedRun<'_> {
     /// Measured minus simulated.
     fn errors(&self) -> Vec<f64> {
-        self.record.y().iter().zip(self.simulated).map(|(y, s)| y - s).collect()
+        errors(self.record.y(), self.simulated)
     }
+}
+
+/// Measured minus simulated.
+fn errors(y: &[f64], simulated: &[f64]) -> Vec<f64> {
+    y.iter().zip(simulated).map(|(y, s)| y - s).collect()
 }
 
 #[cfg(test)]
