@@ -64,13 +64,19 @@ def measured(piezoid: str, folder: Path, options: list[str]) -> dict:
     return row
 
 
-def main() -> None:
-    """Measures, and prints a table."""
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(description: str | None) -> argparse.ArgumentParser:
+    """The arguments of a program that uses the records of the plants."""
+    words = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     words.add_argument("--seeds", type=int, nargs="+", default=[1])
     words.add_argument("--only", nargs="+", default=[""])
     words.add_argument("--piezoid", default="piezoid")
     words.add_argument("--data", type=Path, default=HERE.parent / "target" / "plants")
+    return words
+
+
+def main() -> None:
+    """Measures, and prints a table."""
+    words = arguments(__doc__)
     words.add_argument("--json", type=Path)
     words.add_argument("--options", nargs=argparse.REMAINDER, default=[], help="further options of identify, last")
     given = words.parse_args()

@@ -4,7 +4,7 @@
 use crate::console::Console;
 use crate::layout::{capitalised, table};
 use piezoid::number::{round, short as number};
-use piezoid::validation::{Bin, LoopComparison, Metrics, Source};
+use piezoid::validation::{Bin, Floor, LoopComparison, Metrics, Source};
 use piezoid::{Compared, Validated};
 
 /// Maximum number of bands without `full`. If there are more, this number of the worst bands is shown.
@@ -19,7 +19,7 @@ pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> Strin
     let [by_frequency, by_amplitude] = validated.bins();
     let amplitude = format!("amplitude [{}]", units.u);
     [
-        figures(compared, &validated.total(), &units.y, room),
+        figures(validated, &units.y, room) + &summary(validated, console),
         bins("f [Hz]", &by_frequency, &units.y, full, console),
         bins(&amplitude, &by_amplitude, &units.y, full, console),
         loops(compared, full, console),
@@ -32,17 +32,25 @@ pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> Strin
     .join("\n")
 }
 
-fn figures(compared: &[Compared], total: &Metrics, unit: &str, room: Option<usize>) -> String {
-    let row = |name: &str, m: &Metrics| {
-        let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent];
-        [name.to_string(), m.n.to_string()].into_iter().chain(figures.map(number)).collect::<Vec<_>>()
+fn figures(validated: &Validated, unit: &str, room: Option<usize>) -> String {
+    let row = |name: &str, m: &Metrics, floor: Option<Floor>| {
+        let noise = floor.map_or("-".into(), |f| number(f.nrmse_percent));
+        let [rmse, max, nrmse, share, fit] =
+            [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(number);
+        vec![name.to_string(), m.n.to_string(), rmse, max, nrmse, noise, share, fit]
     };
-    let mut rows: Vec<_> = compared.iter().map(|p| row(&p.name, &p.validation.metrics)).collect();
+    let each = |p: &Compared| row(&p.name, &p.validation.metrics, p.validation.floor);
+    let mut rows: Vec<_> = validated.files.iter().map(each).collect();
     if rows.len() > 1 {
-        rows.push(row("total", total));
+        rows.push(row("total", &validated.total(), validated.floor()));
     }
     let (rmse, max) = (format!("rmse [{unit}]"), format!("max [{unit}]"));
-    table(&["free run", "n", &rmse, &max, "nrmse %", "rms/pp %", "fit %"], &rows, room)
+    table(&["free run", "n", &rmse, &max, "nrmse %", "noise %", "rms/pp %", "fit %"], &rows, room)
+}
+
+/// The error in one sentence: noise, drift, and what a better model could gain.
+fn summary(validated: &Validated, console: &Console) -> String {
+    validated.summary().map_or(String::new(), |said| console.paragraph(&format!("{}.", capitalised(&said)), ""))
 }
 
 /// Errors by frequency or amplitude. A single bin would only repeat the total, and is not shown.
@@ -131,7 +139,7 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     text
 }
 
-/// The noise floor, and whether the residuals are white.
+/// The noise floor, the drift, and whether the residuals are white.
 fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -141,6 +149,7 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
             p.name.clone(),
             floor.map_or("-".into(), |f| number(f.rms)),
             floor.map_or("-".into(), |f| number(f.error_over_floor)),
+            number(p.validation.drift_per_s),
             whiteness.as_ref().map_or("-".into(), |w| word(w.is_white())),
             whiteness.as_ref().map_or("-".into(), |w| word(w.correlates_with_input())),
         ]
@@ -149,8 +158,9 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let Some(unit) = compared.first().filter(|_| !rows.is_empty()).map(|p| p.record.units().y.clone()) else {
         return String::new();
     };
-    let floor = format!("floor [{unit}]");
-    let mut text = table(&["residuals", &floor, "rmse/floor", "white", "correlated with u"], &rows, console.room());
+    let (floor, drift) = (format!("floor [{unit}]"), format!("drift [{unit}/s]"));
+    let header = ["residuals", &floor, "rmse/floor", &drift, "white", "correlated with u"];
+    let mut text = table(&header, &rows, console.room());
     for p in compared.iter().filter(|_| full) {
         for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
             text += &console.paragraph(&format!("{}: {said}.", p.name), "  ");

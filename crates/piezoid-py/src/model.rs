@@ -139,9 +139,11 @@ impl Model {
         let options: ValidateOptions = options(given)?;
         let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
-            "unit": record.record.units().y, "start": v.start, "initial_condition": v.initial_condition, "offset_removed": v.offset_removed,
-            "metrics": v.metrics, "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
-            "whiteness": v.whiteness, "floor": v.floor, "remarks": v.remarks, "unproven": v.not_covered,
+            "unit": record.record.units().y, "start": v.start, "initial_condition": v.initial_condition,
+            "metrics": v.metrics, "summary": v.summary, "floor": v.floor, "offset": v.offset, "offset_removed": v.offset_removed,
+            "drift_per_s": v.drift_per_s, "nrmse_without_drift_percent": v.nrmse_without_drift_percent,
+            "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
+            "whiteness": v.whiteness, "remarks": v.remarks, "unproven": v.not_covered,
         });
         Ok((object(py, &figures)?, array(py, v.simulated).unbind()))
     }

@@ -85,10 +85,22 @@ def test_validation_gives_the_figures_of_the_command_line(model: pz.Model, unsee
     assert free.start == 400 and abs(free.residual[400:].mean()) < 1e-9
     with pytest.raises(pz.PiezoidError, match="there is no such file"):
         model.validate("none.csv")
-    with pytest.raises(pz.PiezoidError, match="kept or free"):
+    with pytest.raises(pz.PiezoidError, match="kept or free or drift"):
         model.validate(unseen, offset="none")  # type: ignore[arg-type]
     with pytest.raises(pz.PiezoidError, match="sampled every"):
         model.validate(pz.Record(unseen.u, unseen.y, ts=1e-3))
+
+
+def test_noise_and_drift_are_told_apart_from_the_error_of_the_model(model: pz.Model, unseen: pz.Record) -> None:
+    seconds = np.arange(len(unseen)) * unseen.ts
+    noise = np.random.default_rng(1).standard_normal(len(unseen))
+    y = model.simulate(unseen.u, begin="likely") + 4.0 * seconds + 0.5 * noise
+    record = pz.Record(unseen.u, y, ts=unseen.ts, units=unseen.units)
+    free, rest = model.validate(record, offset="free"), model.validate(record, offset="drift")
+    assert free.drift_per_s == pytest.approx(4, rel=0.05) == rest.drift_per_s
+    assert free.nrmse_without_drift_percent == pytest.approx(rest.nrmse_percent, rel=1e-3)
+    assert rest.floor is not None and rest.floor["rms"] == pytest.approx(0.5, rel=0.15) and rest.rmse < 0.6
+    assert free.summary is not None and "of which drift" in free.summary and "noise" in repr(rest)
 
 
 def test_the_voltage_for_a_reference_makes_the_twin_follow(model: pz.Model) -> None:

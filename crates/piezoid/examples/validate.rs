@@ -4,7 +4,7 @@
 //! `cargo run --release -p piezoid --example validate -- model.json record.csv`
 //!
 //! The model runs freely: it sees only the input. The program prints the errors of the whole record and by amplitude,
-//! and compares them with the noise floor, which is the scatter of the sensor between repetitions of the input. A model
+//! and compares them with the noise floor, which is the scatter of the error between repetitions of the input. A model
 //! that describes everything has an error of one noise floor; this one has 3.4.
 
 use piezoid::excitation::{Prbs, RisingSine, Triangle};
@@ -49,6 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if let Some(floor) = &validation.floor {
         println!("noise floor {:.4}: the error is {:.2} floors", floor.rms, floor.error_over_floor);
     }
+    validation.summary.iter().for_each(|summary| println!("{summary}"));
     validation.remarks.iter().for_each(|remark| println!("note: {remark}"));
     Ok(())
 }

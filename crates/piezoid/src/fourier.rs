@@ -15,10 +15,7 @@ pub(crate) const LINE: usize = 8;
 /// The power of `x` without its mean in each bin from 0 to n / 2. The window (Harris 1978, four terms,
 /// doi:10.1109/PROC.1978.10837) makes a line eight bins wide without leakage, and weights the middle of `x` most.
 pub(crate) fn power(x: &[f64]) -> Vec<f64> {
-    let angle = |t: usize| std::f64::consts::TAU * (t as f64 + 0.5) / x.len() as f64;
-    weighted(x, |t| {
-        0.35875 - 0.48829 * angle(t).cos() + 0.14128 * (2.0 * angle(t)).cos() - 0.01168 * (3.0 * angle(t)).cos()
-    })
+    weighted(x, harris(x.len()))
 }
 
 /// The same without a window: all samples have equal weight; at a distance of ten bins, a line may leak 1 % of its
@@ -27,18 +24,41 @@ pub(crate) fn plain_power(x: &[f64]) -> Vec<f64> {
     weighted(x, |_| 1.0)
 }
 
+/// The spectrum with the window of [`power`], in bins from 0 to n / 2. In each bin, the mean square of white noise is
+/// its variance.
+pub(crate) fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
+    let (bins, squares) = windowed(x, harris(x.len()));
+    bins.into_iter().map(|c| c / squares.sqrt()).collect()
+}
+
 /// The power with a window, scaled so that the sum is the mean square.
 fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
+    let n = x.len();
+    let (bins, squares) = windowed(x, window);
+    // Each bin also counts for its mirror image, except the first and, if n is even, the last.
+    let scale = 1.0 / (n as f64 * squares);
+    let sides = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
+    bins.iter().enumerate().map(|(k, c)| sides(k) * scale * c.norm_sqr()).collect()
+}
+
+/// The transform of `x` without its mean, with a window, in bins from 0 to n / 2; and the sum of squares of the window.
+fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64) {
     let n = x.len();
     let weights: Vec<f64> = (0..n).map(window).collect();
     // The windowed mean: any other would give a line at 0 Hz.
     let mean = x.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() / weights.iter().sum::<f64>();
-    let mut spectrum: Vec<Complex<f64>> = x.iter().zip(&weights).map(|(x, w)| Complex::from((x - mean) * w)).collect();
-    forward(n).process(&mut spectrum);
-    // Each bin also counts for its mirror image, except the first and, if n is even, the last.
-    let scale = 1.0 / (n as f64 * weights.iter().map(|w| w * w).sum::<f64>());
-    let sides = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
-    spectrum[..=n / 2].iter().enumerate().map(|(k, c)| sides(k) * scale * c.norm_sqr()).collect()
+    let mut bins: Vec<Complex<f64>> = x.iter().zip(&weights).map(|(x, w)| Complex::from((x - mean) * w)).collect();
+    forward(n).process(&mut bins);
+    bins.truncate(n / 2 + 1);
+    (bins, weights.iter().map(|w| w * w).sum())
+}
+
+/// The window of four terms for `n` samples.
+fn harris(n: usize) -> impl Fn(usize) -> f64 {
+    move |t| {
+        let angle = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
+        0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos() - 0.01168 * (3.0 * angle).cos()
+    }
 }
 
 /// The sum of `cos(2 pi k t / n + phase)` over the harmonics k in `lines`, all below n, for t from 0 up to `n`.

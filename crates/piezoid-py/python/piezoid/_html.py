@@ -55,6 +55,7 @@ def validation(v: Validation) -> str:
         "Free run against the record",
         [
             ("nrmse", f"{v.nrmse_percent:.4g} %", ""),
+            ("of it noise", f"{v.floor['nrmse_percent']:.2g} %" if v.floor else "unknown", ""),
             ("rms / peak-to-peak", f"{v.rms_pp_percent:.4g} %", ""),
             ("rms", f"{v.rmse:.4g} {unit}", ""),
             ("largest", f"{v.max_abs:.4g} {unit}", _series(v.residual[v.start :])),

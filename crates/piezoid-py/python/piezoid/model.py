@@ -171,7 +171,7 @@ class Model:
 
         record: anything that `read` accepts
         skip: time at the start that does not count [s]
-        offset: "free" subtracts the mean error first, because sensors drift
+        offset: "free" subtracts the mean error first, because sensors drift; "drift" a constant and a linear drift
         """
         measured = as_record(record)
         figures, simulated = self._core._validate(measured._core, {"skip": skip, "offset": offset})
@@ -321,6 +321,30 @@ class Validation:
         return float("nan") if value is None else float(value)
 
     @property
+    def summary(self) -> str | None:
+        """The error in one sentence: noise, drift, and what a better model could gain; None if y is constant."""
+        said: str | None = self.figures["summary"]
+        return said
+
+    @property
+    def floor(self) -> dict[str, Any] | None:
+        """The noise floor: `source` ("periods" or "spectrum"), `rms`, `nrmse_percent`, `reducible_nrmse_percent` (what
+        a better model could gain), and more; None if it is unknown."""
+        found: dict[str, Any] | None = self.figures["floor"]
+        return found
+
+    @property
+    def drift_per_s(self) -> float:
+        """Slope of the error over time, in the figures or removed from them [unit / s]."""
+        return float(self.figures["drift_per_s"])
+
+    @property
+    def nrmse_without_drift_percent(self) -> float:
+        """100 rms error without this drift / standard deviation of y."""
+        value = self.figures["nrmse_without_drift_percent"]
+        return float("nan") if value is None else float(value)
+
+    @property
     def residual(self) -> Array:
         """Residuals: y minus the free run, of shape (n,)."""
         left: Array = self.record.y - self.simulated
@@ -359,7 +383,11 @@ class Validation:
         return list(self.figures["unproven"])
 
     def __repr__(self) -> str:
-        return f"<Validation: nrmse {self.nrmse_percent:.4g} %, rms/pp {self.rms_pp_percent:.4g} %, {self.n} samples>"
+        noise = f" (noise {self.floor['nrmse_percent']:.2g} %)" if self.floor else ""
+        return (
+            f"<Validation: nrmse {self.nrmse_percent:.4g} %{noise}, rms/pp {self.rms_pp_percent:.4g} %, "
+            f"{self.n} samples>"
+        )
 
     def _repr_html_(self) -> str:
         return _html.validation(self)

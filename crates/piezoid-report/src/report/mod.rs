@@ -12,12 +12,12 @@ mod tracking;
 
 pub use tracking::tracking;
 
-use crate::page::{Fact, Page, PageTable, Section};
-use piezoid::Validated;
+use crate::page::{Fact, Page, PageTable, Section, sentence};
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
 use piezoid::system::System;
-use piezoid::validation::Metrics;
+use piezoid::validation::{Floor, Metrics};
+use piezoid::{Compared, Validated};
 
 /// The report on a model: one self-contained file.
 pub fn report(model: &Model, validated: &Validated) -> Page {
@@ -46,13 +46,17 @@ fn validation(validated: &Validated) -> Section {
     let unit = &trials[0].record.units().y;
     let table = PageTable::new("Free run and measurement").text("record").number("samples");
     let table = table.number(format!("rms error [{unit}]")).number(format!("largest [{unit}]"));
-    let table = table.number("NRMSE [%]").number("rms / peak-to-peak [%]").number("fit [%]");
-    let row = |name: &str, m: &Metrics| {
-        let figures = [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(short);
-        [name.to_string(), m.n.to_string()].into_iter().chain(figures).collect::<Vec<_>>()
+    let table = table.number("NRMSE [%]").number("of it noise [%]");
+    let table = table.number("rms / peak-to-peak [%]").number("fit [%]");
+    let row = |name: &str, m: &Metrics, floor: Option<Floor>| {
+        let noise = floor.map_or("-".into(), |f| short(f.nrmse_percent));
+        let [rmse, max, nrmse, share, fit] =
+            [m.rmse, m.max_abs, m.nrmse_percent, m.rms_pp_percent, m.fit_percent].map(short);
+        [name.to_string(), m.n.to_string(), rmse, max, nrmse, noise, share, fit]
     };
-    let table = trials.iter().fold(table, |table, t| table.row(row(t.short(), &t.validation.metrics)));
-    let table = if trials.len() > 1 { table.row(row("total", &total)) } else { table };
+    let each = |t: &Compared| row(t.short(), &t.validation.metrics, t.validation.floor);
+    let table = trials.iter().fold(table, |table, t| table.row(each(t)));
+    let table = if trials.len() > 1 { table.row(row("total", &total, validated.floor())) } else { table };
     let section = Section::new("Validation")
         .facts([
             Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
@@ -60,6 +64,10 @@ fn validation(validated: &Validated) -> Section {
             Fact::new(short(total.max_abs), unit.clone(), "largest error"),
         ])
         .table(table.note("Free run: the model uses the input only, never the measured output."));
+    let section = match validated.summary() {
+        Some(summary) => section.text(sentence(&summary)),
+        None => section,
+    };
     let section = errors::by_all(section, trials);
     match validated.not_covered() {
         open if open.is_empty() => section,
@@ -70,9 +78,9 @@ fn validation(validated: &Validated) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use piezoid::Record;
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
-    use piezoid::{Compared, Record};
     use serde_json::json;
 
     const NONE: Validated = Validated { files: Vec::new() };
@@ -117,6 +125,8 @@ mod tests {
             "with itself",
             "over the input",
             "this is the noise floor",
+            "of it noise [%]",
+            "NRMSE, of which noise",
             "the resonance at 146.7 Hz",
             "Identified on inputs from",
             "The input changes by up to",

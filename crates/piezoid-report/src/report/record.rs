@@ -5,7 +5,7 @@ use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::number::{round, short};
-use piezoid::validation::LoopShape;
+use piezoid::validation::{LoopShape, Offset};
 
 /// Number of samples that a figure shows.
 const SHOWN: usize = 4000;
@@ -17,8 +17,17 @@ pub(super) fn section(trial: &Compared) -> Section {
     let section = match validation.offset_removed {
         Some(mean) => {
             let (mean, unit) = (short(mean), &record.units().y);
-            section.note("Offset", format!("A mean error of {mean} {unit} was removed before the comparison."))
+            let drift = short(validation.drift_per_s);
+            let removed = match validation.offset {
+                Offset::Drift => format!("A mean error of {mean} {unit} and a drift of {drift} {unit}/s were"),
+                _ => format!("A mean error of {mean} {unit} was"),
+            };
+            section.note("Offset", format!("{removed} removed before the comparison."))
         }
+        None => section,
+    };
+    let section = match &validation.summary {
+        Some(summary) => section.text(sentence(summary)),
         None => section,
     };
     let section = section.figure(time_series(trial)).figure(loops(trial));

@@ -10,15 +10,23 @@ use piezoid::validation::Whiteness;
 pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
     let unit = &trial.record.units().y;
     let section = match trial.validation.floor {
-        Some(f) => section.text(format!(
-            "The input repeats every {} samples. Over {} such periods the output, without drift, differs by {} {unit} \
-             rms ({} % of peak-to-peak): this is the noise floor. The residual of this model is {} times as large.",
-            f.period,
-            f.periods,
-            short(f.rms),
-            short(f.rms_pp_percent),
-            short(f.error_over_floor)
-        )),
+        Some(f) => {
+            let (rms, share, times) = (short(f.rms), short(f.rms_pp_percent), short(f.error_over_floor));
+            let origin = match f.period.zip(f.periods) {
+                Some((period, periods)) => format!(
+                    "The input repeats every {period} samples. Over {periods} such periods the output, without drift, \
+                     differs by {rms} {unit} rms"
+                ),
+                None => format!(
+                    "The part of the spectrum that the input does not drive, extended over the other, has {rms} \
+                     {unit} rms"
+                ),
+            };
+            section.text(format!(
+                "{origin} ({share} % of peak-to-peak): this is the noise floor. The residual of this model is {times} \
+                 times as large."
+            ))
+        }
         None => section,
     };
     let Some(whiteness) = &trial.validation.whiteness else { return section };

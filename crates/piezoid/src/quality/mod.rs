@@ -11,21 +11,36 @@
 //! | missing rows | a smooth u jumps | masked until u has again covered its earlier range |
 //! | drift | the part of y not explained by u has a trend that does not slow down like creep | reported |
 //! | poor excitation | u has no power in the required band | reported |
+//! | swapped | loops turn the wrong way, or later inputs explain the output | error |
+//! | shifted | y moves before u, or long after it | reported |
+//! | closed loop | u answers the noise of y | reported |
+//! | folded | y leads a sine of a few samples a period | reported |
+//! | units | stroke or voltage of no piezo actuator | reported |
 //!
 //! Samples that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. It does not detect:
-//! spikes below 1 % of peak-to-peak, drift as small as creep, a clipped square wave.
+//! spikes below 1 % of peak-to-peak, drift as small as creep, a clipped square wave. [`compare`] finds records with
+//! another sign or gain than the others of their set.
 //!
 //! Reference: Pearson 2002, Outliers in process modeling and identification, doi:10.1109/87.974338 (Hampel's rule).
 
 mod bridge;
+mod closed;
+mod compare;
 mod drift;
 mod explained;
 mod flat;
+mod folded;
+mod increments;
+mod order;
 mod outliers;
+mod plays;
 mod runs;
+mod tone;
+mod units;
 mod wild;
 
 pub(crate) use bridge::bridged;
+pub(crate) use compare::compare;
 
 use crate::error::Error;
 use crate::fourier::power;
@@ -58,6 +73,16 @@ pub(crate) enum Defect {
     FrozenOutput,
     /// A smooth input jumps: rows are missing.
     MissingRows,
+    /// Input and output are exchanged.
+    Swapped,
+    /// The output is early or late by samples.
+    Shifted,
+    /// The input answers the noise of the output.
+    ClosedLoop,
+    /// The input is sampled less than twice in a period.
+    Folded,
+    /// Stroke or voltage of no piezo actuator.
+    Units,
     /// A slow trend of the output not explained by the input.
     Drift,
     /// The input has no power in the required band.
@@ -67,7 +92,7 @@ pub(crate) enum Defect {
 impl Defect {
     /// True if nothing can be identified from such a record.
     pub(crate) fn is_fatal(self) -> bool {
-        matches!(self, Defect::TooShort | Defect::ConstantInput | Defect::ConstantOutput)
+        matches!(self, Defect::TooShort | Defect::ConstantInput | Defect::ConstantOutput | Defect::Swapped)
     }
 }
 
@@ -147,6 +172,9 @@ pub(crate) fn inspect(record: &Record, need: &Need) -> Inspection {
         }
         seen.mask(outliers::outliers(record, &seen.usable));
         seen.findings.extend(drift::drift(record));
+        let (tone, closed) = (tone::tone(record.u(), record.y()), closed::closed(record, &seen.usable));
+        seen.findings.extend(order::order(record, tone.as_ref(), closed.is_some()));
+        seen.findings.extend([folded::folded(tone.as_ref()), closed, units::units(record)].into_iter().flatten());
     }
     seen.findings.extend(need.band_hz.and_then(|band| dark(record, band)));
     seen

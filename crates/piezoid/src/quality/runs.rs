@@ -1,5 +1,6 @@
 //! Runs of samples, and statistics of samples.
 
+use crate::series::{mean, scatter};
 use std::ops::Range;
 
 /// The runs of samples from 0 up to `n` for which `so` holds; gaps of up to `gap` samples are closed.
@@ -27,6 +28,12 @@ pub(super) fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
         0 => 0.0,
         n => *x.select_nth_unstable_by(k.min(n - 1), f64::total_cmp).1,
     }
+}
+
+/// A series about its mean, over its rms about it; `None` if it is constant.
+pub(super) fn standardised(x: &[f64]) -> Option<Vec<f64>> {
+    let (mean, rms) = (mean(x), (scatter(x) / x.len() as f64).sqrt());
+    (rms > 0.0).then(|| x.iter().map(|x| (x - mean) / rms).collect())
 }
 
 #[cfg(test)]

@@ -185,3 +185,136 @@ fn a_jump_of_one_sample_is_masked() {
     let seen = inspect(&Record::new(5e-4, u, y).unwrap(), &Need::default());
     assert_eq!((seen.findings[0].defect, seen.masked(), seen.usable[300]), (Defect::Outliers, 1, false));
 }
+
+/// Uniform random numbers from -0.5 to 0.5.
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+}
+
+/// A stage of its own, sample by sample: plays of 16 % width, a mode at 300 Hz (damping 0.05), noise of 0.03 %.
+fn stage(mut u: impl FnMut(usize, f64) -> f64, n: usize) -> Record {
+    let (mut noise, mut plays) = (random(3), [0.0f64; 8]);
+    let (w, mut x, mut v, mut y) = (std::f64::consts::TAU * 300.0, 0.0, 0.0, 0.0);
+    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+    for t in 0..n {
+        let input = u(t, y);
+        for (k, s) in plays.iter_mut().enumerate() {
+            *s = s.clamp(input - 2.0 * k as f64, input + 2.0 * k as f64);
+        }
+        let z = 0.5 * plays[0] + 0.5 * plays.iter().sum::<f64>() / 8.0;
+        for _ in 0..20 {
+            v += TS / 20.0 * (w * w * (z - x) - 0.1 * w * v);
+            x += TS / 20.0 * v;
+        }
+        y = x + 0.06 * noise();
+        inputs.push(input);
+        outputs.push(y);
+    }
+    Record::new(TS, inputs, outputs).unwrap()
+}
+
+/// Records of the stage with smooth and with sharp drives, from -25 V to 25 V.
+fn staged() -> [(&'static str, Record); 5] {
+    let phase = |t: usize, hz: f64| std::f64::consts::TAU * hz * t as f64 * TS;
+    let (mut steps, mut bits, mut paths) = (random(5), random(7), random(9));
+    let (mut step, mut speed, mut path) = (0.0, 0.0, 0.0);
+    [
+        ("rising sine", stage(|t, _| 25.0 * t as f64 / 4000.0 * phase(t, 9.0).sin(), 4000)),
+        ("triangle", stage(|t, _| 16.0 * phase(t, 4.0).sin().asin(), 4000)),
+        (
+            "steps",
+            stage(
+                |t, _| {
+                    step = if t % 60 == 0 { 50.0 * steps() } else { step };
+                    step
+                },
+                4000,
+            ),
+        ),
+        ("bits", stage(|_, _| bits().signum(), 4000)),
+        (
+            "path",
+            stage(
+                |_, _| {
+                    speed += 0.1 * paths() - 0.02 * speed - 0.0005 * path;
+                    path += speed;
+                    path
+                },
+                8000,
+            ),
+        ),
+    ]
+}
+
+#[test]
+fn swapped_columns_are_refused_for_smooth_and_sharp_drives() {
+    for (name, record) in staged() {
+        assert_eq!(found(&record), [], "{name}: {:?}", inspect(&record, &Need::default()).findings);
+        let swapped = Record::new(TS, record.y().to_vec(), record.u().to_vec()).unwrap();
+        let because = inspect(&swapped, &Need::default()).sound().unwrap_err().to_string();
+        assert!(because.contains("swapped") && because.contains("exchange"), "{name}: {because}");
+    }
+}
+
+#[test]
+fn an_early_output_is_reported_with_the_number_of_samples() {
+    for (name, record) in staged() {
+        let n = record.len() - 6;
+        let early = Record::new(TS, record.u()[..n].to_vec(), record.y()[6..].to_vec()).unwrap();
+        let seen = inspect(&early, &Need::default()).findings;
+        let finding = seen.iter().find(|f| [Defect::Shifted, Defect::Swapped].contains(&f.defect));
+        let text = finding.map_or("", |f| &f.text);
+        assert!(text.contains("before the input") && text.contains("align the channels"), "{name}: {seen:?}");
+        // The stage itself lags by less than a sample.
+        let smooth = ["rising sine", "triangle"].contains(&name);
+        assert!(!smooth || text.contains("by about 6 samples"), "{name}: {text}");
+    }
+}
+
+#[test]
+fn a_late_output_is_reported_if_the_drive_is_sharp() {
+    for (name, record) in staged().into_iter().filter(|(name, _)| ["steps", "bits"].contains(name)) {
+        let n = record.len() - 20;
+        let late = Record::new(TS, record.u()[20..].to_vec(), record.y()[..n].to_vec()).unwrap();
+        let seen = inspect(&late, &Need::default()).findings;
+        let answers = |count: usize| seen.iter().any(|f| f.text.contains(&format!("answers {count} samples (0.01")));
+        assert!(answers(20) || answers(21), "{name}: {seen:?}");
+    }
+}
+
+#[test]
+fn a_closed_loop_is_reported_and_a_noisy_measurement_of_the_input_is_not() {
+    let reference = |t: usize| 20.0 * (std::f64::consts::TAU * 1.5 * t as f64 * TS).sin();
+    let mut sum = 0.0;
+    let servo = stage(
+        |t, y| {
+            sum += 0.02 * (reference(t) - y);
+            sum
+        },
+        6000,
+    );
+    let seen = inspect(&servo, &Need::default());
+    assert_eq!(found(&servo), [Defect::ClosedLoop], "{:?}", seen.findings);
+    assert!(seen.sound().is_ok() && seen.findings[0].text.contains("open loop"), "{:?}", seen.findings);
+    let driven = stage(|t, _| reference(t), 6000);
+    assert_eq!(found(&driven), []);
+    let mut noise = random(11);
+    let monitored: Vec<f64> = driven.u().iter().map(|u| u + 0.01 * noise()).collect();
+    assert_eq!(found(&Record::new(TS, monitored, driven.y().to_vec()).unwrap()), []);
+}
+
+#[test]
+fn a_folded_drive_is_reported_and_a_sine_above_the_resonance_is_not() {
+    let sampled = |hz: f64, every: usize| {
+        let fast = stage(|t, _| 20.0 * (std::f64::consts::TAU * hz * t as f64 * TS).sin(), 6000);
+        let take = |x: &[f64]| x.iter().copied().step_by(every).collect::<Vec<f64>>();
+        found(&Record::new(TS * every as f64, take(fast.u()), take(fast.y())).unwrap())
+    };
+    assert_eq!(sampled(37.0, 1), []);
+    assert_eq!(sampled(37.0, 40), [Defect::Folded]);
+    assert_eq!(sampled(550.0, 1), []);
+}

@@ -4,14 +4,15 @@
 //! conditions (settled at the first input, at rest, in motion as in the record) the free run uses the most likely one
 //! for its input, unless another has a clearly smaller error in the first tenth of the record; the result states which.
 //! The first `skip` seconds are left out of the figures. Further results: errors by frequency and amplitude ([`Bin`]),
-//! loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise floor ([`Floor`]), remarks
-//! on extrapolation, and what the record does not test. [`Linearity`] tests whether a record is linear, without a
-//! model.
+//! loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise floor ([`Floor`]), the
+//! drift of the error, remarks on extrapolation, and what the record does not test. [`Linearity`] tests whether a
+//! record is linear, without a model.
 //!
 //! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
 
 mod best_block;
 mod bins;
+mod drift;
 mod floor;
 mod initial_condition;
 mod loops;
@@ -19,15 +20,18 @@ mod metrics;
 mod remarks;
 mod residual_noise;
 mod small_signal;
+mod undriven;
 mod whiteness;
 
 pub use bins::{Bin, Source};
 pub use floor::Floor;
+pub(crate) use floor::summary;
 pub use loops::{LoopComparison, LoopShape};
 pub use metrics::Metrics;
 pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 
+use self::drift::Drift;
 use crate::error::Error;
 use crate::hammerstein::{InitialCondition, Model};
 use crate::options::{OptionKind, OptionRow, options};
@@ -36,19 +40,24 @@ use crate::system::System;
 use crate::waveform::cycles;
 use serde::{Deserialize, Serialize};
 
-/// Treatment of the mean error of a record.
+/// Treatment of the mean error and the drift of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Offset {
-    /// It is kept: the offset is the model's own.
+    /// Both are kept: the offset is the model's own.
     #[default]
     Kept,
-    /// It is subtracted first, because sensors drift.
+    /// The mean error is subtracted first, because sensors drift.
     Free,
+    /// A constant and a line are subtracted first.
+    Drift,
 }
 
-const OFFSETS: OptionKind =
-    OptionKind::Choice(&[("kept", "the model's own"), ("free", "estimated for each record, because sensors drift")]);
+const OFFSETS: OptionKind = OptionKind::Choice(&[
+    ("kept", "the model's own"),
+    ("free", "estimated for each record, because sensors drift"),
+    ("drift", "a constant and a linear drift are estimated for each record"),
+]);
 
 options! {
     /// Options of the comparison of a model with a record.
@@ -66,14 +75,20 @@ options! {
 pub struct Validation {
     /// Error figures of the whole record.
     pub metrics: Metrics,
-    /// The free run over the whole record, with the mean error added if the offset is free [record's unit].
+    /// The free run over the whole record, with the removed mean error and drift added [record's unit].
     pub simulated: Vec<f64>,
     /// First sample of the figures.
     pub start: usize,
     /// Initial condition of the free run.
     pub initial_condition: InitialCondition,
-    /// The subtracted mean error, if the offset is free [record's unit].
+    /// What was subtracted from the errors first.
+    pub offset: Offset,
+    /// The subtracted mean error; `None` if the offset is kept [record's unit].
     pub offset_removed: Option<f64>,
+    /// Slope of the error over time, in the figures or removed from them [record's unit / s].
+    pub drift_per_s: f64,
+    /// 100 rms error without this drift / standard deviation of y.
+    pub nrmse_without_drift_percent: f64,
     /// The error by frequency: of cycles if the input oscillates, otherwise of spectra.
     pub by_frequency: Vec<Bin>,
     /// The error by amplitude of the cycles; empty if the input does not oscillate.
@@ -82,8 +97,10 @@ pub struct Validation {
     pub loops: Vec<LoopComparison>,
     /// Tests of the residuals; `None` if there are none, or the record is too short.
     pub whiteness: Option<Whiteness>,
-    /// The noise floor; `None` if the input is not periodic.
+    /// The noise floor; `None` if neither periods of the input nor the spectrum tell it.
     pub floor: Option<Floor>,
+    /// The error in one sentence: noise, drift, and what a better model could gain; `None` if y is constant.
+    pub summary: Option<String>,
     /// Remarks on the figures.
     pub remarks: Vec<String>,
     /// Properties of the model that this record does not test.
@@ -116,31 +133,39 @@ impl Model {
             found: record.units().y.clone(),
             wanted: self.units().y.clone(),
         })?;
-        let free_offset = options.offset == Offset::Free;
+        let free_offset = options.offset != Offset::Kept;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
         let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
-        let mut offset_removed = None;
-        if free_offset {
-            let errors = record.y()[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s);
-            let mean = errors.sum::<f64>() / (record.len() - start) as f64;
-            simulated.iter_mut().for_each(|y| *y += mean);
-            offset_removed = Some(mean);
-        }
         let counted = record.part(options.skip, f64::INFINITY)?;
+        let run = &simulated[start..];
+        let found = Drift::of(&errors(counted.y(), run), run, record.ts());
+        let slope = if options.offset == Offset::Drift { found.slope } else { 0.0 };
+        if free_offset {
+            let middle = start as f64 + 0.5 * (counted.len() as f64 - 1.0);
+            simulated.iter_mut().enumerate().for_each(|(t, y)| *y += found.mean + slope * (t as f64 - middle));
+        }
         let cycles = cycles(counted.u(), counted.ts());
         let run = ComparedRun { record: &counted, simulated: &simulated[start..], cycles: &cycles };
         let metrics = Metrics::of(counted.y(), run.simulated);
+        let errors = run.errors();
+        let drift = Drift::of(&errors, run.simulated, record.ts());
+        let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
+        let floor = Floor::of(&counted, &errors, run.simulated, &metrics, &drift);
         let loops = loops::loops(&run);
         Ok(Validation {
             metrics,
             start,
             initial_condition,
-            offset_removed,
+            offset: options.offset,
+            offset_removed: free_offset.then_some(found.mean),
+            drift_per_s: found.slope / record.ts(),
+            nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
             by_frequency: bins::by_frequency(&run),
             by_amplitude: bins::by_amplitude(&run),
-            whiteness: Whiteness::of(counted.u(), &run.errors()),
-            floor: Floor::of(&counted, metrics.rmse),
-            remarks: remarks::remarks(self, &counted, &metrics),
+            whiteness: Whiteness::of(counted.u(), &errors),
+            floor,
+            summary: summary(&metrics, floor.as_ref(), named),
+            remarks: remarks::remarks(self, &counted, &metrics, &drift),
             not_covered: remarks::not_covered(self, &counted, &loops),
             loops,
             simulated,
@@ -159,6 +184,46 @@ struct ComparedRun<'a> {
 impl ComparedRun<'_> {
     /// Measured minus simulated.
     fn errors(&self) -> Vec<f64> {
-        self.record.y().iter().zip(self.simulated).map(|(y, s)| y - s).collect()
+        errors(self.record.y(), self.simulated)
+    }
+}
+
+/// Measured minus simulated.
+fn errors(y: &[f64], simulated: &[f64]) -> Vec<f64> {
+    y.iter().zip(simulated).map(|(y, s)| y - s).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::Proportional;
+    use crate::linear::Arx;
+    use crate::testing::{assert_close, noise};
+    use std::sync::Arc;
+
+    #[test]
+    fn a_drift_is_named_with_the_model_s_offset_or_a_free_one_and_removed_if_asked() {
+        let ts = 1e-3;
+        let u: Vec<f64> = (0..4000).map(|t| 10.0 * (0.03 * f64::from(t)).sin()).collect();
+        let model =
+            Model::new(Arc::new(Proportional::new(ts, 1.0).unwrap()), Arx::gain(ts, 1.0).unwrap(), 0.0).unwrap();
+        let e = noise(2, 4000);
+        let y = u.iter().zip(&e).enumerate().map(|(t, (u, e))| u + 4e-5 * (t as f64 - 2000.0) + 0.005 * e).collect();
+        let record = Record::new(ts, u, y).unwrap();
+        let validated = |offset| model.validate_with(&record, &ValidateOptions { offset, skip: 0.5 }).unwrap();
+        for offset in [Offset::Kept, Offset::Free] {
+            let seen = validated(offset);
+            assert_close(&[seen.drift_per_s], &[0.04], 0.02, 0.0);
+            assert!(seen.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")), "{:?}", seen.remarks);
+            assert!(seen.summary.unwrap().contains("of which drift 0."));
+        }
+        let (free, rest) = (validated(Offset::Free), validated(Offset::Drift));
+        assert_close(&[rest.metrics.rmse, rest.floor.unwrap().rms], &[0.005; 2], 0.1, 0.0);
+        let without = free.nrmse_without_drift_percent;
+        assert_close(&[without, rest.nrmse_without_drift_percent], &[rest.metrics.nrmse_percent; 2], 1e-3, 0.0);
+        assert_close(&[rest.drift_per_s], &[free.drift_per_s], 1e-9, 0.0);
+        assert_eq!(rest.remarks, Vec::<String>::new());
+        // The line goes on before the counted part.
+        assert_close(&[rest.simulated[0] - record.u()[0]], &[-0.08], 0.05, 0.0);
     }
 }

@@ -1,9 +1,11 @@
 //! Remarks on the figures: where the model extrapolates, and what the record does not test.
 
+use super::drift::Drift;
+use super::floor::rough;
 use super::{LoopComparison, Metrics};
 use crate::hammerstein::{Domain, Model};
 use crate::number::short;
-use crate::quality::{Need, around, excites, inspect};
+use crate::quality::{Defect, Finding, Need, around, excites, inspect};
 use crate::record::Record;
 use crate::series::ends;
 use crate::waveform::dominant_frequency;
@@ -29,8 +31,11 @@ const SMALL: f64 = 0.2;
 /// Width of the model's loop below which it does not test the hysteresis [% of its height].
 const CLOSED: f64 = 1.0;
 
+/// Drift of the error, over the peak-to-peak of y, up to which a drift of y is the model's own.
+const DRIFTS: f64 = 0.01;
+
 /// Remarks where the record exceeds the range of the model or of the figures.
-pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics) -> Vec<String> {
+pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics, drift: &Drift) -> Vec<String> {
     let mut remarks: Vec<String> = match (metrics.mse.is_finite(), metrics.nrmse_percent.is_finite()) {
         (false, _) => vec!["the error overflows: undefined figures are - in tables and null in JSON".into()],
         (true, false) => {
@@ -44,9 +49,31 @@ pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics) -> Vec<
     remarks.extend(frequency);
     remarks.extend(inner_reversals_of(model, record));
     remarks.extend(model.identified().map_or_else(Vec::new, |domain| beyond(model, domain, record, reported)));
-    let fatal = |f: &crate::quality::Finding| f.defect.is_fatal();
-    remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(|f| !fatal(f)).map(|f| f.text));
+    remarks.extend(drifts(record, metrics, drift));
+    let rise = drift.slope.abs() * record.len() as f64;
+    let is_told = |f: &Finding| match f.defect {
+        // The error tells a drift better than the input alone.
+        Defect::Drift => rise > DRIFTS * metrics.peak_to_peak,
+        // What the figures themselves show is not repeated; swapped columns they do not show.
+        defect => defect == Defect::Swapped || !defect.is_fatal(),
+    };
+    remarks.extend(inspect(record, &Need::default()).findings.into_iter().filter(is_told).map(|f| f.text));
     remarks
+}
+
+/// A remark if a drift makes much of the error.
+fn drifts(record: &Record, metrics: &Metrics, drift: &Drift) -> Option<String> {
+    let percent = |rms: f64| rough(100.0 * rms / metrics.std);
+    drift.is_named.then(|| {
+        format!(
+            "a drift of {} {}/s makes {} of the {} % NRMSE: of the sensor or the temperature, or creep that the model \
+             lacks. Set the offset to drift to see the rest",
+            rough(drift.slope / record.ts()),
+            record.units().y,
+            percent(drift.rms),
+            percent(metrics.rmse)
+        )
+    })
 }
 
 /// A remark if the input exceeds the identified range.

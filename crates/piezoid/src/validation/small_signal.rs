@@ -94,7 +94,7 @@ impl Linearity {
         let record = &Record::new(record.ts(), record.u().to_vec(), y)?.with_units(record.units().clone());
         let std = (scatter(record.y()) / record.len() as f64).sqrt();
         let percent = |x: f64| 100.0 * x / std;
-        let repeated = Repeated::of(record);
+        let repeated = Repeated::of(record.u(), record.y());
         let unexcited = repeated.as_ref().map(unexcited_lines);
         let masked = match &repeated {
             // The mean period replaces the record, twice: first for the transient.

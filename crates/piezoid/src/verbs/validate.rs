@@ -6,7 +6,7 @@ use crate::formats::ColumnSelection;
 use crate::hammerstein::Model;
 use crate::number::round;
 use crate::record::Record;
-use crate::validation::{Bin, Metrics, ValidateOptions, Validation};
+use crate::validation::{Bin, Floor, Metrics, ValidateOptions, Validation, summary};
 use serde_json::{Value, json};
 
 /// A record and the model's free run on it.
@@ -65,6 +65,9 @@ impl Compared {
         let mut object =
             json!({"file": self.name, "unit": self.record.units().y, "initial_condition": v.initial_condition});
         merge(&mut object, json!(v.metrics));
+        let without = v.nrmse_without_drift_percent;
+        merge(&mut object, json!({"summary": v.summary, "offset": v.offset, "offset_removed": v.offset_removed}));
+        merge(&mut object, json!({"drift_per_s": v.drift_per_s, "nrmse_without_drift_percent": without}));
         merge(&mut object, json!({"remarks": v.remarks, "unproven": v.not_covered}));
         merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
         merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
@@ -76,6 +79,20 @@ impl Validated {
     /// The figures of all records together.
     pub fn total(&self) -> Metrics {
         Metrics::total(&self.files.iter().map(|c| c.validation.metrics).collect::<Vec<_>>())
+    }
+
+    /// The noise floor of all records together; `None` if that of one is unknown.
+    pub fn floor(&self) -> Option<Floor> {
+        let records: Vec<_> = self.files.iter().map(|c| (c.validation.metrics, c.validation.floor)).collect();
+        Floor::total(&records, &self.total())
+    }
+
+    /// The error of all records together in one sentence; `None` if relative errors are undefined.
+    pub fn summary(&self) -> Option<String> {
+        match self.files.as_slice() {
+            [one] => one.validation.summary.clone(),
+            _ => summary(&self.total(), self.floor().as_ref(), None),
+        }
     }
 
     /// The bins of all records by frequency and by amplitude.
@@ -101,7 +118,7 @@ impl Validated {
         let mut total = json!(self.total());
         let [by_frequency, by_amplitude] = self.bins();
         merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
-        merge(&mut total, json!({"unproven": self.not_covered()}));
+        merge(&mut total, json!({"floor": self.floor(), "summary": self.summary(), "unproven": self.not_covered()}));
         json!({"files": self.files.iter().map(Compared::to_json).collect::<Vec<_>>(), "total": total})
     }
 }

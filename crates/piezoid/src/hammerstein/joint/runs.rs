@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::hammerstein::paper::called;
 use crate::hammerstein::{InitialCondition, Model};
-use crate::quality::{Defect, Need, bridged, inspect};
+use crate::quality::{Defect, Need, bridged, compare, inspect};
 use crate::record::Record;
 use crate::series::{ends, scatter};
 use crate::system::System;
@@ -158,6 +158,7 @@ pub(super) fn of<'a>(
             runs.push(TrainingRecord { drifts, ..run.ok_or_else(still)? });
         }
     }
+    compare(&runs.iter().map(|run| (&*run.name, run.record)).collect::<Vec<_>>(), notes)?;
     fold(&mut runs);
     Ok(runs)
 }
