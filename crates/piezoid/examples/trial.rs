@@ -22,10 +22,19 @@ fn main() {
         let of = |kind: &str| names.iter().filter(|n| n.starts_with(kind)).map(read).collect::<Vec<_>>();
         let (small, train) = (of("small"), of("train"));
         let start = Instant::now();
+        let log = std::cell::RefCell::new((String::new(), Instant::now(), 0usize, 0usize));
         let options = IdentifyOptions { operator: operators.clone(), ..IdentifyOptions::default() };
-        let found = match (Records { small_signal: &small, large_signal: &train })
-            .identify(&options, &mut |_| std::ops::ControlFlow::Continue(()))
-        {
+        let found = match (Records { small_signal: &small, large_signal: &train }).identify(&options, &mut |stage| {
+            let mut l = log.borrow_mut();
+            if l.0 != stage.what || stage.done != l.3 {
+                if std::env::var_os("PZ_TIME").is_some() && !l.0.is_empty() {
+                    eprintln!("   {} {:.1} s, {} steps", l.0, l.1.elapsed().as_secs_f64(), l.2);
+                }
+                *l = (stage.what.to_string(), Instant::now(), 0, stage.done);
+            }
+            l.2 += 1;
+            std::ops::ControlFlow::Continue(())
+        }) {
             Ok(found) => found,
             Err(e) => {
                 println!("{folder}: {e}");
@@ -33,6 +42,10 @@ fn main() {
             }
         };
         let seconds = start.elapsed().as_secs_f64();
+        if std::env::var_os("PZ_TIME").is_some() {
+            let l = log.borrow();
+            eprintln!("   {} {:.1} s, {} steps", l.0, l.1.elapsed().as_secs_f64(), l.2);
+        }
         let model: Model = found.model;
         let mut ratios = Vec::new();
         let mut line = String::new();

@@ -2,8 +2,9 @@
 
 use super::JointOptions;
 use super::estimate::Estimate;
-use super::refine::{Fitted, StepCallback, refine};
-use super::runs::TrainingRecord;
+use super::held_out::Smoothness;
+use super::refine::{Fitted, StepCallback, refine, refine_from};
+use super::runs::{CLEARLY, TrainingRecord};
 use super::solve::FreeParameters;
 use crate::creep::Lag;
 use crate::error::Error;
@@ -51,12 +52,40 @@ pub(super) fn begin_all(
     Ok(fitted)
 }
 
-/// Selects the initial conditions of the large-signal records; true if one changed to another than before.
+/// The fit with the other of the two pasts of [`begin_all`], if it is clearly better, and with the initial conditions
+/// that the fit shows: a coarse hysteresis may not show which are right.
+pub(super) fn reconsider(
+    fitted: Fitted,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let before: Vec<InitialCondition> = runs.iter().map(|run| run.initial).collect();
+    let likely = |run: &TrainingRecord| InitialCondition::of(run.record.u())[0];
+    let is_likely = runs.iter().all(|run| run.initial == likely(run));
+    for run in runs.iter_mut().filter(|run| run.large_signal) {
+        run.begin_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
+    }
+    let linear = fitted.estimate.linear.clone();
+    let Some(same) = fitted.estimate.with_linear(linear) else { return Ok(fitted) };
+    let other = refine_from(same, Smoothness::Near(fitted.held_out.lambda), runs, FreeParameters::Creep, watch)?;
+    let is_better = other.held_out.rms_pp() < CLEARLY * fitted.held_out.rms_pp();
+    if !is_better {
+        runs.iter_mut().zip(before).for_each(|(run, initial)| run.begin_from(initial, range));
+    }
+    let best = if is_better { other } else { fitted };
+    if !(begin(&best, runs, range)? || is_better) {
+        return Ok(best);
+    }
+    refine_from(best.estimate, Smoothness::Near(best.held_out.lambda), runs, FreeParameters::All, watch)
+}
+
+/// Selects the initial conditions of the records; true if one changed to another than before.
 pub(super) fn begin(fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> Result<bool, Error> {
     let domain = Domain { u: range.into(), hz: None, slew: 0.0, mean: range.into() };
     let model = fitted.estimate.model(0.0)?.with_identified(domain);
     let mut changed = false;
-    for run in runs.iter_mut().filter(|run| run.large_signal) {
+    for run in runs.iter_mut() {
         changed |= run.begin(&model, range);
     }
     Ok(changed)

@@ -12,6 +12,9 @@ use crate::linear::Arx;
 use crate::system::System;
 use std::ops::Range;
 
+/// Gain up to which a lag of creep is left out of the model.
+const NO_CREEP: f64 = 1e-7;
+
 /// Least lag of a driver that is sought [samples].
 const LEAST_LAG: f64 = 0.05;
 
@@ -77,8 +80,7 @@ impl Estimate {
     /// The model, with this output offset.
     pub(super) fn model(&self, offset: f64) -> Result<Model, Error> {
         let hysteresis = self.basis.operator(&self.weights)?;
-        // Lags without gain are left out.
-        let lags = self.lags.iter().copied().filter(|lag| lag.gain != 0.0).collect();
+        let lags = self.lags.iter().copied().filter(|lag| lag.gain > NO_CREEP).collect();
         Model::driven(self.driver, hysteresis, self.linear.clone(), offset)?.with_creep(Creep::new(self.ts(), lags)?)
     }
 }
@@ -113,7 +115,6 @@ pub(super) struct Responses<'a> {
     x: Vec<f64>,
     v: f64,
     phi: Vec<f64>,
-    before: Vec<f64>,
     mean: Vec<f64>,
 }
 
@@ -149,7 +150,6 @@ impl<'a> Responses<'a> {
             x: basis.initial(),
             v: u,
             phi: vec![0.0; basis.len()],
-            before: Vec::new(),
             mean: vec![0.0; basis.len()],
         };
         basis.step(&mut responses.x, u, &mut responses.phi);
@@ -172,15 +172,13 @@ impl<'a> Responses<'a> {
             self.basis.step(&mut self.x, u, &mut self.phi);
             return &self.phi;
         };
-        self.mean.fill(0.0);
-        let share = 0.5 / DriverModel::SUBSTEPS as f64;
-        for _ in 0..DriverModel::SUBSTEPS {
+        // The mean of a sample, by the trapezoidal rule.
+        let share = 1.0 / DriverModel::SUBSTEPS as f64;
+        self.mean.iter_mut().zip(&self.phi).for_each(|(mean, phi)| *mean = 0.5 * share * phi);
+        for substep in 1..=DriverModel::SUBSTEPS {
             self.v = driver.advance(self.v, u, self.ts / DriverModel::SUBSTEPS as f64);
-            self.before.clone_from(&self.phi);
             self.basis.step(&mut self.x, self.v, &mut self.phi);
-            for ((mean, before), phi) in self.mean.iter_mut().zip(&self.before).zip(&self.phi) {
-                *mean += share * (before + phi);
-            }
+            add(&mut self.mean, if substep == DriverModel::SUBSTEPS { 0.5 * share } else { share }, &self.phi);
         }
         &self.mean
     }

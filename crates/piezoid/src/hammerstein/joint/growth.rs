@@ -10,8 +10,8 @@ use super::beginnings::begin;
 use super::dynamics::{creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
 use super::extend::{Extension, Search, extension};
-use super::held_out::HeldOut;
-use super::refine::{Fitted, StepCallback, refine_from};
+use super::held_out::Smoothness;
+use super::refine::{Fitted, ROUNDING, StepCallback, refine_extended, refine_from};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
 use crate::creep::Lag;
@@ -74,9 +74,9 @@ impl Structure {
         p.error().total_cmp(&q.error())
     }
 
-    /// The held-out error: rms over peak-to-peak.
+    /// The held-out error: rms over peak-to-peak, with rounding.
     fn error(&self) -> f64 {
-        HeldOut::rms_pp(&self.fitted.held_out)
+        self.fitted.held_out.rms_pp().hypot(ROUNDING.sqrt())
     }
 
     /// Order and delay, and what was added last.
@@ -89,6 +89,14 @@ impl Structure {
         let by = if self.name.is_empty() { String::new() } else { format!(" by {}", self.name) };
         format!("{block}{delayed}{lag}{by}")
     }
+}
+
+/// A structure that was selected.
+pub(super) struct Chosen {
+    pub(super) fitted: Fitted,
+    pub(super) reason: String,
+    /// The simpler structures that may be as good with another operator.
+    pub(super) simpler: Vec<Structure>,
 }
 
 /// The search for the structure of the linear block.
@@ -143,11 +151,10 @@ impl Growth {
             let found = extension(from, runs, &self.search, watch)?;
             let found = found.and_then(|Extension { name, linear }| Some((name, from.estimate.with_linear(linear)?)));
             if let Some((name, start)) = found {
-                let fit = refine_from(start, Some(from.held_out.lambda), runs, FreeParameters::All, watch)?;
-                let linear = &fit.estimate.linear;
-                if creep_pole(linear, self.search.slowest).is_none() && self.shows(linear) {
-                    longer.push(Structure::new(name, fit));
-                }
+                let fit = refine_extended(vec![start], from, runs, watch)?;
+                let possible = |linear: &Arx| creep_pole(linear, self.search.slowest).is_none() && self.shows(linear);
+                let fit = fit.filter(|fit| possible(&fit.estimate.linear));
+                longer.extend(fit.map(|fit| Structure::new(name, fit)));
             }
             if !longer.iter().any(|t| t.error() < GAIN * least) && !behind_lag {
                 behind_lag = true;
@@ -157,8 +164,8 @@ impl Growth {
             if begin(&next.fitted, runs, self.design.range)? {
                 let Estimate { linear, .. } = &next.fitted.estimate;
                 if let Some(same) = next.fitted.estimate.with_linear(linear.clone()) {
-                    let lambda = Some(next.fitted.held_out.lambda);
-                    next.fitted = refine_from(same, lambda, runs, FreeParameters::All, watch)?;
+                    let smoothness = Smoothness::Fixed(next.fitted.held_out.lambda);
+                    next.fitted = refine_from(same, smoothness, runs, FreeParameters::All, watch)?;
                 }
             }
             let gains = next.error() < GAIN * least;
@@ -179,10 +186,8 @@ impl Growth {
         basis: MakeBasis,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
-    ) -> Result<Vec<Structure>, Error> {
-        let Some(Structure { fitted: best, .. }) = tried.iter().min_by(Structure::better) else {
-            return Ok(Vec::new());
-        };
+    ) -> Result<Option<Structure>, Error> {
+        let Some(Structure { fitted: best, .. }) = tried.iter().min_by(Structure::better) else { return Ok(None) };
         let linear = &best.estimate.linear;
         let (ts, delay) = (linear.ts(), linear.delay());
         let moved = linear.poles().into_iter().filter(is_lag).map(|pole| {
@@ -192,16 +197,14 @@ impl Growth {
         });
         let undelayed = || Arx::new(ts, linear.a().to_vec(), linear.b()[delay..].to_vec());
         let instead = (delay > 0).then(|| (delay as f64 * ts, undelayed()));
-        let mut found = Vec::new();
-        for (lag_s, linear) in moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead) {
+        let start = |(lag_s, linear): (f64, Result<Arx, Error>)| {
             let driver = (Some(DriverModel::new(lag_s, None)?), true);
-            let start = adopt(&best.estimate, driver, &best.estimate.lags, linear?, basis)?;
-            let fit = refine_from(start, Some(best.held_out.lambda), runs, FreeParameters::All, watch)?;
-            if self.shows(&fit.estimate.linear) {
-                found.push(Structure::new("a lag before the hysteresis".into(), fit));
-            }
-        }
-        Ok(found)
+            adopt(&best.estimate, driver, &best.estimate.lags, linear?, basis)
+        };
+        let starts = moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead).map(start);
+        let fit = refine_extended(starts.collect::<Result<_, _>>()?, best, runs, watch)?;
+        let fit = fit.filter(|fit| self.shows(&fit.estimate.linear));
+        Ok(fit.map(|fit| Structure::new("a lag before the hysteresis".into(), fit)))
     }
 
     /// True if each mode of a linear block shows in the records.
@@ -214,8 +217,8 @@ impl Growth {
         })
     }
 
-    /// The simplest structure that is as good as the best, and the reason.
-    pub(super) fn choose(&self, tried: &[Structure]) -> (usize, String) {
+    /// The simplest structure that is as good as the best, of at least one.
+    pub(super) fn choose(&self, mut tried: Vec<Structure>) -> Chosen {
         let best = tried.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
         let (chosen, why) = match self.order.filter(|n| *n > 0) {
             Some(n) => {
@@ -230,8 +233,11 @@ impl Growth {
         let chosen = chosen.unwrap_or(tried.len().saturating_sub(1));
         let listed = tried.iter().map(|t| format!("{} {} %", t.describe(), short(100.0 * t.error())));
         let listed: Vec<String> = listed.collect();
-        let name = tried.get(chosen).map_or_else(String::new, Structure::describe);
-        (chosen, format!("{name}: held-out error, rms/pp: {}; {why}", listed.join(", ")))
+        let structure = tried.remove(chosen);
+        let reason = format!("{}: held-out error, rms/pp: {}; {why}", structure.describe(), listed.join(", "));
+        tried.truncate(chosen);
+        tried.retain(|t| t.error() < HOPELESS * structure.error());
+        Chosen { fitted: structure.fitted, reason, simpler: tried }
     }
 
     /// The simplest structure with the operator of a fit that is as good as the best: of those simpler than its own,
@@ -243,20 +249,18 @@ impl Growth {
         row: &Operator,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
-    ) -> Result<(Fitted, String), Error> {
+    ) -> Result<Chosen, Error> {
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..self.design.clone() });
-        let least = simpler.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
         let mut tried = Vec::new();
-        for Structure { name, fitted: coarse } in simpler.iter().filter(|t| t.error() < HOPELESS * least) {
+        for Structure { name, fitted: coarse } in simpler {
             let Estimate { driver, seeks_lag, lags, linear, .. } = &coarse.estimate;
             let start = adopt(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
-            let fit = refine_from(start, Some(fitted.held_out.lambda), runs, FreeParameters::All, watch)?;
+            let fit = refine_from(start, Smoothness::Fixed(fitted.held_out.lambda), runs, FreeParameters::All, watch)?;
             tried.push(Structure::new(name.clone(), fit));
         }
         tried.push(Structure::new(String::new(), fitted));
         self.grow(&mut tried, &basis, runs, watch)?;
-        let (chosen, reason) = self.choose(&tried);
-        Ok((tried.swap_remove(chosen).fitted, reason))
+        Ok(self.choose(tried))
     }
 }
 

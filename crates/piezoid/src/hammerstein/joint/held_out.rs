@@ -1,22 +1,23 @@
 //! Held-out errors and their comparison.
 
-use super::equations::equations;
+use super::equations::{RecordEquations, ReducedEquations, equations};
 use super::estimate::Estimate;
 use super::products::Segment;
+use super::refine::ROUNDING;
 use super::runs::FOLDS;
 use super::solve::{FreeParameters, Prior};
 use crate::series::{mean, scatter};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Smoothness weights tried, from rough to smooth.
+/// Smoothness weights, from rough to smooth.
 const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+
+/// Number of fits in a row, each worse than the best, after which no rougher one is tried.
+const TOO_ROUGH: usize = 2;
 
 /// Ratio of rms up to which a simpler model is accepted, even if the difference is uncertain.
 const WORSE: f64 = 1.05;
-
-/// Mean squared error over squared peak-to-peak that is rounding, for records without noise.
-const ROUNDING: f64 = 1e-14;
 
 /// Held-out errors of the folds, each predicted by a fit to all others.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,55 +48,112 @@ impl HeldOut {
     }
 }
 
-/// The held-out errors of the smoothest fit that is as good as the best, or for a `fixed` smoothness. Without a fold
-/// only the `free` parameters are fitted again.
+/// The smoothness weights to try.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Smoothness {
+    /// All, from smooth to rough.
+    Any,
+    /// The next smoother than this one, this one, and all rougher ones.
+    Near(f64),
+    /// This one.
+    Fixed(f64),
+}
+
+impl Smoothness {
+    /// The one known.
+    pub(super) fn lambda(self) -> f64 {
+        match self {
+            Smoothness::Any => LAMBDAS[0],
+            Smoothness::Near(lambda) | Smoothness::Fixed(lambda) => lambda,
+        }
+    }
+
+    /// From smooth to rough.
+    fn lambdas(self) -> Vec<f64> {
+        let all = LAMBDAS.into_iter().rev();
+        match self {
+            Smoothness::Any => all.collect(),
+            Smoothness::Near(lambda) => {
+                let smoother = LAMBDAS.iter().position(|l| *l > lambda);
+                all.filter(|l| smoother.is_none_or(|k| *l <= LAMBDAS[k])).collect()
+            }
+            Smoothness::Fixed(lambda) => vec![lambda],
+        }
+    }
+}
+
+/// The held-out errors of the smoothest fit that is as good as the best. Without a fold only the `free` parameters are
+/// fitted again.
 pub(super) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,
     segments: &[Segment],
     damping: f64,
     free: FreeParameters,
-    fixed: Option<f64>,
+    smoothness: Smoothness,
 ) -> HeldOut {
-    let lambdas: Vec<f64> = match fixed {
-        Some(lambda) => vec![lambda],
-        None if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
-        None => LAMBDAS.to_vec(),
+    let lambdas = match smoothness {
+        Smoothness::Any | Smoothness::Near(_) if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
+        _ => smoothness.lambdas(),
     };
     let folds: Vec<usize> =
         (0..FOLDS).filter(|fold| segments.iter().any(|s| s.fold == Some(*fold) && s.judged)).collect();
-    let of = |&fold: &usize| -> Vec<(f64, DVector<f64>)> {
-        let (train, each) = equations(estimate, segments, |s| s.fold != Some(fold));
-        let tests: Vec<&Segment> =
-            segments.iter().filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0).collect();
-        // The run's own coefficients are those of its other segments; without any, they are fitted to this one.
-        let error_of = |test: &Segment, steps: &DVector<f64>| match each.iter().find(|run| run.run == test.run) {
-            Some(run) => test.residual(steps, &run.own(steps)),
-            None => equations(estimate, std::slice::from_ref(test), |_| true).0.residual(steps),
-        };
-        // From smooth to rough, each starting from the previous signs.
-        let mut positive = vec![true; prior.current().len()];
-        let error = |lambda: &f64| match prior.solve(&train, *lambda, damping, free, &mut positive) {
-            None => (f64::INFINITY, prior.current().clone()),
-            Some(x) => {
-                let steps = prior.steps(&x);
-                (mean(&tests.iter().map(|test| error_of(test, &steps) / test.samples).collect::<Vec<_>>()), x)
-            }
-        };
-        let mut errors: Vec<_> = lambdas.iter().rev().map(error).collect();
-        errors.reverse();
-        errors
-    };
-    let by_fold: Vec<Vec<_>> = folds.par_iter().map(of).collect();
-    let of_lambda = |k: usize| HeldOut {
-        lambda: lambdas[k],
-        folds: by_fold.iter().map(|fold| fold[k].0).collect(),
-        without: by_fold.iter().map(|fold| fold[k].1.clone()).collect(),
-    };
-    let tried: Vec<HeldOut> = (0..lambdas.len()).map(of_lambda).collect();
+    // Each smoothness starts from the signs of the one before.
+    let signs = vec![true; prior.current().len()];
+    let mut left_out: Vec<_> =
+        folds.iter().map(|&fold| LeftOut::new(estimate, segments, fold, signs.clone())).collect();
+    let mut tried: Vec<HeldOut> = Vec::new();
+    for lambda in lambdas {
+        let each: Vec<_> =
+            left_out.par_iter_mut().map(|fold| fold.error(estimate, prior, lambda, damping, free)).collect();
+        let (folds, without) = each.into_iter().unzip();
+        tried.push(HeldOut { lambda, folds, without });
+        let errors = tried.iter().map(HeldOut::rms_pp).collect::<Vec<_>>();
+        let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        if errors.iter().rev().take(TOO_ROUGH).filter(|error| **error > WORSE * least).count() == TOO_ROUGH {
+            break;
+        }
+    }
     let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
-    let smoothest = tried.iter().rfind(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
+    let smoothest = tried.iter().find(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
     smoothest.cloned().unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
+}
+
+/// A fold: the equations of all other segments, and its own segments.
+struct LeftOut<'s> {
+    train: ReducedEquations,
+    each: Vec<RecordEquations>,
+    tests: Vec<&'s Segment>,
+    positive: Vec<bool>,
+}
+
+impl<'s> LeftOut<'s> {
+    fn new(estimate: &Estimate, segments: &'s [Segment], fold: usize, positive: Vec<bool>) -> Self {
+        let (train, each) = equations(estimate, segments, |s| s.fold != Some(fold));
+        let tests = segments.iter().filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0).collect();
+        LeftOut { train, each, tests, positive }
+    }
+
+    /// The mean squared error of the fit without the fold, and its parameters.
+    fn error(
+        &mut self,
+        estimate: &Estimate,
+        prior: &Prior,
+        lambda: f64,
+        damping: f64,
+        free: FreeParameters,
+    ) -> (f64, DVector<f64>) {
+        let Some(x) = prior.solve(&self.train, lambda, damping, free, &mut self.positive) else {
+            return (f64::INFINITY, prior.current().clone());
+        };
+        let steps = prior.steps(&x);
+        // The run's own coefficients are those of its other segments; without any, they are fitted to this one.
+        let error_of = |test: &&Segment| match self.each.iter().find(|run| run.run == test.run) {
+            Some(run) => test.residual(&steps, &run.own(&steps)),
+            None => equations(estimate, std::slice::from_ref(*test), |_| true).0.residual(&steps),
+        };
+        (mean(&self.tests.iter().map(|test| error_of(test) / test.samples).collect::<Vec<_>>()), x)
+    }
 }
 
 #[cfg(test)]
@@ -125,7 +183,7 @@ mod tests {
         let runs = of(&[], &records, &mut Vec::new()).unwrap();
         let segments = products(&estimate, &runs, &[]);
         let prior = Prior::of(&estimate);
-        let found = cross_validate(&estimate, &prior, &segments, 1e-6, FreeParameters::Weights, Some(0.0));
+        let found = cross_validate(&estimate, &prior, &segments, 1e-6, FreeParameters::Weights, Smoothness::Fixed(0.0));
         assert_eq!(found.folds.len(), FOLDS);
 
         // Rows [gain, constants, slopes], for each sample; the first of 11 segments is in no fold.

@@ -23,6 +23,7 @@ mod extend;
 mod growth;
 mod held_out;
 mod layout;
+mod operators;
 mod products;
 mod refine;
 mod runs;
@@ -52,14 +53,14 @@ use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{dot, ends, mean, scatter};
 use crate::system::System;
-use beginnings::{begin_all, coarse};
+use beginnings::{begin_all, coarse, reconsider};
 use dynamics::{creep_pole, slowest_observable};
 use estimate::{Estimate, Responses};
-use growth::{Growth, Structure};
+use growth::{Chosen, Growth};
 use layout::ColumnLayout;
-use refine::{Fitted, refine};
+use refine::Fitted;
 use runs::TrainingRecord;
-use solve::{CREEPS, FreeParameters};
+use solve::CREEPS;
 
 /// Shortest time constant of creep [samples], and longest over the duration of the longest record.
 const QUICKEST: f64 = 10.0;
@@ -127,7 +128,7 @@ pub(crate) fn identify_joint(
     let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
     let design = BasisDesign { ts: faster, range, elements: settings.elements, frequencies };
 
-    let total = candidates.len() + 1;
+    let total = 2 * candidates.len() + 1;
     let mut report = |done: usize, what: &str| -> Result<(), Error> {
         match progress(Stage { what, done, total }).is_break() {
             true => Err(Error::Cancelled { what: what.into(), done, total }),
@@ -148,35 +149,22 @@ pub(crate) fn identify_joint(
             (begin_all(&start, &mut runs, range, &mut watch)?.estimate, reason, Vec::new())
         }
         true => {
-            let mut tried =
+            let tried =
                 structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &growth, &mut watch)?;
-            let (chosen, reason) = growth.choose(&tried);
-            let Structure { fitted, .. } = tried.remove(chosen);
-            tried.truncate(chosen);
-            (fitted.estimate, reason, tried)
+            let Chosen { fitted, reason, simpler } = growth.choose(tried);
+            (fitted.estimate, reason, simpler)
         }
     };
     let faster = if first.driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let design = BasisDesign { ts: ts / faster, ..design };
 
-    let mut trials: Vec<(OperatorTrial, Option<Fitted>)> = Vec::new();
-    for (done, row) in candidates.iter().enumerate() {
-        let mut watch = |_| report(done + 1, row.name);
-        let trial = match fit(row, &design, &first, settings, &mut runs, &mut watch) {
-            Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
-            Err(why) if candidates.len() == 1 => return Err(why),
-            Err(why) => (OperatorTrial::refused(row, why.to_string()), None),
-            Ok(fitted) => (OperatorTrial::of(row, &fitted), Some(fitted)),
-        };
-        trials.push(trial);
-    }
+    let trials = operators::compare(&candidates, &design, &first, settings.seed, &mut runs, &mut report)?;
     let (mut fitted, trials) = trials::choose(trials)?;
+    let row = Operator::find(trials.iter().find(|t| t.verdict == "taken").map_or("", |t| t.operator))?;
+    let mut watch = |_| report(total - 1, row.name);
+    fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
     if settings.order.is_none() {
-        let row = Operator::find(trials.iter().find(|t| t.verdict == "taken").map_or("", |t| t.operator))?;
-        let mut watch = |_| report(candidates.len(), row.name);
-        let (settled, why) = growth.settle(fitted, &simpler, row, &mut runs, &mut watch)?;
-        fitted = settled;
-        reason = why;
+        Chosen { fitted, reason, .. } = growth.settle(fitted, &simpler, row, &mut runs, &mut watch)?;
     }
     notes.push(format!("linear block: {reason}"));
     notes.extend(check::check_fit(&fitted, &runs)?);
@@ -206,42 +194,6 @@ pub(crate) fn identify_joint(
     notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
     Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
-}
-
-/// Fits one operator from its initial shape and from the best shape of a swarm.
-fn fit(
-    row: &Operator,
-    design: &BasisDesign,
-    blocks: &Estimate,
-    settings: &JointOptions,
-    runs: &mut [TrainingRecord],
-    watch: refine::StepCallback,
-) -> Result<Fitted, Error> {
-    let start = blocks.with_basis((row.basis)(design)?);
-    watch(0)?;
-    let by_swarm = search::search(&start, runs, settings.seed)?;
-    let here = refine(start, runs, FreeParameters::All, watch)?;
-    let Some(by_swarm) = by_swarm else { return Ok(here) };
-    let there = refine(by_swarm, runs, FreeParameters::All, watch)?;
-    Ok(better(here, there, runs))
-}
-
-/// Ratio of held-out errors above which the free runs decide between two fits.
-const ALIKE: f64 = 0.95;
-
-/// The fit with the smaller held-out error; if both are similar, the one with the better free run. An operator with
-/// long memory predicts held-out data well, because their past is known there, but is useless where the past is
-/// unknown.
-fn better(here: Fitted, there: Fitted, runs: &[TrainingRecord]) -> Fitted {
-    let [a, b] = [&here, &there].map(|fitted| fitted.held_out.rms_pp());
-    let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there, runs) < free_run(&here, runs) };
-    if there_is { there } else { here }
-}
-
-/// Mean squared free-run error over the squared peak-to-peak of the records, each with its own offset.
-fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
-    let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
-    runs.iter().map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).sum()
 }
 
 /// Mean of the free-run error of a record, and its rms about that mean.

@@ -15,11 +15,12 @@ use super::runs::TrainingRecord;
 use super::signals::{AllPole, Ladder, LinearFilter};
 use crate::driver::DriverModel;
 use crate::series::dot;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 use rayon::prelude::*;
 
-/// Rows per block.
+/// Rows per block, and columns that are multiplied with all later ones at a time.
 const BLOCK: usize = 256;
+const PANEL: usize = 64;
 
 /// Maximum number of large-signal rows kept of all runs: neighbouring rows have similar information.
 const ROWS: usize = 20_000;
@@ -92,14 +93,24 @@ fn of_run(estimate: &Estimate, index: usize, run: &TrainingRecord, own: &[f64], 
                 filled += 1;
             }
             if filled == BLOCK || t + 1 == end {
-                let rows = block.columns(0, filled);
-                gram.gemm(1.0, &rows, &rows.transpose(), 1.0);
+                add_products(&mut gram, block.columns(0, filled));
                 filled = 0;
             }
         }
+        gram.fill_upper_triangle_with_lower_triangle();
         Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples }
     };
     run.segments.iter().map(segment).collect()
+}
+
+/// Adds the products of the rows of `block` to the lower triangle of `gram`.
+fn add_products(gram: &mut DMatrix<f64>, block: DMatrixView<f64>) {
+    let size = gram.nrows();
+    for from in (0..size).step_by(PANEL) {
+        let width = PANEL.min(size - from);
+        let (below, panel) = (block.rows_range(from..), block.rows(from, width).transpose());
+        gram.view_mut((from, from), (size - from, width)).gemm(1.0, &below, &panel, 1.0);
+    }
 }
 
 /// True if row `t` is kept: one of every `thin` rows, at non-periodic places.

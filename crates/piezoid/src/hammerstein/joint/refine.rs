@@ -6,7 +6,7 @@
 use super::dynamics::{creep_pole, is_damped, slowest_observable};
 use super::equations::{RecordEquations, ReducedEquations, equations};
 use super::estimate::Estimate;
-use super::held_out::{HeldOut, cross_validate};
+use super::held_out::{HeldOut, Smoothness, cross_validate};
 use super::products::{Segment, products};
 use super::runs::TrainingRecord;
 use super::solve::{FreeParameters, Prior};
@@ -28,6 +28,12 @@ const SETTLED: usize = 3;
 /// Relative decrease of the cost below which the search ends.
 const ENOUGH: f64 = 3e-4;
 
+/// Ratio of the minimum that the linearised equations promise from which an extension is fitted.
+const PROMISING: f64 = 0.95;
+
+/// Mean squared error over squared peak-to-peak that is rounding, for records without noise.
+pub(super) const ROUNDING: f64 = 1e-14;
+
 /// Maximum weight of small-signal samples over large-signal ones.
 const HEAVIEST: f64 = 30.0;
 
@@ -43,6 +49,8 @@ pub(super) struct Fitted {
     pub(super) held_out: HeldOut,
     /// For each run, the mean squared error over the squared peak-to-peak.
     pub(super) residuals: Vec<f64>,
+    /// The minimised sum of squares and penalties.
+    pub(super) minimum: f64,
 }
 
 impl Fitted {
@@ -74,19 +82,23 @@ impl Iterate {
     }
 
     fn cost(&self, lambda: f64) -> f64 {
-        self.normal.residual(&self.unknowns()) + self.prior.penalty(&self.normal, lambda, self.prior.current())
+        self.cost_at(self.prior.current(), lambda)
     }
 
-    /// The sum of squares at the solution of the linearised equations.
-    pub(super) fn predicted(&self) -> f64 {
+    /// The sum of squares and penalties at the solution of the linearised equations.
+    pub(super) fn predicted(&self, lambda: f64) -> f64 {
         let mut positive = vec![true; self.prior.current().len()];
-        let x = self.prior.solve(&self.normal, 0.0, DAMPING, FreeParameters::All, &mut positive);
-        x.map_or(f64::INFINITY, |x| self.normal.residual(&self.prior.steps(&x)))
+        let x = self.prior.solve(&self.normal, lambda, DAMPING, FreeParameters::All, &mut positive);
+        x.map_or(f64::INFINITY, |x| self.cost_at(&x, lambda))
+    }
+
+    fn cost_at(&self, x: &DVector<f64>, lambda: f64) -> f64 {
+        self.normal.residual(&self.prior.steps(x)) + self.prior.penalty(&self.normal, lambda, x)
     }
 
     /// The held-out errors by the linearised equations.
-    fn held_out(&self, free: FreeParameters, lambda: Option<f64>) -> HeldOut {
-        cross_validate(&self.estimate, &self.prior, &self.segments, DAMPING, free, lambda)
+    fn held_out(&self, free: FreeParameters, smoothness: Smoothness) -> HeldOut {
+        cross_validate(&self.estimate, &self.prior, &self.segments, DAMPING, free, smoothness)
     }
 
     /// The runs' own coefficients at `x`.
@@ -115,36 +127,39 @@ pub(super) fn refine(
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
     runs.iter_mut().for_each(|run| run.heavier = 1.0);
-    refine_from(start, None, runs, free, watch)
+    refine_from(start, Smoothness::Any, runs, free, watch)
 }
 
-/// Fits the `free` parameters from `start`: from nothing but its linear block and shape, or, for a smoothness, from all
-/// its parameters. Then the cost never exceeds that at the start.
+/// Fits the `free` parameters from `start`. Without a known smoothness the start is its linear block and shape; with
+/// one it is all its parameters, and for a fixed one the minimum never exceeds the value at the start.
 pub(super) fn refine_from(
     start: Estimate,
-    known: Option<f64>,
+    smoothness: Smoothness,
     runs: &mut [TrainingRecord],
     free: FreeParameters,
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
     let mut point = Iterate::at(start, runs, &[]);
-    if known.is_some() {
+    let (is_start, is_fixed) = (smoothness == Smoothness::Any, matches!(smoothness, Smoothness::Fixed(_)));
+    if !is_start {
         let own = point.own(point.prior.current());
         point = Iterate::at(point.estimate, runs, &own);
     }
-    let (mut damping, mut lambda) = (DAMPING, known.unwrap_or(0.0));
+    let mut lambda = smoothness.lambda();
+    let mut damping = DAMPING;
     for step in 0..STEPS {
         watch(step)?;
         let now = match (step, free) {
-            _ if known.is_some() => free,
+            _ if !is_start => free,
             (0, _) => FreeParameters::Weights,
             (1, FreeParameters::All) => FreeParameters::Creep,
             (_, free) => free,
         };
-        if step <= SETTLED && known.is_none() {
-            lambda = point.held_out(now, None).lambda;
+        if step <= SETTLED && !is_fixed {
+            let tried = if is_start && step == 0 { Smoothness::Any } else { Smoothness::Near(lambda) };
+            lambda = point.held_out(now, tried).lambda;
         }
-        let cost = if step == 0 && known.is_none() { f64::INFINITY } else { point.cost(lambda) };
+        let cost = if is_start && step == 0 { f64::INFINITY } else { point.cost(lambda) };
         let Some(next) = lower(&point, runs, cost, lambda, &mut damping, now) else {
             if now == free {
                 break;
@@ -155,17 +170,37 @@ pub(super) fn refine_from(
         };
         let fall = 1.0 - next.cost(lambda) / cost;
         point = next;
-        if known.is_none() && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
+        if is_start && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own);
         }
-        if (known.is_some() || step > SETTLED) && fall < ENOUGH {
+        let ends = fall < ENOUGH || cost < ROUNDING * point.normal.samples;
+        if (is_fixed || step > SETTLED) && ends {
             break;
         }
     }
-    let (own, held_out) = (point.own(point.prior.current()), point.held_out(free, Some(lambda)));
-    let residuals = point.residuals(runs);
-    Ok(Fitted { estimate: point.estimate, own, held_out, residuals })
+    let own = point.own(point.prior.current());
+    let (held_out, residuals) = (point.held_out(free, Smoothness::Fixed(lambda)), point.residuals(runs));
+    let minimum = point.cost(lambda);
+    Ok(Fitted { estimate: point.estimate, own, held_out, residuals, minimum })
+}
+
+/// Fits all parameters from the start that promises most, of `starts` that extend `from`. `None` if none promises a
+/// clearly smaller minimum.
+pub(super) fn refine_extended(
+    starts: Vec<Estimate>,
+    from: &Fitted,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Option<Fitted>, Error> {
+    let lambda = from.held_out.lambda;
+    let promised = starts.into_iter().map(|start| {
+        let point = Iterate::at(start, runs, &[]);
+        (point.predicted(lambda), point.estimate)
+    });
+    let best = promised.min_by(|p, q| p.0.total_cmp(&q.0));
+    let Some((_, start)) = best.filter(|best| best.0 < PROMISING * from.minimum) else { return Ok(None) };
+    refine_from(start, Smoothness::Fixed(lambda), runs, FreeParameters::All, watch).map(Some)
 }
 
 /// The next point with lower cost, if one is found.

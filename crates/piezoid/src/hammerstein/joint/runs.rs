@@ -15,7 +15,7 @@ const SEGMENTS: usize = 11;
 pub(super) const FOLDS: usize = 5;
 
 /// A less likely initial condition is used if its squared error is below this share of that of the likelier.
-const CLEARLY: f64 = 0.9;
+pub(super) const CLEARLY: f64 = 0.9;
 
 /// A record with what the fit needs.
 #[derive(Debug, Clone)]

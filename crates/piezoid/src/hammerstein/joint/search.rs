@@ -39,7 +39,9 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
     let part = |(part, run): (_, &&TrainingRecord)| {
         let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
-        let before = run.before.iter().chain(&run.record.u()[..from(run)]).copied().collect();
+        // The largest of rising amplitudes wipe out what was long before.
+        let before = [&run.before, &run.record.u()[..from(run)]].concat();
+        let before = before[before.len().saturating_sub(each.max(1))..].to_vec();
         let initial = if from(run) > 0 { InitialCondition::Motion } else { run.initial };
         Some(TrainingRecord { drifts: run.drifts, initial, before, ..end })
     };

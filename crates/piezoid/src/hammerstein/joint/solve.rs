@@ -35,6 +35,14 @@ pub(super) enum FreeParameters {
     All,
 }
 
+/// What a gain of creep is drawn to.
+enum Target {
+    None,
+    /// The gain of the next faster lag.
+    Faster,
+    Usual,
+}
+
 /// Knowledge about the parameters in addition to the data.
 #[derive(Debug)]
 pub(super) struct Prior {
@@ -89,10 +97,31 @@ impl Prior {
         steps
     }
 
-    /// The roughness penalty at `x`.
+    /// The penalties of roughness and of unlike gains of creep at `x`.
     pub(super) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
         let w = x.rows_range(self.layout.weights.clone());
-        self.size(normal) * lambda * w.dot(&(&self.smooth * w))
+        let unlike = |k: usize| match self.target(k, x) {
+            Target::Faster => (x[k] - x[k - 1]).powi(2),
+            Target::Usual => (x[k] - USUAL).powi(2),
+            Target::None => 0.0,
+        };
+        let unlike: f64 = self.layout.gains.clone().map(unlike).sum();
+        self.size(normal) * lambda * w.dot(&(&self.smooth * w)) + self.alike(normal) * unlike
+    }
+
+    /// What the gain `k` is drawn to at `x`.
+    fn target(&self, k: usize, x: &DVector<f64>) -> Target {
+        match k > self.layout.gains.start {
+            true if x[k - 1] < USUAL => Target::Faster,
+            false if x[k] < USUAL => Target::None,
+            _ => Target::Usual,
+        }
+    }
+
+    /// The weight of the penalty of unlike gains.
+    fn alike(&self, normal: &ReducedEquations) -> f64 {
+        let gains = self.layout.gains.clone();
+        ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64
     }
 
     /// The solution of `normal`, with only the `free` parameters moving. `damping` limits the steps of all but the
@@ -122,11 +151,18 @@ impl Prior {
             g.axpy(self.current[k], &normal.h.column(k), 1.0);
             g[k] += (h[(k, k)] - normal.h[(k, k)]) * self.current[k];
         }
-        let gains = layout.gains.clone();
-        let alike = ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64;
-        for k in gains.clone() {
+        let alike = self.alike(normal);
+        for k in layout.gains.clone() {
+            match self.target(k, &self.current) {
+                Target::None => continue,
+                Target::Usual => g[k] += alike * USUAL,
+                Target::Faster => {
+                    h[(k - 1, k - 1)] += alike;
+                    h[(k - 1, k)] -= alike;
+                    h[(k, k - 1)] -= alike;
+                }
+            }
             h[(k, k)] += alike;
-            g[k] += alike * self.current[if k == gains.start { k } else { k - 1 }].min(USUAL);
         }
         let held = self.hold_static_gain(&mut h, &mut g);
 

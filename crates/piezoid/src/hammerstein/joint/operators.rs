@@ -1,0 +1,116 @@
+//! Comparison of the operators, in two steps: with the linear block held, then, those that may be the best, with all
+//! parameters.
+
+use super::estimate::Estimate;
+use super::free_run_residual;
+use super::held_out::Smoothness;
+use super::refine::{Fitted, StepCallback, refine, refine_from};
+use super::runs::TrainingRecord;
+use super::search::search;
+use super::solve::FreeParameters;
+use super::trials::OperatorTrial;
+use crate::error::Error;
+use crate::hysteresis::{BasisDesign, Operator};
+
+/// Ratio of held-out errors with the linear block held from which an operator is not refined further.
+const HOPELESS: f64 = 3.0;
+
+/// Ratio of held-out errors of two shapes of an operator from which only the better is refined further.
+const WORSE: f64 = 1.5;
+
+/// Ratio of held-out errors above which the free runs decide between two fits.
+const ALIKE: f64 = 0.95;
+
+/// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
+///
+/// # Errors
+/// The error of the only operator; those of `report`, which is called with the number of fits done.
+pub(super) fn compare(
+    candidates: &[&'static Operator],
+    design: &BasisDesign,
+    blocks: &Estimate,
+    seed: u64,
+    runs: &mut [TrainingRecord],
+    report: &mut dyn FnMut(usize, &str) -> Result<(), Error>,
+) -> Result<Vec<(OperatorTrial, Option<Fitted>)>, Error> {
+    let mut starts = Vec::new();
+    for (k, row) in candidates.iter().enumerate() {
+        let found = shapes(row, design, blocks, seed, runs, &mut |_| report(1 + k, row.name));
+        starts.push(match found {
+            Err(why) if matches!(why, Error::Cancelled { .. }) || candidates.len() == 1 => return Err(why),
+            found => found.map_err(|why| OperatorTrial::refused(row, why.to_string())),
+        });
+    }
+    let least = starts.iter().flatten().flatten().map(|fit| fit.held_out.rms_pp()).fold(f64::INFINITY, f64::min);
+    let mut trials = Vec::new();
+    for (k, (row, start)) in candidates.iter().zip(starts).enumerate() {
+        let mut watch = |_| report(1 + candidates.len() + k, row.name);
+        trials.push(match start {
+            Err(refused) => (refused, None),
+            Ok(shapes) => {
+                let fitted = refined(shapes, HOPELESS * least, runs, &mut watch)?;
+                (OperatorTrial::of(row, &fitted), Some(fitted))
+            }
+        });
+    }
+    Ok(trials)
+}
+
+/// Fits with the linear block held: with the operator's own shape, and with the best shape of a swarm.
+fn shapes(
+    row: &Operator,
+    design: &BasisDesign,
+    blocks: &Estimate,
+    seed: u64,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Vec<Fitted>, Error> {
+    let start = blocks.with_basis((row.basis)(design)?);
+    watch(0)?;
+    let by_swarm = search(&start, runs, seed)?;
+    [Some(start), by_swarm]
+        .into_iter()
+        .flatten()
+        .map(|start| refine(start, runs, FreeParameters::Creep, watch))
+        .collect()
+}
+
+/// The best refinement of these fits, at least one, in all parameters; none if their errors exceed `most`.
+fn refined(
+    mut shapes: Vec<Fitted>,
+    most: f64,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    shapes.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
+    let near = WORSE * shapes[0].held_out.rms_pp();
+    if shapes[0].held_out.rms_pp() > most {
+        return Ok(shapes.swap_remove(0));
+    }
+    shapes.retain(|fit| fit.held_out.rms_pp() <= near);
+    let mut refine = |Fitted { estimate, held_out, .. }: Fitted| {
+        refine_from(estimate, Smoothness::Near(held_out.lambda), runs, FreeParameters::All, watch)
+    };
+    let other = shapes.split_off(1).pop();
+    let best = refine(shapes.remove(0))?;
+    let other = other.map(refine).transpose()?;
+    Ok(match other {
+        Some(other) => better(best, other, runs),
+        None => best,
+    })
+}
+
+/// The fit with the smaller held-out error; if both are similar, the one with the better free run. An operator with
+/// long memory predicts held-out data well, because their past is known there, but is useless where the past is
+/// unknown.
+fn better(here: Fitted, there: Fitted, runs: &[TrainingRecord]) -> Fitted {
+    let [a, b] = [&here, &there].map(|fitted| fitted.held_out.rms_pp());
+    let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there, runs) < free_run(&here, runs) };
+    if there_is { there } else { here }
+}
+
+/// Mean squared free-run error over the squared peak-to-peak of the records, each with its own offset.
+fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
+    let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
+    runs.iter().map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).sum()
+}
