@@ -29,7 +29,7 @@ fn main() {
             })
             .collect();
         let t0 = std::time::Instant::now();
-        let found = (Records { small_signal: &[small], large_signal: &large })
+        let found = (Records { small_signal: if std::env::var_os("PZ_NOSMALL").is_some() { &[] } else { std::slice::from_ref(&small) }, large_signal: &large })
             .identify(&IdentifyOptions { operator: mn.into(), ..IdentifyOptions::default() }, &mut |_| {
                 std::ops::ControlFlow::Continue(())
             })
@@ -49,5 +49,15 @@ fn main() {
             found.model.linear().a()
         );
         println!("   {}", found.linear.reason);
+        if std::env::var_os("PZ_RES").is_some() {
+            println!("{}", &found.model.to_json()[..]);
+            for r in std::iter::once(&small).chain(&large) {
+                let y = found.model.simulate(r.u());
+                let e: Vec<f64> = r.y().iter().zip(&y).map(|(a, b)| a - b).collect();
+                let pp = r.y().iter().fold(0.0f64, |m, v| m.max(v.abs()));
+                let rms: Vec<String> = e.chunks(r.len() / 20).map(|c| format!("{:.1e}", (c.iter().map(|v| v * v).sum::<f64>() / c.len() as f64).sqrt() / pp)).collect();
+                println!("{rms:?}");
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use super::signals::add;
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
 use crate::error::Error;
-use crate::hammerstein::Model;
+use crate::hammerstein::{InitialCondition, Model};
 use crate::hysteresis::{Basis, ShapeParameter};
 use crate::linear::Arx;
 use crate::system::System;
@@ -116,11 +116,13 @@ pub(super) struct Responses<'a> {
     v: f64,
     phi: Vec<f64>,
     mean: Vec<f64>,
+    /// True if the first sample is the one at which they are settled: it is not a step.
+    is_first: bool,
 }
 
 impl<'a> Responses<'a> {
     /// The responses before the first sample of a run, and the level about which creep and linear block are settled:
-    /// the mean over the inputs that pass them before the record, otherwise the last responses.
+    /// zero at rest, the mean over the inputs that pass them before the record, or the last responses.
     pub(super) fn before(estimate: &'a Estimate, run: &TrainingRecord) -> (Self, Vec<f64>) {
         let mut responses = Responses::from_rest(estimate, run);
         let mut mean = vec![0.0; estimate.basis.len()];
@@ -131,13 +133,19 @@ impl<'a> Responses<'a> {
                 add(&mut mean, 1.0 / moving as f64, phi);
             }
         }
-        let level = if moving == 0 { responses.phi.clone() } else { mean };
+        let level = match run.initial {
+            InitialCondition::Motion => mean,
+            // It jumps to the first input.
+            InitialCondition::Rest => vec![0.0; estimate.basis.len()],
+            _ => responses.phi.clone(),
+        };
         (responses, level)
     }
 
     /// The responses at the first of the inputs before a run.
     pub(super) fn from_rest(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
-        Responses::settled(estimate, run.before[0])
+        let is_first = run.initial == InitialCondition::Settled;
+        Responses { is_first, ..Responses::settled(estimate, run.before[0]) }
     }
 
     /// The responses from rest, settled at `u`.
@@ -151,6 +159,7 @@ impl<'a> Responses<'a> {
             v: u,
             phi: vec![0.0; basis.len()],
             mean: vec![0.0; basis.len()],
+            is_first: false,
         };
         basis.step(&mut responses.x, u, &mut responses.phi);
         responses
@@ -168,6 +177,9 @@ impl<'a> Responses<'a> {
 
     /// Advances by one sample.
     pub(super) fn next(&mut self, u: f64) -> &[f64] {
+        if std::mem::take(&mut self.is_first) {
+            return &self.phi;
+        }
         let Some(driver) = self.driver else {
             self.basis.step(&mut self.x, u, &mut self.phi);
             return &self.phi;

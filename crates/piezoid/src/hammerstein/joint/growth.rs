@@ -9,18 +9,20 @@ use super::JointOptions;
 use super::beginnings::begin;
 use super::dynamics::{creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
-use super::extend::{Extension, Search, extension};
+use super::extend::{Extension, Hidden, Search, extension};
 use super::held_out::Smoothness;
-use super::refine::{Fitted, ROUNDING, StepCallback, refine_extended, refine_from};
+use super::refine::{Fitted, StepCallback, refine_promising, refine_from};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
+use super::structure::rescaled;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::fourier::plain_power;
 use crate::hysteresis::{Basis, BasisDesign, Operator};
-use crate::linear::{Arx, PoleShare, free_decay_modes};
+use crate::linear::{Arx, Orders, OutputError, PoleShare, Refinement, free_decay_modes};
 use crate::number::short;
+use crate::progress::Stage;
 use crate::record::Record;
 use crate::system::System;
 use crate::waveform::dominant_frequency;
@@ -33,6 +35,15 @@ pub(super) const ORDER: usize = 8;
 /// Ratio of held-out errors that is a gain.
 const GAIN: f64 = 0.95;
 
+/// Ratio of minima that the linearised equations must promise for an extension, for a simpler structure with another
+/// operator, and for one with the same operator.
+const BETTER: f64 = 0.95;
+const AS_GOOD: f64 = 1.2;
+const NO_WORSE: f64 = 1.0;
+
+/// Held-out error, rms over peak-to-peak, that is rounding.
+const NOTHING: f64 = 1e-6;
+
 /// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
 const HOPELESS: f64 = 2.0;
 
@@ -44,9 +55,8 @@ const ABOVE: f64 = 2.0;
 /// Least share of the static displacement of a mode between the frequencies of the inputs.
 const SHARE: f64 = 0.02;
 
-/// Distance of power from the dominant frequency of an input, as a ratio, and its share from which the input is broad.
-const AWAY: f64 = 1.3;
-const BROAD: f64 = 0.1;
+/// Share of its power below the lowest frequency of an input.
+const EDGE: f64 = 0.02;
 
 /// Difference of ln(frequency) up to which two modes are the same. A pair of poles with more damping is not a mode.
 const NEAR: f64 = 0.2;
@@ -76,7 +86,7 @@ impl Structure {
 
     /// The held-out error: rms over peak-to-peak, with rounding.
     fn error(&self) -> f64 {
-        self.fitted.held_out.rms_pp().hypot(ROUNDING.sqrt())
+        self.fitted.held_out.rms_pp().hypot(NOTHING)
     }
 
     /// Order and delay, and what was added last.
@@ -96,7 +106,7 @@ pub(super) struct Chosen {
     pub(super) fitted: Fitted,
     pub(super) reason: String,
     /// The simpler structures that may be as good with another operator.
-    pub(super) simpler: Vec<Structure>,
+    pub(super) simpler: Vec<Estimate>,
 }
 
 /// The search for the structure of the linear block.
@@ -119,8 +129,9 @@ impl Growth {
         let driven: Vec<f64> = driven.collect();
         let above = ABOVE * driven.iter().copied().fold(0.0, f64::max);
         // Between a few frequencies of the inputs, a mode could be anywhere.
-        let is_rich = driven.len() >= FEW || records.iter().any(is_broadband);
-        let lowest = driven.iter().copied().filter(|_| is_rich).fold(above, f64::min);
+        let broad = records.iter().map(spread).filter(|(lines, _)| *lines >= FEW as f64).map(|(_, edge)| edge);
+        let many = driven.iter().copied().filter(|_| driven.len() >= FEW);
+        let lowest = broad.chain(many).fold(above, f64::min);
         Growth {
             search: Search {
                 modes: free_decay_modes(records),
@@ -151,7 +162,7 @@ impl Growth {
             let found = extension(from, runs, &self.search, watch)?;
             let found = found.and_then(|Extension { name, linear }| Some((name, from.estimate.with_linear(linear)?)));
             if let Some((name, start)) = found {
-                let fit = refine_extended(vec![start], from, runs, watch)?;
+                let fit = refine_promising(vec![start], from, BETTER, runs, watch)?;
                 let possible = |linear: &Arx| creep_pole(linear, self.search.slowest).is_none() && self.shows(linear);
                 let fit = fit.filter(|fit| possible(&fit.estimate.linear));
                 longer.extend(fit.map(|fit| Structure::new(name, fit)));
@@ -178,6 +189,30 @@ impl Growth {
         Ok(())
     }
 
+    /// A linear block of lower order that promises as low a minimum, if there is one: poles that nearly cancel zeros may
+    /// keep the search from its end.
+    fn shrunk(
+        &self,
+        fitted: &Fitted,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Option<Structure>, Error> {
+        let linear = &fitted.estimate.linear;
+        let hidden = runs.iter().zip(&fitted.own);
+        let hidden = hidden.map(|(run, own)| Ok(Hidden::of(&fitted.estimate, run, own)?.record));
+        let hidden = hidden.collect::<Result<Vec<_>, Error>>()?;
+        for n in 1..linear.a().len() {
+            let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
+            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else { continue };
+            let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
+            let found = refine_promising(start.into_iter().collect(), fitted, NO_WORSE, runs, watch)?;
+            if found.is_some() {
+                return Ok(found.map(|fit| Structure::new(String::new(), fit)));
+            }
+        }
+        Ok(None)
+    }
+
     /// The best structure so far with a lag before the hysteresis: a new one, or one that was behind it, as a lag or as
     /// a delay.
     fn behind_lag(
@@ -202,7 +237,7 @@ impl Growth {
             adopt(&best.estimate, driver, &best.estimate.lags, linear?, basis)
         };
         let starts = moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead).map(start);
-        let fit = refine_extended(starts.collect::<Result<_, _>>()?, best, runs, watch)?;
+        let fit = refine_promising(starts.collect::<Result<_, _>>()?, best, BETTER, runs, watch)?;
         let fit = fit.filter(|fit| self.shows(&fit.estimate.linear));
         Ok(fit.map(|fit| Structure::new("a lag before the hysteresis".into(), fit)))
     }
@@ -237,7 +272,8 @@ impl Growth {
         let reason = format!("{}: held-out error, rms/pp: {}; {why}", structure.describe(), listed.join(", "));
         tried.truncate(chosen);
         tried.retain(|t| t.error() < HOPELESS * structure.error());
-        Chosen { fitted: structure.fitted, reason, simpler: tried }
+        let simpler = tried.into_iter().map(|t| t.fitted.estimate).collect();
+        Chosen { fitted: structure.fitted, reason, simpler }
     }
 
     /// The simplest structure with the operator of a fit that is as good as the best: of those simpler than its own,
@@ -245,19 +281,19 @@ impl Growth {
     pub(super) fn settle(
         &self,
         fitted: Fitted,
-        simpler: &[Structure],
+        simpler: Vec<Estimate>,
         row: &Operator,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Chosen, Error> {
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..self.design.clone() });
         let mut tried = Vec::new();
-        for Structure { name, fitted: coarse } in simpler {
-            let Estimate { driver, seeks_lag, lags, linear, .. } = &coarse.estimate;
-            let start = adopt(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
-            let fit = refine_from(start, Smoothness::Fixed(fitted.held_out.lambda), runs, FreeParameters::All, watch)?;
-            tried.push(Structure::new(name.clone(), fit));
+        for Estimate { driver, seeks_lag, lags, linear, .. } in simpler {
+            let start = adopt(&fitted.estimate, (driver, seeks_lag), &lags, linear, &basis)?;
+            let found = refine_promising(vec![start], &fitted, AS_GOOD, runs, watch)?;
+            tried.extend(found.map(|fit| Structure::new(String::new(), fit)));
         }
+        tried.extend(self.shrunk(&fitted, runs, watch)?);
         tried.push(Structure::new(String::new(), fitted));
         self.grow(&mut tried, &basis, runs, watch)?;
         Ok(self.choose(tried))
@@ -279,15 +315,16 @@ fn adopt(
     Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
 }
 
-/// True if the input has much power away from its dominant frequency, and above it.
-fn is_broadband(record: &Record) -> bool {
-    let Some(dominant) = dominant_frequency(record.u(), record.ts()) else { return false };
-    let bin = dominant * record.duration();
-    let power = plain_power(record.u());
-    let (line, above) = power.iter().enumerate().fold((0.0, 0.0), |(line, above), (k, power)| match k as f64 / bin {
-        ratio if ratio > AWAY => (line, above + power),
-        ratio if ratio > 1.0 / AWAY => (line + power, above),
-        _ => (line, above),
+/// The number of lines of equal power that have the spread of the power of the input, and the frequency below which it
+/// has next to no power [Hz].
+fn spread(record: &Record) -> (f64, f64) {
+    let power = &plain_power(record.u())[1..];
+    let total: f64 = power.iter().sum();
+    let lines = total * total / power.iter().map(|p| p * p).sum::<f64>();
+    let mut below = 0.0;
+    let edge = power.iter().take_while(|p| {
+        below += **p;
+        below < EDGE * total
     });
-    above > BROAD * line
+    (lines, (edge.count() + 1) as f64 / record.duration())
 }

@@ -164,7 +164,7 @@ pub(crate) fn identify_joint(
     let mut watch = |_| report(total - 1, row.name);
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
     if settings.order.is_none() {
-        Chosen { fitted, reason, .. } = growth.settle(fitted, &simpler, row, &mut runs, &mut watch)?;
+        Chosen { fitted, reason, .. } = growth.settle(fitted, simpler, row, &mut runs, &mut watch)?;
     }
     notes.push(format!("linear block: {reason}"));
     notes.extend(check::check_fit(&fitted, &runs)?);

@@ -14,6 +14,7 @@ use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
 use super::signals::{AllPole, Ladder, LinearFilter};
 use crate::driver::DriverModel;
+use crate::hammerstein::InitialCondition;
 use crate::series::dot;
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use rayon::prelude::*;
@@ -246,9 +247,10 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
             if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
         };
         let (moving, before) = (run.moving(), run.before.len());
-        let level = match moving {
-            0 => slope[(before - 1) * steps],
-            _ => (before - moving..before).map(at).sum::<f64>() / moving as f64,
+        let level = match run.initial {
+            InitialCondition::Rest => 0.0,
+            InitialCondition::Motion => (before - moving..before).map(at).sum::<f64>() / moving as f64,
+            _ => slope[(before - 1) * steps],
         };
         (before - moving..before + run.record.len()).map(|t| at(t) - level).collect()
     };
@@ -263,10 +265,11 @@ fn lag_slope(estimate: &Estimate, run: &TrainingRecord) -> Option<Vec<f64>> {
         let mut responses = Responses::from_rest(estimate, run).behind(DriverModel { lag_s, ..driver });
         let inputs = run.before[1..].iter().chain(run.record.u());
         let z: Vec<f64> = inputs.map(|&u| dot(responses.next(u), &estimate.weights)).collect();
-        let level = match (moving, before) {
-            (0, 1) => dot(&Responses::from_rest(estimate, run).now(), &estimate.weights),
-            (0, _) => z[before - 2],
-            _ => z[before - 1 - moving..before - 1].iter().sum::<f64>() / moving as f64,
+        let level = match run.initial {
+            InitialCondition::Rest => 0.0,
+            InitialCondition::Motion => z[before - 1 - moving..before - 1].iter().sum::<f64>() / moving as f64,
+            _ if before == 1 => dot(&Responses::from_rest(estimate, run).now(), &estimate.weights),
+            _ => z[before - 2],
         };
         z[before - 1 - moving..].iter().map(|z| z - level).collect()
     };

@@ -22,14 +22,18 @@ const DAMPING: f64 = 1e-7;
 const STEPS: usize = 60;
 const TRIES: usize = 8;
 
-/// The step from which smoothness and record weights are fixed.
+/// The step from which record weights are fixed.
 const SETTLED: usize = 3;
+
+/// Maximum number of changes of the smoothness after the first.
+const CHANGES: usize = 3;
 
 /// Relative decrease of the cost below which the search ends.
 const ENOUGH: f64 = 3e-4;
 
-/// Ratio of the minimum that the linearised equations promise from which an extension is fitted.
-const PROMISING: f64 = 0.95;
+/// Mean squared error over squared peak-to-peak that is next to nothing: one step of Gauss-Newton does not predict the
+/// end of the search.
+const SMALL: f64 = 1e-8;
 
 /// Mean squared error over squared peak-to-peak that is rounding, for records without noise.
 pub(super) const ROUNDING: f64 = 1e-14;
@@ -145,8 +149,8 @@ pub(super) fn refine_from(
         let own = point.own(point.prior.current());
         point = Iterate::at(point.estimate, runs, &own);
     }
-    let mut lambda = smoothness.lambda();
-    let mut damping = DAMPING;
+    let (mut lambda, mut damping) = (smoothness.lambda(), DAMPING);
+    let mut changes = if is_fixed { 0 } else { CHANGES };
     for step in 0..STEPS {
         watch(step)?;
         let now = match (step, free) {
@@ -155,28 +159,27 @@ pub(super) fn refine_from(
             (1, FreeParameters::All) => FreeParameters::Creep,
             (_, free) => free,
         };
-        if step <= SETTLED && !is_fixed {
-            let tried = if is_start && step == 0 { Smoothness::Any } else { Smoothness::Near(lambda) };
-            lambda = point.held_out(now, tried).lambda;
+        if step == 0 && !is_fixed {
+            lambda = point.held_out(now, smoothness).lambda;
         }
         let cost = if is_start && step == 0 { f64::INFINITY } else { point.cost(lambda) };
-        let Some(next) = lower(&point, runs, cost, lambda, &mut damping, now) else {
-            if now == free {
-                break;
-            }
-            // No decrease yet; more parameters are free in the next step.
-            damping = DAMPING;
-            continue;
-        };
-        let fall = 1.0 - next.cost(lambda) / cost;
-        point = next;
+        let next = lower(&point, runs, cost, lambda, &mut damping, now);
+        let fall = next.as_ref().map_or(0.0, |next| 1.0 - next.cost(lambda) / cost);
+        point = next.unwrap_or(point);
         if is_start && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own);
         }
-        let ends = fall < ENOUGH || cost < ROUNDING * point.normal.samples;
-        if (is_fixed || step > SETTLED) && ends {
-            break;
+        let ends = fall < ENOUGH || point.cost(lambda) < ROUNDING * point.normal.samples;
+        if ends && now != free {
+            // More parameters are free in the next step.
+            damping = DAMPING;
+        } else if ends {
+            let best = if changes > 0 { point.held_out(free, Smoothness::Near(lambda)).lambda } else { lambda };
+            if best == lambda {
+                break;
+            }
+            (lambda, damping, changes) = (best, DAMPING, changes - 1);
         }
     }
     let own = point.own(point.prior.current());
@@ -185,21 +188,23 @@ pub(super) fn refine_from(
     Ok(Fitted { estimate: point.estimate, own, held_out, residuals, minimum })
 }
 
-/// Fits all parameters from the start that promises most, of `starts` that extend `from`. `None` if none promises a
-/// clearly smaller minimum.
-pub(super) fn refine_extended(
+/// Fits all parameters from the start that promises most, by the linearised equations. `None` if none promises less than
+/// `ratio` times the minimum of `from`, or next to nothing.
+pub(super) fn refine_promising(
     starts: Vec<Estimate>,
     from: &Fitted,
+    ratio: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Option<Fitted>, Error> {
     let lambda = from.held_out.lambda;
     let promised = starts.into_iter().map(|start| {
         let point = Iterate::at(start, runs, &[]);
-        (point.predicted(lambda), point.estimate)
+        let is_enough = |minimum: f64| minimum < (ratio * from.minimum).max(SMALL * point.normal.samples);
+        (Some(point.predicted(lambda)).filter(|minimum| is_enough(*minimum)), point.estimate)
     });
-    let best = promised.min_by(|p, q| p.0.total_cmp(&q.0));
-    let Some((_, start)) = best.filter(|best| best.0 < PROMISING * from.minimum) else { return Ok(None) };
+    let promising = promised.filter_map(|(minimum, start)| Some((minimum?, start)));
+    let Some((_, start)) = promising.min_by(|p, q| p.0.total_cmp(&q.0)) else { return Ok(None) };
     refine_from(start, Smoothness::Fixed(lambda), runs, FreeParameters::All, watch).map(Some)
 }
 

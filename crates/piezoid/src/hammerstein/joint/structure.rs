@@ -202,7 +202,7 @@ fn delay(hidden: &[Record]) -> usize {
 }
 
 /// The block with another static gain.
-fn rescaled(arx: &Arx, gain: f64) -> Result<Arx, Error> {
+pub(super) fn rescaled(arx: &Arx, gain: f64) -> Result<Arx, Error> {
     let k = gain / arx.dc_gain();
     Arx::new(arx.ts(), arx.a().to_vec(), arx.b().iter().map(|b| b * k).collect())
 }
