@@ -104,9 +104,14 @@ impl Model {
         let initial_condition = match begin {
             "rest" => InitialCondition::Rest,
             "settled" => InitialCondition::Settled,
+            "from-above" => InitialCondition::FromAbove,
+            "from-below" => InitialCondition::FromBelow,
             "motion" => InitialCondition::Motion,
             "likely" => InitialCondition::of(u)[0],
-            _ => return Err(refused(&format!("begin = {begin}: must be rest, settled, motion or likely"))),
+            _ => {
+                let rule = "must be rest, settled, from-above, from-below, motion or likely";
+                return Err(refused(&format!("begin = {begin}: {rule}")));
+            }
         };
         let mut x = py.detach(|| self.model.before(u, initial_condition));
         let y = in_pieces(py, u, |u| self.model.resume(&mut x, u))?;

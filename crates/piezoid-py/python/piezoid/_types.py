@@ -32,4 +32,4 @@ Units: TypeAlias = tuple[str, str]
 """Units of input and output."""
 
 Offset: TypeAlias = Literal["kept", "free", "drift"]
-Begin: TypeAlias = Literal["rest", "settled", "motion", "likely"]
+Begin: TypeAlias = Literal["rest", "settled", "from-above", "from-below", "motion", "likely"]

@@ -149,7 +149,8 @@ class Model:
     def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
         """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
 
-        begin: initial condition: "rest"; "settled" at the first input; in "motion" as in `u`; or "likely": "settled" or
+        begin: initial condition: "rest"; "settled" at the first input, from rest, or after cycles over the whole range
+        that ended with a fall ("from-above") or a rise ("from-below"); in "motion" as in `u`; or "likely": "settled" or
         "motion", chosen from `u`
         """
         return self._core.simulate(u, begin)

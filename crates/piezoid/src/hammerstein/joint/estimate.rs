@@ -195,3 +195,23 @@ impl<'a> Responses<'a> {
         &self.mean
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series::dot;
+    use crate::testing::assert_close;
+
+    #[test]
+    fn coefficients_of_differences_are_those_of_the_elements() {
+        let (c, v) = ([0.7, -1.3, 0.4, 2.0], [3.0, -1.0, 0.5, 7.0]);
+        let mut d = v;
+        differences(&mut d);
+        assert_close(&[dot(&c, &d)], &[dot(&of_differences(&c), &v)], 1e-12, 0.0);
+        assert_close(&of_differences(&of_differences(&c)), &c, 1e-12, 0.0);
+        // A constant has no differences, a line no second ones.
+        let mut line = [1.0, 2.0, 3.0, 4.0];
+        differences(&mut line);
+        assert_eq!(line[2..], [0.0, 0.0]);
+    }
+}

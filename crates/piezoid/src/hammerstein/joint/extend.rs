@@ -185,3 +185,49 @@ fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
     }
     product
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::refine::refine_from;
+    use super::super::{held_out::Smoothness, runs::of, testing::estimate};
+    use super::*;
+
+    /// A record of a second-order block with curved hysteresis and noise.
+    fn records() -> Vec<Record> {
+        let block = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap();
+        let u: Vec<f64> = (0..1500).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let z: Vec<f64> = u.iter().map(|u| u + 0.01 * u * u).collect();
+        let rough = |(t, y): (usize, f64)| y + 0.1 * ((t * t) as f64 * 0.618_034).fract();
+        let y = block.simulate(&z).into_iter().enumerate().map(rough).collect();
+        vec![Record::new(5e-4, u, y).unwrap()]
+    }
+
+    #[test]
+    fn an_extended_fit_starts_at_the_poorer_one_and_ends_no_higher() {
+        let records = records();
+        let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
+        let from = refine(estimate("prandtl-ishlinskii", 6), &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+        let search = Search { modes: Vec::new(), slowest: 1.0, lowest: 10.0, most: 4 };
+        let linear = &from.estimate.linear;
+        let response = linear.simulate(records[0].u());
+        let size = response.iter().fold(0.0f64, |m, y| m.max(y.abs()));
+        let same =
+            kinds(linear, &search, 10.0).unwrap().into_iter().flatten().filter(|one| !one.name.contains("instead"));
+        let mut seen = 0;
+        for Extension { name, linear } in same {
+            let extended = linear.simulate(records[0].u());
+            let off = response.iter().zip(&extended).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(off < 1e-6 * size, "{name}: {off:e} of {size}");
+            seen += 1;
+            if seen % 4 == 0 {
+                let start = from.estimate.with_linear(linear).unwrap();
+                let smoothness = Smoothness::Fixed(from.held_out.lambda);
+                let longer = refine_from(start, smoothness, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+                // What is expected of the initial state depends on the slowest pole.
+                let ratio = longer.minimum / from.minimum;
+                assert!(ratio < 1.001, "{name}: the minimum rises by the ratio {ratio}");
+            }
+        }
+        assert!(seen > 20, "{seen}");
+    }
+}

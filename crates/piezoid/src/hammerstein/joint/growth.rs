@@ -11,7 +11,7 @@ use super::dynamics::{creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
 use super::extend::{Extension, Hidden, Search, extension};
 use super::held_out::Smoothness;
-use super::refine::{Fitted, StepCallback, refine_promising, refine_from};
+use super::refine::{Fitted, StepCallback, refine_from, refine_promising};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
 use super::structure::rescaled;
@@ -32,8 +32,9 @@ use std::f64::consts::TAU;
 /// Highest order.
 pub(super) const ORDER: usize = 8;
 
-/// Ratio of held-out errors that is a gain.
+/// Ratio of held-out errors that is a gain, and that of a mode that shows without further evidence.
 const GAIN: f64 = 0.95;
+const OBVIOUS: f64 = 0.3;
 
 /// Ratio of minima that the linearised equations must promise for an extension, for a simpler structure with another
 /// operator, and for one with the same operator.
@@ -47,8 +48,8 @@ const NOTHING: f64 = 1e-6;
 /// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
 const HOPELESS: f64 = 2.0;
 
-/// Number of frequencies of the inputs from which modes between them show; otherwise the least ratio of the frequency
-/// of a mode to theirs.
+/// Number of frequencies of the inputs from which small modes between them show; otherwise the least ratio of the
+/// frequency of such a mode to theirs.
 const FEW: usize = 6;
 const ABOVE: f64 = 2.0;
 
@@ -107,6 +108,8 @@ pub(super) struct Chosen {
     pub(super) reason: String,
     /// The simpler structures that may be as good with another operator.
     pub(super) simpler: Vec<Estimate>,
+    /// True if there were others.
+    pub(super) of_several: bool,
 }
 
 /// The search for the structure of the linear block.
@@ -163,9 +166,12 @@ impl Growth {
             let found = found.and_then(|Extension { name, linear }| Some((name, from.estimate.with_linear(linear)?)));
             if let Some((name, start)) = found {
                 let fit = refine_promising(vec![start], from, BETTER, runs, watch)?;
-                let possible = |linear: &Arx| creep_pole(linear, self.search.slowest).is_none() && self.shows(linear);
-                let fit = fit.filter(|fit| possible(&fit.estimate.linear));
-                longer.extend(fit.map(|fit| Structure::new(name, fit)));
+                let possible = |t: &Structure| {
+                    let linear = &t.fitted.estimate.linear;
+                    let shows = self.shows(linear) || t.error() < OBVIOUS * least;
+                    shows && creep_pole(linear, self.search.slowest).is_none()
+                };
+                longer.extend(fit.map(|fit| Structure::new(name, fit)).filter(possible));
             }
             if !longer.iter().any(|t| t.error() < GAIN * least) && !behind_lag {
                 behind_lag = true;
@@ -203,7 +209,9 @@ impl Growth {
         let hidden = hidden.collect::<Result<Vec<_>, Error>>()?;
         for n in 1..linear.a().len() {
             let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
-            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else { continue };
+            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else {
+                continue;
+            };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
             let found = refine_promising(start.into_iter().collect(), fitted, NO_WORSE, runs, watch)?;
             if found.is_some() {
@@ -268,12 +276,13 @@ impl Growth {
         let chosen = chosen.unwrap_or(tried.len().saturating_sub(1));
         let listed = tried.iter().map(|t| format!("{} {} %", t.describe(), short(100.0 * t.error())));
         let listed: Vec<String> = listed.collect();
+        let of_several = tried.len() > 1;
         let structure = tried.remove(chosen);
         let reason = format!("{}: held-out error, rms/pp: {}; {why}", structure.describe(), listed.join(", "));
         tried.truncate(chosen);
         tried.retain(|t| t.error() < HOPELESS * structure.error());
         let simpler = tried.into_iter().map(|t| t.fitted.estimate).collect();
-        Chosen { fitted: structure.fitted, reason, simpler }
+        Chosen { fitted: structure.fitted, reason, simpler, of_several }
     }
 
     /// The simplest structure with the operator of a fit that is as good as the best: of those simpler than its own,

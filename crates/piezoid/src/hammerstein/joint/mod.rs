@@ -5,10 +5,13 @@
 //! ```
 //! For given G, creep C and shape p, the weights w are the solution of a convex least-squares problem on the filtered
 //! responses, with smoothness and physical signs. Then all parameters are refined by Gauss-Newton on the free-run
-//! error, with exact derivatives. Each record has an offset, initial states of G and creep, and a past; errors are
-//! relative to the peak-to-peak of their record, so all records count. Held-out parts determine the smoothness, the
+//! error, with exact derivatives. Each record has an offset, a trend, initial states of G and creep, and a past; errors
+//! are relative to the peak-to-peak of their record, so all records count. Held-out parts determine the smoothness, the
 //! structure of G if there are no small-signal records, and the operator: the simplest that predicts as well as the
 //! best.
+//!
+//! In order: the linear block and the pasts of the records with a coarse hysteresis (`structure`, `growth`,
+//! `beginnings`); the operators (`operators`, `trials`); the structure again with the operator taken.
 //!
 //! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by
 //! over-parametrised and iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017,
@@ -151,7 +154,7 @@ pub(crate) fn identify_joint(
         true => {
             let tried =
                 structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &growth, &mut watch)?;
-            let Chosen { fitted, reason, simpler } = growth.choose(tried);
+            let Chosen { fitted, reason, simpler, .. } = growth.choose(tried);
             (fitted.estimate, reason, simpler)
         }
     };
@@ -164,7 +167,11 @@ pub(crate) fn identify_joint(
     let mut watch = |_| report(total - 1, row.name);
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
     if settings.order.is_none() {
-        Chosen { fitted, reason, .. } = growth.settle(fitted, simpler, row, &mut runs, &mut watch)?;
+        let settled = growth.settle(fitted, simpler, row, &mut runs, &mut watch)?;
+        fitted = settled.fitted;
+        if settled.of_several {
+            reason = settled.reason;
+        }
     }
     notes.push(format!("linear block: {reason}"));
     notes.extend(check::check_fit(&fitted, &runs)?);

@@ -215,3 +215,56 @@ fn unsuitable_records_are_errors_or_noted() {
 fn cut(records: &[Record], n: usize) -> Vec<Record> {
     records.iter().map(|r| r.slice(0..n).unwrap()).collect()
 }
+
+/// Rising sines after a step that rings down, slower than the mode of the plant.
+fn after_a_step(plant: &Model, noise: f64) -> Vec<Record> {
+    let of = |(k, hz): (usize, f64)| {
+        let sine = RisingSine { amplitude: 25.0, frequency: hz, ..RisingSine::default() }.samples(plant.ts(), 2000);
+        let u: Vec<f64> = [vec![0.0; 100], vec![5.0; 500]].concat().into_iter().chain(sine.unwrap()).collect();
+        let rough = |t: usize| noise * (((t * t + 7 * k) as f64 * 0.618_034).fract() - 0.5);
+        let y = plant.simulate(&u).iter().enumerate().map(|(t, y)| y + rough(t)).collect();
+        Record::new(plant.ts(), u, y).unwrap()
+    };
+    [3.0, 7.0].into_iter().enumerate().map(of).collect()
+}
+
+#[test]
+fn a_mode_that_only_ringing_shows_is_found_and_the_note_says_how() {
+    let plant = plant(5e-4, 1);
+    let found = identified(&[], &after_a_step(&plant, 0.02), &named("prandtl-ishlinskii"));
+    let resonance = found.model.linear().resonance().unwrap();
+    assert_close(&[resonance.hz], &[60.0], 0.01, 0.0);
+    assert_close(&[resonance.damping], &[0.1], 0.15, 0.0);
+    assert!(found.linear.reason.contains("mode"), "{}", found.linear.reason);
+    assert!(error(&found.model, &plant) < 5e-3, "{}", error(&found.model, &plant));
+}
+
+#[test]
+fn a_lag_before_the_hysteresis_is_found_and_belongs_to_the_driver() {
+    let lag = 2e-3;
+    let driver = crate::driver::DriverModel::new(lag, None).unwrap();
+    let block = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4 / 4.0).unwrap();
+    let driven = Model::driven(Some(driver), block, Arx::gain(5e-4, 1.2).unwrap(), 0.3).unwrap();
+    let large_signal = large_signal(&driven, 0.8, &[(5.0, 0.0), (20.0, 0.0), (60.0, 0.0)]);
+    let found = identified(&[], &large_signal, &named("prandtl-ishlinskii"));
+    let seen = found.model.driver().map_or(f64::NAN, |driver| driver.lag_s);
+    assert_close(&[seen], &[lag], 0.05, 0.0);
+    assert!(found.parameters.iter().any(|p| p.name == "driver lag [s]" && p.value == seen), "{:?}", found.parameters);
+    assert!(found.linear.reason.contains("driver lag 0.002"), "{}", found.linear.reason);
+}
+
+#[test]
+fn records_after_cycles_over_the_whole_range_give_the_same_weights_as_records_from_rest() {
+    let plant = plant(5e-4, 1);
+    let cycled = |hz: f64| {
+        let cycle = |t: i32| -30.0 * (TAU * f64::from(t) / 400.0).sin();
+        let sine = RisingSine { amplitude: 30.0, frequency: hz, ..RisingSine::default() }.samples(5e-4, 1600).unwrap();
+        // Two cycles that end at zero from below, and a pause.
+        let u: Vec<f64> = (0..800).map(cycle).chain(vec![0.0; 400]).chain(sine).collect();
+        let y = plant.simulate(&u);
+        Record::new(5e-4, u[1200..].to_vec(), y[1200..].to_vec()).unwrap()
+    };
+    let records = [5.0, 23.0, 47.0].map(cycled);
+    let found = identified(&[prbs(&plant)], &records, &named("prandtl-ishlinskii"));
+    assert!(error(&found.model, &plant) < 1e-3, "{}", error(&found.model, &plant));
+}

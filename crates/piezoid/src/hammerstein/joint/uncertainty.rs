@@ -34,7 +34,7 @@ impl FittedParameter {
     }
 }
 
-/// Creep, shape of the hysteresis, and modes of the linear block, if there are any.
+/// Shape of the hysteresis, lag of the driver, creep, and modes of the linear block, if there are any.
 pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     let estimate = &fitted.estimate;
     let others: Vec<_> = fitted.held_out.without.iter().filter_map(|x| estimate.moved(x.as_slice())).collect();
@@ -47,6 +47,10 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     let mut parameters = Vec::new();
     for (k, shape) in estimate.basis.shape().into_iter().enumerate() {
         parameters.push(parameter(shape.name.into(), shape.value, &|e| e.basis.shape()[k].value));
+    }
+    if let Some(driver) = estimate.driver.filter(|_| estimate.seeks_lag) {
+        let lag_of = |e: &super::Estimate| e.driver.map_or(f64::NAN, |driver| driver.lag_s);
+        parameters.push(parameter("driver lag [s]".into(), driver.lag_s, &lag_of));
     }
     for (k, lag) in estimate.lags.iter().enumerate().filter(|(_, lag)| lag.gain > 0.0) {
         let name = format!("creep gain at {} s [-]", crate::number::short(lag.tau_s));
