@@ -221,7 +221,8 @@ impl<'a> RunColumns<'a> {
             differences(&mut row[range.clone()]);
         }
         row[layout.constant] = 1.0;
-        row[layout.trend] = self.trend * t.unwrap_or_default() as f64;
+        // About the middle, so that the constant is that of the whole record.
+        row[layout.trend] = self.trend * t.unwrap_or_default() as f64 - 0.5;
         // q^-1 y/A: entered now, read at the next sample.
         let from_past = dot(&row[layout.crept.start..layout.constant], self.own);
         self.y_by_a.step(dot(out_responses, &self.estimate.weights) + from_past);
@@ -341,7 +342,8 @@ mod tests {
         }
         let y = y.split_off(moving);
         let slope = own_of(layout.trend) / y.len() as f64;
-        y.iter().enumerate().map(|(t, y)| y + own_of(layout.constant) + slope * t as f64).collect()
+        let line = |t: usize| own_of(layout.constant) + slope * t as f64 - 0.5 * own_of(layout.trend);
+        y.iter().enumerate().map(|(t, y)| y + line(t)).collect()
     }
 
     #[test]
