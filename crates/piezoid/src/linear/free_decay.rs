@@ -6,7 +6,8 @@
 //! ```
 //! The rows of all decays stand in one matrix, because they have the same poles.
 //!
-//! Matrix pencil: Hua & Sarkar 1990, DOI 10.1109/29.56027; with several decays: Juang & Pappa 1985, DOI 10.2514/3.20031.
+//! Matrix pencil: Hua & Sarkar 1990, DOI 10.1109/29.56027; with several decays: Juang & Pappa 1985, DOI
+//! 10.2514/3.20031.
 
 use super::Pole;
 use super::analysis::Root;

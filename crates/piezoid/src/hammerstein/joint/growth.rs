@@ -195,8 +195,8 @@ impl Growth {
         Ok(())
     }
 
-    /// A linear block of lower order that promises as low a minimum, if there is one: poles that nearly cancel zeros may
-    /// keep the search from its end.
+    /// A linear block of lower order that promises as low a minimum, if there is one: poles that nearly cancel zeros
+    /// may keep the search from its end.
     fn shrunk(
         &self,
         fitted: &Fitted,

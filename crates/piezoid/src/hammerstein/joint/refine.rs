@@ -188,8 +188,8 @@ pub(super) fn refine_from(
     Ok(Fitted { estimate: point.estimate, own, held_out, residuals, minimum })
 }
 
-/// Fits all parameters from the start that promises most, by the linearised equations. `None` if none promises less than
-/// `ratio` times the minimum of `from`, or next to nothing.
+/// Fits all parameters from the start that promises most, by the linearised equations. `None` if none promises less
+/// than `ratio` times the minimum of `from`, or next to nothing.
 pub(super) fn refine_promising(
     starts: Vec<Estimate>,
     from: &Fitted,
