@@ -48,9 +48,15 @@ const NOTHING: f64 = 1e-6;
 /// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
 const HOPELESS: f64 = 2.0;
 
-/// Number of frequencies of the inputs from which small modes between them show; otherwise the least ratio of the
-/// frequency of such a mode to theirs.
+/// Number of frequencies of the inputs from which small modes between them show, and from which obvious ones do: one
+/// frequency and its harmonics are explained by many modes.
 const FEW: usize = 6;
+const SEVERAL: usize = 3;
+
+/// Ratio of frequencies that are the same.
+const SAME: f64 = 1.1;
+
+/// Least ratio of the frequency of a mode to those of the inputs, above which it may be small.
 const ABOVE: f64 = 2.0;
 
 /// Least share of the static displacement of a mode between the frequencies of the inputs.
@@ -117,6 +123,8 @@ pub(super) struct Growth {
     search: Search,
     /// The frequency above which a mode is above those of the inputs [Hz].
     above: f64,
+    /// True if the inputs have several frequencies.
+    several: bool,
     /// True if the driver is known.
     has_driver: bool,
     /// The specified order.
@@ -129,7 +137,10 @@ impl Growth {
     /// The search in these records, small-signal ones included.
     pub(super) fn new(records: &[Record], settings: &JointOptions, lags: &[Lag], design: &BasisDesign) -> Self {
         let driven = records.iter().filter_map(|record| dominant_frequency(record.u(), record.ts()));
-        let driven: Vec<f64> = driven.collect();
+        let mut driven: Vec<f64> = driven.collect();
+        driven.sort_by(f64::total_cmp);
+        let mut distinct = driven.clone();
+        distinct.dedup_by(|p, q| *p < SAME * *q);
         let above = ABOVE * driven.iter().copied().fold(0.0, f64::max);
         // Between a few frequencies of the inputs, a mode could be anywhere.
         let broad = records.iter().map(spread).filter(|(lines, _)| *lines >= FEW as f64).map(|(_, edge)| edge);
@@ -143,6 +154,7 @@ impl Growth {
                 most: settings.order.unwrap_or(ORDER),
             },
             above,
+            several: distinct.len() >= SEVERAL,
             has_driver: settings.driver.is_some(),
             order: settings.order,
             design: design.clone(),
@@ -168,7 +180,8 @@ impl Growth {
                 let fit = refine_promising(vec![start], from, BETTER, runs, watch)?;
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
-                    let shows = self.shows(linear) || t.error() < OBVIOUS * least;
+                    let obvious = self.several && t.error() < OBVIOUS * least;
+                    let shows = self.shows(linear) || obvious;
                     shows && creep_pole(linear, self.search.slowest).is_none()
                 };
                 longer.extend(fit.map(|fit| Structure::new(name, fit)).filter(possible));
