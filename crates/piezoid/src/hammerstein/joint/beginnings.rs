@@ -62,7 +62,7 @@ pub(super) fn reconsider(
 ) -> Result<Fitted, Error> {
     let before: Vec<InitialCondition> = runs.iter().map(|run| run.initial).collect();
     let likely = |run: &TrainingRecord| InitialCondition::of(run.record.u())[0];
-    let is_likely = runs.iter().all(|run| run.initial == likely(run));
+    let is_likely = runs.iter().filter(|run| run.large_signal).all(|run| run.initial == likely(run));
     for run in runs.iter_mut().filter(|run| run.large_signal) {
         run.begin_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
     }

@@ -121,9 +121,9 @@ pub(super) struct Responses<'a> {
 }
 
 impl<'a> Responses<'a> {
-    /// The responses before the first sample of a run, and the level about which creep and linear block are settled:
-    /// zero at rest, the mean over the inputs that pass them before the record, or the last responses.
-    pub(super) fn before(estimate: &'a Estimate, run: &TrainingRecord) -> (Self, Vec<f64>) {
+    /// The responses about which creep and linear block are settled before a run: zero at rest, the mean over the inputs
+    /// that pass them before the record, or the last responses.
+    pub(super) fn level(estimate: &'a Estimate, run: &TrainingRecord) -> Vec<f64> {
         let mut responses = Responses::from_rest(estimate, run);
         let mut mean = vec![0.0; estimate.basis.len()];
         let moving = run.moving();
@@ -133,13 +133,12 @@ impl<'a> Responses<'a> {
                 add(&mut mean, 1.0 / moving as f64, phi);
             }
         }
-        let level = match run.initial {
+        match run.initial {
             InitialCondition::Motion => mean,
             // It jumps to the first input.
             InitialCondition::Rest => vec![0.0; estimate.basis.len()],
-            _ => responses.phi.clone(),
-        };
-        (responses, level)
+            _ => responses.phi,
+        }
     }
 
     /// The responses at the first of the inputs before a run.
@@ -163,11 +162,6 @@ impl<'a> Responses<'a> {
         };
         basis.step(&mut responses.x, u, &mut responses.phi);
         responses
-    }
-
-    /// The current responses.
-    pub(super) fn now(&self) -> Vec<f64> {
-        self.phi.clone()
     }
 
     /// The same with another driver.

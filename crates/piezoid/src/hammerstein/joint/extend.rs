@@ -64,8 +64,7 @@ pub(super) fn extension(
     watch: StepCallback,
 ) -> Result<Option<Extension>, Error> {
     let linear = &fitted.estimate.linear;
-    let hidden = runs.iter().zip(&fitted.own).map(|(run, own)| Hidden::of(&fitted.estimate, run, own));
-    let hidden: Vec<Hidden> = hidden.collect::<Result<_, _>>()?;
+    let hidden = Hidden::of_all(fitted, runs)?;
     let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
     let estimate = |linear: Arx| -> Result<Estimate, Error> {
         Ok(Estimate::new(None, Box::new(Proportional::new(linear.ts(), 1.0)?), Vec::new(), linear))
@@ -137,8 +136,13 @@ pub(super) struct Hidden {
 }
 
 impl Hidden {
-    pub(super) fn of(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Result<Self, Error> {
-        let (_, level) = Responses::before(estimate, run);
+    /// Those of all runs of a fit.
+    pub(super) fn of_all(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
+        runs.iter().zip(&fitted.own).map(|(run, own)| Hidden::of(&fitted.estimate, run, own)).collect()
+    }
+
+    fn of(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Result<Self, Error> {
+        let level = Responses::level(estimate, run);
         let level = dot(&level, &estimate.weights);
         let mut responses = Responses::from_rest(estimate, run);
         let moving = run.moving();

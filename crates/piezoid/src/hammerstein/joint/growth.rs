@@ -217,9 +217,7 @@ impl Growth {
         watch: StepCallback,
     ) -> Result<Option<Structure>, Error> {
         let linear = &fitted.estimate.linear;
-        let hidden = runs.iter().zip(&fitted.own);
-        let hidden = hidden.map(|(run, own)| Ok(Hidden::of(&fitted.estimate, run, own)?.record));
-        let hidden = hidden.collect::<Result<Vec<_>, Error>>()?;
+        let hidden: Vec<Record> = Hidden::of_all(fitted, runs)?.into_iter().map(|z| z.record).collect();
         for n in 1..linear.a().len() {
             let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
             let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else {

@@ -22,7 +22,7 @@ pub(super) struct ColumnLayout {
     pub(super) state: Range<usize>,
     /// The offset of its output.
     pub(super) constant: usize,
-    /// The trend of its output, if it drifts.
+    /// The trend of its output.
     pub(super) trend: usize,
 }
 

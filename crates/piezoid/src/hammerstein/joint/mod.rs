@@ -231,7 +231,7 @@ fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<String>, uni
     let free = estimate.model(0.0).ok().filter(|_| slow);
     let creep: f64 = 1.0 + estimate.lags.iter().map(|lag| lag.gain).sum::<f64>();
     let of = |(run, own): (&TrainingRecord, &Vec<f64>)| {
-        let first = dot(&Responses::before(estimate, run).1, &estimate.weights);
+        let first = dot(&Responses::level(estimate, run), &estimate.weights);
         let fits = run.level + own[constant] - estimate.linear.dc_gain() * creep * first;
         let Some((mean, rms)) = free.as_ref().map(|model| free_run_residual(run, model)) else { return fits };
         if (mean - fits).abs() > rms { mean } else { fits }

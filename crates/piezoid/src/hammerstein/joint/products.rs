@@ -149,7 +149,7 @@ impl<'a> RunColumns<'a> {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let rates: Vec<f64> = estimate.lags.iter().map(|lag| -(-estimate.ts() / lag.tau_s).exp_m1()).collect();
         let gains: Vec<f64> = estimate.lags.iter().map(|lag| lag.gain).collect();
-        let (_, level) = Responses::before(estimate, run);
+        let level = Responses::level(estimate, run);
         let mut responses = Responses::from_rest(estimate, run);
         run.before[1..run.before.len() - run.moving()].iter().for_each(|&u| _ = responses.next(u));
         let slopes: Vec<_> = slopes(estimate, run).into_iter().map(Vec::into_iter).collect();
@@ -269,7 +269,7 @@ fn lag_slope(estimate: &Estimate, run: &TrainingRecord) -> Option<Vec<f64>> {
         let level = match run.initial {
             InitialCondition::Rest => 0.0,
             InitialCondition::Motion => z[before - 1 - moving..before - 1].iter().sum::<f64>() / moving as f64,
-            _ if before == 1 => dot(&Responses::from_rest(estimate, run).now(), &estimate.weights),
+            _ if before == 1 => dot(&Responses::level(estimate, run), &estimate.weights),
             _ => z[before - 2],
         };
         z[before - 1 - moving..].iter().map(|z| z - level).collect()
@@ -309,7 +309,7 @@ mod tests {
         let layout = ColumnLayout::of(estimate);
         let own_of = |column: usize| own[column - layout.parameters()];
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
-        let (_, level) = Responses::before(estimate, run);
+        let level = Responses::level(estimate, run);
         let level = dot(&level, &estimate.weights);
         let mut responses = Responses::from_rest(estimate, run);
         let moving = run.moving();

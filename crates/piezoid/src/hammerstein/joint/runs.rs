@@ -35,7 +35,7 @@ pub(super) struct TrainingRecord<'a> {
     pub(super) scale: f64,
     /// The middle of y, its origin.
     pub(super) level: f64,
-    /// True if its output drifts; then it has a trend.
+    /// True if its output drifts; then its trend may be large.
     pub(super) drifts: bool,
     /// Weight of its kind.
     pub(super) heavier: f64,
@@ -49,13 +49,14 @@ impl<'a> TrainingRecord<'a> {
     /// `None` if the usable part of the output is constant.
     pub(super) fn new(record: &'a Record, name: &str, large_signal: bool, usable: Vec<bool>) -> Option<Self> {
         let (low, high) = ends(sound(record.y(), &usable));
+        let initial = InitialCondition::of(record.u())[0];
         (low < high).then(|| TrainingRecord {
             record,
             name: name.into(),
             large_signal,
-            initial: InitialCondition::of(record.u())[0],
-            tried: vec![InitialCondition::of(record.u())[0]],
-            before: InitialCondition::of(record.u())[0].inputs_before(record.u(), ends(record.u().iter().copied())),
+            initial,
+            tried: vec![initial],
+            before: initial.inputs_before(record.u(), ends(record.u().iter().copied())),
             scale: 1.0 / (high - low),
             level: 0.5 * (low + high),
             drifts: false,

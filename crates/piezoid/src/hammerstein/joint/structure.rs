@@ -138,8 +138,8 @@ pub(super) fn from_large_signal(
         Arx::new(ts, Vec::new(), b)
     };
     let plain = begin_all(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
-    let hidden = runs.iter().zip(&plain.own).map(|(run, own)| Ok(Hidden::of(&plain.estimate, run, own)?.record));
-    let best_delay = delay(&hidden.collect::<Result<Vec<_>, Error>>()?);
+    let hidden: Vec<Record> = Hidden::of_all(&plain, runs)?.into_iter().map(|z| z.record).collect();
+    let best_delay = delay(&hidden);
     let mut tried = vec![Structure::new(String::new(), plain)];
     if settings.order.unwrap_or(0) == 0 {
         if best_delay > first {
