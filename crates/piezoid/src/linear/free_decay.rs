@@ -30,6 +30,12 @@ const STILL: f64 = 1e-4;
 const SEEN: f64 = 0.03;
 const RINGS: f64 = 0.3;
 
+/// Share of the energy of the decays from which the poles explain them: otherwise the output only holds noise.
+const EXPLAINED: f64 = 0.5;
+
+/// Decay of ln(amplitude) over the longest decay from which it is not hum.
+const FADES: f64 = 0.5;
+
 /// The highest frequency of a mode, over the sampling rate.
 const HIGHEST: f64 = 0.45;
 
@@ -65,9 +71,13 @@ pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
     let crossed = u.transpose() * &h1 * h0.transpose() * &u;
     let pencil = DMatrix::from_fn(RANK, RANK, |i, j| crossed[(i, j)] / squares[j]);
     let poles: Vec<Complex<f64>> = pencil.complex_eigenvalues().iter().copied().collect();
-    let energy = energies(&decays, &poles);
+    let (energy, left) = energies(&decays, &poles);
     let total: f64 = decays.iter().flatten().map(|d| d * d).sum();
+    if left > (1.0 - EXPLAINED) * total {
+        return Vec::new();
+    }
     let ts = first.ts();
+    let fades = |pole: &Pole| TAU * pole.hz * pole.damping * longest as f64 * ts > FADES;
     let mut modes: Vec<(f64, Pole)> = poles
         .iter()
         .zip(energy)
@@ -77,7 +87,7 @@ pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
             let damping = -s.re / s.norm();
             (energy, Pole { hz: s.norm() / TAU, damping, z: Root { re: z.re, im: z.im } })
         })
-        .filter(|(_, pole)| pole.damping < RINGS && pole.hz < HIGHEST / ts)
+        .filter(|(_, pole)| pole.damping < RINGS && pole.hz < HIGHEST / ts && fades(pole))
         .collect();
     modes.sort_by(|p, q| q.0.total_cmp(&p.0));
     modes.into_iter().map(|(_, pole)| pole).collect()
@@ -102,18 +112,55 @@ fn decays(record: &Record) -> Vec<Vec<f64>> {
     found
 }
 
-/// The energy of each pole and its conjugate in the decays, by least squares on all.
-fn energies(decays: &[Vec<f64>], poles: &[Complex<f64>]) -> Vec<f64> {
-    let mut energy = vec![0.0; poles.len()];
+/// The energy of each pole and its conjugate in the decays, by least squares on all, and the energy that is left.
+fn energies(decays: &[Vec<f64>], poles: &[Complex<f64>]) -> (Vec<f64>, f64) {
+    let (mut energy, mut left) = (vec![0.0; poles.len()], 0.0);
     for d in decays {
         let n = d.len();
         let basis = DMatrix::from_fn(n, poles.len(), |t, k| poles[k].powu(t as u32));
         let target = DVector::from_iterator(n, d.iter().map(|d| Complex::new(*d, 0.0)));
         let gram = basis.adjoint() * &basis;
-        let Some(c) = gram.lu().solve(&(basis.adjoint() * target)) else { continue };
+        let Some(c) = gram.lu().solve(&(basis.adjoint() * &target)) else { continue };
         for k in 0..poles.len() {
             energy[k] += 2.0 * (0..n).map(|t| (c[k] * basis[(t, k)]).norm_sqr()).sum::<f64>();
         }
+        left += (target - basis * c).norm_squared();
     }
-    energy
+    (energy, left)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::noise;
+
+    const TS: f64 = 1e-3;
+
+    /// Rest, a step and rest again, with `y` of the time since the step and of the time.
+    fn stepped(y: impl Fn(f64, f64) -> f64) -> Record {
+        let u = (0..600).map(|t| if t < 300 { 0.0 } else { 10.0 }).collect();
+        let y = (0..600).map(|t| y(f64::from(t - 300) * TS, f64::from(t) * TS)).collect();
+        Record::new(TS, u, y).unwrap()
+    }
+
+    #[test]
+    fn a_ring_down_shows_its_mode() {
+        let (w, zeta) = (TAU * 80.0, 0.02);
+        let ring = |since: f64| match since < 0.0 {
+            true => 0.0,
+            false => 1.0 - (-zeta * w * since).exp() * (w * (1.0 - zeta * zeta).sqrt() * since).cos(),
+        };
+        let modes = free_decay_modes(&[stepped(|since, _| ring(since))]);
+        assert_eq!(modes.len(), 1, "{modes:?}");
+        assert!((modes[0].hz - 80.0).abs() < 0.01 && (modes[0].damping - 0.02).abs() < 1e-4, "{modes:?}");
+    }
+
+    #[test]
+    fn noise_and_hum_show_no_mode() {
+        let noise = noise(1, 600);
+        let noise = |t: f64| noise[(t / TS).round() as usize];
+        assert!(free_decay_modes(&[stepped(|_, t| noise(t))]).is_empty());
+        assert!(free_decay_modes(&[stepped(|_, t| noise(t) + 3.0 * (TAU * 50.0 * t).sin())]).is_empty());
+        assert!(free_decay_modes(&[stepped(|_, t| (TAU * 50.0 * t).sin())]).is_empty());
+    }
 }

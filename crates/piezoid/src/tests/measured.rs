@@ -75,7 +75,7 @@ fn a_rising_amplitude_exceeds_two_branches_and_gives_a_remark() {
 }
 
 #[test]
-fn a_joint_model_predicts_the_other_half_of_a_varying_amplitude_within_1_7_percent() {
+fn a_joint_model_predicts_the_other_half_of_a_varying_amplitude_within_1_4_percent() {
     let Some(whole) = record("picma-p885/model_1Hz.csv") else { return };
     let Some(growing) = record("picma-p885/test_am_1Hz.csv") else { return };
     let half = 0.5 * growing.duration();

@@ -121,8 +121,8 @@ pub(super) struct Responses<'a> {
 }
 
 impl<'a> Responses<'a> {
-    /// The responses about which creep and linear block are settled before a run: zero at rest, the mean over the inputs
-    /// that pass them before the record, or the last responses.
+    /// The responses about which creep and linear block are settled before a run: zero at rest, the mean over the
+    /// inputs that pass them before the record, or the last responses.
     pub(super) fn level(estimate: &'a Estimate, run: &TrainingRecord) -> Vec<f64> {
         let mut responses = Responses::from_rest(estimate, run);
         let mut mean = vec![0.0; estimate.basis.len()];

@@ -62,7 +62,7 @@ const ABOVE: f64 = 2.0;
 /// Least share of the static displacement of a mode between the frequencies of the inputs.
 const SHARE: f64 = 0.02;
 
-/// Share of its power below the lowest frequency of an input.
+/// Share of its power below the lowest frequency of an input, and above the highest.
 const EDGE: f64 = 0.02;
 
 /// Difference of ln(frequency) up to which two modes are the same. A pair of poles with more damping is not a mode.
@@ -125,6 +125,8 @@ pub(super) struct Growth {
     above: f64,
     /// True if the inputs have several frequencies.
     several: bool,
+    /// True if the inputs have one frequency: hysteresis explains its harmonics, so they show no mode.
+    one_frequency: bool,
     /// True if the driver is known.
     has_driver: bool,
     /// The specified order.
@@ -143,10 +145,13 @@ impl Growth {
         distinct.dedup_by(|p, q| *p < SAME * *q);
         let above = ABOVE * driven.iter().copied().fold(0.0, f64::max);
         // Between a few frequencies of the inputs, a mode could be anywhere.
-        let broad = records.iter().map(spread).filter(|(lines, _)| *lines >= FEW as f64).map(|(_, edge)| edge);
+        let spread: Vec<Spread> = records.iter().map(Spread::of).collect();
+        let broad = spread.iter().filter(|spread| spread.lines >= FEW as f64).map(|spread| spread.low);
         let many = driven.iter().copied().filter(|_| driven.len() >= FEW);
         let lowest = broad.chain(many).fold(above, f64::min);
+        let fastest = spread.iter().map(|spread| spread.high).fold(0.0, f64::max);
         Growth {
+            one_frequency: driven.first().is_some_and(|slowest| fastest < ABOVE * slowest),
             search: Search {
                 modes: free_decay_modes(records),
                 slowest: slowest_pole(settings, lags),
@@ -267,7 +272,7 @@ impl Growth {
         linear.modal_form().modes().iter().all(|PoleShare { pole, share }| {
             let rings = pole.z.im > 0.0 && pole.damping < RINGS;
             let within = pole.hz >= self.search.lowest && *share >= SHARE;
-            !rings || pole.hz >= self.above || within || seen(pole.hz)
+            !rings || (!self.one_frequency && (pole.hz >= self.above || within)) || seen(pole.hz)
         })
     }
 
@@ -335,16 +340,28 @@ fn adopt(
     Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
 }
 
-/// The number of lines of equal power that have the spread of the power of the input, and the frequency below which it
-/// has next to no power [Hz].
-fn spread(record: &Record) -> (f64, f64) {
-    let power = &plain_power(record.u())[1..];
-    let total: f64 = power.iter().sum();
-    let lines = total * total / power.iter().map(|p| p * p).sum::<f64>();
-    let mut below = 0.0;
-    let edge = power.iter().take_while(|p| {
-        below += **p;
-        below < EDGE * total
-    });
-    (lines, (edge.count() + 1) as f64 / record.duration())
+/// Where the power of an input lies.
+struct Spread {
+    /// The number of lines of equal power with the same spread.
+    lines: f64,
+    /// The frequencies below and above which it has next to no power [Hz].
+    low: f64,
+    high: f64,
+}
+
+impl Spread {
+    fn of(record: &Record) -> Self {
+        let power = &plain_power(record.u())[1..];
+        let total: f64 = power.iter().sum();
+        let below = |share: f64| {
+            let mut sum = 0.0;
+            let lines = power.iter().take_while(|p| {
+                sum += **p;
+                sum < share * total
+            });
+            (lines.count() + 1) as f64 / record.duration()
+        };
+        let lines = total * total / power.iter().map(|p| p * p).sum::<f64>();
+        Spread { lines, low: below(EDGE), high: below(1.0 - EDGE) }
+    }
 }
