@@ -60,8 +60,7 @@ fn columns(u: &[f64], from: usize) -> Option<Vec<Vec<f64>>> {
 /// Least squares with weights that are not negative, except the first two.
 fn weights(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     let signed: Vec<bool> = (0..COLUMNS).map(|k| k >= COLUMNS - PLAYS).collect();
-    let found = non_negative(gram.as_slice(), right.as_slice(), &signed, &mut [true; COLUMNS]);
-    found.map_or_else(|| DVector::zeros(COLUMNS), DVector::from_vec)
+    non_negative(gram, right, &signed, &mut [true; COLUMNS]).unwrap_or_else(|| DVector::zeros(COLUMNS))
 }
 
 /// A series without its regression line over time.

@@ -164,11 +164,6 @@ impl<'a> Responses<'a> {
         responses
     }
 
-    /// The same with another driver.
-    pub(super) fn behind(self, driver: DriverModel) -> Self {
-        Responses { driver: Some(driver), ..self }
-    }
-
     /// Advances by one sample.
     pub(super) fn next(&mut self, u: f64) -> &[f64] {
         if std::mem::take(&mut self.is_first) {

@@ -72,8 +72,9 @@ pub(super) fn extension(
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let mut best: Option<(f64, Extension)> = None;
     for kind in kinds(linear, search, CYCLES / longest)? {
-        let score =
-            |one: &Extension| Some(Iterate::at(estimate(one.linear.clone()).ok()?, &responses, &[]).predicted(0.0));
+        let score = |one: &Extension| {
+            Some(Iterate::at(estimate(one.linear.clone()).ok()?, &responses, &[], FreeParameters::All).predicted(0.0))
+        };
         let scores: Vec<f64> = kind.par_iter().map(|one| score(one).unwrap_or(f64::INFINITY)).collect();
         let least = scores.into_iter().zip(kind).min_by(|p, q| p.0.total_cmp(&q.0));
         let Some((_, Extension { name, linear })) = least else { continue };

@@ -71,13 +71,15 @@ pub(super) struct Iterate {
     segments: Vec<Segment>,
     normal: ReducedEquations,
     each: Vec<RecordEquations>,
+    /// The parameters that the equations have.
+    free: FreeParameters,
 }
 
 impl Iterate {
-    pub(super) fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>]) -> Self {
-        let segments = products(&estimate, runs, own);
+    pub(super) fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>], free: FreeParameters) -> Self {
+        let segments = products(&estimate, runs, own, free);
         let (normal, each) = equations(&estimate, &segments, |_| true);
-        Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each }
+        Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each, free }
     }
 
     /// The current parameters as the unknowns of the equations.
@@ -143,11 +145,11 @@ pub(super) fn refine_from(
     free: FreeParameters,
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let mut point = Iterate::at(start, runs, &[]);
+    let mut point = Iterate::at(start, runs, &[], free);
     let (is_start, is_fixed) = (smoothness == Smoothness::Any, matches!(smoothness, Smoothness::Fixed(_)));
     if !is_start {
         let own = point.own(point.prior.current());
-        point = Iterate::at(point.estimate, runs, &own);
+        point = Iterate::at(point.estimate, runs, &own, free);
     }
     let (mut lambda, mut damping) = (smoothness.lambda(), DAMPING);
     let mut changes = if is_fixed { 0 } else { CHANGES };
@@ -168,7 +170,7 @@ pub(super) fn refine_from(
         point = next.unwrap_or(point);
         if is_start && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
-            point = Iterate::at(point.estimate, runs, &own);
+            point = Iterate::at(point.estimate, runs, &own, free);
         }
         let ends = fall < ENOUGH || point.cost(lambda) < ROUNDING * point.normal.samples;
         if ends && now != free {
@@ -199,7 +201,7 @@ pub(super) fn refine_promising(
 ) -> Result<Option<Fitted>, Error> {
     let lambda = from.held_out.lambda;
     let promised = starts.into_iter().map(|start| {
-        let point = Iterate::at(start, runs, &[]);
+        let point = Iterate::at(start, runs, &[], FreeParameters::All);
         let is_enough = |minimum: f64| minimum < (ratio * from.minimum).max(SMALL * point.normal.samples);
         (Some(point.predicted(lambda)).filter(|minimum| is_enough(*minimum)), point.estimate)
     });
@@ -224,7 +226,7 @@ fn lower(
         let moved = point.estimate.moved(x.as_slice());
         let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
         if let Some(estimate) = moved.filter(|estimate| possible(&estimate.linear)) {
-            let next = Iterate::at(estimate, runs, &point.own(&x));
+            let next = Iterate::at(estimate, runs, &point.own(&x), point.free);
             if next.cost(lambda) < cost {
                 *damping = (*damping * 0.1).max(1e-9);
                 return Some(next);

@@ -54,7 +54,8 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
     };
     let cost = |x: &[f64]| -> f64 {
         let Some(estimate) = at(x) else { return f64::INFINITY };
-        let (normal, _) = equations(&estimate, &products(&estimate, &parts, &[]), |_| true);
+        let segments = products(&estimate, &parts, &[], FreeParameters::Weights);
+        let (normal, _) = equations(&estimate, &segments, |_| true);
         let prior = Prior::of(&estimate);
         let mut positive = vec![true; prior.current().len()];
         match prior.solve(&normal, 1e-6, 1e-6, FreeParameters::Weights, &mut positive) {

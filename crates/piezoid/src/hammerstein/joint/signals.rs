@@ -2,65 +2,68 @@
 
 use multiversion::multiversion;
 
-/// Creep on `width` signals.
-pub(super) struct Ladder {
+/// Signals that are filtered together: the lanes of a vector unit.
+pub(super) const LANES: usize = 8;
+
+/// Creep, then G = B/A, on [`LANES`] signals.
+pub(super) struct Filter {
     /// 1 - exp(-Ts / tau), and gain, of the lags that have one.
     lags: Vec<(f64, f64)>,
-    /// The states of all signals, one lag after the other.
-    x: Vec<f64>,
+    /// b_j and a_j of each delay.
+    coefficients: Vec<(f64, f64)>,
+    lagging: Vec<[f64; LANES]>,
+    /// What past samples add to the outputs of the next ones (the transposed direct form).
+    carried: Vec<[f64; LANES]>,
 }
 
-impl Ladder {
-    pub(super) fn new(rates: &[f64], gains: &[f64], width: usize) -> Self {
-        let lags: Vec<_> = rates.iter().copied().zip(gains.iter().copied()).filter(|lag| lag.1 != 0.0).collect();
-        Ladder { x: vec![0.0; width * lags.len()], lags }
+impl Filter {
+    /// The filter at rest; `lags` are (1 - exp(-Ts / tau), gain).
+    pub(super) fn new(lags: &[(f64, f64)], a: &[f64], b: &[f64]) -> Self {
+        let lags: Vec<_> = lags.iter().copied().filter(|lag| lag.1 != 0.0).collect();
+        let at = |c: &[f64], k: usize| c.get(k).copied().unwrap_or_default();
+        let delays = b.len().max(a.len() + 1);
+        let coefficients: Vec<_> = (0..delays).map(|k| (at(b, k), if k > 0 { at(a, k - 1) } else { 0.0 })).collect();
+        let rest = |n: usize| vec![[0.0; LANES]; n];
+        Filter { lagging: rest(lags.len()), carried: rest(delays), lags, coefficients }
     }
 
-    /// Adds its creep to each signal of `v`.
-    pub(super) fn step(&mut self, v: &mut [f64]) {
-        for (x, &(rate, _)) in self.x.chunks_exact_mut(v.len()).zip(&self.lags) {
-            follow(x, rate, v);
-        }
-        for (x, &(_, gain)) in self.x.chunks_exact(v.len()).zip(&self.lags) {
-            add(v, gain, x);
-        }
+    /// Filters the signals `from..from + LANES` of `rows`, which have `width` signals each.
+    pub(super) fn pass(&mut self, rows: &mut [f64], width: usize, from: usize) {
+        pass(rows, width, from, &self.lags, &self.coefficients, &mut self.lagging, &mut self.carried);
     }
 }
 
-/// G = B/A on `width` signals.
-pub(super) struct LinearFilter<'a> {
-    a: &'a [f64],
-    b: &'a [f64],
+/// x_i += rate_i (v - x_i),  w = v + sum_i gain_i x_i;  y = b_0 w + s_0,  s_k = b_{k+1} w + a_{k+1} y + s_{k+1}.
+#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+fn pass(
+    rows: &mut [f64],
     width: usize,
-    /// Ring buffers of the last inputs and outputs, one vector per coefficient.
-    inputs: Vec<f64>,
-    outputs: Vec<f64>,
-    out: Vec<f64>,
-    t: usize,
-}
-
-impl<'a> LinearFilter<'a> {
-    pub(super) fn new(a: &'a [f64], b: &'a [f64], width: usize) -> Self {
-        let ring = |n: usize| vec![0.0; n * width];
-        LinearFilter { a, b, width, inputs: ring(b.len()), outputs: ring(a.len()), out: vec![0.0; width], t: 0 }
-    }
-
-    pub(super) fn step(&mut self, v: &[f64]) -> &[f64] {
-        let (width, na, nb, t) = (self.width, self.a.len(), self.b.len(), self.t);
-        let slot = |k: usize| k * width..(k + 1) * width;
-        self.inputs[slot(t % nb)].copy_from_slice(v);
-        self.out.fill(0.0);
-        for (j, &b) in self.b.iter().enumerate().filter(|(_, b)| **b != 0.0) {
-            add(&mut self.out, b, &self.inputs[slot((t + nb - j) % nb)]);
+    from: usize,
+    lags: &[(f64, f64)],
+    coefficients: &[(f64, f64)],
+    lagging: &mut [[f64; LANES]],
+    carried: &mut [[f64; LANES]],
+) {
+    let Some((&(first, _), later)) = coefficients.split_first() else { return };
+    for row in rows.chunks_exact_mut(width) {
+        let Some(signals) = row[from..].first_chunk_mut::<LANES>() else { return };
+        let (v, mut w, mut y) = (*signals, *signals, [0.0; LANES]);
+        for (x, &(rate, gain)) in lagging.iter_mut().zip(lags) {
+            for l in 0..LANES {
+                x[l] += rate * (v[l] - x[l]);
+                w[l] += gain * x[l];
+            }
         }
-        for (i, &a) in self.a.iter().enumerate() {
-            add(&mut self.out, a, &self.outputs[slot((t + na - 1 - i) % na)]);
+        for l in 0..LANES {
+            y[l] = first * w[l] + carried[0][l];
         }
-        if na > 0 {
-            self.outputs[slot(t % na)].copy_from_slice(&self.out);
+        for (k, &(b, a)) in later.iter().enumerate() {
+            let next = carried[k + 1];
+            for l in 0..LANES {
+                carried[k][l] = b * w[l] + a * y[l] + next[l];
+            }
         }
-        self.t += 1;
-        &self.out
+        *signals = y;
     }
 }
 
@@ -96,14 +99,6 @@ pub(super) fn add(y: &mut [f64], k: f64, x: &[f64]) {
     }
 }
 
-/// x += rate (v - x).
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
-fn follow(x: &mut [f64], rate: f64, v: &[f64]) {
-    for t in 0..x.len().min(v.len()) {
-        x[t] += rate * (v[t] - x[t]);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,19 +112,20 @@ mod tests {
         let arx = Arx::new(1e-3, vec![1.5, -0.7, 0.1], vec![0.0, 0.3, 0.2]).unwrap();
         let lags = vec![Lag { tau_s: 0.02, gain: 0.1 }, Lag { tau_s: 0.3, gain: 0.0 }, Lag { tau_s: 1.0, gain: 0.3 }];
         let creep = Creep::new(1e-3, lags.clone()).unwrap();
-        let rates: Vec<f64> = lags.iter().map(|l| -(-1e-3 / l.tau_s).exp_m1()).collect();
-        let gains: Vec<f64> = lags.iter().map(|l| l.gain).collect();
+        let rates = lags.iter().map(|l| -(-1e-3 / l.tau_s).exp_m1());
+        let gains = lags.iter().map(|l| l.gain);
         let signal = |k: usize, t: usize| (t as f64 * (0.1 + 0.07 * k as f64)).sin() + k as f64;
-        let (mut ladder, mut filter) = (Ladder::new(&rates, &gains, 3), LinearFilter::new(arx.a(), arx.b(), 3));
-        let mut together = vec![Vec::new(); 3];
-        for t in 0..400 {
-            let mut v = [0, 1, 2].map(|k| signal(k, t));
-            ladder.step(&mut v);
-            filter.step(&v).iter().zip(&mut together).for_each(|(y, out)| out.push(*y));
-        }
-        for (k, out) in together.iter().enumerate() {
-            let alone = arx.simulate(&creep.simulate(&(0..400).map(|t| signal(k, t)).collect::<Vec<_>>()));
-            assert_close(out, &alone, 1e-12, 1e-12);
+        let lags: Vec<_> = rates.zip(gains).collect();
+        let mut filter = Filter::new(&lags, arx.a(), arx.b());
+        // Rows of 3 other signals, then those to filter.
+        let width = 3 + LANES;
+        let mut rows: Vec<f64> = (0..400).flat_map(|t| (0..width).map(move |k| signal(k, t))).collect();
+        rows.chunks_mut(64 * width).for_each(|rows| filter.pass(rows, width, 3));
+        for k in 0..width {
+            let input: Vec<f64> = (0..400).map(|t| signal(k, t)).collect();
+            let filtered = arx.simulate(&creep.simulate(&input));
+            let out: Vec<f64> = rows.iter().skip(k).step_by(width).copied().collect();
+            assert_close(&out, if k < 3 { &input } else { &filtered }, 1e-12, 1e-12);
         }
     }
 

@@ -178,24 +178,22 @@ impl Prior {
         // Columns of equal size, for the factorisation.
         let unit: Vec<f64> = moving.iter().map(|&k| h[(k, k)].sqrt().recip()).collect();
         let n = moving.len();
-        let scaled: Vec<f64> =
-            (0..n * n).map(|k| h[(moving[k / n], moving[k % n])] * unit[k / n] * unit[k % n]).collect();
-        let target: Vec<f64> = moving.iter().zip(&unit).map(|(&k, unit)| g[k] * unit).collect();
+        let scaled = DMatrix::from_fn(n, n, |i, j| h[(moving[i], moving[j])] * unit[i] * unit[j]);
+        let target = DVector::from_fn(n, |i, _| g[moving[i]] * unit[i]);
         let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
         let mut solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
         // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
         let top = |j: usize| CREEPS / unit[j];
         let mut held_at: Vec<usize> = Vec::new();
-        let over = |solved: &[f64], held_at: &[usize]| {
+        let over = |solved: &DVector<f64>, held_at: &[usize]| {
             (0..n).find(|j| self.layout.gains.contains(&moving[*j]) && !held_at.contains(j) && solved[*j] > top(*j))
         };
         while let Some(j) = over(&solved, &held_at) {
             held_at.push(j);
             let rest: Vec<usize> = (0..n).filter(|j| !held_at.contains(j)).collect();
-            let m = rest.len();
-            let h: Vec<f64> = (0..m * m).map(|k| scaled[rest[k / m] * n + rest[k % m]]).collect();
-            let known = |i: usize| held_at.iter().map(|&j| scaled[i * n + j] * top(j)).sum::<f64>();
-            let g: Vec<f64> = rest.iter().map(|&i| target[i] - known(i)).collect();
+            let h = scaled.select_rows(&rest).select_columns(&rest);
+            let known = |i: usize| held_at.iter().map(|&j| scaled[(i, j)] * top(j)).sum::<f64>();
+            let g = DVector::from_fn(rest.len(), |k, _| target[rest[k]] - known(rest[k]));
             let signed: Vec<bool> = rest.iter().map(|&i| signed[i]).collect();
             let mut free: Vec<bool> = rest.iter().map(|&i| positive[i]).collect();
             let found = non_negative(&h, &g, &signed, &mut free)?;
@@ -205,7 +203,7 @@ impl Prior {
         }
 
         let mut x = self.current.clone();
-        for ((&k, solved), unit) in moving.iter().zip(solved).zip(unit) {
+        for ((&k, solved), unit) in moving.iter().zip(&solved).zip(unit) {
             x[k] = solved * unit + if k < layout.gains.end { 0.0 } else { self.current[k] };
         }
         if let Some((held, ratios)) = held {
