@@ -27,6 +27,9 @@ const WEAK: f64 = 0.1;
 /// Innovations of the input above this multiple of those of the output are a drive signal, not an answer.
 const DRIVE: f64 = 0.2;
 
+/// Innovations of the input with a larger correlation from sample to sample are a drive signal as well.
+const SMOOTH: f64 = 0.5;
+
 /// Smaller ones, over the rms, are rounding of the numbers in a file.
 const ROUNDING: f64 = 1e-6;
 
@@ -55,12 +58,15 @@ pub(super) fn closed(record: &Record, usable: &[bool]) -> Option<Finding> {
     if counted.len() < 100 {
         return None;
     }
-    let correlation = |lag: usize| {
+    let correlation = |cause: &[f64], lag: usize| {
         let answer = standardised(&counted.iter().map(|t| a[*t]).collect::<Vec<f64>>())?;
-        let cause = standardised(&counted.iter().map(|t| e[t - lag]).collect::<Vec<f64>>())?;
+        let cause = standardised(&counted.iter().map(|t| cause[t - lag]).collect::<Vec<f64>>())?;
         Some(dot(&answer, &cause) / counted.len() as f64)
     };
-    let all: Vec<f64> = (0..=LAGS).map(correlation).collect::<Option<_>>()?;
+    if correlation(&a, 1)?.abs() > SMOOTH {
+        return None;
+    }
+    let all: Vec<f64> = (0..=LAGS).map(|lag| correlation(&e, lag)).collect::<Option<_>>()?;
     let least = all.iter().copied().fold(0.0, f64::min);
     let deviation = 1.0 / (counted.len() as f64).sqrt();
     let enough = WEAK.max(CLEAR * deviation);

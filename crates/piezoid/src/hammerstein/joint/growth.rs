@@ -147,11 +147,12 @@ impl Growth {
         // Between a few frequencies of the inputs, a mode could be anywhere.
         let spread: Vec<Spread> = records.iter().map(Spread::of).collect();
         let broad = spread.iter().filter(|spread| spread.lines >= FEW as f64).map(|spread| spread.low);
+        let broad: Vec<f64> = broad.collect();
         let many = driven.iter().copied().filter(|_| driven.len() >= FEW);
-        let lowest = broad.chain(many).fold(above, f64::min);
+        let lowest = broad.iter().copied().chain(many).fold(above, f64::min);
         let fastest = spread.iter().map(|spread| spread.high).fold(0.0, f64::max);
         Growth {
-            one_frequency: driven.first().is_some_and(|slowest| fastest < ABOVE * slowest),
+            one_frequency: broad.is_empty() && driven.first().is_some_and(|slowest| fastest < ABOVE * slowest),
             search: Search {
                 modes: free_decay_modes(records),
                 slowest: slowest_pole(settings, lags),

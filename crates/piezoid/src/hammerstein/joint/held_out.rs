@@ -19,6 +19,9 @@ const TOO_ROUGH: usize = 2;
 /// Ratio of rms up to which a simpler model is accepted, even if the difference is uncertain.
 const WORSE: f64 = 1.05;
 
+/// Difference of ln(rms) up to which two models are equal, even if the difference is certain.
+const EQUAL: f64 = 0.005;
+
 /// Held-out errors of the folds, each predicted by a fit to all others.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeldOut {
@@ -36,15 +39,15 @@ impl HeldOut {
         mean(&self.folds).sqrt()
     }
 
-    /// True if this is as good as `best`: worse by at most one standard error over the folds, as a ratio, and by at
-    /// most the factor accepted for a simpler model.
+    /// True if this is as good as `best`: equal, or worse by at most one standard error over the folds, as a ratio, and
+    /// by at most the factor accepted for a simpler model.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
         let ratio = |(e, best): (&f64, &f64)| 0.5 * ((e + ROUNDING) / (best + ROUNDING)).ln();
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
         let ratio = ((self.rms_pp().powi(2) + ROUNDING) / (best.rms_pp().powi(2) + ROUNDING)).sqrt();
-        mean(&ratios) <= error && ratio <= WORSE
+        mean(&ratios) <= error.max(EQUAL) && ratio <= WORSE
     }
 }
 
@@ -223,6 +226,8 @@ mod tests {
         let best = of(&[1.0, 1.0, 1.0]);
         assert!(of(&[1.08, 0.97, 1.02]).is_as_good_as(&best), "better and worse by turns");
         assert!(!of(&[1.03, 1.03, 1.03]).is_as_good_as(&best), "worse every time");
+        let (some, half) = (of(&[4e-17, 4e-17, 4e-17]), of(&[1e-17, 1e-17, 1e-17]));
+        assert!(some.is_as_good_as(&half), "both are rounding");
         assert!(!of(&[2.0, 0.6, 1.0]).is_as_good_as(&best), "worse by more than the limit");
     }
 }
