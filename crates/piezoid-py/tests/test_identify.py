@@ -99,7 +99,7 @@ def test_a_lag_that_outlasts_the_records_is_no_part_of_a_model(rich: pz.Record) 
 def test_who_watches_is_told_and_may_stop(rich: pz.Record) -> None:
     told: list[tuple[str, int, int]] = []
     pz.identify(data=rich, operator="stop", order=2, progress=lambda *stage: told.append(stage))
-    assert told[-1] == ("stop", 2, 2), "the end is told too"
+    assert told[-1] == ("stop", 3, 3), "the end is told too"
     assert {what for what, _, _ in told} >= {"linear block", "stop"} and all(done <= total for _, done, total in told)
 
     def stop(what: str, done: int, total: int) -> None:
@@ -117,7 +117,7 @@ def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[st
 
     with tqdm(disable=False) as mine:
         pz.identify(data=rich, operator="stop", order=2, progress=mine)
-        assert mine.n == mine.total == 2
+        assert mine.n == mine.total == 3
     pz.identify(data=rich, operator="stop", order=2, progress=tqdm)
     assert "stop" in capsys.readouterr().err
     with pytest.raises(pz.PiezoidError, match="progress = 5"):

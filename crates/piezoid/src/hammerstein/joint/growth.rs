@@ -187,7 +187,7 @@ impl Growth {
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
                     let obvious = self.several && t.error() < OBVIOUS * least;
-                    let shows = self.shows(linear) || obvious;
+                    let shows = self.shows(linear) || obvious || self.order.is_some();
                     shows && creep_pole(linear, self.search.slowest).is_none()
                 };
                 longer.extend(fit.map(|fit| Structure::new(name, fit)).filter(possible));
