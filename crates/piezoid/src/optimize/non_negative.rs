@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_matrix_that_is_not_positive_definite_has_no_solution() {
-        let (h, g) = (DMatrix::repeat(2, 2, 1.0), DVector::from_element(2, 1.0));
+        let (h, g) = (DMatrix::repeat(2, 2, 1.0), DVector::from_vec(vec![1.0, 2.0]));
         assert_eq!(non_negative(&h, &g, &[false; 2], &mut [true; 2]), None);
     }
 }
