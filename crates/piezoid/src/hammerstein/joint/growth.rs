@@ -48,13 +48,8 @@ const NOTHING: f64 = 1e-6;
 /// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
 const HOPELESS: f64 = 2.0;
 
-/// Number of frequencies of the inputs from which small modes between them show, and from which obvious ones do: one
-/// frequency and its harmonics are explained by many modes.
+/// Number of frequencies of the inputs from which small modes between them show.
 const FEW: usize = 6;
-const SEVERAL: usize = 3;
-
-/// Ratio of frequencies that are the same.
-const SAME: f64 = 1.1;
 
 /// Least ratio of the frequency of a mode to those of the inputs, above which it may be small.
 const ABOVE: f64 = 2.0;
@@ -123,8 +118,6 @@ pub(super) struct Growth {
     search: Search,
     /// The frequency above which a mode is above those of the inputs [Hz].
     above: f64,
-    /// True if the inputs have several frequencies.
-    several: bool,
     /// True if the inputs have one frequency: hysteresis explains its harmonics, so they show no mode.
     one_frequency: bool,
     /// True if the driver is known.
@@ -141,8 +134,6 @@ impl Growth {
         let driven = records.iter().filter_map(|record| dominant_frequency(record.u(), record.ts()));
         let mut driven: Vec<f64> = driven.collect();
         driven.sort_by(f64::total_cmp);
-        let mut distinct = driven.clone();
-        distinct.dedup_by(|p, q| *p < SAME * *q);
         let above = ABOVE * driven.iter().copied().fold(0.0, f64::max);
         // Between a few frequencies of the inputs, a mode could be anywhere.
         let spread: Vec<Spread> = records.iter().map(Spread::of).collect();
@@ -160,7 +151,6 @@ impl Growth {
                 most: settings.order.unwrap_or(ORDER),
             },
             above,
-            several: distinct.len() >= SEVERAL,
             has_driver: settings.driver.is_some(),
             order: settings.order,
             design: design.clone(),
@@ -186,7 +176,7 @@ impl Growth {
                 let fit = refine_promising(vec![start], from, BETTER, runs, watch)?;
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
-                    let obvious = self.several && t.error() < OBVIOUS * least;
+                    let obvious = !self.one_frequency && t.error() < OBVIOUS * least;
                     let shows = self.shows(linear) || obvious || self.order.is_some();
                     shows && creep_pole(linear, self.search.slowest).is_none()
                 };
