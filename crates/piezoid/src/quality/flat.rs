@@ -20,6 +20,9 @@ const CUT: f64 = 0.8;
 /// The other signal must move by this share of its range.
 const MOVED: f64 = 0.02;
 
+/// At rest, the input moves less than this share of its usual largest step in the shortest interval.
+const RESTS: f64 = 0.25;
+
 /// Minimum length of a reported interval [samples].
 const SHORTEST: usize = 8;
 
@@ -140,15 +143,20 @@ pub(super) fn frozen(record: &Record) -> Option<Finding> {
     })
 }
 
-/// An otherwise smooth input jumps, and the output with it.
+/// An otherwise smooth input jumps while it moves. A jump from rest is a step.
 pub(super) fn missing(record: &Record) -> Option<Finding> {
     let (u, y) = (record.u(), record.y());
     let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
     let still = steps.iter().filter(|d| **d == 0.0).count();
     let usual = quantile(steps.clone(), 0.99);
-    // Jumps must be rare: an input with many jumps is a staircase.
-    let jumps: Vec<usize> = (0..steps.len()).filter(|&t| steps[t] > 8.0 * usual).map(|t| t + 1).collect();
     let (low, high) = ends(u.iter().copied());
+    let from_rest = |t: usize| {
+        let (lowest, highest) = ends(u[t.saturating_sub(SHORTEST)..t].iter().copied());
+        highest - lowest < RESTS * usual
+    };
+    // Jumps must be rare: an input with many jumps is a staircase.
+    let jumps = (0..steps.len()).filter(|&t| steps[t] > 8.0 * usual).map(|t| t + 1).filter(|t| !from_rest(*t));
+    let jumps: Vec<usize> = jumps.collect();
     let large = jumps.iter().all(|&t| steps[t - 1] > MOVED * (high - low));
     if jumps.is_empty() || jumps.len() > 3 || 10 * still > steps.len() || !large {
         return None;

@@ -125,6 +125,9 @@ fn a_frozen_output_and_missing_rows_are_reported_with_their_times() {
     let missing = Record::new(TS, cut(record.u()), cut(record.y())).unwrap();
     assert_eq!(found(&missing), [Defect::MissingRows]);
     assert!(!inspect(&missing, &Need::default()).usable[1500]);
+    let late = |x: &[f64]| [&[x[0]; 20], &x[700..]].concat();
+    let step = Record::new(TS, late(record.u()), late(record.y())).unwrap();
+    assert_eq!(found(&step), [], "a step from rest");
 }
 
 #[test]

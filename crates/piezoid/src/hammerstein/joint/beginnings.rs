@@ -62,8 +62,12 @@ pub(super) fn reconsider(
 ) -> Result<Fitted, Error> {
     let before: Vec<InitialCondition> = runs.iter().map(|run| run.initial).collect();
     let likely = |run: &TrainingRecord| InitialCondition::of(run.record.u())[0];
-    let is_likely = runs.iter().filter(|run| run.large_signal).all(|run| run.initial == likely(run));
-    for run in runs.iter_mut().filter(|run| run.large_signal) {
+    // Rest and motion are seen in the dynamics too.
+    let settled = |run: &&mut TrainingRecord| {
+        run.large_signal && !matches!(run.initial, InitialCondition::Rest | InitialCondition::Motion)
+    };
+    let is_likely = runs.iter_mut().filter(settled).all(|run| run.initial == likely(run));
+    for run in runs.iter_mut().filter(settled) {
         run.begin_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
     }
     let linear = fitted.estimate.linear.clone();

@@ -5,7 +5,8 @@
 //! ```
 //! The extended block is at first the same block. Where p helps most is seen in the responses to z, which is held: for
 //! each p of a grid, and for the modes seen in free decays, the linearised problem is solved in all coefficients and
-//! initial states. The best p of each kind is refined on these responses.
+//! initial states. The best p of each kind and each band of frequencies is a candidate; the best candidates are refined
+//! on these responses.
 
 use super::estimate::{Estimate, Responses};
 use super::refine::{Fitted, Iterate, StepCallback, refine};
@@ -32,6 +33,13 @@ const DAMPING: [f64; 2] = [0.03, 0.2];
 const SHORTEST: f64 = 0.5;
 const HIGHEST: f64 = 0.45;
 
+/// Number of neighbouring frequencies of a kind, and of extensions.
+const BAND: usize = 4;
+const SEVERAL: usize = 3;
+
+/// Difference of ln(minimum) of two extensions that are the same.
+const SAME: f64 = 1e-6;
+
 /// Cycles of a mode in the longest record.
 const CYCLES: f64 = 10.0;
 
@@ -56,13 +64,15 @@ pub(super) struct Search {
     pub(super) most: usize,
 }
 
-/// The extension of the linear block of `fitted` that leaves least, with z held; `None` if there is none.
-pub(super) fn extension(
+/// The extensions of the linear block of `fitted` that leave least, with z held: those that the records show, and the
+/// best of the others.
+pub(super) fn extensions(
     fitted: &Fitted,
     runs: &[TrainingRecord],
     search: &Search,
+    shows: &dyn Fn(&Arx) -> bool,
     watch: StepCallback,
-) -> Result<Option<Extension>, Error> {
+) -> Result<[Vec<Extension>; 2], Error> {
     let linear = &fitted.estimate.linear;
     let hidden = Hidden::of_all(fitted, runs)?;
     let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
@@ -70,20 +80,32 @@ pub(super) fn extension(
         Ok(Estimate::new(None, Box::new(Proportional::new(linear.ts(), 1.0)?), Vec::new(), linear))
     };
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
-    let mut best: Option<(f64, Extension)> = None;
+    let mut found: Vec<(f64, Extension)> = Vec::new();
     for kind in kinds(linear, search, CYCLES / longest)? {
         let score = |one: &Extension| {
             Some(Iterate::at(estimate(one.linear.clone()).ok()?, &responses, &[], FreeParameters::All).predicted(0.0))
         };
         let scores: Vec<f64> = kind.par_iter().map(|one| score(one).unwrap_or(f64::INFINITY)).collect();
-        let least = scores.into_iter().zip(kind).min_by(|p, q| p.0.total_cmp(&q.0));
-        let Some((_, Extension { name, linear })) = least else { continue };
+        found.extend(scores.into_iter().zip(kind).min_by(|p, q| p.0.total_cmp(&q.0)));
+    }
+    found.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let (mut shown, mut hidden): (Vec<(f64, Extension)>, Vec<(f64, Extension)>) = Default::default();
+    for (_, Extension { name, linear }) in found {
+        if shown.len() == SEVERAL {
+            break;
+        }
         let alone = refine(estimate(linear)?, &mut responses, FreeParameters::All, watch)?;
-        if best.as_ref().is_none_or(|(cost, _)| alone.cost() < *cost) {
-            best = Some((alone.cost(), Extension { name, linear: alone.estimate.linear }));
+        let linear = alone.estimate.linear;
+        let list = if shows(&linear) { &mut shown } else { &mut hidden };
+        if list.iter().all(|(cost, _)| (alone.minimum / cost).ln().abs() > SAME) {
+            list.push((alone.minimum, Extension { name, linear }));
         }
     }
-    Ok(best.map(|(_, extension)| extension))
+    let sorted = |mut list: Vec<(f64, Extension)>, most: usize| {
+        list.sort_by(|p, q| p.0.total_cmp(&q.0));
+        list.into_iter().take(most).map(|(_, extension)| extension).collect()
+    };
+    Ok([sorted(shown, SEVERAL), sorted(hidden, 1)])
 }
 
 /// All extensions of a linear block by kind, with modes from `lowest` [Hz] on.
@@ -112,12 +134,15 @@ fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension
     }
     if order + 2 <= search.most {
         let grid = std::iter::successors(Some(HIGHEST / ts), |hz| Some(hz / MODES));
-        let grid = grid.take_while(|hz| *hz > search.lowest.max(lowest));
+        let grid: Vec<f64> = grid.take_while(|hz| *hz > search.lowest.max(lowest)).collect();
         let mode = |(hz, damping): (f64, f64)| {
             let (radius, angle) = ((-damping * TAU * hz * ts).exp(), TAU * hz * ts * (1.0 - damping * damping).sqrt());
             with("a mode".into(), &[1.0, -2.0 * radius * angle.cos(), radius * radius])
         };
-        kinds.push(grid.flat_map(|hz| DAMPING.map(|damping| mode((hz, damping)))).collect::<Result<_, _>>()?);
+        for band in grid.chunks(BAND) {
+            let modes = band.iter().flat_map(|&hz| DAMPING.map(|damping| mode((hz, damping))));
+            kinds.push(modes.collect::<Result<_, _>>()?);
+        }
         for pole in &search.modes {
             let name = format!("a mode at {} Hz, seen in free decays", short(pole.hz));
             kinds.push(vec![with(name, &[1.0, -2.0 * pole.z.re, pole.z.modulus().powi(2)])?]);

@@ -9,7 +9,7 @@ use super::JointOptions;
 use super::beginnings::begin;
 use super::dynamics::{creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
-use super::extend::{Extension, Hidden, Search, extension};
+use super::extend::{Hidden, Search, extensions};
 use super::held_out::Smoothness;
 use super::refine::{Fitted, StepCallback, refine_from, refine_promising};
 use super::runs::TrainingRecord;
@@ -35,6 +35,10 @@ pub(super) const ORDER: usize = 8;
 /// Ratio of held-out errors that is a gain, and that of a mode that shows without further evidence.
 const GAIN: f64 = 0.95;
 const OBVIOUS: f64 = 0.3;
+
+/// Ratio of errors of the whole records that is a gain if the held-out error is no higher: their first segments are
+/// never held out, and may show what the others do not.
+const WHOLE: f64 = 0.9;
 
 /// Ratio of minima that the linearised equations must promise for an extension, for a simpler structure with another
 /// operator, and for one with the same operator.
@@ -91,6 +95,13 @@ impl Structure {
         self.fitted.held_out.rms_pp().hypot(NOTHING)
     }
 
+    /// True if this is clearly better than `other`.
+    fn gains_on(&self, other: &Structure) -> bool {
+        let whole = |t: &Structure| t.fitted.cost().sqrt().hypot(NOTHING);
+        let (ratio, whole) = (self.error() / other.error(), whole(self) / whole(other));
+        ratio < GAIN || (ratio <= 1.0 && whole < WHOLE)
+    }
+
     /// Order and delay, and what was added last.
     fn describe(&self) -> String {
         let Estimate { linear, driver, seeks_lag, .. } = &self.fitted.estimate;
@@ -120,6 +131,8 @@ pub(super) struct Growth {
     above: f64,
     /// True if the inputs have one frequency: hysteresis explains its harmonics, so they show no mode.
     one_frequency: bool,
+    /// True if the inputs show modes between their frequencies, and more than one above them.
+    is_broad: bool,
     /// True if the driver is known.
     has_driver: bool,
     /// The specified order.
@@ -143,6 +156,7 @@ impl Growth {
         let lowest = broad.iter().copied().chain(many).fold(above, f64::min);
         let fastest = spread.iter().map(|spread| spread.high).fold(0.0, f64::max);
         Growth {
+            is_broad: !broad.is_empty() || driven.len() >= FEW,
             one_frequency: broad.is_empty() && driven.first().is_some_and(|slowest| fastest < ABOVE * slowest),
             search: Search {
                 modes: free_decay_modes(records),
@@ -168,21 +182,24 @@ impl Growth {
         let mut behind_lag = self.has_driver;
         while let Some(Structure { fitted: from, .. }) = tried.last() {
             behind_lag |= from.estimate.driver.is_some();
-            let least = tried.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
+            let Some(best) = tried.iter().min_by(Structure::better) else { break };
             let mut longer: Vec<Structure> = Vec::new();
-            let found = extension(from, runs, &self.search, watch)?;
-            let found = found.and_then(|Extension { name, linear }| Some((name, from.estimate.with_linear(linear)?)));
-            if let Some((name, start)) = found {
-                let fit = refine_promising(vec![start], from, BETTER, runs, watch)?;
+            for found in extensions(from, runs, &self.search, &|linear| self.shows(linear), watch)? {
+                let starts = found.into_iter();
+                let starts = starts.filter_map(|one| Some((one.name, from.estimate.with_linear(one.linear)?)));
+                let fit = refine_promising(starts.collect(), from, BETTER, runs, watch)?;
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
-                    let obvious = !self.one_frequency && t.error() < OBVIOUS * least;
+                    let obvious = !self.one_frequency && t.error() < OBVIOUS * best.error();
                     let shows = self.shows(linear) || obvious || self.order.is_some();
                     shows && creep_pole(linear, self.search.slowest).is_none()
                 };
-                longer.extend(fit.map(|fit| Structure::new(name, fit)).filter(possible));
+                longer.extend(fit.map(|(name, fit)| Structure::new(name, fit)).filter(possible));
+                if longer.iter().any(|t| t.gains_on(best)) {
+                    break;
+                }
             }
-            if !longer.iter().any(|t| t.error() < GAIN * least) && !behind_lag {
+            if !longer.iter().any(|t| t.gains_on(best)) && !behind_lag {
                 behind_lag = true;
                 longer.extend(self.behind_lag(tried, basis, runs, watch)?);
             }
@@ -194,7 +211,7 @@ impl Growth {
                     next.fitted = refine_from(same, smoothness, runs, FreeParameters::All, watch)?;
                 }
             }
-            let gains = next.error() < GAIN * least;
+            let gains = next.gains_on(best);
             tried.push(next);
             // A specified order may need steps without gain.
             if !gains && self.order.is_none() {
@@ -220,9 +237,9 @@ impl Growth {
                 continue;
             };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
-            let found = refine_promising(start.into_iter().collect(), fitted, NO_WORSE, runs, watch)?;
-            if found.is_some() {
-                return Ok(found.map(|fit| Structure::new(String::new(), fit)));
+            let starts = start.into_iter().map(|start| (String::new(), start)).collect();
+            if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, runs, watch)? {
+                return Ok(Some(Structure::new(name, fit)));
             }
         }
         Ok(None)
@@ -249,34 +266,39 @@ impl Growth {
         let instead = (delay > 0).then(|| (delay as f64 * ts, undelayed()));
         let start = |(lag_s, linear): (f64, Result<Arx, Error>)| {
             let driver = (Some(DriverModel::new(lag_s, None)?), true);
-            adopt(&best.estimate, driver, &best.estimate.lags, linear?, basis)
+            let name = "a lag before the hysteresis".to_string();
+            Ok((name, adopt(&best.estimate, driver, &best.estimate.lags, linear?, basis)?))
         };
         let starts = moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead).map(start);
-        let fit = refine_promising(starts.collect::<Result<_, _>>()?, best, BETTER, runs, watch)?;
-        let fit = fit.filter(|fit| self.shows(&fit.estimate.linear));
-        Ok(fit.map(|fit| Structure::new("a lag before the hysteresis".into(), fit)))
+        let starts = starts.collect::<Result<_, Error>>()?;
+        let found = refine_promising(starts, best, BETTER, runs, watch)?;
+        let found = found.filter(|(_, fit)| self.shows(&fit.estimate.linear));
+        Ok(found.map(|(name, fit)| Structure::new(name, fit)))
     }
 
-    /// True if each mode of a linear block shows in the records.
+    /// True if each mode of a linear block shows in the records. The harmonics of a few frequencies show one mode above
+    /// them.
     fn shows(&self, linear: &Arx) -> bool {
         let seen = |hz: f64| self.search.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR);
-        linear.modal_form().modes().iter().all(|PoleShare { pole, share }| {
-            let rings = pole.z.im > 0.0 && pole.damping < RINGS;
-            let within = pole.hz >= self.search.lowest && *share >= SHARE;
-            !rings || (!self.one_frequency && (pole.hz >= self.above || within)) || seen(pole.hz)
-        })
+        let modes = linear.modal_form().modes().into_iter();
+        let rings = |p: &PoleShare| p.pole.z.im > 0.0 && p.pole.damping < RINGS;
+        let driven: Vec<PoleShare> = modes.filter(|p| rings(p) && !seen(p.pole.hz)).collect();
+        let is_driven = |p: &PoleShare| {
+            let within = p.pole.hz >= self.search.lowest && p.share >= SHARE;
+            !self.one_frequency && (p.pole.hz >= self.above || within)
+        };
+        driven.iter().all(is_driven) && (self.is_broad || driven.len() <= 1)
     }
 
     /// The simplest structure that is as good as the best, of at least one.
     pub(super) fn choose(&self, mut tried: Vec<Structure>) -> Chosen {
-        let best = tried.iter().map(Structure::error).fold(f64::INFINITY, f64::min);
         let (chosen, why) = match self.order.filter(|n| *n > 0) {
             Some(n) => {
                 let of_order = |t: &Structure| t.fitted.estimate.linear.a().len() == n;
                 (tried.iter().rposition(of_order), "the specified order is used")
             }
             None => (
-                tried.iter().position(|t| GAIN * t.error() <= best),
+                tried.iter().position(|t| !tried.iter().any(|other| other.gains_on(t))),
                 "the simplest that is as good as the best is selected",
             ),
         };
@@ -306,8 +328,8 @@ impl Growth {
         let mut tried = Vec::new();
         for Estimate { driver, seeks_lag, lags, linear, .. } in simpler {
             let start = adopt(&fitted.estimate, (driver, seeks_lag), &lags, linear, &basis)?;
-            let found = refine_promising(vec![start], &fitted, AS_GOOD, runs, watch)?;
-            tried.extend(found.map(|fit| Structure::new(String::new(), fit)));
+            let found = refine_promising(vec![(String::new(), start)], &fitted, AS_GOOD, runs, watch)?;
+            tried.extend(found.map(|(name, fit)| Structure::new(name, fit)));
         }
         tried.extend(self.shrunk(&fitted, runs, watch)?);
         tried.push(Structure::new(String::new(), fitted));

@@ -27,6 +27,7 @@ mod growth;
 mod held_out;
 mod layout;
 mod operators;
+mod optimality;
 mod products;
 mod refine;
 mod runs;
@@ -174,6 +175,7 @@ pub(crate) fn identify_joint(
         }
     }
     notes.push(format!("linear block: {reason}"));
+    notes.extend(optimality::optimality(&fitted, &runs));
     notes.extend(check::check_fit(&fitted, &runs)?);
     notes.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, &runs, &mut notes, &units.y);

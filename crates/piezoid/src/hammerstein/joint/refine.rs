@@ -87,7 +87,7 @@ impl Iterate {
         self.prior.steps(self.prior.current())
     }
 
-    fn cost(&self, lambda: f64) -> f64 {
+    pub(super) fn cost(&self, lambda: f64) -> f64 {
         self.cost_at(self.prior.current(), lambda)
     }
 
@@ -190,24 +190,25 @@ pub(super) fn refine_from(
     Ok(Fitted { estimate: point.estimate, own, held_out, residuals, minimum })
 }
 
-/// Fits all parameters from the start that promises most, by the linearised equations. `None` if none promises less
-/// than `ratio` times the minimum of `from`, or next to nothing.
+/// Fits all parameters from the start that promises most, by the linearised equations; returns its name too. `None` if
+/// none promises less than `ratio` times the minimum of `from`, or next to nothing.
 pub(super) fn refine_promising(
-    starts: Vec<Estimate>,
+    starts: Vec<(String, Estimate)>,
     from: &Fitted,
     ratio: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
-) -> Result<Option<Fitted>, Error> {
+) -> Result<Option<(String, Fitted)>, Error> {
     let lambda = from.held_out.lambda;
-    let promised = starts.into_iter().map(|start| {
+    let promised = starts.into_iter().map(|(name, start)| {
         let point = Iterate::at(start, runs, &[], FreeParameters::All);
         let is_enough = |minimum: f64| minimum < (ratio * from.minimum).max(SMALL * point.normal.samples);
-        (Some(point.predicted(lambda)).filter(|minimum| is_enough(*minimum)), point.estimate)
+        (Some(point.predicted(lambda)).filter(|minimum| is_enough(*minimum)), name, point.estimate)
     });
-    let promising = promised.filter_map(|(minimum, start)| Some((minimum?, start)));
-    let Some((_, start)) = promising.min_by(|p, q| p.0.total_cmp(&q.0)) else { return Ok(None) };
-    refine_from(start, Smoothness::Fixed(lambda), runs, FreeParameters::All, watch).map(Some)
+    let promising = promised.filter_map(|(minimum, name, start)| Some((minimum?, name, start)));
+    let Some((_, name, start)) = promising.min_by(|p, q| p.0.total_cmp(&q.0)) else { return Ok(None) };
+    let fitted = refine_from(start, Smoothness::Fixed(lambda), runs, FreeParameters::All, watch)?;
+    Ok(Some((name, fitted)))
 }
 
 /// The next point with lower cost, if one is found.

@@ -90,6 +90,11 @@ impl Prior {
         &self.current
     }
 
+    /// The current values that must not be negative.
+    pub(super) fn signed(&self) -> impl Iterator<Item = f64> {
+        self.current.iter().zip(&self.signed).filter(|(_, signed)| **signed).map(|(value, _)| *value)
+    }
+
     /// `x` as unknowns of the equations: the weights, and the steps of the others.
     pub(super) fn steps(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut steps = x - &self.current;

@@ -1,0 +1,62 @@
+//! How close a fit is to its minimum: the decrease that the linearised equations still promise, and the parameters at a
+//! limit.
+
+use super::refine::{Fitted, Iterate};
+use super::runs::TrainingRecord;
+use super::solve::{FreeParameters, Prior};
+use crate::number::short;
+
+/// Decrease of the sum of squares from which a fit is not at its minimum, and one that is next to nothing [%].
+const UNFINISHED: f64 = 1.0;
+const NEXT_TO_NOTHING: f64 = 0.01;
+
+/// The note.
+pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<String> {
+    let (estimate, lambda) = (&fitted.estimate, fitted.held_out.lambda);
+    let prior = Prior::of(estimate);
+    let zeros = prior.signed().filter(|value| *value == 0.0).count();
+    let signed = prior.signed().count();
+    let shape = estimate.basis.shape().into_iter();
+    let limits =
+        shape.filter(|p| p.value <= p.low || p.value >= p.high).map(|p| format!("{} = {}", p.name, short(p.value)));
+    let limits: Vec<String> =
+        std::iter::once(format!("{zeros} of {signed} weights and creep gains are zero")).chain(limits).collect();
+
+    let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
+    let promised = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
+    let ends = if promised < UNFINISHED { "at a minimum" } else { "not at a minimum" };
+    let promised = if promised < NEXT_TO_NOTHING { format!("less than {NEXT_TO_NOTHING}") } else { short(promised) };
+    Some(format!(
+        "search: {ends}: one more step promises {promised} % less of the sum of squares; at their limits: {}",
+        limits.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::held_out::Smoothness;
+    use super::super::refine::refine_from;
+    use super::super::{runs::of, testing::estimate};
+    use super::*;
+    use crate::linear::Arx;
+    use crate::record::Record;
+    use crate::system::System;
+
+    #[test]
+    fn a_fit_is_at_its_minimum_and_one_that_was_moved_is_not() {
+        let block = Arx::new(5e-4, vec![0.9], vec![0.1]).unwrap();
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let rough = |(t, y): (usize, f64)| y + 0.1 * ((t * t) as f64 * 0.618_034).fract();
+        let y = block.simulate(&u).into_iter().enumerate().map(rough).collect();
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6).with_linear(block).unwrap();
+        let mut fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+        let note = optimality(&fit, &runs).unwrap();
+        assert!(note.starts_with("search: at a minimum: one more step promises less than 0.01 %"), "{note}");
+        assert!(note.contains(" of 7 weights and creep gains are zero"), "{note}");
+        fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap()).unwrap();
+        let note = optimality(&fit, &runs).unwrap();
+        assert!(note.starts_with("search: not at a minimum"), "{note}");
+    }
+}
