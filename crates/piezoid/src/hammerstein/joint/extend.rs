@@ -89,7 +89,7 @@ pub(super) fn extensions(
         found.extend(scores.into_iter().zip(kind).min_by(|p, q| p.0.total_cmp(&q.0)));
     }
     found.sort_by(|p, q| p.0.total_cmp(&q.0));
-    let (mut shown, mut hidden): (Vec<(f64, Extension)>, Vec<(f64, Extension)>) = Default::default();
+    let (mut shown, mut hidden) = (Vec::<(f64, Extension)>::new(), Vec::new());
     for (_, Extension { name, linear }) in found {
         if shown.len() == SEVERAL {
             break;

@@ -226,7 +226,7 @@ fn lower(
         let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
         let moved = point.estimate.moved(x.as_slice());
         let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
-        if let Some(estimate) = moved.filter(|estimate| possible(&estimate.linear)) {
+        if let Some(estimate) = moved.filter(|next| possible(&next.linear) || !possible(&point.estimate.linear)) {
             let next = Iterate::at(estimate, runs, &point.own(&x), point.free);
             if next.cost(lambda) < cost {
                 *damping = (*damping * 0.1).max(1e-9);
@@ -254,4 +254,25 @@ fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> bool {
         run.heavier = heavier;
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{runs::of, testing::estimate};
+    use super::*;
+    use crate::record::Record;
+    use crate::system::System;
+
+    #[test]
+    fn a_start_without_damping_is_fitted_too() {
+        let radius = 0.9999f64;
+        let block = Arx::new(5e-4, vec![2.0 * radius * 0.9, -radius * radius], vec![0.1]).unwrap();
+        assert!(!is_damped(&block));
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let records = [Record::new(5e-4, u.clone(), block.simulate(&u)).unwrap()];
+        let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6).with_linear(block).unwrap();
+        let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+        assert!(fit.cost() < 1e-4, "{:e}", fit.cost());
+    }
 }
