@@ -8,14 +8,14 @@ use piezoid::control::predictive::{Predictive, PredictiveSettings, Solver};
 use piezoid::control::{Controller, ControllerInput};
 use piezoid::creep::Creep;
 use piezoid::driver::DriverModel;
-use piezoid::excitation::{Prbs, Sine};
+use piezoid::excitation::{Prbs, RisingSine, Sine};
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, OPERATORS, Operator, TwoBranch};
 use piezoid::linear::{AbsoluteError, Arx, Estimator, Orders, Regression};
 use piezoid::optimize::swarm::{Cost, SwarmSettings};
 use piezoid::plant::{Plant, Preset};
 use piezoid::progress::Stage;
-use piezoid::{Error, Record, System};
+use piezoid::{Error, IdentifyOptions, Record, System};
 use piezoid_report::study::Study;
 use serde_json::{Map, Value};
 use std::hint::black_box;
@@ -63,6 +63,26 @@ fn estimators(c: &mut Criterion) {
         group.bench_function(name, |b| {
             b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut Stage::ignore));
         });
+    }
+    group.finish();
+}
+
+/// The joint method: one operator on more and more samples, and all operators.
+fn identification(c: &mut Criterion) {
+    let record = |hertz: f64, n: usize| {
+        let u = RisingSine { amplitude: 28.0, frequency: hertz, ..RisingSine::default() }.samples(TS, n)?;
+        let y = Plant::named("pl140", TS)?.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        Record::new(TS, u, y)
+    };
+    let mut group = c.benchmark_group("joint identification, samples of three rising sines");
+    group.sample_size(10);
+    for (operator, n) in [("preisach", 10_000), ("preisach", 40_000), ("preisach", 160_000), ("auto", 10_000)] {
+        let records = [2.0, 10.0, 50.0].map(|hertz| record(hertz, n)).into_iter().collect::<Result<Vec<_>, _>>();
+        let Ok(records) = records else { return };
+        let options = IdentifyOptions { operator: operator.into(), ..IdentifyOptions::default() };
+        group.throughput(Throughput::Elements(3 * n as u64));
+        let id = BenchmarkId::new(operator, 3 * n);
+        group.bench_function(id, |b| b.iter(|| piezoid::identify(black_box(&records[..]), &options)));
     }
     group.finish();
 }
@@ -316,5 +336,16 @@ fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Default::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(benches, cost, estimators, simulation, bases, inverses, feed_forward, predictive, study);
+criterion_group!(
+    benches,
+    cost,
+    estimators,
+    identification,
+    simulation,
+    bases,
+    inverses,
+    feed_forward,
+    predictive,
+    study
+);
 criterion_main!(benches);

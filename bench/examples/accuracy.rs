@@ -1,5 +1,6 @@
-//! Accuracy of joint identification on validation data, compared with the paper's method. The records come from two
-//! twins of a bender with creep, noise and a driver; a user could take them. One model covers all frequencies.
+//! Accuracy of joint identification on validation data, compared with the paper's method. The records come from twins
+//! of a bender with creep, noise and a driver; a user could take them. One model covers all frequencies. The joint
+//! method is also used on twins drawn at random.
 //!
 //! ```text
 //! cargo run --release -p piezoid-bench --example accuracy -- docs
@@ -16,6 +17,8 @@ use piezoid::plant::{Plant, Preset, Spec};
 use piezoid::validation::Metrics;
 use piezoid::{Error, IdentifyOptions, Method, Record, Records, System, identify};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Sampling period [s].
@@ -23,6 +26,12 @@ pub(crate) const TS: f64 = 5e-4;
 
 /// The twins. Their true hysteresis is a Preisach density and a Bouc-Wen law.
 pub(crate) const TWINS: [&str; 2] = ["pl140", "pl140-bouc-wen"];
+
+/// A twin with effects that no model has.
+pub(crate) const OUTSIDE: &str = "pl140-nonlinear";
+
+/// Number of twins drawn at random.
+const DRAWS: u64 = 20;
 
 /// Frequencies [Hz] and durations [s] of the training sines.
 const SEEN: [(f64, f64); 6] = [(1.0, 8.0), (5.0, 4.0), (20.0, 3.0), (40.0, 3.0), (80.0, 3.0), (160.0, 3.0)];
@@ -200,19 +209,66 @@ const DIVERGED: f64 = 1000.0;
 /// Target for the ratio of the paper's error to the joint error.
 const TIMES: f64 = 10.0;
 
+/// The errors of a method on the records of a twin.
+fn errors(way: &IdentificationMethod, twin: &Twin, records: &[Vec<Record>]) -> Result<(Model, Vec<Vec<f64>>), Error> {
+    let model = (way.identify)(twin)?.model;
+    let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
+    let errors = records.iter().map(|of_kind| of_kind.iter().map(left).collect()).collect();
+    Ok((model, errors))
+}
+
+/// The validation records of a twin, by kind and frequency.
+fn validation(twin: &Twin) -> Result<Vec<Vec<Record>>, Error> {
+    let of_kind = |kind| VALIDATION.into_iter().map(|hz| twin.validation(kind, hz)).collect();
+    KINDS.iter().map(of_kind).collect()
+}
+
 /// The errors of every method on a twin.
 fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
     let twin = Twin::new(name)?;
-    let of_kind = |kind| VALIDATION.into_iter().map(|hz| twin.validation(kind, hz)).collect::<Result<Vec<_>, _>>();
-    let records = KINDS.iter().map(of_kind).collect::<Result<Vec<_>, _>>()?;
+    let records = validation(&twin)?;
     let outcome = |way: &'static IdentificationMethod| {
-        let model = (way.identify)(&twin)?.model;
-        let left = |record: &Record| Some(error(&model, record)).filter(|e| *e < DIVERGED).unwrap_or(f64::INFINITY);
-        let errors: Vec<Vec<f64>> = records.iter().map(|of_kind| of_kind.iter().map(left).collect()).collect();
+        let (model, errors) = errors(way, &twin, &records)?;
         eprintln!("{name}, {}: {errors:.3?}", way.name);
         Ok(Outcome { twin: name, way, operator: model.hysteresis().operator().name, errors })
     };
     WAYS.iter().map(outcome).collect()
+}
+
+/// A `pl140` whose creep, hysteresis and driver are drawn at random.
+fn drawn(seed: u64) -> Result<Spec, Box<dyn std::error::Error>> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut between = |low: f64, high: f64| random.random_range(low..high);
+    let mut spec: serde_json::Value = serde_json::from_str(&(Preset::find("pl140")?.spec)().to_json()?)?;
+    spec["creep_per_decade"] = between(0.01, 0.02).into();
+    spec["creep_from_s"] = between(0.03f64.ln(), 0.3f64.ln()).exp().into();
+    spec["driver"]["lag_s"] = between(3e-5f64.ln(), 3e-4f64.ln()).exp().into();
+    let density = &mut spec["hysteresis"]["preisach"];
+    density["width"] = between(0.08, 0.18).into();
+    density["half_width_v"] = between(10.0, 30.0).into();
+    density["asymmetry"] = between(0.0, 0.6).into();
+    Ok(Spec::from_json(&spec.to_string())?)
+}
+
+/// Table of the errors on twins drawn at random: of each twin its median error, and its largest one.
+fn draws() -> Result<String, Box<dyn std::error::Error>> {
+    let titles = ["method", "median of a twin: smallest [%]", "median [%]", "largest [%]"].map(String::from);
+    let worst = ["largest of a twin: smallest [%]", "median [%]", "largest [%]"].map(String::from);
+    let mut text = row(&[&titles[..], &worst[..]].concat()) + "|---|--:|--:|--:|--:|--:|--:|\n";
+    for way in &WAYS[PAPER.end..] {
+        let (mut medians, mut largest) = (Vec::new(), Vec::new());
+        for seed in 0..DRAWS {
+            let twin = Twin::of(&drawn(seed)?)?;
+            let (model, errors) = errors(way, &twin, &validation(&twin)?)?;
+            let [_, median, most] = range(&errors.concat());
+            eprintln!("draw {seed}, {}, {}: {median:.3} {most:.2}", way.name, model.hysteresis().operator().name);
+            medians.push(median);
+            largest.push(most);
+        }
+        let shown = [medians, largest].map(|errors| range(&errors).map(cell));
+        text += &row(&[&[way.name.to_string()][..], &shown.concat()].concat());
+    }
+    Ok(text)
 }
 
 /// Ratios of the paper's errors to the joint errors, by kind and frequency.
@@ -248,7 +304,8 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
         text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
     }
-    text + &page::wrapped(&twins.iter().map(|outcomes| near(outcomes)).collect::<String>())
+    let inside = twins.iter().filter(|outcomes| outcomes[0].twin != OUTSIDE);
+    text + &page::wrapped(&inside.map(|outcomes| near(outcomes)).collect::<String>())
 }
 
 /// Records of a twin on which the error of the best variant of the paper's method is less than [`TIMES`] times the
@@ -299,7 +356,8 @@ fn figure(twins: &[Vec<Outcome>]) -> Figure {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).ok_or("usage: accuracy FOLDER")?);
-    let twins = TWINS.into_iter().map(outcomes).collect::<Result<Vec<_>, _>>()?;
+    page::write(&folder.join("accuracy.md"), "draws", &draws()?)?;
+    let twins = TWINS.into_iter().chain([OUTSIDE]).map(outcomes).collect::<Result<Vec<_>, _>>()?;
     page::write(&folder.join("accuracy.md"), "summary", &summary(&twins))?;
     page::write(&folder.join("accuracy.md"), "errors", &table(&twins))?;
     Ok(std::fs::write(folder.join("accuracy.svg"), figure(&twins).svg())?)

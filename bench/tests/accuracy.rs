@@ -7,7 +7,7 @@
 #[path = "../examples/accuracy.rs"]
 mod accuracy;
 
-use accuracy::{KINDS, TWINS, Twin, error, range};
+use accuracy::{KINDS, OUTSIDE, TWINS, Twin, error, range};
 use piezoid::plant::{Preset, Spec};
 
 /// Frequencies below, at and above the resonance [Hz]. At the last one the driver's current limit distorts every
@@ -51,7 +51,7 @@ fn the_error_at_the_slew_limit_of_the_driver_is_not_hysteresis() {
 #[test]
 fn the_page_of_accuracy_has_every_twin_and_kind() {
     let page = include_str!("../../docs/accuracy.md");
-    for twin in TWINS {
+    for twin in TWINS.into_iter().chain([OUTSIDE]) {
         for kind in &KINDS {
             let rows = page.lines().filter(|line| line.starts_with(&format!("| `{twin}` | {} |", kind.name)));
             assert_eq!(rows.count(), 4, "{twin}, {}", kind.name);

@@ -6,14 +6,15 @@
 //! p_i'' + 2 zeta_i w_i p_i' + w_i^2 p_i = w_i^2 share_i L,    y = sum_i p_i + (1 - sum_i share_i) L
 //! ```
 //! L is the static displacement of the tip. The shares of all modes add up to 1; the share of omitted modes follows L
-//! directly. Each mode is advanced exactly for an L held over the step.
+//! directly. Each mode is advanced exactly for an L held over the step. A mode that softens has the restoring force
+//! w^2 e / (1 + s |e|), e = p - share L; what it lacks to w^2 e acts at the start and at the end of the step.
 //!
 //! Reference: R. G. Ballas, "Piezoelectric Multilayer Beam Bending Actuators", Springer (2007), DOI
 //! 10.1007/978-3-540-32642-7. Not modelled: shear, rotary inertia, torsion, a payload, air.
 //!
 //! State: for each mode, p [m] and p' / w [m].
 
-use super::spec::{BeamMode, BeamSpec, Cantilever, require};
+use super::spec::{BeamMode, BeamSpec, Cantilever, non_negative, require};
 use crate::error::{Error, positive};
 use std::f64::consts::{PI, TAU};
 
@@ -29,6 +30,9 @@ pub(super) struct Beam {
 #[derive(Debug, Clone)]
 struct ModeStep {
     share: f64,
+    /// s [1/m], and w h / 2: half of what changes p' / w.
+    softening: f64,
+    half: f64,
     matrix: [[f64; 2]; 2],
 }
 
@@ -63,27 +67,39 @@ impl Beam {
     /// Advances one step under the held static displacement `l` [m].
     #[inline]
     pub(super) fn advance(&self, x: &mut [f64], l: f64) {
-        for (x, ModeStep { share, matrix: [[a, b], [c, d]] }) in x.chunks_exact_mut(2).zip(&self.steps) {
-            let (p, q) = (x[0] - share * l, x[1]);
-            x[0] = a * p + b * q + share * l;
-            x[1] = c * p + d * q;
+        for (x, step) in x.chunks_exact_mut(2).zip(&self.steps) {
+            let [[a, b], [c, d]] = step.matrix;
+            let (p, mut q) = (x[0] - step.share * l, x[1]);
+            q += step.lacking(p);
+            (x[0], q) = (a * p + b * q, c * p + d * q);
+            x[1] = q + step.lacking(x[0]);
+            x[0] += step.share * l;
         }
     }
 }
 
 impl ModeStep {
     fn new(mode: &BeamMode, i: usize, h: f64) -> Result<Self, Error> {
-        let &BeamMode { frequency_hz, damping, share } = mode;
+        let &BeamMode { frequency_hz, damping, share, softening_per_m: softening } = mode;
         positive(&format!("beam.modes[{i}].frequency_hz"), frequency_hz, "hertz")?;
         let rule = "must lie between 0 and 1";
         require(damping > 0.0 && damping < 1.0, &format!("beam.modes[{i}].damping"), damping, rule)?;
         require(share.is_finite(), &format!("beam.modes[{i}].share"), share, "must be a finite number")?;
+        non_negative(&format!("beam.modes[{i}].softening_per_m"), softening, "1/m")?;
 
         let root = (1.0 - damping * damping).sqrt();
         let (w, keep) = (TAU * frequency_hz, (-damping * TAU * frequency_hz * h).exp());
         let (sin, cos) = (w * root * h).sin_cos();
         let (turn, lag) = (keep * sin / root, keep * damping * sin / root);
-        Ok(ModeStep { share, matrix: [[keep * cos + lag, turn], [-turn, keep * cos - lag]] })
+        let matrix = [[keep * cos + lag, turn], [-turn, keep * cos - lag]];
+        Ok(ModeStep { share, softening, half: 0.5 * w * h, matrix })
+    }
+
+    /// The change of p' / w over half a step by the force that a mode lacks at the distance `e` [m].
+    #[inline]
+    fn lacking(&self, e: f64) -> f64 {
+        let soft = self.softening * e.abs();
+        self.half * e * soft / (1.0 + soft)
     }
 }
 
@@ -100,7 +116,7 @@ impl Cantilever {
         let hertz = (modulus / (12.0 * density)).sqrt() * thickness / (TAU * length * length);
         let mode = |(i, &damping): (usize, &f64)| {
             let x = eigenvalue(i);
-            BeamMode { frequency_hz: x * x * hertz, damping, share: 8.0 * sigma(x) / x.powi(3) }
+            BeamMode { frequency_hz: x * x * hertz, damping, share: 8.0 * sigma(x) / x.powi(3), softening_per_m: 0.0 }
         };
         Ok(self.damping.iter().enumerate().map(mode).collect())
     }
@@ -177,7 +193,7 @@ mod tests {
                 let (sin, cos) = (w * h).sin_cos();
                 // (1 - exp(-j w h)) / (j w_k h) = (sin - j (1 - cos)) / (w_k h)
                 let (hold_re, hold_im) = (sin / (wk * h), -(1.0 - cos) / (wk * h));
-                for BeamMode { frequency_hz, damping, share } in &modes {
+                for BeamMode { frequency_hz, damping, share, .. } in &modes {
                     let r = wk / (TAU * frequency_hz);
                     let (a, b) = (1.0 - r * r, 2.0 * damping * r);
                     let (g_re, g_im) = (share * a / (a * a + b * b), -share * b / (a * a + b * b));
@@ -206,8 +222,31 @@ mod tests {
     }
 
     #[test]
+    fn a_mode_that_softens_rings_more_slowly_when_it_rings_widely() {
+        let (h, s) = (1e-5, 140.0);
+        let mode = BeamMode { frequency_hz: 160.0, damping: 1e-4, share: 1.0, softening_per_m: s };
+        let beam = Beam::new(&BeamSpec::Modes(vec![mode]), h).unwrap();
+        for amplitude in [1e-5, 0.5e-3] {
+            let mut x = vec![amplitude, 0.0];
+            let mut falls = Vec::new();
+            for t in 0..20_000 {
+                let before = x[0];
+                beam.advance(&mut x, 0.0);
+                if before > 0.0 && x[0] <= 0.0 {
+                    falls.push((f64::from(t) + before / (before - x[0])) * h);
+                }
+            }
+            let hertz = 4.0 / (falls[4] - falls[0]);
+            // Of first order in s: the force w^2 (e - s |e| e) has the frequency w (1 - 4 s amplitude / 3 pi).
+            let fall = 4.0 * s * amplitude / (3.0 * PI);
+            assert_close(&[1.0 - hertz / 160.0], &[fall], 0.12, 1e-5);
+        }
+    }
+
+    #[test]
     fn a_mode_without_damping_is_an_error() {
-        let spec = BeamSpec::Modes(vec![BeamMode { frequency_hz: 160.0, damping: 0.0, share: 1.0 }]);
+        let spec =
+            BeamSpec::Modes(vec![BeamMode { frequency_hz: 160.0, damping: 0.0, share: 1.0, softening_per_m: 0.0 }]);
         let message = Beam::new(&spec, 1e-4).unwrap_err().to_string();
         assert!(message.starts_with("beam.modes[0].damping = 0"), "{message}");
     }

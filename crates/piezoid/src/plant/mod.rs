@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! u [V] -> driver -> v [V] -> hysteresis -> w [m] -> creep -> L [m] -> beam -> tip [m] -> sensor -> y [m]
+//!                                  ^---------- coupling k * (tip - L) ---------'
 //! ```
 //! Each stage has its own file with its law. Every stage is exact for an input held over an inner step h. They are
 //! coupled by the midpoint rule: the driver advances h/2, the ceramic gets the voltage of mid-step, the beam advances
@@ -38,11 +39,12 @@ use creep::CreepStage;
 use driver::DriverStage;
 use material::Material;
 use sensor::Sensor;
+use spec::require;
 
 /// A simulated bender with its driver and sensor: u [V] about mid-voltage in, y [m] out.
 ///
 /// State, in this order: number of samples; numbers of clamped, current-limited and sensor-clipped samples; driver
-/// voltage [V]; tip displacement [m]; lagged displacement of the sensor [m]; then creep, beam and hysteresis as in
+/// voltage [V]; tip displacement [m]; lagged displacement of the sensor [m]; strain of vibration [m]; then creep, beam and hysteresis as in
 /// their files.
 ///
 /// ```
@@ -60,6 +62,8 @@ pub struct Plant {
     inner_steps: usize,
     logged: Logged,
     driver: DriverStage,
+    /// Voltage that a strain of vibration takes away [V/m].
+    coupling: f64,
     material: Material,
     creep: CreepStage,
     beam: Beam,
@@ -73,7 +77,8 @@ const CLIPPED: usize = 3;
 const VOLTAGE: usize = 4;
 const TIP: usize = 5;
 const LAGGED: usize = 6;
-const HEAD: usize = 7;
+const STRAIN: usize = 7;
+const HEAD: usize = 8;
 
 /// A simulated measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,14 +107,16 @@ impl Plant {
         if !(1..=10_000).contains(&spec.inner_steps) {
             return Err(Error::parameter("inner_steps", spec.inner_steps, "must be from 1 to 10000"));
         }
+        require((0.0..0.9).contains(&spec.coupling), "coupling", spec.coupling, "must be from 0 to 0.9")?;
         let h = ts / spec.inner_steps as f64;
         Ok(Plant {
             ts,
             inner_steps: spec.inner_steps,
             logged: spec.logged,
             driver: DriverStage::new(&spec.driver, 0.5 * h)?,
+            coupling: spec.coupling * spec.hysteresis.volts_per_m(),
             material: Material::new(&spec.hysteresis)?,
-            creep: CreepStage::new(spec.creep_per_decade, h)?,
+            creep: CreepStage::new(spec.creep_per_decade, spec.creep_from_s, h)?,
             beam: Beam::new(&spec.beam, h)?,
             sensor: Sensor::new(&spec.sensor, h, 0)?,
         })
@@ -149,13 +156,16 @@ impl Plant {
         let mut limited = false;
         for _ in 0..self.inner_steps {
             limited |= self.driver.advance(&mut v, u);
-            let l = self.creep.advance(creep, self.material.displacement(ceramic, v));
+            let w = self.material.displacement(ceramic, v - self.coupling * head[STRAIN]);
+            let l = self.creep.advance(creep, w);
             let start = self.beam.tip(beam, l);
             self.beam.advance(beam, l);
-            self.sensor.advance(&mut head[LAGGED], 0.5 * (start + self.beam.tip(beam, l)));
+            let tip = self.beam.tip(beam, l);
+            head[STRAIN] = tip - l;
+            self.sensor.advance(&mut head[LAGGED], 0.5 * (start + tip));
             limited |= self.driver.advance(&mut v, u);
         }
-        let l = self.creep.output(creep, self.material.displacement(ceramic, v));
+        let l = self.creep.output(creep, self.material.displacement(ceramic, v - self.coupling * head[STRAIN]));
 
         head[TIP] = self.beam.tip(beam, l);
         head[VOLTAGE] = v;
@@ -288,6 +298,24 @@ mod tests {
     }
 
     #[test]
+    fn the_coupling_stiffens_the_mode_and_damps_it_by_hysteresis() {
+        let step = |coupling: f64| {
+            let spec = Spec { coupling, ..spec("paper") };
+            let y = plant(&spec).run(&[vec![10.0; 400], vec![-10.0; 400]].concat()).y;
+            let still = y[799];
+            let ringing: Vec<f64> = y[400..800].iter().map(|y| y - still).collect();
+            let falls = ringing.windows(2).enumerate().filter(|(_, w)| w[0] > 0.0 && w[1] <= 0.0);
+            let falls: Vec<usize> = falls.map(|(t, _)| t).take(5).collect();
+            let peak = |part: &[f64]| part.iter().fold(0.0f64, |m, y| m.max(y.abs()));
+            ((falls[4] - falls[0]) as f64, peak(&ringing[40..54]) / peak(&ringing[..14]))
+        };
+        let ((free, rings), (coupled, damped)) = (step(0.0), step(0.3));
+        // w / sqrt(1 - 0.3), if the ceramic were linear.
+        assert_close(&[coupled / free], &[0.7f64.sqrt()], 0.1, 0.0);
+        assert!(damped < 0.95 * rings, "{damped}, without coupling {rings}");
+    }
+
+    #[test]
     fn logging_before_is_logging_after_delayed_by_one_sample() {
         let after = Spec { logged: Logged::After, ..quiet(spec("pl140")) };
         let before = Spec { logged: Logged::Before, ..after.clone() };
@@ -392,6 +420,8 @@ mod tests {
         assert!(error(|s| s.inner_steps = 0).starts_with("inner_steps = 0"));
         assert!(error(|s| s.driver.lag_s = -1.0).starts_with("driver.lag_s = -1"));
         assert!(error(|s| s.creep_per_decade = f64::NAN).starts_with("creep_per_decade = NaN"));
+        assert!(error(|s| s.coupling = 1.0).starts_with("coupling = 1"));
+        assert!(error(|s| s.creep_from_s = 0.0).starts_with("creep_from_s = 0"));
         assert!(error(|s| s.sensor.bits = Some(64)).starts_with("sensor.bits = 64"));
         assert!(Plant::new(&spec("pl140"), 0.0).unwrap_err().to_string().starts_with("ts = 0"));
     }

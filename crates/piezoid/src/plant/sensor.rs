@@ -1,17 +1,17 @@
-//! The displacement sensor: a lag, noise, and a converter with a range.
+//! The displacement sensor: a lag, a curve, noise, and a converter with a range.
 //!
 //! ```text
-//! s' = (y - s) / tau,    reading = q clamp(round((s + rms n) / q)),   q = 2 range / 2^bits
+//! s' = (y - s) / tau,   v = s + c s^2 / range,   reading = q clamp(round((v + rms n) / q)),   q = 2 range / 2^bits
 //! ```
 //! The codes are from -2^(bits-1) to 2^(bits-1) - 1, so the highest reading is one q below +range. The noise n depends
 //! only on the seed and the number of the sample, so a copied state has the same future.
 //!
 //! Reference: J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC'11, DOI 10.1145/2063384.2063405
-//! (counter-based generators; here ChaCha with 8 rounds). Not modelled: drift, nonlinearity, coloured noise.
+//! (counter-based generators; here ChaCha with 8 rounds). Not modelled: drift, coloured noise.
 //!
 //! State: one number, the lagged displacement s [m].
 
-use super::spec::{SensorSpec, non_negative};
+use super::spec::{SensorSpec, non_negative, require};
 use crate::error::{Error, positive};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -25,6 +25,8 @@ const WORDS: u128 = 16;
 pub(super) struct Sensor {
     /// Remaining share of y - s after a step [-].
     keep: f64,
+    /// c / range [1/m].
+    bend: f64,
     rms: f64,
     /// Lowest and highest reading [m].
     min: f64,
@@ -39,6 +41,9 @@ impl Sensor {
     pub(super) fn new(spec: &SensorSpec, h: f64, seed: u64) -> Result<Self, Error> {
         let lag = non_negative("sensor.lag_s", spec.lag_s, "seconds")?;
         let rms = non_negative("sensor.noise_rms_m", spec.noise_rms_m, "metres")?;
+        let rule = "must be a number from -0.5 to 0.5 and needs range_m; or 0";
+        let is_possible = spec.curvature.abs() <= 0.5 && (spec.curvature == 0.0 || spec.range_m.is_some());
+        require(is_possible, "sensor.curvature", spec.curvature, rule)?;
         let range = match spec.range_m {
             None => f64::INFINITY,
             Some(range) => positive("sensor.range_m", range, "metres, or null for no limit")?,
@@ -56,7 +61,7 @@ impl Sensor {
         };
         let keep = if lag > 0.0 { (-h / lag).exp() } else { 0.0 };
         let generator = ChaCha8Rng::seed_from_u64(seed);
-        Ok(Sensor { keep, rms, min: -range, max: range - code, code, generator })
+        Ok(Sensor { keep, bend: spec.curvature / range, rms, min: -range, max: range - code, code, generator })
     }
 
     /// The same sensor with other noise.
@@ -76,6 +81,7 @@ impl Sensor {
 
     /// Reads `s` [m] as sample number `n`; true if the range clipped it.
     pub(super) fn read(&self, s: f64, n: u64) -> (f64, bool) {
+        let s = s + self.bend * s * s;
         let noisy = if self.rms > 0.0 { s + self.rms * self.normal(n) } else { s };
         let coded = if self.code > 0.0 { (noisy / self.code).round() * self.code } else { noisy };
         (coded.clamp(self.min, self.max), coded < self.min || coded > self.max)
@@ -124,6 +130,12 @@ mod tests {
     }
 
     #[test]
+    fn the_curve_is_quadratic() {
+        let sensor = sensor(&SensorSpec { curvature: 0.02, range_m: Some(2e-3), ..SensorSpec::default() });
+        assert_close(&[sensor.read(1e-3, 0).0, sensor.read(-1e-3, 0).0], &[1.01e-3, -0.99e-3], 1e-12, 0.0);
+    }
+
+    #[test]
     fn the_lag_is_of_first_order() {
         let (sensor, mut s) = (sensor(&SensorSpec { lag_s: 1e-3, ..SensorSpec::default() }), 0.0);
         (0..40).for_each(|_| sensor.advance(&mut s, 1.0));
@@ -134,6 +146,8 @@ mod tests {
     fn bits_need_a_range() {
         let refused =
             |range_m, bits| Sensor::new(&SensorSpec { range_m, bits, ..SensorSpec::default() }, 1e-5, 0).is_err();
+        let bent = SensorSpec { curvature: 0.01, ..SensorSpec::default() };
+        assert!(Sensor::new(&bent, 1e-5, 0).is_err());
         assert!(refused(None, Some(16)) && refused(Some(1e-3), Some(0)) && refused(Some(-1.0), None));
     }
 }

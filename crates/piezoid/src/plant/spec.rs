@@ -26,6 +26,13 @@ pub struct Spec {
     /// Creep g per decade of time, as a share of the displacement 0.1 s after a step; 0 for none [-].
     #[serde(default)]
     pub(crate) creep_per_decade: f64,
+    /// Time constant of the fastest of its four lags, one decade apart [s].
+    #[serde(default = "creep_from")]
+    pub(crate) creep_from_s: f64,
+    /// Share of the voltage at the ceramic that the strain of a vibration takes away, by the direct piezoelectric
+    /// effect; 0 for none [-].
+    #[serde(default)]
+    pub(crate) coupling: f64,
     /// The mechanics.
     pub(crate) beam: BeamSpec,
     /// The sensor; the default is ideal.
@@ -114,6 +121,9 @@ pub(crate) struct BeamMode {
     pub(crate) damping: f64,
     /// Share of the static displacement; the rest to 1 has no dynamics [-].
     pub(crate) share: f64,
+    /// s: its stiffness is divided by 1 + s e at a distance e from the static displacement; 0 if it is linear [1/m].
+    #[serde(default)]
+    pub(crate) softening_per_m: f64,
 }
 
 /// A uniform cantilever, bent along its whole free length by the piezo moment.
@@ -140,6 +150,8 @@ pub(crate) struct SensorSpec {
     pub(crate) lag_s: f64,
     /// White noise per sample, rms [m].
     pub(crate) noise_rms_m: f64,
+    /// c of y + c y^2 / range, the curve of the readings; 0 if it is straight. It needs a range [-].
+    pub(crate) curvature: f64,
     /// Range of the readings, +- this; `None` (`null`) is unlimited [m].
     pub(crate) range_m: Option<f64>,
     /// Bits of the converter over the range; `None` (`null`) is no quantisation.
@@ -193,6 +205,19 @@ fn inner_steps() -> usize {
     20
 }
 
+fn creep_from() -> f64 {
+    0.1
+}
+
+impl HysteresisSpec {
+    /// Volts per metre of the major loop.
+    pub(super) fn volts_per_m(&self) -> f64 {
+        let (HysteresisSpec::BoucWen { range_v, displacement_m, .. }
+        | HysteresisSpec::Preisach { range_v, displacement_m, .. }) = self;
+        range_v / displacement_m
+    }
+}
+
 /// Returns an error if the rule does not hold.
 pub(super) fn require(holds: bool, name: &str, value: f64, rule: &str) -> Result<f64, Error> {
     if holds { Ok(value) } else { Err(Error::parameter(name, value, rule)) }
@@ -215,7 +240,8 @@ mod tests {
         )
         .unwrap();
         assert_eq!((spec.driver, spec.sensor), (DriverSpec::default(), SensorSpec::default()));
-        assert_eq!((spec.creep_per_decade, spec.logged, spec.inner_steps), (0.0, Logged::Before, 20));
+        assert_eq!((spec.creep_per_decade, spec.creep_from_s, spec.coupling), (0.0, 0.1, 0.0));
+        assert_eq!((spec.logged, spec.inner_steps), (Logged::Before, 20));
     }
 
     #[test]
