@@ -9,7 +9,8 @@
 //! S = sum_k (1 - exp(-tau_0 / tau_k))
 //! ```
 //! With tau_0 = 0.1 s: from 0.03 to 10 s after a step the error is at most 0.08 g; the slope per decade varies from
-//! 0.87 g to 1.11 g (from 0.06 s), and is 0.99 g on average. Before and after that the displacement is constant, while the law has no limits.
+//! 0.87 g to 1.11 g (from 0.06 s), and is 0.99 g on average. Before and after that the displacement is constant, while
+//! the law has no limits.
 //!
 //! Reference: H. Jung, D.-G. Gweon, "Creep characteristics of piezoelectric actuators", Rev. Sci. Instrum. 71, 1896
 //! (2000), DOI 10.1063/1.1150559; PI's tutorial gives the law and g = 0.01 to 0.02.

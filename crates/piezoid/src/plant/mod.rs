@@ -44,8 +44,8 @@ use spec::require;
 /// A simulated bender with its driver and sensor: u [V] about mid-voltage in, y [m] out.
 ///
 /// State, in this order: number of samples; numbers of clamped, current-limited and sensor-clipped samples; driver
-/// voltage [V]; tip displacement [m]; lagged displacement of the sensor [m]; strain of vibration [m]; then creep, beam and hysteresis as in
-/// their files.
+/// voltage [V]; tip displacement [m]; lagged displacement of the sensor [m]; strain of vibration [m]; then creep, beam
+/// and hysteresis as in their files.
 ///
 /// ```
 /// use piezoid::plant::{Plant, Preset};
