@@ -101,11 +101,10 @@ pub(super) fn extensions(
             list.push((alone.minimum, Extension { name, linear }));
         }
     }
-    let sorted = |mut list: Vec<(f64, Extension)>, most: usize| {
-        list.sort_by(|p, q| p.0.total_cmp(&q.0));
-        list.into_iter().take(most).map(|(_, extension)| extension).collect()
-    };
-    Ok([sorted(shown, SEVERAL), sorted(hidden, 1)])
+    let mut lists = [shown, hidden];
+    lists.iter_mut().for_each(|list| list.sort_by(|p, q| p.0.total_cmp(&q.0)));
+    lists[1].truncate(1);
+    Ok(lists.map(|list| list.into_iter().map(|(_, extension)| extension).collect()))
 }
 
 /// All extensions of a linear block by kind, with modes from `lowest` [Hz] on.

@@ -97,9 +97,9 @@ impl Structure {
 
     /// True if this is clearly better than `other`.
     fn gains_on(&self, other: &Structure) -> bool {
-        let whole = |t: &Structure| t.fitted.cost().sqrt().hypot(NOTHING);
-        let (ratio, whole) = (self.error() / other.error(), whole(self) / whole(other));
-        ratio < GAIN || (ratio <= 1.0 && whole < WHOLE)
+        let of_whole = |t: &Structure| t.fitted.cost().sqrt().hypot(NOTHING);
+        let (held_out, whole) = (self.error() / other.error(), of_whole(self) / of_whole(other));
+        held_out < GAIN || (held_out <= 1.0 && whole < WHOLE)
     }
 
     /// Order and delay, and what was added last.

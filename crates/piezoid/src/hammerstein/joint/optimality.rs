@@ -13,14 +13,14 @@ const NEXT_TO_NOTHING: f64 = 0.01;
 /// The note.
 pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<String> {
     let (estimate, lambda) = (&fitted.estimate, fitted.held_out.lambda);
-    let prior = Prior::of(estimate);
-    let zeros = prior.signed().filter(|value| *value == 0.0).count();
-    let signed = prior.signed().count();
+    let signed: Vec<f64> = Prior::of(estimate).signed().collect();
+    let zeros = signed.iter().filter(|value| **value == 0.0).count();
     let shape = estimate.basis.shape().into_iter();
     let limits =
         shape.filter(|p| p.value <= p.low || p.value >= p.high).map(|p| format!("{} = {}", p.name, short(p.value)));
-    let limits: Vec<String> =
-        std::iter::once(format!("{zeros} of {signed} weights and creep gains are zero")).chain(limits).collect();
+    let limits: Vec<String> = std::iter::once(format!("{zeros} of {} weights and creep gains are zero", signed.len()))
+        .chain(limits)
+        .collect();
 
     let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
     let promised = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
