@@ -72,7 +72,7 @@ const RINGS: f64 = 0.5;
 const NEW_LAG: f64 = 0.2;
 
 /// Makes the basis of an operator for a sampling period [s].
-type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>;
+pub(super) type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>;
 
 /// A fit, and the last extension of its linear block.
 #[derive(Debug)]
@@ -340,7 +340,7 @@ impl Growth {
 
 /// The hysteresis of an estimate with another driver, and whether its lag is sought, other creep and another linear
 /// block.
-fn adopt(
+pub(super) fn adopt(
     estimate: &Estimate,
     (driver, seeks_lag): (Option<DriverModel>, bool),
     lags: &[Lag],

@@ -51,7 +51,7 @@ use super::{Domain, Model};
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::error::Error;
-use crate::hysteresis::{BasisDesign, Operator};
+use crate::hysteresis::BasisDesign;
 use crate::number::short;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
@@ -162,9 +162,9 @@ pub(crate) fn identify_joint(
     let faster = if first.driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let design = BasisDesign { ts: ts / faster, ..design };
 
-    let trials = operators::compare(&candidates, &design, &first, settings.seed, &mut runs, &mut report)?;
-    let (mut fitted, trials) = trials::choose(trials)?;
-    let row = Operator::find(trials.iter().find(|t| t.verdict == "taken").map_or("", |t| t.operator))?;
+    let mut trials = operators::compare(&candidates, &design, &first, settings.seed, &mut runs, &mut report)?;
+    let (taken, mut fitted) = trials::choose(&mut trials)?;
+    let row = candidates[taken];
     let mut watch = |_| report(total - 1, row.name);
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
     if settings.order.is_none() {
@@ -173,7 +173,16 @@ pub(crate) fn identify_joint(
         if settled.of_several {
             reason = settled.reason;
         }
+        if operators::compare_again(&mut trials, taken, &fitted, &design, &mut runs, &mut watch)? {
+            trials[taken] = (OperatorTrial::of(row, &fitted), Some(fitted));
+            fitted = trials::choose(&mut trials)?.1;
+            notes.push(format!(
+                "operators: those close to {} were compared again with the last linear block, which lowered the error much",
+                row.name
+            ));
+        }
     }
+    let trials: Vec<OperatorTrial> = trials.into_iter().map(|(trial, _)| trial).collect();
     notes.push(format!("linear block: {reason}"));
     notes.extend(optimality::optimality(&fitted, &runs));
     notes.extend(check::check_fit(&fitted, &runs)?);

@@ -3,6 +3,7 @@
 
 use super::estimate::Estimate;
 use super::free_run_residual;
+use super::growth::adopt;
 use super::held_out::Smoothness;
 use super::refine::{Fitted, StepCallback, refine, refine_from};
 use super::runs::TrainingRecord;
@@ -20,6 +21,11 @@ const WORSE: f64 = 1.5;
 
 /// Ratio of held-out errors above which the free runs decide between two fits.
 const ALIKE: f64 = 0.95;
+
+/// Ratio of the errors of the operator taken, now and in the comparison, below which it is repeated; and ratio of errors
+/// of two operators in the comparison up to which both take part.
+const FALLEN: f64 = 0.7;
+const CLOSE: f64 = 1.1;
 
 /// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
 ///
@@ -54,6 +60,35 @@ pub(super) fn compare(
         });
     }
     Ok(trials)
+}
+
+/// Fits the operators that were close to the `taken` one again, with the other parts of its present fit, if these have
+/// lowered its error much since the comparison: what they lacked may have hidden how the operators differ. Returns
+/// true if there was another to fit.
+pub(super) fn compare_again(
+    trials: &mut [(OperatorTrial, Option<Fitted>)],
+    taken: usize,
+    fitted: &Fitted,
+    design: &BasisDesign,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<bool, Error> {
+    let then = trials[taken].0.held_out_percent;
+    if 100.0 * fitted.held_out.rms_pp() > FALLEN * then {
+        return Ok(false);
+    }
+    let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
+    let close = trials.iter_mut().filter(|(trial, _)| trial.held_out_percent <= CLOSE * then);
+    let mut again = false;
+    for (trial, other) in close.filter_map(|(trial, other)| Some((trial, other.as_mut()?))) {
+        let row = Operator::find(trial.operator)?;
+        let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
+        let start = adopt(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
+        *other = refine_from(start, Smoothness::Near(other.held_out.lambda), runs, FreeParameters::All, watch)?;
+        *trial = OperatorTrial::of(row, other);
+        again = true;
+    }
+    Ok(again)
 }
 
 /// Fits with the linear block held: with the operator's own shape, and with the best shape of a swarm.

@@ -65,21 +65,23 @@ pub(super) fn candidates(
     Ok(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
 }
 
-/// Selects the operator with the fewest parameters of those as good as the best; returns its fit and all trials.
-pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fitted, Vec<OperatorTrial>), Error> {
-    let (mut trials, mut fitted): (Vec<OperatorTrial>, Vec<Option<Fitted>>) = trials.into_iter().unzip();
-    let found = fitted.iter().flatten().map(|fitted| &fitted.held_out);
+/// Selects the operator with the fewest parameters of those as good as the best; returns its number, and takes its fit
+/// out of the trials.
+pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(usize, Fitted), Error> {
+    let found = trials.iter().filter_map(|(_, fitted)| fitted.as_ref()).map(|fitted| &fitted.held_out);
     let best = found.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
-    for (trial, fitted) in trials.iter_mut().zip(&fitted) {
+    for (trial, fitted) in trials.iter_mut() {
         trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
-        if trial.as_good {
-            trial.verdict = "as good";
-        }
+        trial.verdict = match (trial.as_good, trial.refused.is_some()) {
+            (true, _) => "as good",
+            (_, true) => "refused",
+            _ => "",
+        };
     }
-    let good = (0..trials.len()).filter(|&k| trials[k].as_good);
-    let chosen = good.min_by_key(|&k| trials[k].parameters).and_then(|k| Some((k, fitted[k].take()?)));
+    let good = (0..trials.len()).filter(|&k| trials[k].0.as_good);
+    let chosen = good.min_by_key(|&k| trials[k].0.parameters).and_then(|k| Some((k, trials[k].1.take()?)));
     let Some((k, fitted)) = chosen else {
-        let each = trials.iter().map(|trial| {
+        let each = trials.iter().map(|(trial, _)| {
             let why = trial.refused.as_deref();
             let why = why.unwrap_or("its equations have no solution: check units and columns");
             format!("{}: {why}", trial.operator)
@@ -87,8 +89,8 @@ pub(super) fn choose(trials: Vec<(OperatorTrial, Option<Fitted>)>) -> Result<(Fi
         let because = each.collect::<Vec<_>>().join("; ");
         return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
     };
-    trials[k].verdict = "taken";
-    Ok((fitted, trials))
+    trials[k].0.verdict = "taken";
+    Ok((k, fitted))
 }
 
 /// The reason for the selected operator; `None` if only one was tried.

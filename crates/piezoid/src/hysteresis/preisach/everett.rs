@@ -29,9 +29,9 @@ pub(super) struct Everett {
 }
 
 impl Everett {
-    /// `levels` are ascending; `weights` has one number per cell of the triangle.
-    pub(super) fn new(levels: &[f64], weights: &[f64]) -> Self {
-        let (grid, n) = (Grid::new(levels.to_vec()), levels.len() - 1);
+    /// `weights` has one number per cell of the triangle.
+    pub(super) fn new(grid: &Grid, weights: &[f64]) -> Self {
+        let (levels, n) = (grid.levels(), grid.rows());
         let stride = n + 1;
         let mut nodes = vec![0.0; stride * stride];
         for i in 1..=n {
@@ -54,7 +54,7 @@ impl Everett {
             if u < 0.0 { -sum } else { sum }
         };
         let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(switched)).collect();
-        Everett { grid, nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
+        Everett { grid: grid.clone(), nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
     }
 
     /// Adds the tables and both functions, with their slopes, to a program `block`.
@@ -162,7 +162,8 @@ mod tests {
     fn the_tables_are_the_sums_over_the_cells() {
         let levels = [-3.0, -1.5, -0.4, 0.9, 2.0, 3.5];
         let weights: Vec<f64> = (0..cells(5)).map(|k| 0.3 + (k as f64 * 1.7).sin().abs()).collect();
-        let (grid, everett) = (Grid::new(levels.to_vec()), Everett::new(&levels, &weights));
+        let grid = Grid::new(levels.to_vec());
+        let everett = Everett::new(&grid, &weights);
         let points: Vec<f64> = (0..50).map(|k| -4.0 + 0.17 * f64::from(k)).collect();
         for (k, &m) in points.iter().enumerate() {
             let mut sum = 0.0;

@@ -40,9 +40,14 @@ impl Grid {
         self.levels().len() - 1
     }
 
-    /// The cell of one axis that holds `u`, and the share of it that lies below `u`.
+    /// The interval between the levels that holds `u`.
+    pub(super) fn interval(&self, u: f64) -> usize {
+        self.0.of(u)
+    }
+
+    /// The interval that holds `u`, and the share of it that lies below `u`.
     pub(super) fn place<R: Real>(&self, u: R) -> (usize, R) {
-        let i = self.0.of(u.value());
+        let i = self.interval(u.value());
         (i, share(&self.0, i, u))
     }
 

@@ -1,9 +1,9 @@
 //! Preisach: a population of relays with constant density in each cell of a triangular grid.
 //!
 //! ```text
-//! z = s u + sum over cells of w_ij times the share of the cell's relays that are up, minus those up at rest
+//! z = r(u) + sum over cells of w_ij times the share of the cell's relays that are up, minus those up at rest
 //! ```
-//! The share is an exact area, so z is continuous for any grid. A loop between any two inputs has its own shape; closed
+//! The reversible curve r is linear between the levels, and 0 at u = 0. The share is an exact area, so z is continuous for any grid. A loop between any two inputs has its own shape; closed
 //! loops are wiped out; minor loops over the same input range are congruent. With w >= 0 every loop dissipates energy.
 //! At rest (u = 0) the relays are demagnetised; if all inputs have one sign, that is the state after switching off.
 //!
@@ -12,13 +12,14 @@
 //! do: rate, accommodation (minor loops that drift towards a limit).
 //!
 //! Inverse: Newton's method on the quadratic pieces of z(u), from the memory, which does not change. Outside the
-//! outermost levels the slope of z is s; if s = 0, z saturates.
+//! outermost levels z has the slope of r; if that is 0, z saturates.
 
 mod everett;
 mod grid;
 mod memory;
+mod reversible;
 
-use super::basis::{Basis, BasisDesign, counted};
+use super::basis::{Basis, BasisDesign, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
@@ -28,6 +29,7 @@ use crate::system::System;
 use everett::Everett;
 use grid::{Grid, cell, cells};
 use memory::{BranchStart, Memory};
+use reversible::{ReversibleCurve, parts};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::sync::Arc;
@@ -47,6 +49,7 @@ const MOST: usize = 200;
 pub(super) struct Preisach {
     ts: f64,
     params: PreisachParams,
+    reversible: ReversibleCurve,
     everett: Everett,
 }
 
@@ -57,8 +60,12 @@ struct PreisachParams {
     range: (f64, f64),
     /// Edges of the cells [input unit].
     levels: Vec<f64>,
-    /// Feed-through: the part of z proportional to u.
+    /// Slope of the reversible curve, in addition to its rises.
+    #[serde(default)]
     slope: f64,
+    /// Rise of the reversible curve over each interval between the levels; empty if it is straight.
+    #[serde(default)]
+    reversible: Vec<f64>,
     /// One per cell, by ascending alpha, then by ascending beta.
     weights: Vec<f64>,
 }
@@ -79,7 +86,8 @@ pub(super) static OPERATOR: Operator = Operator {
         let n = cells.grid.rows();
         let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
         let weights = (0..n).flat_map(|i| (0..=i).map(move |j| density(i, j)));
-        cells.operator(&[0.7].into_iter().chain(weights).collect::<Vec<_>>())
+        let rises = (0..n).map(|k| 4.2 + 0.1 * (k as f64 - 0.5 * n as f64).abs());
+        cells.operator(&rises.chain(weights).collect::<Vec<_>>())
     },
 };
 
@@ -92,14 +100,24 @@ impl Preisach {
         finite("range", &[params.range.0, params.range.1])?;
         finite("slope", &[params.slope])?;
         finite("weights", &params.weights)?;
+        finite("reversible", &params.reversible)?;
         check(&params.levels)?;
-        let need = cells(params.levels.len() - 1);
-        if params.weights.len() != need {
-            let rule = format!("must be {need} numbers for {} levels", params.levels.len());
-            return Err(Error::parameter("weights", format!("{} numbers", params.weights.len()), rule));
+        let (levels, rows) = (params.levels.len(), params.levels.len() - 1);
+        let count = |name: &str, have: usize, need: usize| match have == need {
+            true => Ok(()),
+            false => {
+                let rule = format!("must be {need} numbers for {levels} levels");
+                Err(Error::parameter(name, format!("{have} numbers"), rule))
+            }
+        };
+        count("weights", params.weights.len(), cells(rows))?;
+        if !params.reversible.is_empty() {
+            count("reversible", params.reversible.len(), rows)?;
         }
-        let everett = Everett::new(&params.levels, &params.weights);
-        Ok(Preisach { ts, params, everett })
+        let grid = Grid::new(params.levels.clone());
+        let reversible = ReversibleCurve::new(&grid, params.slope, &params.reversible);
+        let everett = Everett::new(&grid, &params.weights);
+        Ok(Preisach { ts, params, reversible, everett })
     }
 
     /// The sum over the cells at `u`, on a branch that starts with the value `start`.
@@ -120,7 +138,7 @@ impl Preisach {
             let (branch, start) = SUM.ahead(x, u)?;
             self.sum(branch, start, input)
         };
-        Some(Dual::from(self.params.slope) * input + sum)
+        Some(self.reversible.at(input) + sum)
     }
 }
 
@@ -154,7 +172,7 @@ impl System for Preisach {
             let (branch, start, now) = SUM.travel(x, u);
             now[0] = self.sum(branch, start, u);
         }
-        self.params.slope * u + SUM.value(x)[0]
+        self.reversible.at(u) + SUM.value(x)[0]
     }
 }
 
@@ -179,8 +197,8 @@ impl Hysteresis for Preisach {
 
     fn block(&self) -> Option<Block> {
         let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
-        let block = self.everett.block(memory::block(block)).constant("at_once", self.params.slope);
-        Some(block.text(STEP))
+        let block = self.everett.block(memory::block(block));
+        Some(self.reversible.block(block).text(STEP))
     }
 }
 
@@ -229,13 +247,15 @@ fn hysteresis(x: hysteresis, u) {
         x.last = u;
         x.sum = sum;
     }
-    return at_once * u + x.sum;
+    let curve, rises = reversible(u);
+    return curve + x.sum;
 }
 
 // The value that the next step would give, and its slope. If the memory of reversals is full, the result is the largest number with slope -1, so that the caller uses the other search.
 fn hysteresis_ahead(x: hysteresis, u) {
-    let z = at_once * u + x.sum;
-    let slope = at_once;
+    let curve, steep = reversible(u);
+    let z = curve + x.sum;
+    let slope = steep;
     if u != x.last {
         let reversals = whole(stored(x)) + whole(turns(x, u));
         if reversals > capacity {
@@ -243,15 +263,15 @@ fn hysteresis_ahead(x: hysteresis, u) {
             slope = -1.0;
         } else {
             let sum, rises = on_branch(x, whole(kept(x, reversals, u)), u);
-            z = at_once * u + sum;
-            slope = at_once + rises;
+            z = curve + sum;
+            slope = steep + rises;
         }
     }
     return z, slope;
 }
 ";
 
-/// The responses of the feed-through and of each cell.
+/// The responses of each interval of the reversible curve and of each cell.
 ///
 /// State: see [`memory`]; the value has one number per cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -277,7 +297,7 @@ impl CellBasis {
 
 impl Basis for CellBasis {
     fn len(&self) -> usize {
-        1 + self.memory.value
+        self.grid.rows() + self.memory.value
     }
 
     fn order(&self) -> usize {
@@ -299,20 +319,21 @@ impl Basis for CellBasis {
                 }
             }
         }
-        phi[0] = u;
-        phi[1..].copy_from_slice(self.memory.value(x));
+        let (curve, shares) = phi.split_at_mut(self.grid.rows());
+        parts(&self.grid, u, |k, part| curve[k] = part);
+        shares.copy_from_slice(self.memory.value(x));
     }
 
     fn non_negative(&self) -> Vec<bool> {
         vec![true; self.len()]
     }
 
-    /// Second differences of the density along both axes and along the diagonals.
+    /// Second differences of the rises, and of the density along both axes and along the diagonals.
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
         let n = self.grid.rows();
         // A cell on the diagonal has half the area.
-        let density = |i: usize, j: usize, factor: f64| (1 + cell(i, j), if i == j { 2.0 * factor } else { factor });
-        let mut rows = Vec::new();
+        let density = |i: usize, j: usize, factor: f64| (n + cell(i, j), if i == j { 2.0 * factor } else { factor });
+        let mut rows = curvature(0, n);
         for i in 0..n {
             for j in 0..=i {
                 for (di, dj) in [(1, 0), (0, 1), (1, 1)] {
@@ -334,8 +355,10 @@ impl Basis for CellBasis {
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), Basis::len(self))?;
-        let (slope, weights) = (weights[0], weights[1..].to_vec());
-        let params = PreisachParams { range: self.range, levels: self.grid.levels().to_vec(), slope, weights };
+        let (reversible, weights) = weights.split_at(self.grid.rows());
+        let (reversible, weights) = (reversible.to_vec(), weights.to_vec());
+        let levels = self.grid.levels().to_vec();
+        let params = PreisachParams { range: self.range, levels, slope: 0.0, reversible, weights };
         Ok(Arc::new(Preisach::new(self.ts, params)?))
     }
 }
@@ -388,11 +411,12 @@ mod tests {
                 relays.extend(inside.into_iter().map(|(alpha, beta)| (alpha, beta, each, alpha + beta < 0.0)));
             }
         }
+        let curve = ReversibleCurve::new(&Grid::new(p.levels.clone()), p.slope, &p.reversible);
         let at_rest: f64 = relays.iter().filter(|r| r.3).map(|r| r.2).sum();
         let u = wander(150);
         let step = |&u: &f64| {
             relays.iter_mut().for_each(|(alpha, beta, _, up)| *up = u >= *alpha || (*up && u > *beta));
-            p.slope * u + relays.iter().filter(|r| r.3).map(|r| r.2).sum::<f64>() - at_rest
+            curve.at(u) + relays.iter().filter(|r| r.3).map(|r| r.2).sum::<f64>() - at_rest
         };
         assert_close(&u.iter().map(step).collect::<Vec<_>>(), &example.simulate(&u), 0.0, 0.03);
     }
@@ -418,11 +442,11 @@ mod tests {
     #[test]
     fn a_narrow_range_far_from_rest_is_as_accurate_as_others() {
         let cells = basis((-68.5, -68.4), 7);
-        let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k > 0))).collect();
+        let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k >= cells.grid.rows()))).collect();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; weights.len()]);
         Basis::step(&cells, &mut x, -68.43, &mut phi);
         let z = cells.operator(&weights).unwrap().simulate(&[-68.43]);
-        assert_close(&[phi[1..].iter().sum()], &z, 0.0, 1e-9);
+        assert_close(&[phi[cells.grid.rows()..].iter().sum()], &z, 0.0, 1e-9);
     }
 
     #[test]
@@ -434,5 +458,17 @@ mod tests {
         assert!(load("[1, 0]").unwrap_err().starts_with("levels[1] = 0"));
         assert!(load("[1]").is_err() && load("[0, 1, 2]").unwrap_err().contains("must be 3 numbers"));
         assert!(load("[0, 1]").is_ok());
+    }
+
+    #[test]
+    fn a_file_with_a_slope_alone_has_a_straight_reversible_curve() {
+        let load = |more: &str| {
+            let text = format!(r#"{{"range": [0, 1], "levels": [0, 1, 2], "weights": [0, 0, 0], {more}}}"#);
+            (OPERATOR.load)(serde_json::from_str(&text).unwrap(), 1.0).map_err(|e| e.to_string())
+        };
+        let u = [-1.0, 0.25, 0.8, 1.5, 3.0];
+        assert_eq!(load(r#""slope": 0.5"#).unwrap().simulate(&u), u.map(|u| 0.5 * u));
+        assert_eq!(load(r#""reversible": [0.5, 1]"#).unwrap().simulate(&u), [-0.5, 0.125, 0.4, 1.0, 2.5]);
+        assert!(load(r#""reversible": [1]"#).unwrap_err().starts_with("reversible = 1 numbers: must be 2 numbers"));
     }
 }
