@@ -149,3 +149,43 @@ fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
     runs.iter().map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{runs, testing::estimate};
+    use super::*;
+    use crate::linear::Arx;
+    use crate::record::Record;
+    use crate::system::System;
+
+    #[test]
+    fn close_operators_are_compared_again_with_the_linear_block_that_lowered_the_error() {
+        let gain = Arx::gain(5e-4, 1.3).unwrap();
+        let mode = Arx::new(5e-4, vec![1.9, -0.95], vec![0.065]).unwrap();
+        let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
+        let pi = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let records = [Record::new(5e-4, u.clone(), mode.simulate(&pi.simulate(&u))).unwrap()];
+        let mut runs = runs::of(&[], &records, &mut Vec::new()).unwrap();
+        let mut fit = |name: &str, linear: &Arx| {
+            let start = estimate(name, 20).with_linear(linear.clone()).unwrap();
+            refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap()
+        };
+        let mut trials: Vec<_> = ["stop", "proportional", "prandtl-ishlinskii"]
+            .map(|name| (Operator::find(name).unwrap(), fit(name, &gain)))
+            .map(|(row, fit)| (OperatorTrial::of(row, &fit), Some(fit)))
+            .into();
+        let taken = fit("prandtl-ishlinskii", &mode);
+        let [stop, none] = [0, 1].map(|k| trials[k].0.held_out_percent);
+        assert!(none > 1.5 * stop, "{none} {stop}");
+
+        let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(20), frequencies: Vec::new() };
+        let without_mode = trials[2].1.take().unwrap();
+        let mut again =
+            |trials: &mut [_], fitted| compare_again(trials, 2, fitted, &design, &mut runs, &mut |_| Ok(())).unwrap();
+        assert!(!again(&mut trials, &without_mode));
+        assert!(again(&mut trials, &taken));
+        assert!(trials[0].0.held_out_percent < 0.1 * stop, "{} {stop}", trials[0].0.held_out_percent);
+        assert_eq!(trials[0].1.as_ref().unwrap().estimate.linear.a().len(), 2);
+        assert_eq!(trials[1].0.held_out_percent, none);
+    }
+}
