@@ -2,9 +2,9 @@
 
 use super::equations::{RecordEquations, ReducedEquations, equations};
 use super::estimate::Estimate;
+use super::folds::FOLDS;
 use super::products::Segment;
 use super::refine::ROUNDING;
-use super::runs::FOLDS;
 use super::solve::{FreeParameters, Prior};
 use crate::series::{mean, scatter};
 use nalgebra::DVector;

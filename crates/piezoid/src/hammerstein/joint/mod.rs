@@ -23,6 +23,7 @@ mod dynamics;
 mod equations;
 mod estimate;
 mod extend;
+mod folds;
 mod growth;
 mod held_out;
 mod layout;

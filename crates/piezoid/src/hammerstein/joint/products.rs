@@ -20,6 +20,7 @@ use crate::hammerstein::InitialCondition;
 use crate::series::dot;
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Samples that are filtered at a time, rows per block, and columns that are multiplied with all later ones at a time.
@@ -33,7 +34,7 @@ const ROWS: usize = 20_000;
 /// Step of the difference quotient for the lag of the driver, over the lag.
 const LAG_STEP: f64 = 1e-3;
 
-/// Products of the columns with each other and with y, over a segment of a run.
+/// Products of the columns with each other and with y, over the samples of a run in one fold.
 #[derive(Debug, Clone)]
 pub(super) struct Segment {
     /// Index of the run.
@@ -51,6 +52,18 @@ pub(super) struct Segment {
 }
 
 impl Segment {
+    /// Adds the products of `rows` to the lower triangle, and empties `rows`.
+    fn add(&mut self, rows: &mut Vec<f64>) {
+        let size = self.gram.nrows();
+        let block = DMatrixView::from_slice(rows, size, rows.len() / size);
+        for from in (0..size).step_by(PANEL) {
+            let width = PANEL.min(size - from);
+            let (below, panel) = (block.rows_range(from..), block.rows(from, width).transpose());
+            self.gram.view_mut((from, from), (size - from, width)).gemm(1.0, &below, &panel, 1.0);
+        }
+        rows.clear();
+    }
+
     /// The sum of squares for the parameters `x` and the run's own coefficients.
     pub(super) fn residual(&self, x: &DVector<f64>, own: &[f64]) -> f64 {
         let n = self.gram.nrows() - 1;
@@ -60,7 +73,7 @@ impl Segment {
     }
 }
 
-/// The products of each segment of each run. `own` are the last own coefficients of the runs; empty at first. The
+/// The products of each fold of each run. `own` are the last own coefficients of the runs; empty at first. The
 /// columns of the shape are zero if it is not among the `free` parameters.
 pub(super) fn products(
     estimate: &Estimate,
@@ -80,43 +93,38 @@ pub(super) fn products(
 }
 
 fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
-    let (run, layout) = (columns.run, columns.layout);
+    let run = columns.run;
     columns.begin();
-    let size = layout.columns() + 1;
+    let size = columns.layout.columns() + 1;
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
-    let mut block = vec![0.0; size * BLOCK];
-    let mut start = 0;
-    let segment = |&(end, fold): &(usize, Option<usize>)| {
-        let mut gram = DMatrix::zeros(size, size);
-        let begin = std::mem::replace(&mut start, end);
-        let mut filled = 0;
+    let wanted = |t: usize| run.usable[t] && kept(t, thin);
+    // Per fold: its products, and rows that are not in them yet.
+    let mut parts: BTreeMap<Option<usize>, (Segment, Vec<f64>)> = BTreeMap::new();
+    let mut rows = vec![0.0; size * SAMPLES];
+    let mut begin = 0;
+    for &(end, fold) in &run.segments {
+        let (segment, waiting) = parts.entry(fold).or_insert_with(|| {
+            let gram = DMatrix::zeros(size, size);
+            let segment =
+                Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples: 0.0 };
+            (segment, Vec::with_capacity(size * BLOCK))
+        });
         for from in (begin..end).step_by(SAMPLES) {
-            let to = end.min(from + SAMPLES);
-            let wanted = |t: usize| run.usable[t] && kept(t, thin);
-            let rows = &mut block[filled * size..];
-            let added = columns.advance(from..to, wanted, rows);
-            rows[..added * size].iter_mut().for_each(|v| *v *= weight);
-            filled += added;
-            if filled + SAMPLES > BLOCK || to == end {
-                add_products(&mut gram, DMatrixView::from_slice(&block[..filled * size], size, filled));
-                filled = 0;
+            let added = columns.advance(from..end.min(from + SAMPLES), wanted, &mut rows);
+            waiting.extend(rows[..added * size].iter().map(|v| v * weight));
+            if waiting.len() > size * (BLOCK - SAMPLES) {
+                segment.add(waiting);
             }
         }
-        gram.fill_upper_triangle_with_lower_triangle();
-        let samples = run.usable[begin..end].iter().filter(|usable| **usable).count() as f64;
-        Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples }
-    };
-    run.segments.iter().map(segment).collect()
-}
-
-/// Adds the products of the rows of `block` to the lower triangle of `gram`.
-fn add_products(gram: &mut DMatrix<f64>, block: DMatrixView<f64>) {
-    let size = gram.nrows();
-    for from in (0..size).step_by(PANEL) {
-        let width = PANEL.min(size - from);
-        let (below, panel) = (block.rows_range(from..), block.rows(from, width).transpose());
-        gram.view_mut((from, from), (size - from, width)).gemm(1.0, &below, &panel, 1.0);
+        segment.samples += run.usable[begin..end].iter().filter(|usable| **usable).count() as f64;
+        begin = end;
     }
+    let whole = |(mut segment, mut waiting): (Segment, Vec<f64>)| {
+        segment.add(&mut waiting);
+        segment.gram.fill_upper_triangle_with_lower_triangle();
+        segment
+    };
+    parts.into_values().map(whole).collect()
 }
 
 /// True if row `t` is kept: one of every `thin` rows, at non-periodic places.

@@ -1,5 +1,6 @@
 //! Records of the joint method: with a past, a scale, and parts that are held out in turn.
 
+use super::folds::fold;
 use crate::error::Error;
 use crate::hammerstein::paper::called;
 use crate::hammerstein::{InitialCondition, Model};
@@ -7,12 +8,6 @@ use crate::quality::{Defect, Need, bridged, compare, inspect};
 use crate::record::Record;
 use crate::series::{ends, scatter};
 use crate::system::System;
-
-/// Number of segments of a record.
-const SEGMENTS: usize = 11;
-
-/// Number of folds.
-pub(super) const FOLDS: usize = 5;
 
 /// A less likely initial condition is used if its squared error is below this share of that of the likelier.
 pub(super) const CLEARLY: f64 = 0.9;
@@ -162,21 +157,4 @@ pub(super) fn of<'a>(
     compare(&runs.iter().map(|run| (&*run.name, run.record)).collect::<Vec<_>>(), notes)?;
     fold(&mut runs);
     Ok(runs)
-}
-
-/// Assigns the folds: segments of each large-signal record, without the first, which shows the state before the record.
-/// Each fold also has a segment of each small-signal record. Its error does not count, but the parameters determined by
-/// these records alone get an uncertainty too.
-fn fold(runs: &mut [TrainingRecord]) {
-    for run in runs.iter_mut().filter(|run| run.large_signal) {
-        let n = run.record.len();
-        let segment = |s: usize| ((s + 1) * n / SEGMENTS, (s > 0).then_some(s % FOLDS));
-        run.segments = (0..SEGMENTS).map(segment).collect();
-    }
-    let folds =
-        runs.iter().flat_map(|run| &run.segments).filter_map(|(_, fold)| *fold).max().map_or(1, |last| last + 1);
-    for run in runs.iter_mut().filter(|run| !run.large_signal) {
-        let n = run.record.len();
-        run.segments = (0..folds).map(|fold| ((fold + 1) * n / folds, Some(fold))).collect();
-    }
 }
