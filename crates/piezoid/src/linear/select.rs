@@ -9,6 +9,10 @@
 //! Of those blocks the lowest order is chosen, and for this order the longest delay, because a first coefficient near
 //! zero makes the inverse ill-conditioned.
 //!
+//! A sweep shows each frequency once, so its end cannot be predicted from its beginning. If the last parts have input
+//! power where the first parts have none, the blocks are fitted to and judged by all samples. Then only what a higher
+//! order must gain counts: a few coefficients cannot follow the noise of many samples.
+//!
 //! For comparison the table has AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run
 //! over the first part, with p counting parameters, pasts and offsets. Both assume white noise.
 //!
@@ -19,6 +23,7 @@ use super::free_run::{FreeRun, FreeRunError};
 use super::output_error::{OutputError, Refinement, StartRecords, checked, search};
 use super::{Arx, Orders, Pole};
 use crate::error::Error;
+use crate::fourier::plain_power;
 use crate::number::short;
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
 use crate::progress::{Progress, Stage};
@@ -105,6 +110,12 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// Number of blocks of time in the held-out parts.
 const BLOCKS: usize = 20;
 
+/// Number of bands of equal input power; least power of a band that the first parts show, over the mean of all bands;
+/// and share of the power of the last parts in other bands, above which they are not held out.
+const BANDS: usize = 10;
+const SHOWN: f64 = 0.1;
+const UNSEEN: f64 = 0.2;
+
 /// Steps and tolerance sufficient to compare candidates.
 const ROUGH: levenberg_marquardt::SearchSettings =
     levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
@@ -130,6 +141,8 @@ pub(crate) fn select(
     }
     let weights = checked(records, highest, &settings.refinement)?;
     let (training, held_out) = cut(records, settings.held_out)?;
+    let is_swept = end_is_unseen(records, &training, &held_out);
+    let (training, held_out) = if is_swept { (records.to_vec(), records.to_vec()) } else { (training, held_out) };
     checked(&training, highest, &settings.refinement)?;
     checked(&held_out, highest, &settings.refinement).map_err(|error| match error {
         Error::TooShort { what, have, need, remedy } => {
@@ -169,7 +182,8 @@ pub(crate) fn select(
             }
         }
     }
-    let Some((candidates, chosen, reason)) = choose(&fitted, &training, &held_out, &weights, settings.worth) else {
+    let Some((candidates, chosen, reason)) = choose(&fitted, &training, &held_out, &weights, settings.worth, is_swept)
+    else {
         let because = refused.first().map_or_else(String::new, |(_, why)| why.clone());
         return Err(Error::Unidentifiable { what: "a linear block of any order".into(), because });
     };
@@ -200,6 +214,36 @@ fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Err
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
 
+/// True if the held-out parts have input power at frequencies where the training parts have next to none.
+fn end_is_unseen(records: &[Record], training: &[Record], held_out: &[Record]) -> bool {
+    let lines = |records: &[Record]| -> Vec<(f64, f64)> {
+        let of = |r: &Record| {
+            let power = plain_power(r.u()).into_iter().enumerate().skip(1);
+            power.map(|(k, power)| (k as f64 / r.duration(), power)).collect::<Vec<_>>()
+        };
+        records.iter().flat_map(of).collect()
+    };
+    let mut all = lines(records);
+    all.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let total: f64 = all.iter().map(|(_, power)| power).sum();
+    let mut below = 0.0;
+    let upper = |(hz, power): &(f64, f64)| {
+        let band = (below / total * BANDS as f64) as usize;
+        below += power;
+        ((below / total * BANDS as f64) as usize > band).then_some(*hz)
+    };
+    let edges: Vec<f64> = all.iter().filter_map(upper).collect();
+    let shares = |records: &[Record]| {
+        let mut shares = vec![0.0; edges.len() + 1];
+        lines(records).into_iter().for_each(|(hz, power)| shares[edges.partition_point(|edge| *edge < hz)] += power);
+        let total: f64 = shares.iter().sum();
+        shares.into_iter().map(move |share| share / total)
+    };
+    let hidden = |shown: &f64| *shown < SHOWN / BANDS as f64;
+    shares(training).zip(shares(held_out)).filter(|(shown, _)| hidden(shown)).map(|(_, share)| share).sum::<f64>()
+        > UNSEEN
+}
+
 /// The table, the index of the choice and its reason; `None` without candidates.
 fn choose(
     fitted: &[OutputError],
@@ -207,6 +251,7 @@ fn choose(
     held_out: &[Record],
     weights: &[f64],
     worth: f64,
+    is_swept: bool,
 ) -> Option<(Vec<Candidate>, usize, String)> {
     let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out_errors(fit, held_out, weights)).collect();
     let means: Vec<f64> = squares.iter().map(|s| mean(s)).collect();
@@ -230,7 +275,7 @@ fn choose(
             held_out_pp_percent: 100.0 * means[k].sqrt() / (high - low),
             excess,
             excess_error,
-            as_good: excess <= excess_error
+            as_good: (!is_swept && excess <= excess_error)
                 || means[k].sqrt() <= ((1.0 + worth) * means[best].sqrt()).max(NEGLIGIBLE * (high - low)),
             resonance: oscillating.min_by(|p, q| p.damping.total_cmp(&q.damping)),
         }
@@ -238,7 +283,9 @@ fn choose(
     let candidates: Vec<Candidate> = (0..fitted.len()).map(candidate).collect();
     let order = candidates.iter().filter(|c| c.as_good).map(|c| c.orders.na).min()?;
     let chosen = candidates.iter().rposition(|c| c.orders.na == order && c.as_good)?;
-    let reason = reason(&candidates, chosen, best, training.first()?.units().y.as_str());
+    let what =
+        if is_swept { "rms error of all samples, which have each frequency once," } else { "held-out rms error" };
+    let reason = reason(&candidates, chosen, best, what, training.first()?.units().y.as_str());
     Some((candidates, chosen, reason))
 }
 
@@ -261,10 +308,10 @@ fn standard_error(x: &[f64]) -> f64 {
     (scatter(&means) / (k * (k - 1.0).max(1.0))).sqrt()
 }
 
-fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> String {
+fn reason(candidates: &[Candidate], chosen: usize, best: usize, what: &str, unit: &str) -> String {
     let (c, b, all) = (&candidates[chosen], &candidates[best], candidates.len());
     let name = |c: &Candidate| format!("order {} with delay {}", c.orders.na, c.orders.delay);
-    let held_out = format!("{}: held-out rms error {} {unit}", name(c), short(c.held_out));
+    let held_out = format!("{}: {what} {} {unit}", name(c), short(c.held_out));
     if chosen == best {
         return format!("{held_out}, the smallest of {all} blocks; no simpler block is as good");
     }
@@ -284,7 +331,7 @@ fn reason(candidates: &[Candidate], chosen: usize, best: usize, unit: &str) -> S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::Prbs;
+    use crate::excitation::{Chirp, Prbs};
     use crate::linear::output_error::tests::pl140;
     use crate::system::System;
     use crate::testing::{assert_close, noise};
@@ -326,6 +373,18 @@ mod tests {
             };
             assert_eq!(best(|c| c.bic), Some((3, 2)));
         }
+    }
+
+    #[test]
+    fn a_mode_at_the_end_of_a_sweep_is_found() {
+        let mode = Arx::new(TS, vec![1.9, -0.99], vec![0.09]).unwrap();
+        let sweep = Chirp { frequency_start: 1.0, frequency_end: 120.0, ..Chirp::default() };
+        let u = sweep.samples(TS, 6000).unwrap();
+        let y = mode.simulate(&u).iter().zip(noise(3, 6000)).map(|(y, e)| y + 0.05 * e).collect();
+        let found = select(&[Record::new(TS, u, y).unwrap()], &OrderSearch::default(), &mut Stage::ignore).unwrap();
+        assert_eq!(found.fit.orders.na, 2, "{}", found.reason);
+        assert_close(found.fit.arx.a(), mode.a(), 1e-3, 0.0);
+        assert!(found.reason.contains("each frequency once"), "{}", found.reason);
     }
 
     #[test]
