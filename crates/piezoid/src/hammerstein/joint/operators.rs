@@ -22,8 +22,8 @@ const WORSE: f64 = 1.5;
 /// Ratio of held-out errors above which the free runs decide between two fits.
 const ALIKE: f64 = 0.95;
 
-/// Ratio of the errors of the operator taken, now and in the comparison, below which it is repeated; and ratio of errors
-/// of two operators in the comparison up to which both take part.
+/// Ratio of the errors of the operator taken, now and in the comparison, below which it is repeated; and ratio of the
+/// errors of two operators in the comparison up to which both take part.
 const FALLEN: f64 = 0.7;
 const CLOSE: f64 = 1.1;
 

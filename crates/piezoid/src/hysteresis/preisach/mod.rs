@@ -3,8 +3,9 @@
 //! ```text
 //! z = r(u) + sum over cells of w_ij times the share of the cell's relays that are up, minus those up at rest
 //! ```
-//! The reversible curve r is linear between the levels, and 0 at u = 0. The share is an exact area, so z is continuous for any grid. A loop between any two inputs has its own shape; closed
-//! loops are wiped out; minor loops over the same input range are congruent. With w >= 0 every loop dissipates energy.
+//! The reversible curve r is linear between the levels, and 0 at u = 0. The share is an exact area, so z is continuous
+//! for any grid. A loop between any two inputs has its own shape; closed loops are wiped out; minor loops over the same
+//! input range are congruent. With w >= 0 every loop dissipates energy.
 //! At rest (u = 0) the relays are demagnetised; if all inputs have one sign, that is the state after switching off.
 //!
 //! Reference: I. D. Mayergoyz, "Mathematical Models of Hysteresis", Springer (1991), DOI 10.1007/978-1-4612-3028-1; for
