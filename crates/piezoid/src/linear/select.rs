@@ -10,8 +10,9 @@
 //! zero makes the inverse ill-conditioned.
 //!
 //! A sweep shows each frequency once, so its end cannot be predicted from its beginning. If the last parts have input
-//! power where the first parts have none, the blocks are fitted to and judged by all samples. Then only what a higher
-//! order must gain counts: a few coefficients cannot follow the noise of many samples.
+//! power where the first parts have none, the blocks are fitted to and judged by all samples. Akaike's final prediction
+//! error then stands for the held-out error, s = (n + p) / (n - p) sum e^2 / n, and only what a higher order must gain
+//! counts.
 //!
 //! For comparison the table has AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run
 //! over the first part, with p counting parameters, pasts and offsets. Both assume white noise.
@@ -110,10 +111,13 @@ const NEGLIGIBLE: f64 = 1e-4;
 /// Number of blocks of time in the held-out parts.
 const BLOCKS: usize = 20;
 
-/// Number of bands of equal input power; least power of a band that the first parts show, over the mean of all bands;
-/// and share of the power of the last parts in other bands, above which they are not held out.
+/// Number of bands of input power.
 const BANDS: usize = 10;
+
+/// Least power of a band that the first parts show, over the mean of all bands.
 const SHOWN: f64 = 0.1;
+
+/// Share of the power of the last parts in other bands, above which they are not held out.
 const UNSEEN: f64 = 0.2;
 
 /// Steps and tolerance sufficient to compare candidates.
@@ -141,7 +145,7 @@ pub(crate) fn select(
     }
     let weights = checked(records, highest, &settings.refinement)?;
     let (training, held_out) = cut(records, settings.held_out)?;
-    let is_swept = end_is_unseen(records, &training, &held_out);
+    let is_swept = is_a_sweep(&training, &held_out);
     let (training, held_out) = if is_swept { (records.to_vec(), records.to_vec()) } else { (training, held_out) };
     checked(&training, highest, &settings.refinement)?;
     checked(&held_out, highest, &settings.refinement).map_err(|error| match error {
@@ -214,8 +218,8 @@ fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Err
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
 }
 
-/// True if the held-out parts have input power at frequencies where the training parts have next to none.
-fn end_is_unseen(records: &[Record], training: &[Record], held_out: &[Record]) -> bool {
+/// True if the last parts have input power at frequencies where the first parts have next to none.
+fn is_a_sweep(first: &[Record], last: &[Record]) -> bool {
     let lines = |records: &[Record]| -> Vec<(f64, f64)> {
         let of = |r: &Record| {
             let power = plain_power(r.u()).into_iter().enumerate().skip(1);
@@ -223,25 +227,30 @@ fn end_is_unseen(records: &[Record], training: &[Record], held_out: &[Record]) -
         };
         records.iter().flat_map(of).collect()
     };
-    let mut all = lines(records);
-    all.sort_by(|p, q| p.0.total_cmp(&q.0));
-    let total: f64 = all.iter().map(|(_, power)| power).sum();
+    let sum = |lines: &[(f64, f64)]| lines.iter().map(|(_, power)| power).sum::<f64>();
+    let (shown, mut unseen) = (lines(first), lines(last));
+    unseen.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let (total, last_total) = (sum(&shown), sum(&unseen));
+    // A line of a short part is as wide as one over its duration.
+    let width = last.iter().map(|r| 1.0 / r.duration()).fold(0.0, f64::max);
     let mut below = 0.0;
-    let upper = |(hz, power): &(f64, f64)| {
-        let band = (below / total * BANDS as f64) as usize;
+    let band = |&(_, power): &(f64, f64)| {
         below += power;
-        ((below / total * BANDS as f64) as usize > band).then_some(*hz)
+        ((below - 0.5 * power) / last_total * BANDS as f64) as usize
     };
-    let edges: Vec<f64> = all.iter().filter_map(upper).collect();
-    let shares = |records: &[Record]| {
-        let mut shares = vec![0.0; edges.len() + 1];
-        lines(records).into_iter().for_each(|(hz, power)| shares[edges.partition_point(|edge| *edge < hz)] += power);
-        let total: f64 = shares.iter().sum();
-        shares.into_iter().map(move |share| share / total)
+    let bands: Vec<usize> = unseen.iter().map(band).collect();
+    let is_hidden = |lines: &[(f64, f64)]| {
+        let (low, high) = (lines[0].0 - width, lines[lines.len() - 1].0 + width);
+        let within = shown.iter().filter(|(hz, _)| (low..=high).contains(hz));
+        within.map(|(_, power)| power).sum::<f64>() < SHOWN / BANDS as f64 * total
     };
-    let hidden = |shown: &f64| *shown < SHOWN / BANDS as f64;
-    shares(training).zip(shares(held_out)).filter(|(shown, _)| hidden(shown)).map(|(_, share)| share).sum::<f64>()
-        > UNSEEN
+    let mut start = 0;
+    let hidden = bands.chunk_by(|p, q| p == q).map(|band| {
+        let lines = &unseen[start..start + band.len()];
+        start += band.len();
+        if is_hidden(lines) { sum(lines) } else { 0.0 }
+    });
+    hidden.sum::<f64>() > UNSEEN * last_total
 }
 
 /// The table, the index of the choice and its reason; `None` without candidates.
@@ -254,7 +263,11 @@ fn choose(
     is_swept: bool,
 ) -> Option<(Vec<Candidate>, usize, String)> {
     let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out_errors(fit, held_out, weights)).collect();
-    let means: Vec<f64> = squares.iter().map(|s| mean(s)).collect();
+    let predicted = |(fit, squares): (&OutputError, &Vec<f64>)| {
+        let (n, p) = (squares.len() as f64, 2.0 * fit.orders.na as f64 + 1.0);
+        mean(squares) * if is_swept { (n + p) / (n - p) } else { 1.0 }
+    };
+    let means: Vec<f64> = fitted.iter().zip(&squares).map(predicted).collect();
     let best = (0..fitted.len()).min_by(|&p, &q| means[p].total_cmp(&means[q]))?;
     let (low, high) = ends(held_out.iter().flat_map(|r| r.y()).copied());
     let n: f64 = training.iter().map(|r| r.len() as f64).sum();
@@ -283,9 +296,7 @@ fn choose(
     let candidates: Vec<Candidate> = (0..fitted.len()).map(candidate).collect();
     let order = candidates.iter().filter(|c| c.as_good).map(|c| c.orders.na).min()?;
     let chosen = candidates.iter().rposition(|c| c.orders.na == order && c.as_good)?;
-    let what =
-        if is_swept { "rms error of all samples, which have each frequency once," } else { "held-out rms error" };
-    let reason = reason(&candidates, chosen, best, what, training.first()?.units().y.as_str());
+    let reason = reason(&candidates, chosen, best, is_swept, training.first()?.units().y.as_str());
     Some((candidates, chosen, reason))
 }
 
@@ -308,15 +319,19 @@ fn standard_error(x: &[f64]) -> f64 {
     (scatter(&means) / (k * (k - 1.0).max(1.0))).sqrt()
 }
 
-fn reason(candidates: &[Candidate], chosen: usize, best: usize, what: &str, unit: &str) -> String {
+fn reason(candidates: &[Candidate], chosen: usize, best: usize, is_swept: bool, unit: &str) -> String {
     let (c, b, all) = (&candidates[chosen], &candidates[best], candidates.len());
     let name = |c: &Candidate| format!("order {} with delay {}", c.orders.na, c.orders.delay);
+    let what =
+        if is_swept { "rms error over all samples (a sweep: no part was held out)" } else { "held-out rms error" };
     let held_out = format!("{}: {what} {} {unit}", name(c), short(c.held_out));
     if chosen == best {
         return format!("{held_out}, the smallest of {all} blocks; no simpler block is as good");
     }
     let error = short(c.excess_error);
-    let significance = if c.excess <= c.excess_error {
+    let significance = if is_swept {
+        "too little to justify more coefficients".into()
+    } else if c.excess <= c.excess_error {
         format!("not significant (standard error {error})")
     } else {
         format!("significant (standard error {error}), but too small to justify more coefficients")
@@ -378,13 +393,26 @@ mod tests {
     #[test]
     fn a_mode_at_the_end_of_a_sweep_is_found() {
         let mode = Arx::new(TS, vec![1.9, -0.99], vec![0.09]).unwrap();
-        let sweep = Chirp { frequency_start: 1.0, frequency_end: 120.0, ..Chirp::default() };
+        let sweep = Chirp { frequency_start: 1.0, frequency_end: 120.0, logarithmic: true, ..Chirp::default() };
         let u = sweep.samples(TS, 6000).unwrap();
         let y = mode.simulate(&u).iter().zip(noise(3, 6000)).map(|(y, e)| y + 0.05 * e).collect();
         let found = select(&[Record::new(TS, u, y).unwrap()], &OrderSearch::default(), &mut Stage::ignore).unwrap();
         assert_eq!(found.fit.orders.na, 2, "{}", found.reason);
         assert_close(found.fit.arx.a(), mode.a(), 1e-3, 0.0);
-        assert!(found.reason.contains("each frequency once"), "{}", found.reason);
+        assert!(found.reason.contains("a sweep"), "{}", found.reason);
+    }
+
+    #[test]
+    fn steady_inputs_are_no_sweeps() {
+        let sine = |hz: f64| (0..2000).map(|t| (hz * 0.0031416 * f64::from(t)).sin()).collect::<Vec<_>>();
+        let two: Vec<f64> = sine(10.7).iter().zip(sine(31.3)).map(|(p, q)| p + q).collect();
+        let square = sine(7.3).iter().map(|u| u.signum()).collect();
+        let prbs = Prbs::default().samples(TS, 2047).unwrap();
+        for u in [sine(10.67), two, square, prbs, noise(1, 2000)] {
+            let records = [Record::new(TS, u.clone(), u).unwrap()];
+            let (first, last) = cut(&records, 0.25).unwrap();
+            assert!(!is_a_sweep(&first, &last));
+        }
     }
 
     #[test]

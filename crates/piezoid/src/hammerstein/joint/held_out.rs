@@ -99,8 +99,9 @@ pub(super) fn cross_validate(
         Smoothness::Any | Smoothness::Near(_) if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
         _ => smoothness.lambdas(),
     };
-    let folds: Vec<usize> =
-        (0..FOLDS).filter(|fold| segments.iter().any(|s| s.fold == Some(*fold) && s.judged)).collect();
+    let folds: Vec<usize> = (0..FOLDS)
+        .filter(|fold| segments.iter().any(|s| s.fold == Some(*fold) && s.judged && s.samples > 0.0))
+        .collect();
     // Each smoothness starts from the signs of the one before.
     let signs = vec![true; prior.current().len()];
     let mut left_out: Vec<_> =
@@ -132,7 +133,17 @@ struct LeftOut<'s> {
 
 impl<'s> LeftOut<'s> {
     fn new(estimate: &Estimate, segments: &'s [Segment], fold: usize, positive: Vec<bool>) -> Self {
-        let (train, each) = equations(estimate, segments, |s| s.fold != Some(fold));
+        let is_left = |s: &Segment| s.fold != Some(fold);
+        let (train, mut each) = equations(estimate, segments, is_left);
+        // Where less than half of a run is left, its own coefficients are fitted to all of it: offset and initial
+        // states are no knowledge of the path.
+        let samples = |run: usize, taken: &dyn Fn(&Segment) -> bool| -> f64 {
+            segments.iter().filter(|s| s.run == run && taken(s)).map(|s| s.samples).sum()
+        };
+        let is_little = |s: &Segment| samples(s.run, &is_left) < 0.5 * samples(s.run, &|_| true);
+        if segments.iter().any(is_little) {
+            each = equations(estimate, segments, |s| is_left(s) || is_little(s)).1;
+        }
         let tests = segments.iter().filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0).collect();
         LeftOut { train, each, tests, positive }
     }

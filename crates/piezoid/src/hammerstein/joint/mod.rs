@@ -169,17 +169,20 @@ pub(crate) fn identify_joint(
     let mut watch = |_| report(total - 1, row.name);
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
     if settings.order.is_none() {
+        let before = fitted.held_out.rms_pp();
         let settled = growth.settle(fitted, simpler, row, &mut runs, &mut watch)?;
         fitted = settled.fitted;
         if settled.of_several {
             reason = settled.reason;
         }
-        if operators::compare_again(&mut trials, taken, &fitted, &design, &mut runs, &mut watch)? {
+        if operators::compare_again(&mut trials, taken, before, &fitted, &design, &mut runs, &mut watch)? {
+            let after = 100.0 * fitted.held_out.rms_pp();
             trials[taken] = (OperatorTrial::of(row, &fitted), Some(fitted));
             fitted = trials::choose(&mut trials)?.1;
             notes.push(format!(
-                "operators: those close to {} were compared again with the last linear block, which lowered the error much",
-                row.name
+                "operators: the last linear block lowered the held-out error of {} from {} to {} % rms/pp, so those close \
+                 to it were compared again with this block",
+                row.name, short(100.0 * before), short(after)
             ));
         }
     }

@@ -63,30 +63,35 @@ pub(super) fn compare(
 }
 
 /// Fits the operators that were close to the `taken` one again, with the other parts of its present fit, if these have
-/// lowered its error much since the comparison: what they lacked may have hidden how the operators differ. Returns
+/// lowered its held-out error much from `before`: what they lacked may have hidden how the operators differ. Returns
 /// true if there was another to fit.
 pub(super) fn compare_again(
     trials: &mut [(OperatorTrial, Option<Fitted>)],
     taken: usize,
+    before: f64,
     fitted: &Fitted,
     design: &BasisDesign,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<bool, Error> {
-    let then = trials[taken].0.held_out_percent;
-    if 100.0 * fitted.held_out.rms_pp() > FALLEN * then {
+    if fitted.held_out.rms_pp() > FALLEN * before {
         return Ok(false);
     }
+    let most = CLOSE * trials[taken].0.held_out_percent;
     let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
-    let close = trials.iter_mut().filter(|(trial, _)| trial.held_out_percent <= CLOSE * then);
+    let close = trials.iter_mut().filter(|(trial, _)| trial.held_out_percent <= most);
     let mut again = false;
     for (trial, other) in close.filter_map(|(trial, other)| Some((trial, other.as_mut()?))) {
         let row = Operator::find(trial.operator)?;
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
-        let start = adopt(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
-        *other = refine_from(start, Smoothness::Near(other.held_out.lambda), runs, FreeParameters::All, watch)?;
-        *trial = OperatorTrial::of(row, other);
-        again = true;
+        let start = adopt(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis);
+        let smoothness = Smoothness::Near(other.held_out.lambda);
+        match start.and_then(|start| refine_from(start, smoothness, runs, FreeParameters::All, watch)) {
+            Err(why @ Error::Cancelled { .. }) => return Err(why),
+            // It keeps the fit of the comparison.
+            Err(_) => {}
+            Ok(fit) => (*trial, *other, again) = (OperatorTrial::of(row, &fit), fit, true),
+        }
     }
     Ok(again)
 }
@@ -180,8 +185,10 @@ mod tests {
 
         let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(20), frequencies: Vec::new() };
         let without_mode = trials[2].1.take().unwrap();
-        let mut again =
-            |trials: &mut [_], fitted| compare_again(trials, 2, fitted, &design, &mut runs, &mut |_| Ok(())).unwrap();
+        let before = without_mode.held_out.rms_pp();
+        let mut again = |trials: &mut [_], fitted| {
+            compare_again(trials, 2, before, fitted, &design, &mut runs, &mut |_| Ok(())).unwrap()
+        };
         assert!(!again(&mut trials, &without_mode));
         assert!(again(&mut trials, &taken));
         assert!(trials[0].0.held_out_percent < 0.1 * stop, "{} {stop}", trials[0].0.held_out_percent);

@@ -34,7 +34,7 @@ const ROWS: usize = 20_000;
 /// Step of the difference quotient for the lag of the driver, over the lag.
 const LAG_STEP: f64 = 1e-3;
 
-/// Products of the columns with each other and with y, over the samples of a run in one fold.
+/// Products of the columns with each other and with y, over all samples of a run in one fold.
 #[derive(Debug, Clone)]
 pub(super) struct Segment {
     /// Index of the run.

@@ -62,7 +62,6 @@ struct PreisachParams {
     /// Edges of the cells [input unit].
     levels: Vec<f64>,
     /// Slope of the reversible curve, in addition to its rises.
-    #[serde(default)]
     slope: f64,
     /// Rise of the reversible curve over each interval between the levels; empty if it is straight.
     #[serde(default)]
@@ -87,7 +86,8 @@ pub(super) static OPERATOR: Operator = Operator {
         let n = cells.grid.rows();
         let density = |i: usize, j: usize| 0.35 / (1.0 + 0.5 * (i - j) as f64) * (1.0 + 0.03 * i as f64);
         let weights = (0..n).flat_map(|i| (0..=i).map(move |j| density(i, j)));
-        let rises = (0..n).map(|k| 4.2 + 0.1 * (k as f64 - 0.5 * n as f64).abs());
+        let m = cells.inside.rows();
+        let rises = (0..m).map(|k| 4.2 + 0.1 * (k as f64 - 0.5 * m as f64).abs());
         cells.operator(&rises.chain(weights).collect::<Vec<_>>())
     },
 };
@@ -272,7 +272,7 @@ fn hysteresis_ahead(x: hysteresis, u) {
 }
 ";
 
-/// The responses of each interval of the reversible curve and of each cell.
+/// The responses of each interval of the reversible curve inside the range, and of each cell.
 ///
 /// State: see [`memory`]; the value has one number per cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -280,6 +280,8 @@ struct CellBasis {
     ts: f64,
     range: (f64, f64),
     grid: Grid,
+    /// The levels inside the range: outside, the slope of the reversible curve continues.
+    inside: Grid,
     memory: Memory,
 }
 
@@ -292,13 +294,14 @@ impl CellBasis {
         let levels: Vec<f64> = (0..=rows + 2 * BEYOND).map(level).collect();
         check(&levels)?;
         let memory = Memory { value: cells(levels.len() - 1) };
-        Ok(CellBasis { ts: design.ts, range: design.range, grid: Grid::new(levels), memory })
+        let inside = Grid::new(levels[BEYOND..=rows + BEYOND].to_vec());
+        Ok(CellBasis { ts: design.ts, range: design.range, grid: Grid::new(levels), inside, memory })
     }
 }
 
 impl Basis for CellBasis {
     fn len(&self) -> usize {
-        self.grid.rows() + self.memory.value
+        self.inside.rows() + self.memory.value
     }
 
     fn order(&self) -> usize {
@@ -320,8 +323,8 @@ impl Basis for CellBasis {
                 }
             }
         }
-        let (curve, shares) = phi.split_at_mut(self.grid.rows());
-        parts(&self.grid, u, |k, part| curve[k] = part);
+        let (curve, shares) = phi.split_at_mut(self.inside.rows());
+        parts(&self.inside, u, |k, part| curve[k] = part);
         shares.copy_from_slice(self.memory.value(x));
     }
 
@@ -331,10 +334,11 @@ impl Basis for CellBasis {
 
     /// Second differences of the rises, and of the density along both axes and along the diagonals.
     fn roughness(&self) -> Vec<Vec<(usize, f64)>> {
-        let n = self.grid.rows();
+        let (n, curve) = (self.grid.rows(), self.inside.rows());
         // A cell on the diagonal has half the area.
-        let density = |i: usize, j: usize, factor: f64| (n + cell(i, j), if i == j { 2.0 * factor } else { factor });
-        let mut rows = curvature(0, n);
+        let density =
+            |i: usize, j: usize, factor: f64| (curve + cell(i, j), if i == j { 2.0 * factor } else { factor });
+        let mut rows = curvature(0, curve);
         for i in 0..n {
             for j in 0..=i {
                 for (di, dj) in [(1, 0), (0, 1), (1, 1)] {
@@ -356,8 +360,9 @@ impl Basis for CellBasis {
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {
         counted(OPERATOR.name, "weights", weights.len(), Basis::len(self))?;
-        let (reversible, weights) = weights.split_at(self.grid.rows());
-        let (reversible, weights) = (reversible.to_vec(), weights.to_vec());
+        let (rises, weights) = weights.split_at(self.inside.rows());
+        let (first, last) = ([rises[0]; BEYOND], [rises[rises.len() - 1]; BEYOND]);
+        let (reversible, weights) = ([&first, rises, &last].concat(), weights.to_vec());
         let levels = self.grid.levels().to_vec();
         let params = PreisachParams { range: self.range, levels, slope: 0.0, reversible, weights };
         Ok(Arc::new(Preisach::new(self.ts, params)?))
@@ -443,11 +448,12 @@ mod tests {
     #[test]
     fn a_narrow_range_far_from_rest_is_as_accurate_as_others() {
         let cells = basis((-68.5, -68.4), 7);
-        let weights: Vec<f64> = (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k >= cells.grid.rows()))).collect();
+        let weights: Vec<f64> =
+            (0..Basis::len(&cells)).map(|k| f64::from(u8::from(k >= cells.inside.rows()))).collect();
         let (mut x, mut phi) = (Basis::initial(&cells), vec![0.0; weights.len()]);
         Basis::step(&cells, &mut x, -68.43, &mut phi);
         let z = cells.operator(&weights).unwrap().simulate(&[-68.43]);
-        assert_close(&[phi[cells.grid.rows()..].iter().sum()], &z, 0.0, 1e-9);
+        assert_close(&[phi[cells.inside.rows()..].iter().sum()], &z, 0.0, 1e-9);
     }
 
     #[test]
@@ -469,7 +475,11 @@ mod tests {
         };
         let u = [-1.0, 0.25, 0.8, 1.5, 3.0];
         assert_eq!(load(r#""slope": 0.5"#).unwrap().simulate(&u), u.map(|u| 0.5 * u));
-        assert_eq!(load(r#""reversible": [0.5, 1]"#).unwrap().simulate(&u), [-0.5, 0.125, 0.4, 1.0, 2.5]);
-        assert!(load(r#""reversible": [1]"#).unwrap_err().starts_with("reversible = 1 numbers: must be 2 numbers"));
+        assert_eq!(load(r#""slope": 0, "reversible": [0.5, 1]"#).unwrap().simulate(&u), [-0.5, 0.125, 0.4, 1.0, 2.5]);
+        assert!(
+            load(r#""slope": 0, "reversible": [1]"#)
+                .unwrap_err()
+                .starts_with("reversible = 1 numbers: must be 2 numbers")
+        );
     }
 }

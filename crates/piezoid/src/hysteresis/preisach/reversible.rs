@@ -61,7 +61,7 @@ pub(super) fn parts(grid: &Grid, u: f64, mut part: impl FnMut(usize, f64)) {
 }
 
 const TEXT: &str = "
-// The part of the sum that follows u without memory, and its slope.
+// The part of z that follows u without memory, and its slope.
 fn reversible(u) {
     let i = whole(row(0, rows, u));
     let slope = reversible_slopes[i];
