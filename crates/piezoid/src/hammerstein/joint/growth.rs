@@ -36,8 +36,8 @@ pub(super) const ORDER: usize = 8;
 const GAIN: f64 = 0.95;
 const OBVIOUS: f64 = 0.3;
 
-/// Ratio of errors of the whole records that is a gain if the held-out error is no higher: some of their parts are never
-/// held out, and may show what the others do not.
+/// Ratio of errors of the whole records that is a gain if the held-out error is no higher: some of their parts are
+/// never held out, and may show what the others do not.
 const WHOLE: f64 = 0.9;
 
 /// Ratio of minima that the linearised equations must promise for an extension, for a simpler structure with another
