@@ -7,6 +7,7 @@ import inspect
 import pickle
 import subprocess
 import sys
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -221,17 +222,29 @@ def test_cross_validation_is_the_same_with_metadata_routing() -> None:
     np.testing.assert_array_equal(plain, routed)
 
 
-def test_a_grid_search_finds_the_operator_that_made_the_data() -> None:
+@cache
+def searched() -> tuple[GridSearchCV, list[pz.Record]]:
+    """A grid search on records that prandtl-ishlinskii of order 2 made, and these records."""
     made_by = pz.identify(data=TWIN, **PLAYS)
     rng = np.random.default_rng(1)
     noisy = [pz.Record(u, made_by.simulate(u) + rng.normal(0, 0.5, len(u)), TS) for u in SINES]
     X, y, groups = stack(noisy)
     grid = {"operator": ["proportional", "prandtl-ishlinskii", "bouc-wen"], "order": [1, 2]}
     search = GridSearchCV(HammersteinRegressor(TS, elements=8), grid, cv=GroupKFold(3), error_score="raise")
-    search.fit(X, y, groups=groups)
-    # The order does not show: the resonance is 15 times as fast as the sines.
+    return search.fit(X, y, groups=groups), noisy
+
+
+def test_a_grid_search_finds_the_operator_that_made_the_data() -> None:
+    search, noisy = searched()
     assert search.best_params_["operator"] == "prandtl-ishlinskii"
     assert search.best_estimator_.model_ == pz.identify(data=noisy, elements=8, **search.best_params_)
+
+
+@pytest.mark.xfail(strict=True, reason="order 1 is ahead by 3e-6 in R^2 on sines far below the mode")
+def test_a_grid_search_finds_the_order_that_made_the_data() -> None:
+    search, noisy = searched()
+    assert search.best_params_ == {"operator": "prandtl-ishlinskii", "order": 2}
+    assert search.best_estimator_.model_ == pz.identify(data=noisy, **PLAYS)
 
 
 def test_records_that_differ_in_kind_are_not_stacked() -> None:
