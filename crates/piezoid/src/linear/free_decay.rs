@@ -33,6 +33,9 @@ const RINGS: f64 = 0.3;
 /// Share of the energy of the decays from which the poles explain them: otherwise the output only holds noise.
 const EXPLAINED: f64 = 0.5;
 
+/// Ratio of singular values that is zero.
+const SINGULAR: f64 = 1e-9;
+
 /// Decay of ln(amplitude) over the longest decay from which it is not hum.
 const FADES: f64 = 0.5;
 
@@ -70,7 +73,9 @@ pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
     // S^-1 U' H_1 V = S^-2 U' H_1 H_0' U in other words.
     let crossed = u.transpose() * &h1 * h0.transpose() * &u;
     let pencil = DMatrix::from_fn(RANK, RANK, |i, j| crossed[(i, j)] / squares[j]);
-    let poles: Vec<Complex<f64>> = pencil.complex_eigenvalues().iter().copied().collect();
+    // A growing exponential is noise.
+    let decays_away = |z: &Complex<f64>| z.norm() < 1.0;
+    let poles: Vec<Complex<f64>> = pencil.complex_eigenvalues().iter().copied().filter(decays_away).collect();
     let (energy, left) = energies(&decays, &poles);
     let total: f64 = decays.iter().flatten().map(|d| d * d).sum();
     if left > (1.0 - EXPLAINED) * total {
@@ -81,7 +86,7 @@ pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
     let mut modes: Vec<(f64, Pole)> = poles
         .iter()
         .zip(energy)
-        .filter(|(z, energy)| z.im > 0.0 && z.norm() < 1.0 && *energy > SEEN * total)
+        .filter(|(z, energy)| z.im > 0.0 && *energy > SEEN * total)
         .map(|(z, energy)| {
             let s = z.ln() / ts;
             let damping = -s.re / s.norm();
@@ -119,8 +124,8 @@ fn energies(decays: &[Vec<f64>], poles: &[Complex<f64>]) -> (Vec<f64>, f64) {
         let n = d.len();
         let basis = DMatrix::from_fn(n, poles.len(), |t, k| poles[k].powu(t as u32));
         let target = DVector::from_iterator(n, d.iter().map(|d| Complex::new(*d, 0.0)));
-        let gram = basis.adjoint() * &basis;
-        let Some(c) = gram.lu().solve(&(basis.adjoint() * &target)) else { continue };
+        // Poles may be nearly equal.
+        let Ok(c) = basis.clone().svd(true, true).solve(&target, SINGULAR) else { continue };
         for k in 0..poles.len() {
             energy[k] += 2.0 * (0..n).map(|t| (c[k] * basis[(t, k)]).norm_sqr()).sum::<f64>();
         }

@@ -11,14 +11,18 @@ use std::f64::consts::TAU;
 /// Increase of the sum of squares up to which a longer delay is accepted.
 pub(super) const SAME_COST: f64 = 1.01;
 
-/// The frequency below which a real pole counts as creep, which has its own block [Hz].
+/// Damping above which a pair of poles is not a mode.
+pub(super) const RINGS: f64 = 0.5;
+
+/// The frequency below which a pole that does not ring counts as creep, which has its own block [Hz].
 pub(super) fn slowest_pole(settings: &JointOptions, lags: &[Lag]) -> f64 {
     lags.first().filter(|_| settings.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
 }
 
 /// A pole of the block that counts as creep.
 pub(super) fn creep_pole(arx: &Arx, slowest: f64) -> Option<Pole> {
-    arx.poles().into_iter().find(|pole| is_lag(pole) && pole.hz < slowest)
+    let rings = |pole: &Pole| pole.damping < RINGS || pole.z.re < 0.0;
+    arx.poles().into_iter().find(|pole| !rings(pole) && pole.hz < slowest)
 }
 
 /// The frequency of a lag as long as the longest record [Hz]. A slower lag is a constant to the records, with

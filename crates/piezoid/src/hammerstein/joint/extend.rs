@@ -77,7 +77,8 @@ pub(super) fn extensions(
     let hidden = Hidden::of_all(fitted, runs)?;
     let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
     let estimate = |linear: Arx| -> Result<Estimate, Error> {
-        Ok(Estimate::new(None, Box::new(Proportional::new(linear.ts(), 1.0)?), Vec::new(), linear))
+        let basis = Box::new(Proportional::new(linear.ts(), 1.0)?);
+        Ok(Estimate { weights: vec![1.0], ..Estimate::new(None, basis, Vec::new(), linear) })
     };
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let mut found: Vec<(f64, Extension)> = Vec::new();

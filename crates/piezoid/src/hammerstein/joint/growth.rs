@@ -7,7 +7,7 @@
 
 use super::JointOptions;
 use super::beginnings::begin;
-use super::dynamics::{creep_pole, is_lag, slowest_pole, without_factor};
+use super::dynamics::{RINGS, creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
 use super::extend::{Hidden, Search, extensions};
 use super::held_out::Smoothness;
@@ -64,9 +64,8 @@ const SHARE: f64 = 0.02;
 /// Share of its power below the lowest frequency of an input, and above the highest.
 const EDGE: f64 = 0.02;
 
-/// Difference of ln(frequency) up to which two modes are the same. A pair of poles with more damping is not a mode.
+/// Difference of ln(frequency) up to which two modes are the same.
 const NEAR: f64 = 0.2;
-const RINGS: f64 = 0.5;
 
 /// A new lag before the hysteresis [samples].
 const NEW_LAG: f64 = 0.2;
@@ -154,6 +153,8 @@ impl Growth {
         let broad: Vec<f64> = broad.collect();
         let many = driven.iter().copied().filter(|_| driven.len() >= FEW);
         let lowest = broad.iter().copied().chain(many).fold(above, f64::min);
+        // Whoever specifies the order knows that there are as many poles.
+        let lowest = if settings.order.is_some() { 0.0 } else { lowest };
         let fastest = spread.iter().map(|spread| spread.high).fold(0.0, f64::max);
         Growth {
             is_broad: !broad.is_empty() || driven.len() >= FEW,
@@ -187,14 +188,21 @@ impl Growth {
             for found in extensions(from, runs, &self.search, &|linear| self.shows(linear), watch)? {
                 let starts = found.into_iter();
                 let starts = starts.filter_map(|one| Some((one.name, from.estimate.with_linear(one.linear)?)));
-                let fit = refine_promising(starts.collect(), from, BETTER, runs, watch)?;
+                let starts: Vec<_> = starts.collect();
+                // Which of them leads to the best block of the specified order is seen at its end only.
+                let together = if self.order.is_some() { 1 } else { starts.len().max(1) };
+                let mut starts = starts.into_iter().peekable();
+                let mut fits = Vec::new();
+                while starts.peek().is_some() {
+                    let some = starts.by_ref().take(together).collect();
+                    fits.extend(refine_promising(some, from, BETTER, runs, watch)?);
+                }
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
                     let obvious = !self.one_frequency && t.error() < OBVIOUS * best.error();
-                    let shows = self.shows(linear) || obvious || self.order.is_some();
-                    shows && creep_pole(linear, self.search.slowest).is_none()
+                    (self.shows(linear) || obvious) && creep_pole(linear, self.search.slowest).is_none()
                 };
-                longer.extend(fit.map(|(name, fit)| Structure::new(name, fit)).filter(possible));
+                longer.extend(fits.into_iter().map(|(name, fit)| Structure::new(name, fit)).filter(possible));
                 if longer.iter().any(|t| t.gains_on(best)) {
                     break;
                 }
@@ -203,7 +211,9 @@ impl Growth {
                 behind_lag = true;
                 longer.extend(self.behind_lag(tried, basis, runs, watch)?);
             }
-            let Some(mut next) = longer.into_iter().min_by(|p, q| Structure::better(&p, &q)) else { break };
+            longer.sort_by(|p, q| Structure::better(&p, &q));
+            let mut longer = longer.into_iter();
+            let Some(mut next) = longer.next() else { break };
             if begin(&next.fitted, runs, self.design.range)? {
                 let Estimate { linear, .. } = &next.fitted.estimate;
                 if let Some(same) = next.fitted.estimate.with_linear(linear.clone()) {
@@ -212,6 +222,7 @@ impl Growth {
                 }
             }
             let gains = next.gains_on(best);
+            tried.extend(longer.filter(|t| self.is_of_order(t)));
             tried.push(next);
             // A specified order may need steps without gain.
             if !gains && self.order.is_none() {
@@ -276,9 +287,12 @@ impl Growth {
         Ok(found.map(|(name, fit)| Structure::new(name, fit)))
     }
 
-    /// True if each mode of a linear block shows in the records. The harmonics of a few frequencies show one mode above
-    /// them.
+    /// True if each mode of a linear block shows in the records, or if the order is specified. The harmonics of a few
+    /// frequencies show one mode above them.
     fn shows(&self, linear: &Arx) -> bool {
+        if self.order.is_some() {
+            return true;
+        }
         let seen = |hz: f64| self.search.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR);
         let modes = linear.modal_form().modes().into_iter();
         let rings = |p: &PoleShare| p.pole.z.im > 0.0 && p.pole.damping < RINGS;
@@ -290,18 +304,20 @@ impl Growth {
         driven.iter().all(is_driven) && (self.is_broad || driven.len() <= 1)
     }
 
+    /// True if the linear block has the specified order.
+    fn is_of_order(&self, structure: &Structure) -> bool {
+        self.order == Some(structure.fitted.estimate.linear.a().len())
+    }
+
     /// The simplest structure that is as good as the best, of at least one.
     pub(super) fn choose(&self, mut tried: Vec<Structure>) -> Chosen {
-        let (chosen, why) = match self.order.filter(|n| *n > 0) {
-            Some(n) => {
-                let of_order = |t: &Structure| t.fitted.estimate.linear.a().len() == n;
-                (tried.iter().rposition(of_order), "the specified order is used")
-            }
-            None => (
-                tried.iter().position(|t| !tried.iter().any(|other| other.gains_on(t))),
-                "the simplest that is as good as the best is selected",
-            ),
+        let is_specified = tried.iter().any(|t| self.is_of_order(t));
+        let why = match is_specified {
+            true => "the best of the specified order is selected",
+            false => "the simplest that is as good as the best is selected",
         };
+        let may = |t: &&Structure| !is_specified || self.is_of_order(t);
+        let chosen = tried.iter().position(|t| may(&t) && !tried.iter().filter(may).any(|other| other.gains_on(t)));
         let chosen = chosen.unwrap_or(tried.len().saturating_sub(1));
         let listed = tried.iter().map(|t| format!("{} {} %", t.describe(), short(100.0 * t.error())));
         let listed: Vec<String> = listed.collect();
