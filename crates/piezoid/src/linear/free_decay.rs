@@ -168,4 +168,20 @@ mod tests {
         assert!(free_decay_modes(&[stepped(|_, t| noise(t) + 3.0 * (TAU * 50.0 * t).sin())]).is_empty());
         assert!(free_decay_modes(&[stepped(|_, t| (TAU * 50.0 * t).sin())]).is_empty());
     }
+
+    #[test]
+    fn long_noise_after_a_ring_does_not_hide_it() {
+        let (w, zeta) = (TAU * 95.0, 0.05);
+        let noise = noise(2, 30_000);
+        let ring = |since: f64| (-zeta * w * since).exp() * (w * since).cos();
+        // 30 steps a second apart, of which one rings.
+        let u: Vec<f64> = (0..30_000).map(|t| f64::from(t / 1000 % 2)).collect();
+        let y = (0..30_000).map(|t| {
+            let since = f64::from(t - 9000) * TS;
+            0.004 * noise[t as usize] + if (0.0..1.0).contains(&since) { ring(since) } else { 0.0 }
+        });
+        let modes = free_decay_modes(&[Record::new(TS, u, y.collect()).unwrap()]);
+        assert_eq!(modes.len(), 1, "{modes:?}");
+        assert!((modes[0].hz - 95.0).abs() < 1.0 && (modes[0].damping - 0.05).abs() < 0.01, "{modes:?}");
+    }
 }

@@ -50,6 +50,8 @@ const NOTHING: f64 = 1e-9;
 pub(super) struct Extension {
     pub(super) name: String,
     pub(super) linear: Arx,
+    /// True if its poles are those of a mode seen in free decays.
+    is_seen: bool,
 }
 
 /// Where poles are sought.
@@ -91,15 +93,20 @@ pub(super) fn extensions(
     }
     found.sort_by(|p, q| p.0.total_cmp(&q.0));
     let (mut shown, mut hidden) = (Vec::<(f64, Extension)>::new(), Vec::new());
-    for (_, Extension { name, linear }) in found {
+    for (promised, Extension { name, linear, is_seen }) in found {
         if shown.len() == SEVERAL {
             break;
         }
-        let alone = refine(estimate(linear)?, &mut responses, FreeParameters::All, watch)?;
-        let linear = alone.estimate.linear;
+        let (minimum, linear) = match is_seen {
+            true => (promised, linear),
+            false => {
+                let alone = refine(estimate(linear)?, &mut responses, FreeParameters::All, watch)?;
+                (alone.minimum, alone.estimate.linear)
+            }
+        };
         let list = if shows(&linear) { &mut shown } else { &mut hidden };
-        if list.iter().all(|(cost, _)| (alone.minimum / cost).ln().abs() > SAME) {
-            list.push((alone.minimum, Extension { name, linear }));
+        if list.iter().all(|(other, _)| (minimum / other).ln().abs() > SAME) {
+            list.push((minimum, Extension { name, linear, is_seen }));
         }
     }
     let mut lists = [shown, hidden];
@@ -113,7 +120,8 @@ fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension
     let (ts, order, delay) = (linear.ts(), linear.a().len(), linear.delay());
     let by = |name: String, factor: &[f64], b: Vec<f64>| -> Result<Extension, Error> {
         let a = times(&linear.denominator(), factor);
-        Ok(Extension { name, linear: Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b)? })
+        let linear = Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b)?;
+        Ok(Extension { name, linear, is_seen: false })
     };
     let with = |name: String, factor: &[f64]| by(name, factor, times(linear.b(), factor));
     let mut kinds = Vec::new();
@@ -133,24 +141,29 @@ fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension
         }
     }
     if order + 2 <= search.most {
-        let grid = std::iter::successors(Some(HIGHEST / ts), |hz| Some(hz / MODES));
-        let grid: Vec<f64> = grid.take_while(|hz| *hz > search.lowest.max(lowest)).collect();
-        let mode = |(hz, damping): (f64, f64)| {
-            let (radius, angle) = ((-damping * TAU * hz * ts).exp(), TAU * hz * ts * (1.0 - damping * damping).sqrt());
-            with("a mode".into(), &[1.0, -2.0 * radius * angle.cos(), radius * radius])
-        };
-        for band in grid.chunks(BAND) {
-            let modes = band.iter().flat_map(|&hz| DAMPING.map(|damping| mode((hz, damping))));
-            kinds.push(modes.collect::<Result<_, _>>()?);
+        let grid: Vec<[f64; 3]> = modes(ts, search.lowest.max(lowest)).collect();
+        for band in grid.chunks(BAND * DAMPING.len()) {
+            kinds.push(band.iter().map(|mode| with("a mode".into(), mode)).collect::<Result<_, _>>()?);
         }
         for pole in &search.modes {
             let name = format!("a mode at {} Hz, seen in free decays", short(pole.hz));
-            kinds.push(vec![with(name, &[1.0, -2.0 * pole.z.re, pole.z.modulus().powi(2)])?]);
+            let mode = with(name, &[1.0, -2.0 * pole.z.re, pole.z.modulus().powi(2)])?;
+            kinds.push(vec![Extension { is_seen: true, ..mode }]);
         }
     }
     let longer = [linear.b(), &[NOTHING * linear.b().iter().sum::<f64>()]].concat();
     kinds.push(vec![by("one more coefficient".into(), &[1.0], longer)?]);
     Ok(kinds)
+}
+
+/// The denominators of the modes of the grid, from the highest frequency down to `lowest` [Hz].
+fn modes(ts: f64, lowest: f64) -> impl Iterator<Item = [f64; 3]> {
+    let grid = std::iter::successors(Some(HIGHEST / ts), |hz| Some(hz / MODES)).take_while(move |hz| *hz > lowest);
+    let mode = move |(hz, damping): (f64, f64)| {
+        let (radius, angle) = ((-damping * TAU * hz * ts).exp(), TAU * hz * ts * (1.0 - damping * damping).sqrt());
+        [1.0, -2.0 * radius * angle.cos(), radius * radius]
+    };
+    grid.flat_map(move |hz| DAMPING.map(|damping| mode((hz, damping))))
 }
 
 /// The responses of the linear block in a run.
@@ -221,6 +234,7 @@ mod tests {
     use super::super::refine::refine_from;
     use super::super::{held_out::Smoothness, runs::of, testing::estimate};
     use super::*;
+    use crate::testing::assert_close;
 
     /// A record of a second-order block with curved hysteresis and noise.
     fn records() -> Vec<Record> {
@@ -244,7 +258,7 @@ mod tests {
         let same =
             kinds(linear, &search, 10.0).unwrap().into_iter().flatten().filter(|one| !one.name.contains("instead"));
         let mut seen = 0;
-        for Extension { name, linear } in same {
+        for Extension { name, linear, .. } in same {
             let extended = linear.simulate(records[0].u());
             let off = response.iter().zip(&extended).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
             assert!(off < 1e-6 * size, "{name}: {off:e} of {size}");
@@ -259,5 +273,20 @@ mod tests {
             }
         }
         assert!(seen > 20, "{seen}");
+    }
+
+    #[test]
+    fn the_extension_that_made_the_record_is_found_first() {
+        let block = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap();
+        let u: Vec<f64> = (0..1500).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let y = block.simulate(&u);
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
+        let gain = estimate("proportional", 1).with_linear(Arx::gain(5e-4, 1.0).unwrap()).unwrap();
+        let from = refine(gain, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+        let search = Search { modes: Vec::new(), slowest: 1.0, lowest: 10.0, most: 4 };
+        let [shown, _] = extensions(&from, &runs, &search, &|_| true, &mut |_| Ok(())).unwrap();
+        assert_eq!(shown[0].name, "a mode");
+        assert_close(shown[0].linear.a(), block.a(), 1e-3, 0.0);
     }
 }

@@ -188,15 +188,7 @@ impl Growth {
             for found in extensions(from, runs, &self.search, &|linear| self.shows(linear), watch)? {
                 let starts = found.into_iter();
                 let starts = starts.filter_map(|one| Some((one.name, from.estimate.with_linear(one.linear)?)));
-                let starts: Vec<_> = starts.collect();
-                // Which of them leads to the best block of the specified order is seen at its end only.
-                let together = if self.order.is_some() { 1 } else { starts.len().max(1) };
-                let mut starts = starts.into_iter().peekable();
-                let mut fits = Vec::new();
-                while starts.peek().is_some() {
-                    let some = starts.by_ref().take(together).collect();
-                    fits.extend(refine_promising(some, from, BETTER, runs, watch)?);
-                }
+                let fits = refine_promising(starts.collect(), from, BETTER, runs, watch)?;
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
                     let obvious = !self.one_frequency && t.error() < OBVIOUS * best.error();
@@ -249,7 +241,7 @@ impl Growth {
             };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
             let starts = start.into_iter().map(|start| (String::new(), start)).collect();
-            if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, runs, watch)? {
+            if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
         }
@@ -283,8 +275,8 @@ impl Growth {
         let starts = moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead).map(start);
         let starts = starts.collect::<Result<_, Error>>()?;
         let found = refine_promising(starts, best, BETTER, runs, watch)?;
-        let found = found.filter(|(_, fit)| self.shows(&fit.estimate.linear));
-        Ok(found.map(|(name, fit)| Structure::new(name, fit)))
+        let found = found.into_iter().filter(|(_, fit)| self.shows(&fit.estimate.linear));
+        Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::better(&p, &q)))
     }
 
     /// True if each mode of a linear block shows in the records, or if the order is specified. The harmonics of a few
@@ -345,7 +337,7 @@ impl Growth {
         for Estimate { driver, seeks_lag, lags, linear, .. } in simpler {
             let start = adopt(&fitted.estimate, (driver, seeks_lag), &lags, linear, &basis)?;
             let found = refine_promising(vec![(String::new(), start)], &fitted, AS_GOOD, runs, watch)?;
-            tried.extend(found.map(|(name, fit)| Structure::new(name, fit)));
+            tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
         }
         tried.extend(self.shrunk(&fitted, runs, watch)?);
         tried.push(Structure::new(String::new(), fitted));

@@ -190,25 +190,28 @@ pub(super) fn refine_from(
     Ok(Fitted { estimate: point.estimate, own, held_out, residuals, minimum })
 }
 
-/// Fits all parameters from the start that promises most, by the linearised equations; returns its name too. `None` if
-/// none promises less than `ratio` times the minimum of `from`, or next to nothing.
+/// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,
+/// by the linearised equations; returns their names too.
 pub(super) fn refine_promising(
     starts: Vec<(String, Estimate)>,
     from: &Fitted,
     ratio: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
-) -> Result<Option<(String, Fitted)>, Error> {
+) -> Result<Vec<(String, Fitted)>, Error> {
     let lambda = from.held_out.lambda;
-    let promised = starts.into_iter().map(|(name, start)| {
+    let mut found = Vec::new();
+    for (name, start) in starts {
         let point = Iterate::at(start, runs, &[], FreeParameters::All);
-        let is_enough = |minimum: f64| minimum < (ratio * from.minimum).max(SMALL * point.normal.samples);
-        (Some(point.predicted(lambda)).filter(|minimum| is_enough(*minimum)), name, point.estimate)
-    });
-    let promising = promised.filter_map(|(minimum, name, start)| Some((minimum?, name, start)));
-    let Some((_, name, start)) = promising.min_by(|p, q| p.0.total_cmp(&q.0)) else { return Ok(None) };
-    let fitted = refine_from(start, Smoothness::Fixed(lambda), runs, FreeParameters::All, watch)?;
-    Ok(Some((name, fitted)))
+        let enough = (ratio * from.minimum).max(SMALL * point.normal.samples);
+        if point.predicted(lambda) < enough {
+            found.push((
+                name,
+                refine_from(point.estimate, Smoothness::Fixed(lambda), runs, FreeParameters::All, watch)?,
+            ));
+        }
+    }
+    Ok(found)
 }
 
 /// The next point with lower cost, if one is found.
