@@ -279,16 +279,20 @@ impl Growth {
         Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::better(&p, &q)))
     }
 
+    /// True if free decays show a mode of this frequency [Hz].
+    pub(super) fn is_seen(&self, hz: f64) -> bool {
+        self.search.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR)
+    }
+
     /// True if each mode of a linear block shows in the records, or if the order is specified. The harmonics of a few
     /// frequencies show one mode above them.
     fn shows(&self, linear: &Arx) -> bool {
         if self.order.is_some() {
             return true;
         }
-        let seen = |hz: f64| self.search.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR);
         let modes = linear.modal_form().modes().into_iter();
         let rings = |p: &PoleShare| p.pole.z.im > 0.0 && p.pole.damping < RINGS;
-        let driven: Vec<PoleShare> = modes.filter(|p| rings(p) && !seen(p.pole.hz)).collect();
+        let driven: Vec<PoleShare> = modes.filter(|p| rings(p) && !self.is_seen(p.pole.hz)).collect();
         let is_driven = |p: &PoleShare| {
             let within = p.pole.hz >= self.search.lowest && p.share >= SHARE;
             !self.one_frequency && (p.pole.hz >= self.above || within)

@@ -198,14 +198,12 @@ pub(crate) fn identify_joint(
         None => model,
     };
     let parameters = uncertainty::parameters(&fitted);
-    notes.extend(parameters.iter().filter(|p| p.is_unknown()).map(|p| {
-        let (value, error) = (short(p.value), short(p.error));
-        format!(
-            "{} = {value} with a standard error of {error}: these records do not determine it; ignore its value, \
-                 or add records",
-            p.name
-        )
-    }));
+    let unknown = parameters.iter().filter(|p| p.is_unknown());
+    let unknown = unknown.map(|p| format!("{} = {} (standard error {})", p.name, short(p.value), short(p.error)));
+    let unknown = unknown.collect::<Vec<_>>().join(", ");
+    if !unknown.is_empty() {
+        notes.push(format!("these records do not determine {unknown}: ignore these values, or add records"));
+    }
     notes.extend(model.creep().lags().iter().filter(|lag| lag.gain >= CREEPS).map(|lag| {
         let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));
         format!(
@@ -213,7 +211,8 @@ pub(crate) fn identify_joint(
              mechanics or sensor that is missing in the linear block"
         )
     }));
-    notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)));
+    let is_seen = model.linear().resonance().is_some_and(|mode| growth.is_seen(mode.hz));
+    notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)).filter(|_| !is_seen));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
     Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
 }

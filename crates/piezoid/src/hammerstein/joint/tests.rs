@@ -237,6 +237,7 @@ fn a_mode_that_only_ringing_shows_is_found_and_the_note_says_how() {
     assert_close(&[resonance.hz], &[60.0], 0.01, 0.0);
     assert_close(&[resonance.damping], &[0.1], 0.15, 0.0);
     assert!(found.linear.reason.contains("mode"), "{}", found.linear.reason);
+    assert!(!found.notes.iter().any(|note| note.contains("no record has power near")), "{:?}", found.notes);
     assert!(error(&found.model, &plant) < 5e-3, "{}", error(&found.model, &plant));
 }
 
