@@ -45,7 +45,7 @@ pub(super) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Erro
 }
 
 /// Smallest damping of the mode of an actuator.
-const LEAST_DAMPING: f64 = 2e-3;
+pub(super) const LEAST_DAMPING: f64 = 2e-3;
 
 /// True if every mode is damped. One that is not would be a sine of any size in each record.
 pub(super) fn is_damped(arx: &Arx) -> bool {

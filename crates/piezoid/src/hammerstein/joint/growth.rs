@@ -7,7 +7,7 @@
 
 use super::JointOptions;
 use super::beginnings::begin;
-use super::dynamics::{RINGS, creep_pole, is_lag, slowest_pole, without_factor};
+use super::dynamics::{LEAST_DAMPING, RINGS, creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
 use super::extend::{Hidden, Search, extensions};
 use super::held_out::Smoothness;
@@ -66,6 +66,9 @@ const EDGE: f64 = 0.02;
 
 /// Difference of ln(frequency) up to which two modes are the same.
 const NEAR: f64 = 0.2;
+
+/// Ratio to the least damping up to which a mode is at this limit.
+const AT_LIMIT: f64 = 1.2;
 
 /// A new lag before the hysteresis [samples].
 const NEW_LAG: f64 = 0.2;
@@ -192,7 +195,8 @@ impl Growth {
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
                     let obvious = !self.one_frequency && t.error() < OBVIOUS * best.error();
-                    (self.shows(linear) || obvious) && creep_pole(linear, self.search.slowest).is_none()
+                    let is_creep = creep_pole(linear, self.search.slowest).is_some();
+                    (self.shows(linear) || obvious) && !is_creep && !self.is_at_limit(linear)
                 };
                 longer.extend(fits.into_iter().map(|(name, fit)| Structure::new(name, fit)).filter(possible));
                 if longer.iter().any(|t| t.gains_on(best)) {
@@ -277,6 +281,12 @@ impl Growth {
         let found = refine_promising(starts, best, BETTER, runs, watch)?;
         let found = found.into_iter().filter(|(_, fit)| self.shows(&fit.estimate.linear));
         Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::better(&p, &q)))
+    }
+
+    /// True if a mode is at the least damping that the search allows: it stands for something else, as a line of the
+    /// input's spectrum or what its own state in each record can explain.
+    fn is_at_limit(&self, linear: &Arx) -> bool {
+        linear.poles().iter().any(|pole| pole.damping < AT_LIMIT * LEAST_DAMPING && !self.is_seen(pole.hz))
     }
 
     /// True if free decays show a mode of this frequency [Hz].
@@ -388,5 +398,27 @@ impl Spread {
         };
         let lines = total * total / power.iter().map(|p| p * p).sum::<f64>();
         Spread { lines, low: below(EDGE), high: below(1.0 - EDGE) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mode_at_the_least_damping_is_at_a_limit_unless_a_free_decay_shows_it() {
+        let u: Vec<f64> = (0..2000).map(|t| (0.05 * f64::from(t)).sin()).collect();
+        let records = [Record::new(5e-4, u.clone(), u).unwrap()];
+        let design = BasisDesign { ts: 5e-4, range: (-1.0, 1.0), elements: None, frequencies: Vec::new() };
+        let mut growth = Growth::new(&records, &JointOptions::default(), &[], &design);
+        let block = |damping: f64| {
+            let (w, ts) = (TAU * 100.0, 5e-4);
+            let radius = (-damping * w * ts).exp();
+            let angle = w * ts * (1.0 - damping * damping).sqrt();
+            Arx::new(ts, vec![2.0 * radius * angle.cos(), -radius * radius], vec![0.1]).unwrap()
+        };
+        assert!(growth.is_at_limit(&block(0.0021)) && !growth.is_at_limit(&block(0.003)));
+        growth.search.modes = block(0.0021).poles();
+        assert!(!growth.is_at_limit(&block(0.0021)));
     }
 }
