@@ -69,7 +69,6 @@ EXPECTED_WITH_MEMORY = EXPECTED_OF_FIRST_COLUMN | {
     "check_n_features_in": NOISE,
     "check_readonly_memmap_input": NOISE,
     "check_regressor_data_not_an_array": NOISE,
-    "check_regressors_int": "its y are random whole numbers: no model predicts them",
     "check_regressors_train": NOISE,
     "check_estimators_nan_inf": SHORT,
     "check_fit2d_1feature": SHORT,
