@@ -84,4 +84,17 @@ mod tests {
         assert_eq!(with_slow_lags_limited(block(p(1.0)), 0.5).unwrap().b(), block(p(1.0)).b());
         assert_eq!(with_slow_lags_limited(block(p(1.0)), 0.5).unwrap().a(), block(p(1.0)).a());
     }
+
+    #[test]
+    fn a_slow_pole_that_does_not_ring_is_creep() {
+        let pair = |hz: f64, damping: f64| {
+            let (radius, ts) = ((-damping * TAU * hz * 1e-3).exp(), 1e-3);
+            let angle = TAU * hz * ts * (1.0 - damping * damping).sqrt();
+            Arx::new(ts, vec![2.0 * radius * angle.cos(), -radius * radius], vec![0.1]).unwrap()
+        };
+        assert!(creep_pole(&pair(0.2, 0.6), 16.0).is_some());
+        assert!(creep_pole(&pair(0.2, 0.1), 16.0).is_none(), "it rings");
+        assert!(creep_pole(&pair(40.0, 0.6), 16.0).is_none(), "it is fast");
+        assert!(creep_pole(&Arx::new(1e-3, vec![0.999], vec![0.1]).unwrap(), 16.0).is_some());
+    }
 }
