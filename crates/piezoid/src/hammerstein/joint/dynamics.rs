@@ -70,6 +70,7 @@ pub(super) fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::pair;
     use super::*;
     use crate::testing::assert_close;
 
@@ -87,14 +88,9 @@ mod tests {
 
     #[test]
     fn a_slow_pole_that_does_not_ring_is_creep() {
-        let pair = |hz: f64, damping: f64| {
-            let (radius, ts) = ((-damping * TAU * hz * 1e-3).exp(), 1e-3);
-            let angle = TAU * hz * ts * (1.0 - damping * damping).sqrt();
-            Arx::new(ts, vec![2.0 * radius * angle.cos(), -radius * radius], vec![0.1]).unwrap()
-        };
-        assert!(creep_pole(&pair(0.2, 0.6), 16.0).is_some());
-        assert!(creep_pole(&pair(0.2, 0.1), 16.0).is_none(), "it rings");
-        assert!(creep_pole(&pair(40.0, 0.6), 16.0).is_none(), "it is fast");
+        assert!(creep_pole(&pair(1e-3, 0.2, 0.6), 16.0).is_some());
+        assert!(creep_pole(&pair(1e-3, 0.2, 0.1), 16.0).is_none(), "it rings");
+        assert!(creep_pole(&pair(1e-3, 40.0, 0.6), 16.0).is_none(), "it is fast");
         assert!(creep_pole(&Arx::new(1e-3, vec![0.999], vec![0.1]).unwrap(), 16.0).is_some());
     }
 }

@@ -14,11 +14,11 @@ use super::held_out::Smoothness;
 use super::refine::{Fitted, StepCallback, refine_from, refine_promising};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
+use super::spread::Spread;
 use super::structure::rescaled;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::error::Error;
-use crate::fourier::plain_power;
 use crate::hysteresis::{Basis, BasisDesign, Operator};
 use crate::linear::{Arx, Orders, OutputError, PoleShare, Refinement, free_decay_modes};
 use crate::number::short;
@@ -60,9 +60,6 @@ const ABOVE: f64 = 2.0;
 
 /// Least share of the static displacement of a mode between the frequencies of the inputs.
 const SHARE: f64 = 0.02;
-
-/// Share of its power below the lowest frequency of an input, and above the highest.
-const EDGE: f64 = 0.02;
 
 /// Difference of ln(frequency) up to which two modes are the same.
 const NEAR: f64 = 0.2;
@@ -375,34 +372,9 @@ pub(super) fn adopt(
     Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
 }
 
-/// Where the power of an input lies.
-struct Spread {
-    /// The number of lines of equal power with the same spread.
-    lines: f64,
-    /// The frequencies below and above which it has next to no power [Hz].
-    low: f64,
-    high: f64,
-}
-
-impl Spread {
-    fn of(record: &Record) -> Self {
-        let power = &plain_power(record.u())[1..];
-        let total: f64 = power.iter().sum();
-        let below = |share: f64| {
-            let mut sum = 0.0;
-            let lines = power.iter().take_while(|p| {
-                sum += **p;
-                sum < share * total
-            });
-            (lines.count() + 1) as f64 / record.duration()
-        };
-        let lines = total * total / power.iter().map(|p| p * p).sum::<f64>();
-        Spread { lines, low: below(EDGE), high: below(1.0 - EDGE) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::testing::pair;
     use super::*;
 
     #[test]
@@ -411,12 +383,7 @@ mod tests {
         let records = [Record::new(5e-4, u.clone(), u).unwrap()];
         let design = BasisDesign { ts: 5e-4, range: (-1.0, 1.0), elements: None, frequencies: Vec::new() };
         let mut growth = Growth::new(&records, &JointOptions::default(), &[], &design);
-        let block = |damping: f64| {
-            let (w, ts) = (TAU * 100.0, 5e-4);
-            let radius = (-damping * w * ts).exp();
-            let angle = w * ts * (1.0 - damping * damping).sqrt();
-            Arx::new(ts, vec![2.0 * radius * angle.cos(), -radius * radius], vec![0.1]).unwrap()
-        };
+        let block = |damping: f64| pair(5e-4, 100.0, damping);
         assert!(growth.is_at_limit(&block(0.0021)) && !growth.is_at_limit(&block(0.003)));
         growth.search.modes = block(0.0021).poles();
         assert!(!growth.is_at_limit(&block(0.0021)));

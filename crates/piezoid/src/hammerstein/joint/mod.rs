@@ -35,6 +35,7 @@ mod runs;
 mod search;
 mod signals;
 mod solve;
+mod spread;
 mod structure;
 #[cfg(test)]
 mod testing;
