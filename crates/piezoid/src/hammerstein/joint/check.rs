@@ -6,8 +6,10 @@
 use super::refine::Fitted;
 use super::runs::TrainingRecord;
 use crate::error::Error;
-use crate::number::short;
+use crate::linear::Arx;
+use crate::number::{round, short};
 use crate::series::mean;
+use crate::system::System;
 use crate::waveform::reversals;
 
 /// Residual share from which a record gets a note, and held-out share from which there is no model.
@@ -19,6 +21,23 @@ const FEW: usize = 5;
 
 /// Distance of an input after a reversal, over its range, from which it starts a loop.
 const BACK: f64 = 0.05;
+
+/// Delay beyond the lags of the poles from which there is a note [samples]: that of drivers and sensors is shorter.
+const LATE: f64 = 4.0;
+
+/// The note on a long delay.
+pub(super) fn late(linear: &Arx) -> Option<String> {
+    let delay_s = linear.modal_form().delay;
+    let samples = delay_s / linear.ts();
+    (samples > LATE).then(|| {
+        format!(
+            "the output follows the input {} samples ({} s) later than the poles of the linear block explain: unless \
+             the sensor has this delay, the channels are shifted: align them",
+            round(samples),
+            short(delay_s)
+        )
+    })
+}
 
 /// The notes.
 ///
@@ -74,4 +93,22 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
         }
     }
     Ok(notes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::pair;
+    use super::*;
+
+    #[test]
+    fn a_delay_of_several_samples_is_named_and_the_lag_of_a_mode_is_not() {
+        let mode = pair(5e-4, 120.0, 0.7);
+        let later = |n: usize| {
+            let b = [vec![0.0; n], mode.b().to_vec()].concat();
+            late(&Arx::new(5e-4, mode.a().to_vec(), b).unwrap())
+        };
+        assert_eq!((late(&mode), later(3)), (None, None));
+        let note = later(6).unwrap();
+        assert!(note.starts_with("the output follows the input 4.") && note.contains("align"), "{note}");
+    }
 }

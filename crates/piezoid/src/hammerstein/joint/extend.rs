@@ -8,18 +8,13 @@
 //! initial states. The best p of each kind and each band of frequencies is a candidate; the best candidates are refined
 //! on these responses.
 
-use super::estimate::{Estimate, Responses};
+use super::hidden::Hidden;
 use super::refine::{Fitted, Iterate, StepCallback, refine};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
-use crate::creep::Creep;
 use crate::error::Error;
-use crate::hammerstein::InitialCondition;
-use crate::hysteresis::Proportional;
 use crate::linear::{Arx, Pole};
 use crate::number::short;
-use crate::record::Record;
-use crate::series::dot;
 use crate::system::System;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -76,12 +71,9 @@ pub(super) fn extensions(
     watch: StepCallback,
 ) -> Result<[Vec<Extension>; 2], Error> {
     let linear = &fitted.estimate.linear;
-    let hidden = Hidden::of_all(fitted, runs)?;
+    let hidden = Hidden::crept(fitted, runs)?;
     let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
-    let estimate = |linear: Arx| -> Result<Estimate, Error> {
-        let basis = Box::new(Proportional::new(linear.ts(), 1.0)?);
-        Ok(Estimate { weights: vec![1.0], ..Estimate::new(None, basis, Vec::new(), linear) })
-    };
+    let estimate = |linear: Arx| Hidden::alone(Vec::new(), linear);
     let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
     let mut found: Vec<(f64, Extension)> = Vec::new();
     for kind in kinds(linear, search, CYCLES / longest)? {
@@ -166,60 +158,6 @@ fn modes(ts: f64, lowest: f64) -> impl Iterator<Item = [f64; 3]> {
     grid.flat_map(move |hz| DAMPING.map(|damping| mode((hz, damping))))
 }
 
-/// The responses of the linear block in a run.
-pub(super) struct Hidden {
-    /// z with its creep, about the level at which the block is settled, and y without drift.
-    pub(super) record: Record,
-    /// z before the record, for one in motion.
-    before: Vec<f64>,
-}
-
-impl Hidden {
-    /// Those of all runs of a fit.
-    pub(super) fn of_all(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
-        runs.iter().zip(&fitted.own).map(|(run, own)| Hidden::of(&fitted.estimate, run, own)).collect()
-    }
-
-    fn of(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Result<Self, Error> {
-        let level = Responses::level(estimate, run);
-        let level = dot(&level, &estimate.weights);
-        let mut responses = Responses::from_rest(estimate, run);
-        let moving = run.moving();
-        let inputs = run.before[1..].iter().chain(run.record.u());
-        let z = inputs.map(|&u| dot(responses.next(u), &estimate.weights) - level);
-        let z: Vec<f64> = z.skip(run.before.len() - 1 - moving).collect();
-        let mut crept = Creep::new(estimate.ts(), estimate.lags.clone())?.simulate(&z);
-        let before: Vec<f64> = crept.drain(..moving).collect();
-        // The state of creep comes first in a run's own coefficients, the drift last.
-        for (lag, began) in estimate.lags.iter().zip(own) {
-            let stays = (-estimate.ts() / lag.tau_s).exp();
-            let mut began = *began;
-            for z in &mut crept {
-                began *= stays;
-                *z += began;
-            }
-        }
-        let rise = own.last().map_or(0.0, |trend| trend / crept.len() as f64);
-        let y = run.bridged().iter().enumerate().map(|(t, y)| y - rise * t as f64).collect();
-        Ok(Hidden { record: Record::new(estimate.ts(), crept, y)?, before })
-    }
-
-    /// The run with z in place of u.
-    fn run<'a>(&'a self, run: &TrainingRecord) -> TrainingRecord<'a> {
-        let moving = run.moving() > 0;
-        TrainingRecord {
-            record: &self.record,
-            name: run.name.clone(),
-            initial: if moving { InitialCondition::Motion } else { InitialCondition::Rest },
-            before: [&[0.0], &self.before[..]].concat(),
-            tried: Vec::new(),
-            usable: run.usable.clone(),
-            segments: run.segments.clone(),
-            ..*run
-        }
-    }
-}
-
 /// The product of two polynomials.
 fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; p.len() + q.len() - 1];
@@ -234,6 +172,7 @@ mod tests {
     use super::super::refine::refine_from;
     use super::super::{held_out::Smoothness, runs::of, testing::estimate};
     use super::*;
+    use crate::record::Record;
     use crate::testing::assert_close;
 
     /// A record of a second-order block with curved hysteresis and noise.

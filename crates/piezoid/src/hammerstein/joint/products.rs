@@ -10,14 +10,14 @@
 //! that of creep. Columns are computed and multiplied in blocks of samples, so records may have any length.
 
 use super::estimate::{Estimate, Responses, differences, of_differences};
+use super::hidden::Inputs;
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
-use super::signals::{AllPole, Filter, LANES};
+use super::signals::{AllPole, DECAYED, Filter, LANES};
 use super::solve::FreeParameters;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
-use crate::hammerstein::InitialCondition;
-use crate::series::dot;
+use crate::series::{dot, dot_wide};
 use nalgebra::{DMatrix, DMatrixView, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -273,12 +273,12 @@ impl<'a> RunColumns<'a> {
         for (v, slope) in sloped.iter_mut().zip(&mut self.slopes) {
             *v = slope.next().unwrap_or_default();
         }
-        let z = dot(responses, &self.estimate.weights);
+        let z = dot_wide::<8>(responses, &self.estimate.weights);
         let mut zc = z;
         let lags = self.lags.iter_mut().zip(&mut self.decaying).zip(&self.rates).zip(&self.estimate.lags);
         for (((lag, decaying), rate), Lag { gain, .. }) in lags {
             *lag += rate * (z - *lag);
-            *decaying *= 1.0 - rate;
+            *decaying *= if *decaying < DECAYED { 0.0 } else { 1.0 - rate };
             zc += gain * *lag;
         }
         let n = self.rates.len();
@@ -300,42 +300,16 @@ impl<'a> RunColumns<'a> {
 /// dz/dp_j along a run and the inputs before it that pass the linear block, relative to the origin of z; then
 /// dz/d(lag) of a driver whose lag is sought.
 fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
-    let steps = if estimate.driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
-    let driver = estimate.driver;
-    // The inputs of the hysteresis block; the first one is the path from rest.
-    let entering = |driver: Option<DriverModel>| -> Vec<f64> {
-        let mut v = run.before[0];
-        let inputs = run.before[1..].iter().chain(run.record.u()).flat_map(|&u| std::iter::repeat_n(u, steps));
-        let behind = inputs.map(|u| {
-            v = driver.map_or(u, |driver| driver.advance(v, u, estimate.ts() / steps as f64));
-            v
-        });
-        std::iter::once(run.before[0]).chain(behind).collect()
-    };
-    let of = |slope: Vec<f64>| -> Vec<f64> {
-        let at = |t: usize| {
-            let last = t * steps;
-            let mean = |k: usize| 0.5 * (slope[k - 1] + slope[k]) / steps as f64;
-            if steps == 1 { slope[last] } else { (last + 1 - steps..=last).map(mean).sum() }
-        };
-        let (moving, before) = (run.moving(), run.before.len());
-        let level = match run.initial {
-            InitialCondition::Rest => 0.0,
-            InitialCondition::Motion => (before - moving..before).map(at).sum::<f64>() / moving as f64,
-            _ => slope[(before - 1) * steps],
-        };
-        (before - moving..before + run.record.len()).map(|t| at(t) - level).collect()
-    };
-    let inputs = entering(driver);
-    let shape = (0..estimate.basis.shape().len()).map(|j| estimate.basis.slope(j, &estimate.weights, &inputs));
-    let lag = driver.filter(|_| estimate.seeks_lag).map(|driver| {
-        let Ok(block) = estimate.basis.operator(&estimate.weights) else { return vec![0.0; inputs.len()] };
+    let inputs = Inputs::of(run, estimate.driver);
+    let shape = (0..estimate.basis.shape().len()).map(|j| estimate.basis.slope(j, &estimate.weights, &inputs.v));
+    let lag = estimate.driver.filter(|_| estimate.seeks_lag).map(|driver| {
+        let Ok(block) = estimate.basis.operator(&estimate.weights) else { return vec![0.0; inputs.v.len()] };
         let step = LAG_STEP * driver.lag_s;
-        let z = |lag_s: f64| block.simulate(&entering(Some(DriverModel { lag_s, ..driver })));
+        let z = |lag_s: f64| block.simulate(&Inputs::of(run, Some(DriverModel { lag_s, ..driver })).v);
         let (more, less) = (z(driver.lag_s + step), z(driver.lag_s - step));
         more.iter().zip(&less).map(|(more, less)| (more - less) / (2.0 * step)).collect()
     });
-    shape.chain(lag).map(of).collect()
+    shape.chain(lag).map(|slope: Vec<f64>| inputs.by_sample(&slope, run)).collect()
 }
 
 #[cfg(test)]

@@ -2,8 +2,12 @@
 
 use multiversion::multiversion;
 
-/// Signals that are filtered together: the lanes of a vector unit.
-pub(super) const LANES: usize = 8;
+/// Signals that are filtered together: several vectors of a vector unit. With fewer, the compiler unrolls the loops over
+/// them, and makes vectors of the coefficients instead, which is slow.
+pub(super) const LANES: usize = 32;
+
+/// What has decayed to this is zero: processors are slow with numbers next to the smallest ones.
+pub(super) const DECAYED: f64 = 1e-100;
 
 /// Creep, then G = B/A, on [`LANES`] signals.
 pub(super) struct Filter {
@@ -30,6 +34,9 @@ impl Filter {
     /// Filters the signals `from..from + LANES` of `rows`, which have `width` signals each.
     pub(super) fn pass(&mut self, rows: &mut [f64], width: usize, from: usize) {
         pass(rows, width, from, &self.lags, &self.coefficients, &mut self.lagging, &mut self.carried);
+        for x in self.lagging.iter_mut().chain(&mut self.carried).flatten().filter(|x| x.abs() < DECAYED) {
+            *x = 0.0;
+        }
     }
 }
 
@@ -81,8 +88,9 @@ impl<'a> AllPole<'a> {
 
     pub(super) fn step(&mut self, v: f64) {
         let y = v + self.a.iter().zip(&self.past).map(|(a, y)| a * y).sum::<f64>();
-        self.past.rotate_right(1);
-        self.past[0] = y;
+        let kept = self.past.len() - 1;
+        self.past.copy_within(..kept, 1);
+        self.past[0] = if y.abs() < DECAYED { 0.0 } else { y };
     }
 
     /// The last outputs, newest first.

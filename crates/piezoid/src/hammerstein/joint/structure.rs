@@ -8,8 +8,8 @@
 use super::JointOptions;
 use super::beginnings::{COARSE, begin_all, coarse};
 use super::dynamics::{SAME_COST, creep_pole, slowest_observable, slowest_pole, with_slow_lags_limited};
-use super::extend::Hidden;
 use super::growth::{Growth, ORDER, Structure};
+use super::hidden::Hidden;
 use super::refine::{StepCallback, refine};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
@@ -138,7 +138,7 @@ pub(super) fn from_large_signal(
         Arx::new(ts, Vec::new(), b)
     };
     let plain = begin_all(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
-    let hidden: Vec<Record> = Hidden::of_all(&plain, runs)?.into_iter().map(|z| z.record).collect();
+    let hidden: Vec<Record> = Hidden::crept(&plain, runs)?.into_iter().map(|z| z.record).collect();
     let best_delay = delay(&hidden);
     let mut tried = vec![Structure::new(String::new(), plain)];
     if settings.order.unwrap_or(0) == 0 {
