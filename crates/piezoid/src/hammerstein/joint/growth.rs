@@ -12,7 +12,6 @@ use super::estimate::Estimate;
 use super::extend::{Search, extensions};
 use super::held_out::Smoothness;
 use super::hidden::Hidden;
-use super::operators::free_run;
 use super::refine::{Fitted, StepCallback, refine_from, refine_promising};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
@@ -53,10 +52,6 @@ const NOTHING: f64 = 1e-6;
 
 /// Ratio of held-out errors with a coarse hysteresis, from which a structure is not tried with another operator.
 const HOPELESS: f64 = 2.0;
-
-/// Ratio of the free-run errors of the records up to which an extension that predicts held-out parts is possible: their
-/// own states may hide there what the free run shows.
-const RUNS: f64 = 1.2;
 
 /// Number of frequencies of the inputs from which small modes between them show.
 const FEW: usize = 6;
@@ -190,7 +185,6 @@ impl Growth {
         while let Some(Structure { fitted: from, .. }) = tried.last() {
             behind_lag |= from.estimate.driver.is_some();
             let Some(best) = tried.iter().min_by(Structure::better) else { break };
-            let most = RUNS * free_run(&best.fitted, runs);
             let mut longer: Vec<Structure> = Vec::new();
             for found in extensions(from, runs, &self.search, &|linear| self.shows(linear), watch)? {
                 let starts = found.into_iter();
@@ -202,20 +196,14 @@ impl Growth {
                     let is_creep = creep_pole(linear, self.search.slowest).is_some();
                     (self.shows(linear) || obvious) && !is_creep && !self.is_at_limit(linear)
                 };
-                let runs_free = |t: &Structure| free_run(&t.fitted, runs) <= most;
-                let fits = fits.into_iter().map(|(name, fit)| Structure::new(name, fit)).filter(possible);
-                longer.extend(fits.filter(runs_free));
+                longer.extend(fits.into_iter().map(|(name, fit)| Structure::new(name, fit)).filter(possible));
                 if longer.iter().any(|t| t.gains_on(best)) {
                     break;
                 }
             }
             if !longer.iter().any(|t| t.gains_on(best)) && !behind_lag {
                 behind_lag = true;
-                if let Some(behind) = self.behind_lag(tried, basis, runs, watch)? {
-                    // Poles may have stood for the lag.
-                    longer.extend(self.shrunk(&behind.fitted, runs, watch)?);
-                    longer.push(behind);
-                }
+                longer.extend(self.behind_lag(tried, basis, runs, watch)?);
             }
             longer.sort_by(|p, q| Structure::better(&p, &q));
             let mut longer = longer.into_iter();

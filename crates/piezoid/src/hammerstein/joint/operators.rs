@@ -12,7 +12,6 @@ use super::solve::FreeParameters;
 use super::trials::OperatorTrial;
 use crate::error::Error;
 use crate::hysteresis::{BasisDesign, Operator};
-use crate::series::mean;
 
 /// Ratio of held-out errors with the linear block held from which an operator is not refined further.
 const HOPELESS: f64 = 3.0;
@@ -150,11 +149,10 @@ fn better(here: Fitted, there: Fitted, runs: &[TrainingRecord]) -> Fitted {
     if there_is { there } else { here }
 }
 
-/// Free-run error of the records, rms over peak-to-peak, each with its own offset.
-pub(super) fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
+/// Mean squared free-run error over the squared peak-to-peak of the records, each with its own offset.
+fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
-    let of = |run: &TrainingRecord| (run.scale * free_run_residual(run, &model).1).powi(2);
-    mean(&runs.iter().map(of).collect::<Vec<_>>()).sqrt()
+    runs.iter().map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).sum()
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use multiversion::multiversion;
 
-/// Signals that are filtered together: several vectors of a vector unit. With fewer, the compiler unrolls the loops over
-/// them, and makes vectors of the coefficients instead, which is slow.
+/// Signals that are filtered together: several vectors of a vector unit. With fewer, the compiler unrolls the loops
+/// over them, and makes vectors of the coefficients instead, which is slow.
 pub(super) const LANES: usize = 32;
 
 /// What has decayed to this is zero: processors are slow with numbers next to the smallest ones.
