@@ -22,17 +22,18 @@ const FEW: usize = 5;
 /// Distance of an input after a reversal, over its range, from which it starts a loop.
 const BACK: f64 = 0.05;
 
-/// Delay beyond the lags of the poles from which there is a note [samples]: that of drivers and sensors is shorter.
-const LATE: f64 = 4.0;
+/// Delay beyond the lags of the poles from which there is a note [samples].
+const LONG: f64 = 4.0;
 
-/// The note on a long delay.
-pub(super) fn late(linear: &Arx) -> Option<String> {
+/// The note on a long delay: [`crate::quality`] finds one only where the input is sharp.
+pub(super) fn long_delay(linear: &Arx) -> Option<String> {
     let delay_s = linear.modal_form().delay;
     let samples = delay_s / linear.ts();
-    (samples > LATE).then(|| {
+    (samples > LONG).then(|| {
         format!(
-            "the output follows the input {} samples ({} s) later than the poles of the linear block explain: unless \
-             the sensor has this delay, the channels are shifted: align them",
+            "the output follows the input {} samples ({} s) later than the poles of the linear block explain: the \
+             sensor has this delay, or a lag of driver or sensor is missing in the block, or the channels are shifted: \
+             if so, align them",
             round(samples),
             short(delay_s)
         )
@@ -105,9 +106,9 @@ mod tests {
         let mode = pair(5e-4, 120.0, 0.7);
         let later = |n: usize| {
             let b = [vec![0.0; n], mode.b().to_vec()].concat();
-            late(&Arx::new(5e-4, mode.a().to_vec(), b).unwrap())
+            long_delay(&Arx::new(5e-4, mode.a().to_vec(), b).unwrap())
         };
-        assert_eq!((late(&mode), later(3)), (None, None));
+        assert_eq!((long_delay(&mode), later(3)), (None, None));
         let note = later(6).unwrap();
         assert!(note.starts_with("the output follows the input 4.") && note.contains("align"), "{note}");
     }

@@ -15,8 +15,8 @@ use crate::record::Record;
 use crate::system::System;
 use rayon::prelude::*;
 
-/// The inputs of the hysteresis block in a run, behind the driver: the first of those before the record, which is the
-/// path from rest, then each substep.
+/// The inputs of the hysteresis block in a run, behind the driver, substep by substep. The first is the one at which it
+/// settles from rest: the first of those before the record.
 pub(super) struct Inputs {
     pub(super) v: Vec<f64>,
     steps: usize,
@@ -27,31 +27,37 @@ impl Inputs {
         let steps = if driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
         let substep = run.record.ts() / steps as f64;
         let mut v = run.before[0];
-        let inputs = run.before[1..].iter().chain(run.record.u()).flat_map(|&u| std::iter::repeat_n(u, steps));
-        let behind = inputs.map(|u| {
+        let inputs = run.before[1..].iter().chain(run.record.u()).skip(settled(run));
+        let behind = inputs.flat_map(|&u| std::iter::repeat_n(u, steps)).map(|u| {
             v = driver.map_or(u, |driver| driver.advance(v, u, substep));
             v
         });
         Inputs { v: std::iter::once(run.before[0]).chain(behind).collect(), steps }
     }
 
-    /// The responses to these inputs as the mean of each sample, by the trapezoidal rule, about the level at which
-    /// creep and linear block are settled; from the inputs before the record on that pass them.
+    /// The responses to these inputs in each sample, about the level at which creep and linear block are settled: the
+    /// mean over the substeps, by the trapezoidal rule. They begin with the inputs before the record that pass these
+    /// blocks.
     pub(super) fn by_sample(&self, responses: &[f64], run: &TrainingRecord) -> Vec<f64> {
         let steps = self.steps;
-        let at = |t: usize| {
-            let last = t * steps;
-            let mean = |k: usize| 0.5 * (responses[k - 1] + responses[k]) / steps as f64;
-            if steps == 1 { responses[last] } else { (last + 1 - steps..=last).map(mean).sum() }
+        let at = |t: usize| match t.saturating_sub(settled(run)) * steps {
+            0 => responses[0],
+            last if steps == 1 => responses[last],
+            last => (last + 1 - steps..=last).map(|k| 0.5 * (responses[k - 1] + responses[k]) / steps as f64).sum(),
         };
         let (moving, before) = (run.moving(), run.before.len());
         let level = match run.initial {
             InitialCondition::Rest => 0.0,
             InitialCondition::Motion => (before - moving..before).map(at).sum::<f64>() / moving as f64,
-            _ => responses[(before - 1) * steps],
+            _ => responses[(before - 1).saturating_sub(settled(run)) * steps],
         };
         (before - moving..before + run.record.len()).map(|t| at(t) - level).collect()
     }
+}
+
+/// The number of samples that are no step: the first one, if it is the one at which a record is settled.
+fn settled(run: &TrainingRecord) -> usize {
+    usize::from(run.initial == InitialCondition::Settled)
 }
 
 /// z in a run.
@@ -117,5 +123,45 @@ impl Hidden {
     pub(super) fn alone(lags: Vec<Lag>, linear: Arx) -> Result<Estimate, Error> {
         let basis = Box::new(Proportional::new(linear.ts(), 1.0)?);
         Ok(Estimate { weights: vec![1.0], ..Estimate::new(None, basis, lags, linear) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::estimate::Responses;
+    use super::super::runs;
+    use super::*;
+    use crate::hysteresis::{BasisDesign, OPERATORS};
+    use crate::series::dot;
+
+    #[test]
+    fn z_is_the_weighted_sum_of_the_responses_from_every_beginning() {
+        let u: Vec<f64> = (0..300).map(|t| 12.0 + 20.0 * (0.05 * f64::from(t)).sin()).collect();
+        let records = [Record::new(5e-4, u.clone(), u).unwrap()];
+        let range = (-8.0, 32.0);
+        for row in OPERATORS {
+            for driver in [None, Some(DriverModel::new(1e-3, None).unwrap())] {
+                let ts = if driver.is_some() { 5e-4 / DriverModel::SUBSTEPS as f64 } else { 5e-4 };
+                let design = BasisDesign { ts, range, elements: Some(4), frequencies: vec![5.0, 16.0] };
+                let basis = (row.basis)(&design).unwrap();
+                let weights = (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect();
+                let gain = Arx::gain(5e-4, 1.0).unwrap();
+                let estimate = Estimate { weights, ..Estimate::new(driver, basis, Vec::new(), gain) };
+                let mut runs = runs::of(&[], &records, &mut Vec::new()).unwrap();
+                for initial in InitialCondition::of(records[0].u()) {
+                    runs[0].begin_from(initial, range);
+                    let hidden = Hidden::of_all(&estimate, &runs).unwrap();
+                    let run = &runs[0];
+                    let level = dot(&Responses::level(&estimate, run), &estimate.weights);
+                    let mut responses = Responses::from_rest(&estimate, run);
+                    let inputs = run.before[1..].iter().chain(run.record.u());
+                    let z: Vec<f64> = inputs.map(|&u| dot(responses.next(u), &estimate.weights) - level).collect();
+                    let z = &z[run.before.len() - 1..];
+                    let size = z.iter().fold(0.0f64, |size, z| size.max(z.abs()));
+                    let largest = hidden[0].record.u().iter().zip(z).fold(0.0f64, |d, (p, q)| d.max((p - q).abs()));
+                    assert!(largest <= 1e-9 * size, "{} {initial:?}: {largest:e} of {size}", row.name);
+                }
+            }
+        }
     }
 }

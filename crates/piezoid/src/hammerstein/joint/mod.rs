@@ -213,7 +213,7 @@ pub(crate) fn identify_joint(
              mechanics or sensor that is missing in the linear block"
         )
     }));
-    notes.extend(check::late(model.linear()));
+    notes.extend(check::long_delay(model.linear()));
     let is_seen = model.linear().resonance().is_some_and(|mode| growth.is_seen(mode.hz));
     notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)).filter(|_| !is_seen));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
