@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 use rustfft::{Fft, FftPlannerScalar};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The transform of `n` samples, planned once.
@@ -44,13 +45,15 @@ fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
 /// The transform of `x` without its mean, with a window, in bins from 0 to n / 2; and the sum of squares of the window.
 fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64) {
     let n = x.len();
-    let weights: Vec<f64> = (0..n).map(window).collect();
+    // The window is computed again, not stored: a record may have ten million samples.
+    let weights = || (0..n).map(&window);
     // The windowed mean: any other would give a line at 0 Hz.
-    let mean = x.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() / weights.iter().sum::<f64>();
-    let mut bins: Vec<Complex<f64>> = x.iter().zip(&weights).map(|(x, w)| Complex::from((x - mean) * w)).collect();
+    let mean = x.iter().zip(weights()).map(|(x, w)| x * w).sum::<f64>() / weights().sum::<f64>();
+    let mut bins: Vec<Complex<f64>> = x.iter().zip(weights()).map(|(x, w)| Complex::from((x - mean) * w)).collect();
     forward(n).process(&mut bins);
     bins.truncate(n / 2 + 1);
-    (bins, weights.iter().map(|w| w * w).sum())
+    bins.shrink_to_fit();
+    (bins, weights().map(|w| w * w).sum())
 }
 
 /// The window of four terms for `n` samples.
@@ -59,6 +62,43 @@ fn harris(n: usize) -> impl Fn(usize) -> f64 {
         let angle = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
         0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos() - 0.01168 * (3.0 * angle).cos()
     }
+}
+
+/// The sums of `x[t] x[t - p]` over t, for each lag p from 0 to n / 2.
+///
+/// Even and odd samples are the real and imaginary parts of a signal of half the length, which takes a quarter of the
+/// memory of the plain transform.
+pub(crate) fn autocorrelation(x: &[f64]) -> Vec<f64> {
+    // At twice this length, no lag up to n / 2 meets its own image.
+    let half = fast((x.len() + x.len() / 2).div_ceil(2) + 1);
+    let sample = |t: usize| x.get(t).copied().unwrap_or(0.0);
+    let mut bins: Vec<Complex<f64>> = (0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))).collect();
+    let fft = forward(half);
+    fft.process(&mut bins);
+    // The spectra E and O of the even and odd samples give the powers |E + w O|^2 at k and |E - w O|^2 half a turn
+    // further. Their mean and half their difference, packed in the same way, are the spectrum of the products.
+    let packed = |k: usize, bin: Complex<f64>, mirror: Complex<f64>| -> Complex<f64> {
+        let even = (bin + mirror.conj()) / 2.0;
+        let turned = Complex::cis(-PI * k as f64 / half as f64);
+        let odd = turned * (bin - mirror.conj()) * Complex::new(0.0, -0.5);
+        let mean = even.norm_sqr() + odd.norm_sqr();
+        turned.conj() * Complex::new(0.0, 2.0 * (even * odd.conj()).re) + mean
+    };
+    for k in 0..=half / 2 {
+        let mirror = (half - k) % half;
+        let (one, other) = (bins[k], bins[mirror]);
+        // The forward transform of the conjugate is the conjugate of the inverse.
+        bins[k] = packed(k, one, other).conj();
+        bins[mirror] = packed(mirror, other, one).conj();
+    }
+    fft.process(&mut bins);
+    let products = bins.iter().flat_map(|c| [c.re, -c.im]);
+    products.take(x.len() / 2 + 1).map(|sum| sum / half as f64).collect()
+}
+
+/// The smallest length from `n` on that is a power of two or three times one: its transform is fast.
+fn fast(n: usize) -> usize {
+    n.next_power_of_two().min(3 * n.div_ceil(3).next_power_of_two())
 }
 
 /// The sum of `cos(2 pi k t / n + phase)` over the harmonics k in `lines`, all below n, for t from 0 up to `n`.
@@ -85,6 +125,15 @@ mod tests {
         assert_close(&[power.iter().sum()], &[4.5], 1e-3, 0.0);
         let line: f64 = power[123 - LINE / 2..=124 + LINE / 2].iter().sum();
         assert!(line > 0.9999 * 4.5, "{line}");
+    }
+
+    #[test]
+    fn the_fast_autocorrelation_equals_the_direct_sums() {
+        for n in [1, 2, 3, 7, 64, 501] {
+            let x: Vec<f64> = (0..n).map(|t| ((t * t) as f64).sin() + 0.3).collect();
+            let slow: Vec<f64> = (0..=n / 2).map(|p| x[p..].iter().zip(&x).map(|(a, b)| a * b).sum()).collect();
+            assert_close(&autocorrelation(&x), &slow, 0.0, 1e-12);
+        }
     }
 
     #[test]

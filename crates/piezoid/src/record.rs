@@ -2,6 +2,7 @@
 
 use crate::error::{Error, finite, positive};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The units of a record. A record keeps the units of its file; models inherit them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,8 +57,9 @@ impl Units {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     ts: f64,
-    u: Vec<f64>,
-    y: Vec<f64>,
+    // Shared, because a fit, its validation and its report keep the same samples.
+    u: Arc<[f64]>,
+    y: Arc<[f64]>,
     units: Units,
 }
 
@@ -82,7 +84,7 @@ impl Record {
         }
         finite("u", &u)?;
         finite("y", &y)?;
-        Ok(Record { ts, u, y, units: Units::default() })
+        Ok(Record { ts, u: u.into(), y: y.into(), units: Units::default() })
     }
 
     /// The same numbers with other units. The Greek letter of micro is written as `u`.
@@ -147,7 +149,8 @@ impl Record {
             wanted: unit.into(),
         })?;
         let units = Units { y: unit.into(), ..self.units.clone() };
-        Ok(Record { y: self.y.iter().map(|v| v * k).collect(), units, ..self.clone() })
+        let y = if k == 1.0 { self.y.clone() } else { self.y.iter().map(|v| v * k).collect() };
+        Ok(Record { ts: self.ts, u: self.u.clone(), y, units })
     }
 
     /// The samples from `from` up to, but not including, `to` [s], of `n` samples that start at 0 s.

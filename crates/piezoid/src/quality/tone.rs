@@ -38,6 +38,7 @@ fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
         x.iter().enumerate().map(|(t, x)| Complex::from((x - mean) * window(t))).collect();
     forward(n).process(&mut spectrum);
     spectrum.truncate(n / 2 + 1);
+    spectrum.shrink_to_fit();
     spectrum
 }
 

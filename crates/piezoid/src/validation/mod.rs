@@ -136,7 +136,7 @@ impl Model {
         let free_offset = options.offset != Offset::Kept;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
         let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
-        let counted = record.part(options.skip, f64::INFINITY)?;
+        let counted = if start == 0 { record.clone() } else { record.slice(start..record.len())? };
         let run = &simulated[start..];
         let found = Drift::of(&errors(counted.y(), run), run, record.ts());
         let slope = if options.offset == Offset::Drift { found.slope } else { 0.0 };

@@ -1,8 +1,7 @@
 //! The period of an input.
 
-use crate::fourier::forward;
+use crate::fourier::autocorrelation;
 use crate::series::{mean, scatter};
-use nalgebra::Complex;
 
 /// Largest rms difference between repetitions, relative to the rms of the input.
 const SAME: f64 = 1e-3;
@@ -19,7 +18,7 @@ pub fn period(u: &[f64]) -> Option<usize> {
         return None;
     }
     let centred: Vec<f64> = u.iter().map(|u| u - middle).collect();
-    let products = products(&centred);
+    let products = autocorrelation(&centred);
     // Cumulative sums of squares.
     let mut squares = vec![0.0];
     squares.extend(centred.iter().scan(0.0, |sum, c| {
@@ -40,20 +39,6 @@ pub fn period(u: &[f64]) -> Option<usize> {
     (start..=n / 2)
         .filter(|&p| differs(p) < 4.0 * SAME * SAME && differs(p) <= differs(p - 1))
         .find(|&p| exact(p) < SAME * SAME && (p + 1 > n / 2 || exact(p) <= exact(p + 1)))
-}
-
-/// The sums of `x[t] x[t - p]` for each lag p.
-fn products(x: &[f64]) -> Vec<f64> {
-    let n = x.len();
-    let length = (2 * n).next_power_of_two();
-    let fft = forward(length);
-    let mut spectrum: Vec<Complex<f64>> = x.iter().map(|x| Complex::from(*x)).collect();
-    spectrum.resize(length, Complex::ZERO);
-    fft.process(&mut spectrum);
-    let mut power: Vec<Complex<f64>> = spectrum.iter().map(|c| Complex::from(c.norm_sqr())).collect();
-    // The power is real and even: forward and backward transforms agree.
-    fft.process(&mut power);
-    power[..n].iter().map(|c| c.re / length as f64).collect()
 }
 
 #[cfg(test)]

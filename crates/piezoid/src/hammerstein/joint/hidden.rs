@@ -32,7 +32,10 @@ impl Inputs {
             v = driver.map_or(u, |driver| driver.advance(v, u, substep));
             v
         });
-        Inputs { v: std::iter::once(run.before[0]).chain(behind).collect(), steps }
+        let mut all = Vec::with_capacity((run.before.len() + run.record.len()) * steps);
+        all.push(run.before[0]);
+        all.extend(behind);
+        Inputs { v: all, steps }
     }
 
     /// The responses to these inputs in each sample, about the level at which creep and linear block are settled: the

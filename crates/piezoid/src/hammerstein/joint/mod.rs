@@ -144,8 +144,10 @@ pub(crate) fn identify_joint(
     };
     let mut watch = |_| report(0, "linear block");
     watch(0)?;
-    let bridged =
-        |run: &TrainingRecord| Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone()));
+    let bridged = |run: &TrainingRecord| match run.usable.contains(&false) {
+        true => Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone())),
+        false => Ok(run.record.clone()),
+    };
     let bridged = runs.iter().map(bridged).collect::<Result<Vec<_>, Error>>()?;
     let growth = Growth::new(&bridged, settings, &lags, &design);
     let (first, mut reason, simpler) = match small.is_empty() {

@@ -300,16 +300,21 @@ impl<'a> RunColumns<'a> {
 /// dz/dp_j along a run and the inputs before it that pass the linear block, relative to the origin of z; then
 /// dz/d(lag) of a driver whose lag is sought.
 fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
-    let inputs = Inputs::of(run, estimate.driver);
-    let shape = (0..estimate.basis.shape().len()).map(|j| estimate.basis.slope(j, &estimate.weights, &inputs.v));
+    let shape = |j: usize| {
+        let inputs = Inputs::of(run, estimate.driver);
+        inputs.by_sample(&estimate.basis.slope(j, &estimate.weights, &inputs.v), run)
+    };
     let lag = estimate.driver.filter(|_| estimate.seeks_lag).map(|driver| {
-        let Ok(block) = estimate.basis.operator(&estimate.weights) else { return vec![0.0; inputs.v.len()] };
+        let Ok(block) = estimate.basis.operator(&estimate.weights) else { return Vec::new() };
         let step = LAG_STEP * driver.lag_s;
-        let z = |lag_s: f64| block.simulate(&Inputs::of(run, Some(DriverModel { lag_s, ..driver })).v);
+        let z = |lag_s: f64| {
+            let inputs = Inputs::of(run, Some(DriverModel { lag_s, ..driver }));
+            inputs.by_sample(&block.simulate(&inputs.v), run)
+        };
         let (more, less) = (z(driver.lag_s + step), z(driver.lag_s - step));
         more.iter().zip(&less).map(|(more, less)| (more - less) / (2.0 * step)).collect()
     });
-    shape.chain(lag).map(|slope: Vec<f64>| inputs.by_sample(&slope, run)).collect()
+    (0..estimate.basis.shape().len()).map(shape).chain(lag).collect()
 }
 
 #[cfg(test)]
