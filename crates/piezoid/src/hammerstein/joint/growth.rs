@@ -12,7 +12,7 @@ use super::estimate::Estimate;
 use super::extend::{Search, extensions};
 use super::held_out::Smoothness;
 use super::hidden::Hidden;
-use super::refine::{Fitted, StepCallback, refine_from, refine_promising};
+use super::refine::{Fitted, StepCallback, refine, refine_from, refine_promising};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
 use super::spread::Spread;
@@ -216,12 +216,21 @@ impl Growth {
                 }
             }
             let gains = next.gains_on(best);
+            let next_order = next.fitted.estimate.linear.a().len();
             tried.extend(longer.filter(|t| self.is_of_order(t)));
             tried.push(next);
-            // A specified order may need steps without gain.
-            if !gains && self.order.is_none() {
+            // Up to the specified order, steps without gain may be needed.
+            if !gains && self.order.is_none_or(|order| next_order >= order) {
                 break;
             }
+        }
+        // No extension led to the specified order.
+        if let (Some(order), Some(Structure { fitted: last, .. })) = (self.order, tried.last())
+            && !tried.iter().any(|t| self.is_of_order(t))
+            && let Some(start) = of_order(order, last, runs)?
+        {
+            let fit = refine(start, runs, FreeParameters::All, watch)?;
+            tried.push(Structure::new("a fit of all its coefficients".into(), fit));
         }
         Ok(())
     }
@@ -234,15 +243,8 @@ impl Growth {
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Option<Structure>, Error> {
-        let linear = &fitted.estimate.linear;
-        let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
-        for n in 1..linear.a().len() {
-            let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
-            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else {
-                continue;
-            };
-            let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
-            let starts = start.into_iter().map(|start| (String::new(), start)).collect();
+        for n in 1..fitted.estimate.linear.a().len() {
+            let starts = of_order(n, fitted, runs)?.into_iter().map(|start| (String::new(), start)).collect();
             if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
@@ -351,10 +353,23 @@ impl Growth {
             let found = refine_promising(vec![(String::new(), start)], &fitted, AS_GOOD, runs, watch)?;
             tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
         }
-        tried.extend(self.shrunk(&fitted, runs, watch)?);
+        if self.order.is_none() {
+            tried.extend(self.shrunk(&fitted, runs, watch)?);
+        }
         tried.push(Structure::new(String::new(), fitted));
         self.grow(&mut tried, &basis, runs, watch)?;
         Ok(self.choose(tried))
+    }
+}
+
+/// The hysteresis of a fit with a linear block of this order, fitted to its z; `None` if there is no such block.
+fn of_order(n: usize, fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Option<Estimate>, Error> {
+    let linear = &fitted.estimate.linear;
+    let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
+    let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
+    match OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) {
+        Ok(fit) => Ok(fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?)),
+        Err(_) => Ok(None),
     }
 }
 

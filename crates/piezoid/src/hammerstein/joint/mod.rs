@@ -172,7 +172,8 @@ pub(crate) fn identify_joint(
     let row = candidates[taken];
     let mut watch = |_| report(total - 1, row.name);
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
-    if settings.order.is_none() {
+    // Small-signal records show the specified order best.
+    if settings.order.is_none() || small.is_empty() {
         let before = fitted.held_out.rms_pp();
         let settled = growth.settle(fitted, simpler, row, &mut runs, &mut watch)?;
         fitted = settled.fitted;
@@ -186,7 +187,9 @@ pub(crate) fn identify_joint(
             notes.push(format!(
                 "operators: the last linear block lowered the held-out error of {} from {} to {} % rms/pp, so those close \
                  to it were compared again with this block",
-                row.name, short(100.0 * before), short(after)
+                row.name,
+                short(100.0 * before),
+                short(after)
             ));
         }
     }

@@ -7,7 +7,7 @@ use crate::hysteresis::Operator;
 use crate::linear::Arx;
 use crate::progress::Stage;
 use crate::system::System;
-use crate::testing::assert_close;
+use crate::testing::{assert_close, noise};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -95,6 +95,21 @@ fn a_specified_order_that_is_too_low_is_noted() {
         let notes = identified(&[prbs(&plant)], &large_signal, &settings).notes;
         assert_eq!(notes.iter().any(|note| note.contains("is too low")), is_noted, "{notes:?}");
     }
+}
+
+#[test]
+fn the_linear_block_has_the_specified_order_and_is_as_good_as_one_that_is_found() {
+    let plant = plant(1e-3, 0);
+    let noisy = |(k, record): (u64, Record)| {
+        let y = record.y().iter().zip(noise(k, record.len())).map(|(y, e)| y + 0.02 * e).collect();
+        Record::new(plant.ts(), record.u().to_vec(), y).unwrap()
+    };
+    let records: Vec<Record> =
+        (1..).zip(large_signal(&plant, 2.0, &[(1.5, 0.0), (2.5, 0.0), (4.0, 0.0)])).map(noisy).collect();
+    let fitted = |order| identified(&[], &records, &JointOptions { order, ..named("prandtl-ishlinskii") }).model;
+    let orders = (1..=3).map(|order| fitted(Some(order)).linear().a().len());
+    assert_eq!(orders.collect::<Vec<_>>(), [1, 2, 3]);
+    assert!(error(&fitted(Some(2)), &plant) < 1.1 * error(&fitted(None), &plant));
 }
 
 #[test]
