@@ -159,7 +159,7 @@ fn modes(ts: f64, lowest: f64) -> impl Iterator<Item = [f64; 3]> {
 }
 
 /// The product of two polynomials.
-fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
+pub(super) fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
     let mut product = vec![0.0; p.len() + q.len() - 1];
     for (i, p) in p.iter().enumerate() {
         q.iter().enumerate().for_each(|(j, q)| product[i + j] += p * q);

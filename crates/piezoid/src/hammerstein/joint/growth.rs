@@ -9,10 +9,10 @@ use super::JointOptions;
 use super::beginnings::begin;
 use super::dynamics::{LEAST_DAMPING, RINGS, creep_pole, is_lag, slowest_pole, without_factor};
 use super::estimate::Estimate;
-use super::extend::{Search, extensions};
+use super::extend::{Search, extensions, times};
 use super::held_out::Smoothness;
 use super::hidden::Hidden;
-use super::refine::{Fitted, StepCallback, refine, refine_from, refine_promising};
+use super::refine::{Fitted, StepCallback, refine_from, refine_promising};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
 use super::spread::Spread;
@@ -70,6 +70,9 @@ const AT_LIMIT: f64 = 1.2;
 
 /// A new lag before the hysteresis [samples].
 const NEW_LAG: f64 = 0.2;
+
+/// The first pole that cancels a zero in a block of a specified order.
+const FURTHER: f64 = 0.5;
 
 /// Makes the basis of an operator for a sampling period [s].
 pub(super) type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>;
@@ -224,13 +227,12 @@ impl Growth {
                 break;
             }
         }
-        // No extension led to the specified order.
         if let (Some(order), Some(Structure { fitted: last, .. })) = (self.order, tried.last())
             && !tried.iter().any(|t| self.is_of_order(t))
-            && let Some(start) = of_order(order, last, runs)?
+            && let Some(start) = with_order(order, &last.estimate)?
         {
-            let fit = refine(start, runs, FreeParameters::All, watch)?;
-            tried.push(Structure::new("a fit of all its coefficients".into(), fit));
+            let fit = refine_from(start, Smoothness::Fixed(last.held_out.lambda), runs, FreeParameters::All, watch)?;
+            tried.push(Structure::new("further poles".into(), fit));
         }
         Ok(())
     }
@@ -243,8 +245,15 @@ impl Growth {
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Option<Structure>, Error> {
-        for n in 1..fitted.estimate.linear.a().len() {
-            let starts = of_order(n, fitted, runs)?.into_iter().map(|start| (String::new(), start)).collect();
+        let linear = &fitted.estimate.linear;
+        let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
+        for n in 1..linear.a().len() {
+            let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
+            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else {
+                continue;
+            };
+            let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
+            let starts = start.into_iter().map(|start| (String::new(), start)).collect();
             if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
@@ -362,15 +371,15 @@ impl Growth {
     }
 }
 
-/// The hysteresis of a fit with a linear block of this order, fitted to its z; `None` if there is no such block.
-fn of_order(n: usize, fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Option<Estimate>, Error> {
-    let linear = &fitted.estimate.linear;
-    let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
-    let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
-    match OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) {
-        Ok(fit) => Ok(fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?)),
-        Err(_) => Ok(None),
+/// The same response with a linear block of a higher order: further poles cancel further zeros.
+fn with_order(order: usize, estimate: &Estimate) -> Result<Option<Estimate>, Error> {
+    let linear = &estimate.linear;
+    let (mut a, mut b) = (linear.denominator(), linear.b().to_vec());
+    for k in linear.a().len()..order {
+        let factor = [1.0, -FURTHER.powi(1 + (k - linear.a().len()) as i32)];
+        (a, b) = (times(&a, &factor), times(&b, &factor));
     }
+    Ok(estimate.with_linear(Arx::new(linear.ts(), a[1..].iter().map(|a| -a).collect(), b)?))
 }
 
 /// The hysteresis of an estimate with another driver, and whether its lag is sought, other creep and another linear
