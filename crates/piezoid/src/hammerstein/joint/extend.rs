@@ -137,6 +137,14 @@ fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension
         for band in grid.chunks(BAND * DAMPING.len()) {
             kinds.push(band.iter().map(|mode| with("a mode".into(), mode)).collect::<Result<_, _>>()?);
         }
+        // A mode acts like a delay too.
+        let instead = |mode: &[f64; 3]| {
+            let b = linear.b()[delay..].iter().map(|b| b * mode.iter().sum::<f64>()).collect();
+            by("a mode instead of the delay".into(), mode, b)
+        };
+        if delay > 0 {
+            kinds.push(grid.iter().map(instead).collect::<Result<_, _>>()?);
+        }
         for pole in &search.modes {
             let name = format!("a mode at {} Hz, seen in free decays", short(pole.hz));
             let mode = with(name, &[1.0, -2.0 * pole.z.re, pole.z.modulus().powi(2)])?;
@@ -212,6 +220,25 @@ mod tests {
             }
         }
         assert!(seen > 20, "{seen}");
+    }
+
+    #[test]
+    fn a_delay_is_replaced_by_a_lag_or_a_mode_of_the_same_static_gain() {
+        let search = Search { modes: Vec::new(), slowest: 1.0, lowest: 10.0, most: 4 };
+        let instead = |block: &Arx| -> Vec<Extension> {
+            let all = kinds(block, &search, 10.0).unwrap().into_iter().flatten();
+            all.filter(|one| one.name.ends_with("instead of the delay")).collect()
+        };
+        let late = Arx::new(5e-4, vec![0.6], vec![0.0, 0.0, 0.3, 0.1]).unwrap();
+        let found = instead(&late);
+        for order in [2, 3] {
+            assert!(found.iter().any(|one| one.linear.a().len() == order), "order {order}");
+        }
+        for Extension { linear, .. } in found {
+            assert_eq!(linear.delay(), 0);
+            assert_close(&[linear.dc_gain()], &[late.dc_gain()], 1e-9, 0.0);
+        }
+        assert!(instead(&Arx::new(5e-4, vec![0.6], vec![0.3, 0.1]).unwrap()).is_empty());
     }
 
     #[test]

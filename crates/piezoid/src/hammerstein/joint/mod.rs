@@ -161,6 +161,7 @@ pub(crate) fn identify_joint(
             let tried =
                 structure::from_large_signal(&bridged, &mut runs, settings, &design, &lags, &growth, &mut watch)?;
             let Chosen { fitted, reason, simpler, .. } = growth.choose(tried);
+            fitted.begin_again(&mut runs, range);
             (fitted.estimate, reason, simpler)
         }
     };
@@ -177,6 +178,7 @@ pub(crate) fn identify_joint(
         let before = fitted.held_out.rms_pp();
         let settled = growth.settle(fitted, simpler, row, &mut runs, &mut watch)?;
         fitted = settled.fitted;
+        fitted.begin_again(&mut runs, range);
         if settled.of_several {
             reason = settled.reason;
         }

@@ -12,6 +12,7 @@ use super::products::{Segment, products};
 use super::runs::TrainingRecord;
 use super::solve::{FreeParameters, Prior};
 use crate::error::Error;
+use crate::hammerstein::InitialCondition;
 use crate::linear::Arx;
 use crate::series::mean;
 use nalgebra::DVector;
@@ -54,6 +55,8 @@ pub(super) type StepCallback<'a> = &'a mut dyn FnMut(usize) -> Result<(), Error>
 #[derive(Debug)]
 pub(super) struct Fitted {
     pub(super) estimate: Estimate,
+    /// The initial condition of each run.
+    pub(super) begun: Vec<InitialCondition>,
     /// Initial states and constant of each run.
     pub(super) own: Vec<Vec<f64>>,
     pub(super) held_out: HeldOut,
@@ -67,6 +70,12 @@ impl Fitted {
     /// Mean over the runs of the mean squared error over the squared peak-to-peak.
     pub(super) fn cost(&self) -> f64 {
         mean(&self.residuals)
+    }
+
+    /// Sets the initial conditions of the runs to those of this fit: later fits may have tried others.
+    pub(super) fn begin_again(&self, runs: &mut [TrainingRecord], range: (f64, f64)) {
+        let others = runs.iter_mut().zip(&self.begun).filter(|(run, begun)| run.initial != **begun);
+        others.for_each(|(run, begun)| run.begin_from(*begun, range));
     }
 }
 
@@ -228,7 +237,8 @@ fn descend(
     let own = point.own(point.prior.current());
     let (held_out, residuals) = (point.held_out(free, Smoothness::Fixed(lambda)), point.residuals(runs));
     let minimum = point.cost(lambda);
-    Ok(Fitted { estimate: point.estimate, own, held_out, residuals, minimum })
+    let begun = runs.iter().map(|run| run.initial).collect();
+    Ok(Fitted { estimate: point.estimate, begun, own, held_out, residuals, minimum })
 }
 
 /// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,
@@ -322,6 +332,20 @@ mod tests {
         let start = estimate("prandtl-ishlinskii", 6).with_linear(block).unwrap();
         let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
         assert!(fit.cost() < 1e-4, "{:e}", fit.cost());
+    }
+
+    #[test]
+    fn runs_begin_again_as_in_a_fit() {
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).cos()).collect();
+        let records = [Record::new(5e-4, u.clone(), u).unwrap()];
+        let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6);
+        let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+        let (initial, before) = (runs[0].initial, runs[0].before.clone());
+        runs[0].begin_from(InitialCondition::FromAbove, (-28.0, 28.0));
+        assert_ne!(runs[0].before, before);
+        fit.begin_again(&mut runs, (-28.0, 28.0));
+        assert_eq!((runs[0].initial, &runs[0].before), (initial, &before));
     }
 
     #[test]

@@ -41,6 +41,15 @@ fn large_signal(plant: &Model, seconds: f64, hz_and_offset: &[(f64, f64)]) -> Ve
     hz_and_offset.iter().map(of).collect()
 }
 
+/// The records with noise, 0.03 % of the largest peak-to-peak.
+fn noisy(records: Vec<Record>) -> Vec<Record> {
+    let with_noise = |(k, record): (u64, Record)| {
+        let y = record.y().iter().zip(noise(k, record.len())).map(|(y, e)| y + 0.02 * e).collect();
+        Record::new(record.ts(), record.u().to_vec(), y).unwrap()
+    };
+    (1..).zip(records).map(with_noise).collect()
+}
+
 fn named(operator: &str) -> JointOptions {
     JointOptions { operator: operator.into(), ..JointOptions::default() }
 }
@@ -100,12 +109,7 @@ fn a_specified_order_that_is_too_low_is_noted() {
 #[test]
 fn the_linear_block_has_the_specified_order_and_is_as_good_as_one_that_is_found() {
     let plant = plant(1e-3, 0);
-    let noisy = |(k, record): (u64, Record)| {
-        let y = record.y().iter().zip(noise(k, record.len())).map(|(y, e)| y + 0.02 * e).collect();
-        Record::new(plant.ts(), record.u().to_vec(), y).unwrap()
-    };
-    let records: Vec<Record> =
-        (1..).zip(large_signal(&plant, 2.0, &[(1.5, 0.0), (2.5, 0.0), (4.0, 0.0)])).map(noisy).collect();
+    let records = noisy(large_signal(&plant, 2.0, &[(1.5, 0.0), (2.5, 0.0), (4.0, 0.0)]));
     let fitted = |order| identified(&[], &records, &JointOptions { order, ..named("prandtl-ishlinskii") }).model;
     let orders = (1..=3).map(|order| fitted(Some(order)).linear().a().len());
     assert_eq!(orders.collect::<Vec<_>>(), [1, 2, 3]);
