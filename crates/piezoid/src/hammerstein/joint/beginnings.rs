@@ -52,15 +52,8 @@ pub(super) fn begin_all(
     Ok(fitted)
 }
 
-/// The fit with the other of the two pasts of [`begin_all`], if it is clearly better, and with the initial conditions
-/// that the fit shows: a coarse hysteresis may not show which are right.
-pub(super) fn reconsider(
-    fitted: Fitted,
-    runs: &mut [TrainingRecord],
-    range: (f64, f64),
-    watch: StepCallback,
-) -> Result<Fitted, Error> {
-    let before: Vec<InitialCondition> = runs.iter().map(|run| run.initial).collect();
+/// Sets the other of the two pasts of [`begin_all`].
+pub(super) fn other_past(runs: &mut [TrainingRecord], range: (f64, f64)) {
     let likely = |run: &TrainingRecord| InitialCondition::of(run.record.u())[0];
     // Rest and motion are seen in the dynamics too.
     let settled = |run: &&mut TrainingRecord| {
@@ -70,12 +63,23 @@ pub(super) fn reconsider(
     for run in runs.iter_mut().filter(settled) {
         run.begin_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
     }
+}
+
+/// The fit with the other of the two pasts of [`begin_all`], if it is clearly better, and with the initial conditions
+/// that the fit shows: a coarse hysteresis may not show which are right.
+pub(super) fn reconsider(
+    fitted: Fitted,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    other_past(runs, range);
     let linear = fitted.estimate.linear.clone();
     let Some(same) = fitted.estimate.with_linear(linear) else { return Ok(fitted) };
     let other = refine_from(same, Smoothness::Near(fitted.held_out.lambda), runs, FreeParameters::Creep, watch)?;
     let is_better = other.held_out.rms_pp() < CLEARLY * fitted.held_out.rms_pp();
     if !is_better {
-        runs.iter_mut().zip(before).for_each(|(run, initial)| run.begin_from(initial, range));
+        fitted.begin_again(runs, range);
     }
     let best = if is_better { other } else { fitted };
     if !(begin(&best, runs, range)? || is_better) {

@@ -170,6 +170,7 @@ pub(crate) fn identify_joint(
 
     let mut trials = operators::compare(&candidates, &design, &first, settings.seed, &mut runs, &mut report)?;
     let (taken, mut fitted) = trials::choose(&mut trials)?;
+    fitted.begin_again(&mut runs, range);
     let row = candidates[taken];
     let mut watch = |_| report(total - 1, row.name);
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
@@ -186,6 +187,7 @@ pub(crate) fn identify_joint(
             let after = 100.0 * fitted.held_out.rms_pp();
             trials[taken] = (OperatorTrial::of(row, &fitted), Some(fitted));
             fitted = trials::choose(&mut trials)?.1;
+            fitted.begin_again(&mut runs, range);
             notes.push(format!(
                 "operators: the last linear block lowered the held-out error of {} from {} to {} % rms/pp, so those close \
                  to it were compared again with this block",

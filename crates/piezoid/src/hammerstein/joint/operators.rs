@@ -1,12 +1,13 @@
 //! Comparison of the operators, in two steps: with the linear block held, then, those that may be the best, with all
 //! parameters.
 
+use super::beginnings::other_past;
 use super::estimate::Estimate;
 use super::free_run_residual;
 use super::growth::adopt;
 use super::held_out::Smoothness;
 use super::refine::{Fitted, StepCallback, refine, refine_from};
-use super::runs::TrainingRecord;
+use super::runs::{CLEARLY, TrainingRecord};
 use super::search::search;
 use super::solve::FreeParameters;
 use super::trials::OperatorTrial;
@@ -54,7 +55,7 @@ pub(super) fn compare(
         trials.push(match start {
             Err(refused) => (refused, None),
             Ok(shapes) => {
-                let fitted = refined(shapes, HOPELESS * least, runs, &mut watch)?;
+                let fitted = refined(shapes, HOPELESS * least, runs, design.range, &mut watch)?;
                 (OperatorTrial::of(row, &fitted), Some(fitted))
             }
         });
@@ -86,6 +87,7 @@ pub(super) fn compare_again(
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
         let start = adopt(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis);
         let smoothness = Smoothness::Near(other.held_out.lambda);
+        other.begin_again(runs, design.range);
         match start.and_then(|start| refine_from(start, smoothness, runs, FreeParameters::All, watch)) {
             Err(why @ Error::Cancelled { .. }) => return Err(why),
             // It keeps the fit of the comparison.
@@ -96,7 +98,8 @@ pub(super) fn compare_again(
     Ok(again)
 }
 
-/// Fits with the linear block held: with the operator's own shape, and with the best shape of a swarm.
+/// Fits with the linear block held, the best first: with the operator's own shape, with the best shape of a swarm, and,
+/// if it is clearly better, the better of these with the other past. Not every past suits every operator.
 fn shapes(
     row: &Operator,
     design: &BasisDesign,
@@ -108,34 +111,46 @@ fn shapes(
     let start = blocks.with_basis((row.basis)(design)?);
     watch(0)?;
     let by_swarm = search(&start, runs, seed)?;
-    [Some(start), by_swarm]
-        .into_iter()
-        .flatten()
-        .map(|start| refine(start, runs, FreeParameters::Creep, watch))
-        .collect()
+    let starts = [Some(start), by_swarm].into_iter().flatten();
+    let mut fits: Vec<Fitted> =
+        starts.map(|start| refine(start, runs, FreeParameters::Creep, watch)).collect::<Result<_, _>>()?;
+    fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
+    let best = &fits[0];
+    if let Some(same) = best.estimate.with_linear(best.estimate.linear.clone()) {
+        other_past(runs, design.range);
+        let other = refine_from(same, Smoothness::Near(best.held_out.lambda), runs, FreeParameters::Creep, watch);
+        best.begin_again(runs, design.range);
+        let other = other?;
+        if other.held_out.rms_pp() < CLEARLY * best.held_out.rms_pp() {
+            fits.insert(0, other);
+        }
+    }
+    Ok(fits)
 }
 
-/// The best refinement of these fits, at least one, in all parameters; none if their errors exceed `most`.
+/// The best refinement of the best two of these sorted fits, in all parameters; none if their errors exceed `most`.
 fn refined(
     mut shapes: Vec<Fitted>,
     most: f64,
     runs: &mut [TrainingRecord],
+    range: (f64, f64),
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    shapes.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
     let near = WORSE * shapes[0].held_out.rms_pp();
     if shapes[0].held_out.rms_pp() > most {
         return Ok(shapes.swap_remove(0));
     }
     shapes.retain(|fit| fit.held_out.rms_pp() <= near);
-    let mut refine = |Fitted { estimate, held_out, .. }: Fitted| {
-        refine_from(estimate, Smoothness::Near(held_out.lambda), runs, FreeParameters::All, watch)
+    shapes.truncate(2);
+    let mut refine = |fit: Fitted| {
+        fit.begin_again(runs, range);
+        refine_from(fit.estimate, Smoothness::Near(fit.held_out.lambda), runs, FreeParameters::All, watch)
     };
     let other = shapes.split_off(1).pop();
     let best = refine(shapes.remove(0))?;
     let other = other.map(refine).transpose()?;
     Ok(match other {
-        Some(other) => better(best, other, runs),
+        Some(other) => better(best, other, runs, range),
         None => best,
     })
 }
@@ -143,9 +158,13 @@ fn refined(
 /// The fit with the smaller held-out error; if both are similar, the one with the better free run. An operator with
 /// long memory predicts held-out data well, because their past is known there, but is useless where the past is
 /// unknown.
-fn better(here: Fitted, there: Fitted, runs: &[TrainingRecord]) -> Fitted {
+fn better(here: Fitted, there: Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> Fitted {
     let [a, b] = [&here, &there].map(|fitted| fitted.held_out.rms_pp());
-    let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there, runs) < free_run(&here, runs) };
+    let mut free_run = |fitted: &Fitted| {
+        fitted.begin_again(runs, range);
+        free_run(fitted, runs)
+    };
+    let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there) < free_run(&here) };
     if there_is { there } else { here }
 }
 
@@ -159,9 +178,27 @@ fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
 mod tests {
     use super::super::{runs, testing::estimate};
     use super::*;
+    use crate::hammerstein::InitialCondition;
     use crate::linear::Arx;
     use crate::record::Record;
     use crate::system::System;
+
+    #[test]
+    fn an_operator_may_have_another_past_than_the_records_began_with() {
+        let u: Vec<f64> = (0..3000).map(|t| 3e-2 * f64::from(t).min(900.0) * (0.02 * f64::from(t)).cos()).collect();
+        let row = Operator::find("prandtl-ishlinskii").unwrap();
+        let pi = (row.example)(5e-4).unwrap();
+        let records = [Record::new(5e-4, u.clone(), pi.simulate(&u)).unwrap()];
+        let mut runs = runs::of(&[], &records, &mut Vec::new()).unwrap();
+        let design = BasisDesign { ts: 5e-4, range: (-27.0, 27.0), elements: Some(20), frequencies: Vec::new() };
+        let blocks = estimate("prandtl-ishlinskii", 20).with_linear(Arx::gain(5e-4, 1.0).unwrap()).unwrap();
+        for began in [InitialCondition::FromBelow, runs[0].initial] {
+            runs[0].begin_from(began, design.range);
+            let fits = shapes(row, &design, &blocks, 1, &mut runs, &mut |_| Ok(())).unwrap();
+            assert_ne!(fits[0].begun, [InitialCondition::FromBelow], "{began:?}");
+            assert_eq!(runs[0].initial, began);
+        }
+    }
 
     #[test]
     fn close_operators_are_compared_again_with_the_linear_block_that_lowered_the_error() {
