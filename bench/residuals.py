@@ -67,13 +67,13 @@ class Plant:
             hidden = Path(place) / "hidden.json"
             kept = {k: v for k, v in self.model.items() if k not in ("identified", "fit")}
             hidden.write_text(json.dumps({**kept, "linear": {"a": [], "b": [1.0]}, "offset": 0.0}))
-            self.runs = {name: self.run(name, hidden) for name in names}
+            self.runs = {name: self.free_run(name, hidden) for name in names}
         self.train = [r for name, r in self.runs.items() if not name.startswith("test")]
         u, z = (np.concatenate([getattr(r, name) for r in self.train]) for name in "uz")
         self.cubic = np.polyfit(u, z, 3)
         self.size = max(np.ptp(r.simulated) for r in self.train)
 
-    def run(self, name: str, hidden: Path) -> Run:
+    def free_run(self, name: str, hidden: Path) -> Run:
         """A record, simulated from the beginning that fits best."""
         u, y = (column(self.folder / name, one) for one in "uy")
         runs = {begin: self.simulated("model.json", name, begin) for begin in BEGINNINGS}

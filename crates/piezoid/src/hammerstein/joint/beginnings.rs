@@ -35,7 +35,6 @@ pub(super) fn begin_all(
     range: (f64, f64),
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let likely: Vec<InitialCondition> = runs.iter().map(|run| run.initial).collect();
     let mut fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
     for run in runs.iter_mut().filter(|run| run.large_signal) {
         run.begin_from(InitialCondition::FromBelow, range);
@@ -44,7 +43,7 @@ pub(super) fn begin_all(
     if cycled.cost() < fitted.cost() {
         fitted = cycled;
     } else {
-        runs.iter_mut().zip(likely).for_each(|(run, initial)| run.begin_from(initial, range));
+        fitted.begin_again(runs, range);
     }
     while begin(&fitted, runs, range)? {
         fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
@@ -52,8 +51,15 @@ pub(super) fn begin_all(
     Ok(fitted)
 }
 
-/// Sets the other of the two pasts of [`begin_all`].
-pub(super) fn other_past(runs: &mut [TrainingRecord], range: (f64, f64)) {
+/// The fit with the other of the two pasts of [`begin_all`], if it is clearly better. The runs begin as in `fitted`.
+pub(super) fn with_other_past(
+    fitted: &Fitted,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+    watch: StepCallback,
+) -> Result<Option<Fitted>, Error> {
+    let linear = fitted.estimate.linear.clone();
+    let Some(same) = fitted.estimate.with_linear(linear) else { return Ok(None) };
     let likely = |run: &TrainingRecord| InitialCondition::of(run.record.u())[0];
     // Rest and motion are seen in the dynamics too.
     let settled = |run: &&mut TrainingRecord| {
@@ -63,25 +69,23 @@ pub(super) fn other_past(runs: &mut [TrainingRecord], range: (f64, f64)) {
     for run in runs.iter_mut().filter(settled) {
         run.begin_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
     }
+    let other = refine_from(same, Smoothness::Near(fitted.held_out.lambda), runs, FreeParameters::Creep, watch);
+    fitted.begin_again(runs, range);
+    Ok(Some(other?).filter(|other| other.held_out.rms_pp() < CLEARLY * fitted.held_out.rms_pp()))
 }
 
-/// The fit with the other of the two pasts of [`begin_all`], if it is clearly better, and with the initial conditions
-/// that the fit shows: a coarse hysteresis may not show which are right.
+/// The better of the fits with the two pasts of [`begin_all`], with the initial conditions that it shows: a coarse
+/// hysteresis may not show which are right.
 pub(super) fn reconsider(
     fitted: Fitted,
     runs: &mut [TrainingRecord],
     range: (f64, f64),
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    other_past(runs, range);
-    let linear = fitted.estimate.linear.clone();
-    let Some(same) = fitted.estimate.with_linear(linear) else { return Ok(fitted) };
-    let other = refine_from(same, Smoothness::Near(fitted.held_out.lambda), runs, FreeParameters::Creep, watch)?;
-    let is_better = other.held_out.rms_pp() < CLEARLY * fitted.held_out.rms_pp();
-    if !is_better {
-        fitted.begin_again(runs, range);
-    }
-    let best = if is_better { other } else { fitted };
+    let other = with_other_past(&fitted, runs, range, watch)?;
+    let is_better = other.is_some();
+    let best = other.unwrap_or(fitted);
+    best.begin_again(runs, range);
     if !(begin(&best, runs, range)? || is_better) {
         return Ok(best);
     }

@@ -375,8 +375,8 @@ impl Growth {
 fn with_order(order: usize, estimate: &Estimate) -> Result<Option<Estimate>, Error> {
     let linear = &estimate.linear;
     let (mut a, mut b) = (linear.denominator(), linear.b().to_vec());
-    for k in linear.a().len()..order {
-        let factor = [1.0, -FURTHER.powi(1 + (k - linear.a().len()) as i32)];
+    for k in 1..=order.saturating_sub(linear.a().len()) {
+        let factor = [1.0, -FURTHER.powi(k as i32)];
         (a, b) = (times(&a, &factor), times(&b, &factor));
     }
     Ok(estimate.with_linear(Arx::new(linear.ts(), a[1..].iter().map(|a| -a).collect(), b)?))

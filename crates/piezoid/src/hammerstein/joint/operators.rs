@@ -1,13 +1,13 @@
 //! Comparison of the operators, in two steps: with the linear block held, then, those that may be the best, with all
 //! parameters.
 
-use super::beginnings::other_past;
+use super::beginnings::with_other_past;
 use super::estimate::Estimate;
 use super::free_run_residual;
 use super::growth::adopt;
 use super::held_out::Smoothness;
 use super::refine::{Fitted, StepCallback, refine, refine_from};
-use super::runs::{CLEARLY, TrainingRecord};
+use super::runs::TrainingRecord;
 use super::search::search;
 use super::solve::FreeParameters;
 use super::trials::OperatorTrial;
@@ -115,15 +115,8 @@ fn shapes(
     let mut fits: Vec<Fitted> =
         starts.map(|start| refine(start, runs, FreeParameters::Creep, watch)).collect::<Result<_, _>>()?;
     fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
-    let best = &fits[0];
-    if let Some(same) = best.estimate.with_linear(best.estimate.linear.clone()) {
-        other_past(runs, design.range);
-        let other = refine_from(same, Smoothness::Near(best.held_out.lambda), runs, FreeParameters::Creep, watch);
-        best.begin_again(runs, design.range);
-        let other = other?;
-        if other.held_out.rms_pp() < CLEARLY * best.held_out.rms_pp() {
-            fits.insert(0, other);
-        }
+    if let Some(other) = with_other_past(&fits[0], runs, design.range, watch)? {
+        fits.insert(0, other);
     }
     Ok(fits)
 }
