@@ -18,7 +18,7 @@ use super::solve::FreeParameters;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::series::{dot, dot_wide};
-use nalgebra::{DMatrix, DMatrixView, DVector};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -56,11 +56,12 @@ impl Segment {
     fn add(&mut self, rows: &mut Vec<f64>) {
         let size = self.gram.nrows();
         let block = DMatrixView::from_slice(rows, size, rows.len() / size);
-        for from in (0..size).step_by(PANEL) {
-            let width = PANEL.min(size - from);
+        self.gram.as_mut_slice().par_chunks_mut(size * PANEL).enumerate().for_each(|(k, columns)| {
+            let (from, width) = (k * PANEL, columns.len() / size);
             let (below, panel) = (block.rows_range(from..), block.rows(from, width).transpose());
-            self.gram.view_mut((from, from), (size - from, width)).gemm(1.0, &below, &panel, 1.0);
-        }
+            let mut columns = DMatrixViewMut::from_slice(columns, size, width);
+            columns.rows_range_mut(from..).gemm(1.0, &below, &panel, 1.0);
+        });
         rows.clear();
     }
 
