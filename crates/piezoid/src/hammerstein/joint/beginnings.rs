@@ -3,7 +3,7 @@
 use super::JointOptions;
 use super::estimate::Estimate;
 use super::held_out::Smoothness;
-use super::refine::{Fitted, StepCallback, refine, refine_from};
+use super::refine::{Fitted, StepCallback, refine, refine_from, refine_if_better};
 use super::runs::{CLEARLY, TrainingRecord};
 use super::solve::FreeParameters;
 use crate::creep::Lag;
@@ -58,8 +58,6 @@ pub(super) fn with_other_past(
     range: (f64, f64),
     watch: StepCallback,
 ) -> Result<Option<Fitted>, Error> {
-    let linear = fitted.estimate.linear.clone();
-    let Some(same) = fitted.estimate.with_linear(linear) else { return Ok(None) };
     let likely = |run: &TrainingRecord| InitialCondition::of(run.record.u())[0];
     // Rest and motion are seen in the dynamics too.
     let settled = |run: &&mut TrainingRecord| {
@@ -69,9 +67,9 @@ pub(super) fn with_other_past(
     for run in runs.iter_mut().filter(settled) {
         run.begin_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
     }
-    let other = refine_from(same, Smoothness::Near(fitted.held_out.lambda), runs, FreeParameters::Creep, watch);
+    let other = refine_if_better(fitted, runs, watch);
     fitted.begin_again(runs, range);
-    Ok(Some(other?).filter(|other| other.held_out.rms_pp() < CLEARLY * fitted.held_out.rms_pp()))
+    Ok(other?.filter(|other| other.held_out.rms_pp() < CLEARLY * fitted.held_out.rms_pp()))
 }
 
 /// The better of the fits with the two pasts of [`begin_all`], with the initial conditions that it shows: a coarse

@@ -185,6 +185,7 @@ impl Growth {
         watch: StepCallback,
     ) -> Result<(), Error> {
         let mut behind_lag = self.has_driver;
+        let is_not_creep = |linear: &Arx| creep_pole(linear, self.search.slowest).is_none();
         while let Some(Structure { fitted: from, .. }) = tried.last() {
             behind_lag |= from.estimate.driver.is_some();
             let Some(best) = tried.iter().min_by(Structure::better) else { break };
@@ -192,12 +193,11 @@ impl Growth {
             for found in extensions(from, runs, &self.search, &|linear| self.shows(linear), watch)? {
                 let starts = found.into_iter();
                 let starts = starts.filter_map(|one| Some((one.name, from.estimate.with_linear(one.linear)?)));
-                let fits = refine_promising(starts.collect(), from, BETTER, runs, watch)?;
+                let fits = refine_promising(starts.collect(), from, BETTER, &is_not_creep, runs, watch)?;
                 let possible = |t: &Structure| {
                     let linear = &t.fitted.estimate.linear;
                     let obvious = !self.one_frequency && t.error() < OBVIOUS * best.error();
-                    let is_creep = creep_pole(linear, self.search.slowest).is_some();
-                    (self.shows(linear) || obvious) && !is_creep && !self.is_at_limit(linear)
+                    (self.shows(linear) || obvious) && !self.is_at_limit(linear)
                 };
                 longer.extend(fits.into_iter().map(|(name, fit)| Structure::new(name, fit)).filter(possible));
                 if longer.iter().any(|t| t.gains_on(best)) {
@@ -254,7 +254,7 @@ impl Growth {
             };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
             let starts = start.into_iter().map(|start| (String::new(), start)).collect();
-            if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, runs, watch)?.pop() {
+            if let Some((name, fit)) = refine_promising(starts, fitted, NO_WORSE, &|_| true, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
         }
@@ -287,7 +287,7 @@ impl Growth {
         };
         let starts = moved.chain([(NEW_LAG * ts, Ok(linear.clone()))]).chain(instead).map(start);
         let starts = starts.collect::<Result<_, Error>>()?;
-        let found = refine_promising(starts, best, BETTER, runs, watch)?;
+        let found = refine_promising(starts, best, BETTER, &|_| true, runs, watch)?;
         let found = found.into_iter().filter(|(_, fit)| self.shows(&fit.estimate.linear));
         Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::better(&p, &q)))
     }
@@ -359,7 +359,7 @@ impl Growth {
         let mut tried = Vec::new();
         for Estimate { driver, seeks_lag, lags, linear, .. } in simpler {
             let start = adopt(&fitted.estimate, (driver, seeks_lag), &lags, linear, &basis)?;
-            let found = refine_promising(vec![(String::new(), start)], &fitted, AS_GOOD, runs, watch)?;
+            let found = refine_promising(vec![(String::new(), start)], &fitted, AS_GOOD, &|_| true, runs, watch)?;
             tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
         }
         if self.order.is_none() {

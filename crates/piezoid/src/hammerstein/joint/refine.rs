@@ -131,10 +131,15 @@ impl Iterate {
         Some(alone.normal.residual(&alone.unknowns()) + prior.penalty(&self.normal, lambda, prior.current()))
     }
 
+    /// True if the linearised equations promise less than `ratio` times the minimum of a fit, or next to nothing.
+    fn promises(&self, ratio: f64, fit: &Fitted) -> bool {
+        self.predicted(fit.held_out.lambda) < (ratio * fit.minimum).max(SMALL * self.normal.samples)
+    }
+
     /// The sum of squares and penalties at the solution of the linearised equations.
     pub(super) fn predicted(&self, lambda: f64) -> f64 {
         let mut positive = vec![true; self.prior.current().len()];
-        let x = self.prior.solve(&self.normal, lambda, DAMPING, FreeParameters::All, &mut positive);
+        let x = self.prior.solve(&self.normal, lambda, DAMPING, self.free, &mut positive);
         x.map_or(f64::INFINITY, |x| self.cost_at(&x, lambda))
     }
 
@@ -189,13 +194,14 @@ pub(super) fn refine_from(
         Smoothness::Any => Iterate::at(start, runs, &[], free),
         _ => Iterate::known(start, runs, free),
     };
-    descend(point, smoothness, runs, watch)
+    descend(point, smoothness, &|_| true, runs, watch)
 }
 
-/// Lowers the cost from `point` on.
+/// Lowers the cost from `point` on, to its minimum or to the first linear block that is not `possible`.
 fn descend(
     mut point: Iterate,
     smoothness: Smoothness,
+    possible: &dyn Fn(&Arx) -> bool,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
@@ -218,6 +224,9 @@ fn descend(
         let next = lower(&point, runs, cost, lambda, &mut damping, now);
         let fall = next.as_ref().map_or(0.0, |next| 1.0 - next.cost(lambda) / cost);
         point = next.unwrap_or(point);
+        if !possible(&point.estimate.linear) {
+            break;
+        }
         if is_start && step + 1 < SETTLED && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own, free);
@@ -242,24 +251,38 @@ fn descend(
 }
 
 /// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,
-/// by the linearised equations; returns their names too.
+/// by the linearised equations, while its linear block is `possible`; returns their names too.
 pub(super) fn refine_promising(
     starts: Vec<(String, Estimate)>,
     from: &Fitted,
     ratio: f64,
+    possible: &dyn Fn(&Arx) -> bool,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<(String, Fitted)>, Error> {
-    let lambda = from.held_out.lambda;
+    let smoothness = Smoothness::Fixed(from.held_out.lambda);
     let mut found = Vec::new();
     for (name, start) in starts {
         let point = Iterate::known(start, runs, FreeParameters::All);
-        let enough = (ratio * from.minimum).max(SMALL * point.normal.samples);
-        if point.predicted(lambda) < enough {
-            found.push((name, descend(point, Smoothness::Fixed(lambda), runs, watch)?));
+        if point.promises(ratio, from) {
+            let fit = descend(point, smoothness, possible, runs, watch)?;
+            found.extend(Some((name, fit)).filter(|(_, fit)| possible(&fit.estimate.linear)));
         }
     }
     Ok(found)
+}
+
+/// Fits weights and creep from the parameters of `from`, if that promises a lower minimum with the present initial
+/// conditions of the runs.
+pub(super) fn refine_if_better(
+    from: &Fitted,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Option<Fitted>, Error> {
+    let Some(same) = from.estimate.with_linear(from.estimate.linear.clone()) else { return Ok(None) };
+    let point = Iterate::known(same, runs, FreeParameters::Creep);
+    let smoothness = Smoothness::Near(from.held_out.lambda);
+    point.promises(1.0, from).then(|| descend(point, smoothness, &|_| true, runs, watch)).transpose()
 }
 
 /// The next point with lower cost, if one is found.
