@@ -17,6 +17,9 @@ use crate::hysteresis::{BasisDesign, Operator};
 /// Ratio of held-out errors with the linear block held from which an operator is not refined further.
 const HOPELESS: f64 = 3.0;
 
+/// The same ratio from which no other shape or past of an operator is sought.
+const FAR: f64 = 30.0;
+
 /// Ratio of held-out errors of two shapes of an operator from which only the better is refined further.
 const WORSE: f64 = 1.5;
 
@@ -40,15 +43,15 @@ pub(super) fn compare(
     runs: &mut [TrainingRecord],
     report: &mut dyn FnMut(usize, &str) -> Result<(), Error>,
 ) -> Result<Vec<(OperatorTrial, Option<Fitted>)>, Error> {
-    let mut starts = Vec::new();
+    let (mut starts, mut least) = (Vec::new(), f64::INFINITY);
     for (k, row) in candidates.iter().enumerate() {
-        let found = shapes(row, design, blocks, seed, runs, &mut |_| report(1 + k, row.name));
+        let found = shapes(row, design, blocks, seed, FAR * least, runs, &mut |_| report(1 + k, row.name));
         starts.push(match found {
             Err(why) if matches!(why, Error::Cancelled { .. }) || candidates.len() == 1 => return Err(why),
             found => found.map_err(|why| OperatorTrial::refused(row, why.to_string())),
         });
+        least = starts.last().into_iter().flatten().flatten().map(|fit| fit.held_out.rms_pp()).fold(least, f64::min);
     }
-    let least = starts.iter().flatten().flatten().map(|fit| fit.held_out.rms_pp()).fold(f64::INFINITY, f64::min);
     let mut trials = Vec::new();
     for (k, (row, start)) in candidates.iter().zip(starts).enumerate() {
         let mut watch = |_| report(1 + candidates.len() + k, row.name);
@@ -98,22 +101,27 @@ pub(super) fn compare_again(
     Ok(again)
 }
 
-/// Fits with the linear block held, the best first: with the operator's own shape, with the best shape of a swarm, and,
-/// if it is clearly better, the better of these with the other past. Not every past suits every operator.
+/// Fits with the linear block held, the best first: with the operator's own shape, and, if its error is at most `most`,
+/// with the best shape of a swarm, and the better of these with the other past, if that is clearly better. Not every
+/// past suits every operator.
 fn shapes(
     row: &Operator,
     design: &BasisDesign,
     blocks: &Estimate,
     seed: u64,
+    most: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<Fitted>, Error> {
     let start = blocks.with_basis((row.basis)(design)?);
     watch(0)?;
-    let by_swarm = search(&start, runs, seed)?;
-    let starts = [Some(start), by_swarm].into_iter().flatten();
-    let mut fits: Vec<Fitted> =
-        starts.map(|start| refine(start, runs, FreeParameters::Creep, watch)).collect::<Result<_, _>>()?;
+    let mut fits = vec![refine(start, runs, FreeParameters::Creep, watch)?];
+    if fits[0].held_out.rms_pp() > most {
+        return Ok(fits);
+    }
+    if let Some(found) = search(&blocks.with_basis((row.basis)(design)?), runs, seed)? {
+        fits.push(refine(found, runs, FreeParameters::Creep, watch)?);
+    }
     fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
     if let Some(other) = with_other_past(&fits[0], runs, design.range, watch)? {
         fits.insert(0, other);
@@ -187,7 +195,7 @@ mod tests {
         let blocks = estimate("prandtl-ishlinskii", 20).with_linear(Arx::gain(5e-4, 1.0).unwrap()).unwrap();
         for began in [InitialCondition::FromBelow, runs[0].initial] {
             runs[0].begin_from(began, design.range);
-            let fits = shapes(row, &design, &blocks, 1, &mut runs, &mut |_| Ok(())).unwrap();
+            let fits = shapes(row, &design, &blocks, 1, f64::INFINITY, &mut runs, &mut |_| Ok(())).unwrap();
             assert_ne!(fits[0].begun, [InitialCondition::FromBelow], "{began:?}");
             assert_eq!(runs[0].initial, began);
         }

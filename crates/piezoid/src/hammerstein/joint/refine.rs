@@ -298,6 +298,9 @@ fn lower(
     let (mut positive, mut harder) = (vec![true; point.prior.current().len()], 2.0);
     for _ in 0..TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
+        if cost.is_finite() && 1.0 - point.cost_at(&x, lambda) / cost < ENOUGH {
+            return None;
+        }
         let moved = point.estimate.moved(x.as_slice());
         let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
         if let Some(estimate) = moved.filter(|next| possible(&next.linear) || !possible(&point.estimate.linear)) {
