@@ -80,7 +80,7 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
     match shown.len() < bins.len() {
         true => {
             let left = format!(
-                "Only the {} of {} bands with the largest error are shown; --full shows all.",
+                "Only the {} of {} bands with the largest error are shown; `validate --full` shows all.",
                 shown.len(),
                 bins.len()
             );

@@ -126,9 +126,10 @@ fn trials(found: &Identified, console: &Console) -> String {
     let mut trials: Vec<&OperatorTrial> = found.trials.iter().collect();
     trials.sort_by(|p, q| p.held_out_percent.total_cmp(&q.held_out_percent));
     let row = |t: &&OperatorTrial| {
-        vec![t.operator.to_string(), t.parameters.to_string(), number(t.held_out_percent), t.verdict.to_string()]
+        let [held_out, free_run] = [t.held_out_percent, t.free_run_percent].map(number);
+        vec![t.operator.to_string(), t.parameters.to_string(), held_out, free_run, t.verdict.to_string()]
     };
-    let header = ["operator", "parameters", "held-out error, rms/pp %", ""];
+    let header = ["error, rms/pp %", "parameters", "held out", "free run", ""];
     let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
     let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
     refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))

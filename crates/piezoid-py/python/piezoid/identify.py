@@ -52,7 +52,7 @@ def identify(
     small-signal record. Each is one record or several, or anything that `read` accepts.
     method: "joint" fits all parts together, by the error of the free run; "paper" follows the paper's six steps
     operator: one of `pz.operators`, several separated by commas, or "auto" for all; of several, the simplest one is
-    selected that predicts held-out parts as well as the best
+    selected that predicts as well as the best, held out and in free run
     order: of the linear block; selected automatically by default (2 by the paper's method)
     seed: of the swarm
 

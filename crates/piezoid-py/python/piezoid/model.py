@@ -134,7 +134,7 @@ class Model:
 
     @property
     def trials(self) -> pd.DataFrame:
-        """The operators that were tried, with the error on held-out parts and a verdict."""
+        """The operators that were tried, with the errors on held-out parts and in free run, and a verdict."""
         return _frame(self._found("trials"))
 
     @property

@@ -21,7 +21,8 @@ pub(super) fn section(model: &Model) -> Option<Section> {
 
 /// The operators, the best first.
 fn trials(tried: &[Value]) -> PageTable {
-    let held_out = |trial: &Value| trial["held_out_percent"].as_f64().unwrap_or(f64::INFINITY);
+    let errors = |trial: &Value| [&trial["held_out_percent"], &trial["free_run_percent"]].map(Value::as_f64);
+    let held_out = |trial: &Value| errors(trial)[0].unwrap_or(f64::INFINITY);
     let word = |trial: &Value, key: &str| trial[key].as_str().unwrap_or_default().to_string();
     let mut tried: Vec<&Value> = tried.iter().collect();
     tried.sort_by(|p, q| held_out(p).total_cmp(&held_out(q)));
@@ -29,14 +30,15 @@ fn trials(tried: &[Value]) -> PageTable {
         let verdict = word(trial, "verdict");
         let taken = verdict == "taken";
         let number = |key: &str| trial[key].as_u64().map_or("-".into(), |n| n.to_string());
-        let cells = [word(trial, "operator"), number("parameters"), short(held_out(trial)), verdict].map(Cell::from);
+        let [held_out, free_run] = errors(trial).map(|error| error.map_or("-".into(), short));
+        let cells = [word(trial, "operator"), number("parameters"), held_out, free_run, verdict].map(Cell::from);
         if taken { cells.map(Cell::best) } else { cells }
     };
     let table = PageTable::new("Operators tried").text("operator").number("parameters");
-    let table = table.number("held out [%]").text("verdict");
+    let table = table.number("held out [%]").number("free run [%]").text("verdict");
     let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
-        "Held-out rms error over peak-to-peak (cross-validation). Among the operators as good as the best, the \
-        simplest is selected.",
+        "Rms errors over peak-to-peak: of parts held out (cross-validation), and of the free run on the training \
+        records. Among the operators as good as the best, the simplest is selected.",
     );
     let refused = tried.iter().filter_map(|trial| Some((word(trial, "operator"), trial["refused"].as_str()?)));
     refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))

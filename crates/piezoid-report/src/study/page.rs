@@ -153,19 +153,21 @@ fn loops(study: &Study) -> Section {
 fn joint(study: &Study) -> Section {
     let model = &study.joint.model;
     let poles: Vec<String> = model.linear().poles().iter().map(|p| format!("{:.1}", p.hz)).collect();
-    let held_out = |t: &&OperatorTrial| t.operator == model.hysteresis().operator().name;
-    let held_out = study.joint.trials.iter().find(held_out).map_or(f64::NAN, |t| t.held_out_percent);
+    let taken = |t: &&OperatorTrial| t.operator == model.hysteresis().operator().name;
+    let held_out = study.joint.trials.iter().find(taken).map_or(f64::NAN, |t| t.held_out_percent);
     let facts = [
         Fact::new(model.hysteresis().operator().name, "", "the operator chosen"),
         Fact::new(percent(held_out), "%", "held-out rms error, of peak-to-peak"),
         Fact::new(poles.join(" / "), "Hz", "poles of its linear block"),
     ];
-    let table = PageTable::new("Operators tried, and their errors on held-out records [% rms of peak-to-peak]");
-    let table = table.text("operator").number("parameters").number("held out");
+    let table =
+        PageTable::new("Operators tried, and their errors on held-out records and in free run [% rms of peak-to-peak]");
+    let table = table.text("operator").number("parameters").number("held out").number("free run");
     let row = |t: &OperatorTrial| -> Vec<Cell> {
-        let held_out = Cell::from(if t.refused.is_some() { "-".into() } else { percent(t.held_out_percent) });
-        let held_out = if t.as_good { held_out.best() } else { held_out };
-        vec![Text::new().code(t.operator).into(), t.parameters.to_string().into(), held_out]
+        let errors = [t.held_out_percent, t.free_run_percent];
+        let errors = errors.map(|error| Cell::from(if t.refused.is_some() { "-".into() } else { percent(error) }));
+        let errors = if t.as_good { errors.map(Cell::best) } else { errors };
+        [Text::new().code(t.operator).into(), t.parameters.to_string().into()].into_iter().chain(errors).collect()
     };
     let table = study.joint.trials.iter().fold(table, |table, t| table.row(row(t)));
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();

@@ -17,7 +17,7 @@ const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2
 const TOO_ROUGH: usize = 2;
 
 /// Ratio of rms up to which a simpler model is accepted, even if the difference is uncertain.
-const WORSE: f64 = 1.05;
+pub(super) const WORSE: f64 = 1.05;
 
 /// Difference of ln(rms) up to which two models are equal, even if the difference is certain.
 const EQUAL: f64 = 0.005;

@@ -13,6 +13,7 @@ use super::solve::FreeParameters;
 use super::trials::OperatorTrial;
 use crate::error::Error;
 use crate::hysteresis::{BasisDesign, Operator};
+use crate::series::mean;
 
 /// Ratio of held-out errors with the linear block held from which an operator is not refined further.
 const HOPELESS: f64 = 3.0;
@@ -22,9 +23,6 @@ const FAR: f64 = 30.0;
 
 /// Ratio of held-out errors of two shapes of an operator from which only the better is refined further.
 const WORSE: f64 = 1.5;
-
-/// Ratio of held-out errors above which the free runs decide between two fits.
-const ALIKE: f64 = 0.95;
 
 /// Ratio of the errors of the operator taken, now and in the comparison, below which it is repeated; and ratio of the
 /// errors of two operators in the comparison up to which both take part.
@@ -59,7 +57,7 @@ pub(super) fn compare(
             Err(refused) => (refused, None),
             Ok(shapes) => {
                 let fitted = refined(shapes, HOPELESS * least, runs, design.range, &mut watch)?;
-                (OperatorTrial::of(row, &fitted), Some(fitted))
+                (OperatorTrial::of(row, &fitted, free_run(&fitted, runs, design.range)), Some(fitted))
             }
         });
     }
@@ -81,9 +79,9 @@ pub(super) fn compare_again(
     if fitted.held_out.rms_pp() > FALLEN * before {
         return Ok(false);
     }
-    let most = CLOSE * trials[taken].0.held_out_percent;
+    let most = CLOSE * trials[taken].0.error();
     let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
-    let close = trials.iter_mut().filter(|(trial, _)| trial.held_out_percent <= most);
+    let close = trials.iter_mut().filter(|(trial, _)| trial.error() <= most);
     let mut again = false;
     for (trial, other) in close.filter_map(|(trial, other)| Some((trial, other.as_mut()?))) {
         let row = Operator::find(trial.operator)?;
@@ -95,7 +93,10 @@ pub(super) fn compare_again(
             Err(why @ Error::Cancelled { .. }) => return Err(why),
             // It keeps the fit of the comparison.
             Err(_) => {}
-            Ok(fit) => (*trial, *other, again) = (OperatorTrial::of(row, &fit), fit, true),
+            Ok(fit) => {
+                *trial = OperatorTrial::of(row, &fit, free_run(&fit, runs, design.range));
+                (*other, again) = (fit, true);
+            }
         }
     }
     Ok(again)
@@ -150,29 +151,21 @@ fn refined(
     let other = shapes.split_off(1).pop();
     let best = refine(shapes.remove(0))?;
     let other = other.map(refine).transpose()?;
+    // An operator with long memory predicts held-out data well, because their past is known there.
+    let mut error = |fitted: &Fitted| fitted.held_out.rms_pp().max(free_run(fitted, runs, range));
     Ok(match other {
-        Some(other) => better(best, other, runs, range),
-        None => best,
+        Some(other) if error(&other) < error(&best) => other,
+        _ => best,
     })
 }
 
-/// The fit with the smaller held-out error; if both are similar, the one with the better free run. An operator with
-/// long memory predicts held-out data well, because their past is known there, but is useless where the past is
-/// unknown.
-fn better(here: Fitted, there: Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> Fitted {
-    let [a, b] = [&here, &there].map(|fitted| fitted.held_out.rms_pp());
-    let mut free_run = |fitted: &Fitted| {
-        fitted.begin_again(runs, range);
-        free_run(fitted, runs)
-    };
-    let there_is = if a.min(b) < ALIKE * a.max(b) { b < a } else { free_run(&there) < free_run(&here) };
-    if there_is { there } else { here }
-}
-
-/// Mean squared free-run error over the squared peak-to-peak of the records, each with its own offset.
-fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
+/// Free-run rms error of the large-signal records over their peak-to-peak, each with its own offset.
+pub(super) fn free_run(fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> f64 {
+    fitted.begin_again(runs, range);
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
-    runs.iter().map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).sum()
+    let large_signal = runs.iter().filter(|run| run.large_signal);
+    let errors: Vec<f64> = large_signal.map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).collect();
+    mean(&errors).sqrt()
 }
 
 #[cfg(test)]
@@ -215,7 +208,7 @@ mod tests {
         };
         let mut trials: Vec<_> = ["stop", "proportional", "prandtl-ishlinskii"]
             .map(|name| (Operator::find(name).unwrap(), fit(name, &gain)))
-            .map(|(row, fit)| (OperatorTrial::of(row, &fit), Some(fit)))
+            .map(|(row, fit)| (OperatorTrial::of(row, &fit, 0.0), Some(fit)))
             .into();
         let taken = fit("prandtl-ishlinskii", &mode);
         let [stop, none] = [0, 1].map(|k| trials[k].0.held_out_percent);

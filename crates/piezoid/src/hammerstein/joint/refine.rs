@@ -33,6 +33,9 @@ const CHANGES: usize = 3;
 /// Relative decrease of the cost below which the search ends.
 const ENOUGH: f64 = 3e-4;
 
+/// The same by the linearised equations, below which a step is not tried.
+const NOTHING: f64 = 1e-4;
+
 /// Mean squared error over squared peak-to-peak that is next to nothing: one step of Gauss-Newton does not predict the
 /// end of the search.
 const SMALL: f64 = 1e-8;
@@ -298,7 +301,7 @@ fn lower(
     let (mut positive, mut harder) = (vec![true; point.prior.current().len()], 2.0);
     for _ in 0..TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
-        if cost.is_finite() && 1.0 - point.cost_at(&x, lambda) / cost < ENOUGH {
+        if cost.is_finite() && 1.0 - point.cost_at(&x, lambda) / cost < NOTHING {
             return None;
         }
         let moved = point.estimate.moved(x.as_slice());

@@ -1,6 +1,7 @@
 //! The operators tried, and the choice among them.
 
-use super::refine::Fitted;
+use super::held_out::WORSE;
+use super::refine::{Fitted, ROUNDING};
 use crate::error::Error;
 use crate::hysteresis::{OPERATORS, Operator};
 use crate::number::short;
@@ -14,6 +15,10 @@ use serde::Serialize;
 const INSIDE: f64 = 0.1;
 const ENOUGH: usize = 8;
 
+/// Ratio of held-out errors up to which the larger of held-out and free-run error decides between two operators. What
+/// all have in common, as a linear block that is not settled yet, would hide in the free run how they differ.
+const NEAR: f64 = 1.5;
+
 /// The result of one operator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OperatorTrial {
@@ -24,6 +29,9 @@ pub struct OperatorTrial {
     /// Held-out rms error over peak-to-peak [%], each fold predicted by a fit to all others; infinite if the fit
     /// failed.
     pub held_out_percent: f64,
+    /// Free-run rms error of the training records over peak-to-peak [%], each with its own offset; infinite if the fit
+    /// failed.
+    pub free_run_percent: f64,
     /// True if it is as good as the best, within its uncertainty.
     pub as_good: bool,
     /// `taken`, `as good`, `refused`, or empty.
@@ -66,12 +74,19 @@ pub(super) fn candidates(
 }
 
 /// Selects the operator with the fewest parameters of those as good as the best; returns its number, and takes its fit
-/// out of the trials.
+/// out of the trials. The best has the smallest error of those with nearly the smallest held-out error.
 pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(usize, Fitted), Error> {
-    let found = trials.iter().filter_map(|(_, fitted)| fitted.as_ref()).map(|fitted| &fitted.held_out);
-    let best = found.min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp())).cloned();
+    let found: Vec<(&OperatorTrial, &Fitted)> = trials.iter().filter_map(|(t, fit)| Some((t, fit.as_ref()?))).collect();
+    let least = found.iter().map(|(trial, _)| trial.held_out_percent).fold(f64::INFINITY, f64::min);
+    let near = found.into_iter().filter(|(trial, _)| trial.held_out_percent <= NEAR * least);
+    let best = near.min_by(|p, q| p.0.error().total_cmp(&q.0.error()));
+    let best = best.map(|(trial, fitted)| (trial.error(), fitted.held_out.clone()));
     for (trial, fitted) in trials.iter_mut() {
-        trial.as_good = fitted.as_ref().zip(best.as_ref()).is_some_and(|(one, best)| one.held_out.is_as_good_as(best));
+        let is_as_good = |one: &Fitted| {
+            best.as_ref()
+                .is_some_and(|(error, best)| trial.error() <= WORSE * error && one.held_out.is_as_good_as(best))
+        };
+        trial.as_good = fitted.as_ref().is_some_and(is_as_good);
         trial.verdict = match (trial.as_good, trial.refused.is_some()) {
             (true, _) => "as good",
             (_, true) => "refused",
@@ -95,37 +110,37 @@ pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(
 
 /// The reason for the selected operator; `None` if only one was tried.
 pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
-    let by_error = |p: &&OperatorTrial, q: &&OperatorTrial| p.held_out_percent.total_cmp(&q.held_out_percent);
-    let (best, taken) = (trials.iter().min_by(by_error)?, trials.iter().find(|t| t.verdict == "taken")?);
-    let next = trials.iter().filter(|t| !t.as_good && t.refused.is_none()).min_by(by_error);
-    let (name, error) = (taken.operator, short(taken.held_out_percent));
-    let simplest = match (best.operator == name, trials.iter().filter(|t| t.as_good).count()) {
-        (true, 1) => format!("{name} has the smallest held-out error, {error} % rms/pp"),
-        (true, _) => {
-            format!(
-                "{name} has the smallest held-out error, {error} % rms/pp, and is the simplest of those that are \
-                     as good"
-            )
-        }
-        (false, _) => {
-            let (least, best) = (short(best.held_out_percent), best.operator);
-            format!(
-                "{name} has a held-out error of {error} %, equal to the {least} % of {best} within uncertainty, and is \
-                 simpler"
-            )
-        }
+    let by_error = |p: &&OperatorTrial, q: &&OperatorTrial| p.error().total_cmp(&q.error());
+    let good = || trials.iter().filter(|t| t.as_good);
+    let (best, taken) = (good().min_by(by_error)?, trials.iter().find(|t| t.verdict == "taken")?);
+    let next =
+        trials.iter().filter(|t| !t.as_good && t.refused.is_none() && t.error() >= best.error()).min_by(by_error);
+    let (name, error) = (taken.operator, short(taken.error()));
+    let simplest = match (best.operator == name, good().count()) {
+        (true, 1) => format!("{name} predicts best: {error} % rms/pp, held out or in free run"),
+        (true, _) => format!(
+            "{name} predicts best: {error} % rms/pp, held out or in free run; it is the simplest of those that are as good"
+        ),
+        (false, _) => format!(
+            "{name} has an error of {error} % rms/pp, held out or in free run, equal to the {} % of {} within \
+             uncertainty, and is simpler",
+            short(best.error()),
+            best.operator
+        ),
     };
-    let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.held_out_percent)));
+    let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.error())));
     (trials.len() > 1).then(|| simplest + &then.unwrap_or_default())
 }
 
 impl OperatorTrial {
-    pub(super) fn of(row: &Operator, fitted: &Fitted) -> Self {
+    /// `free_run` is the free-run rms error over peak-to-peak.
+    pub(super) fn of(row: &Operator, fitted: &Fitted, free_run: f64) -> Self {
         let shape = fitted.estimate.basis.shape();
         OperatorTrial {
             operator: row.name,
             parameters: fitted.estimate.weights.len() + shape.len(),
             held_out_percent: 100.0 * fitted.held_out.rms_pp(),
+            free_run_percent: 100.0 * free_run,
             as_good: false,
             verdict: "",
             shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
@@ -133,11 +148,18 @@ impl OperatorTrial {
         }
     }
 
+    /// The larger of the two errors, with rounding [%]. The state before a part that is held out is known; before a
+    /// record it is not.
+    pub(super) fn error(&self) -> f64 {
+        self.held_out_percent.max(self.free_run_percent).hypot(100.0 * ROUNDING.sqrt())
+    }
+
     pub(super) fn refused(row: &Operator, why: String) -> Self {
         OperatorTrial {
             operator: row.name,
             parameters: 0,
             held_out_percent: f64::INFINITY,
+            free_run_percent: f64::INFINITY,
             as_good: false,
             verdict: "refused",
             shape: Vec::new(),
