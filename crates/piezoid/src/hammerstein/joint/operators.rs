@@ -226,4 +226,26 @@ mod tests {
         assert_eq!(trials[0].1.as_ref().unwrap().estimate.linear.a().len(), 2);
         assert_eq!(trials[1].0.held_out_percent, none);
     }
+
+    #[test]
+    fn of_operators_with_like_held_out_errors_the_free_run_decides() {
+        let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
+        let pi = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let rough = |(t, y): (usize, f64)| y + 0.1 * ((t * t) as f64 * 0.618_034).fract();
+        let y = pi.simulate(&u).into_iter().enumerate().map(rough).collect();
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = runs::of(&[], &records, &mut Vec::new()).unwrap();
+        let gain = Arx::gain(5e-4, 1.0).unwrap();
+        let mut trial = |name: &str, free_run: f64| {
+            let start = estimate(name, 20).with_linear(gain.clone()).unwrap();
+            let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+            (OperatorTrial::of(Operator::find(name).unwrap(), &fit, free_run), Some(fit))
+        };
+        // Both are the same law; the proportional one is far from it, whatever its free run.
+        for (pi, stop, best) in [(0.01, 0.1, 1), (0.1, 0.01, 2)] {
+            let mut trials = [trial("proportional", 0.0), trial("prandtl-ishlinskii", pi), trial("stop", stop)];
+            assert_eq!(super::super::trials::choose(&mut trials).unwrap().0, best);
+            assert_eq!(trials.map(|(trial, _)| trial.as_good), [false, best == 1, best == 2]);
+        }
+    }
 }
