@@ -1,7 +1,7 @@
 //! The operators tried, and the choice among them.
 
 use super::held_out::WORSE;
-use super::refine::{Fitted, ROUNDING};
+use super::refine::Fitted;
 use crate::error::Error;
 use crate::hysteresis::{OPERATORS, Operator};
 use crate::number::short;
@@ -15,9 +15,12 @@ use serde::Serialize;
 const INSIDE: f64 = 0.1;
 const ENOUGH: usize = 8;
 
-/// Ratio of held-out errors up to which the larger of held-out and free-run error decides between two operators. What
-/// all have in common, as a linear block that is not settled yet, would hide in the free run how they differ.
+/// Ratio of held-out errors up to which free runs decide between two operators. What all have in common, as a linear
+/// block that is not settled yet, would hide in the free run how they differ.
 const NEAR: f64 = 1.5;
+
+/// Error that is rounding [%].
+const ROUNDED: f64 = 1e-5;
 
 /// The result of one operator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,19 +77,17 @@ pub(super) fn candidates(
 }
 
 /// Selects the operator with the fewest parameters of those as good as the best; returns its number, and takes its fit
-/// out of the trials. The best has the smallest error of those with nearly the smallest held-out error.
+/// out of the trials. Of those with nearly the smallest error, the best has the smallest held-out error.
 pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(usize, Fitted), Error> {
-    let found: Vec<(&OperatorTrial, &Fitted)> = trials.iter().filter_map(|(t, fit)| Some((t, fit.as_ref()?))).collect();
-    let least = found.iter().map(|(trial, _)| trial.held_out_percent).fold(f64::INFINITY, f64::min);
-    let near = found.into_iter().filter(|(trial, _)| trial.held_out_percent <= NEAR * least);
-    let best = near.min_by(|p, q| p.0.error().total_cmp(&q.0.error()));
-    let best = best.map(|(trial, fitted)| (trial.error(), fitted.held_out.clone()));
+    let found = || trials.iter().filter_map(|(trial, fitted)| Some((trial, &fitted.as_ref()?.held_out)));
+    let most = NEAR * found().map(|(trial, _)| trial.held_out_percent.hypot(ROUNDED)).fold(f64::INFINITY, f64::min);
+    let near = || found().filter(|(trial, _)| trial.held_out_percent <= most);
+    let most_error = WORSE * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
+    let good = near().filter(|(trial, _)| trial.error() <= most_error);
+    let best = good.min_by(|p, q| p.0.held_out_percent.total_cmp(&q.0.held_out_percent)).map(|(_, best)| best.clone());
     for (trial, fitted) in trials.iter_mut() {
-        let is_as_good = |one: &Fitted| {
-            best.as_ref()
-                .is_some_and(|(error, best)| trial.error() <= WORSE * error && one.held_out.is_as_good_as(best))
-        };
-        trial.as_good = fitted.as_ref().is_some_and(is_as_good);
+        let is_as_good = |fitted: &Fitted| best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best));
+        trial.as_good = trial.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
         trial.verdict = match (trial.as_good, trial.refused.is_some()) {
             (true, _) => "as good",
             (_, true) => "refused",
@@ -110,11 +111,12 @@ pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(
 
 /// The reason for the selected operator; `None` if only one was tried.
 pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
-    let by_error = |p: &&OperatorTrial, q: &&OperatorTrial| p.error().total_cmp(&q.error());
+    let by =
+        |error: fn(&OperatorTrial) -> f64| move |p: &&OperatorTrial, q: &&OperatorTrial| error(p).total_cmp(&error(q));
     let good = || trials.iter().filter(|t| t.as_good);
-    let (best, taken) = (good().min_by(by_error)?, trials.iter().find(|t| t.verdict == "taken")?);
-    let next =
-        trials.iter().filter(|t| !t.as_good && t.refused.is_none() && t.error() >= best.error()).min_by(by_error);
+    let (best, taken) = (good().min_by(by(|t| t.held_out_percent))?, trials.iter().find(|t| t.verdict == "taken")?);
+    let others = trials.iter().filter(|t| !t.as_good && t.refused.is_none() && t.error() >= best.error());
+    let next = others.min_by(by(OperatorTrial::error));
     let (name, error) = (taken.operator, short(taken.error()));
     let simplest = match (best.operator == name, good().count()) {
         (true, 1) => format!("{name} predicts best: {error} % rms/pp, held out or in free run"),
@@ -151,7 +153,7 @@ impl OperatorTrial {
     /// The larger of the two errors, with rounding [%]. The state before a part that is held out is known; before a
     /// record it is not.
     pub(super) fn error(&self) -> f64 {
-        self.held_out_percent.max(self.free_run_percent).hypot(100.0 * ROUNDING.sqrt())
+        self.held_out_percent.max(self.free_run_percent).hypot(ROUNDED)
     }
 
     pub(super) fn refused(row: &Operator, why: String) -> Self {
