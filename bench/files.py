@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Reads files as other programs write them (bench/files), and counts how many are read right without an option.
+
+usage: files.py [--data FOLDER] [--only csv] [--all]
+
+A file is read right if u, y and the sampling period are those of truth.json to the bit; it may be refused if truth.json
+says that it cannot be known what is what. Each file that fails is listed with its message, cut to one line. Needs what
+bench/files/make.py needs (scipy, h5py, npTDMS, pandas, pyarrow, openpyxl, hdf5storage, asammdf), and piezoid.
+"""
+
+import argparse
+import collections
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import piezoid as pz
+
+HERE = Path(__file__).resolve().parent
+TS = 1e-9
+"""Relative difference of sampling periods that is rounding of the times in a file."""
+
+
+def numbers(values: list[float | None]) -> np.ndarray:
+    """A channel, with NaN for a cell without a number."""
+    return np.array([np.nan if value is None else value for value in values], dtype=float)
+
+
+def outcome(folder: Path, truth: dict) -> tuple[str, str]:
+    """What became of a file, and why if it failed."""
+    try:
+        record = pz.read(str(folder / truth["file"]))
+    except Exception as why:  # any refusal counts, whatever its kind
+        return ("refused, as it should be", "") if truth["expect"] == "refuse" else ("refused", str(why))
+    if truth["expect"] == "refuse":
+        return "read without need", truth["why"]
+    for name in "uy":
+        if not np.array_equal(np.ravel(getattr(record, name)), numbers(truth[name]), equal_nan=True):
+            return "read wrong", f"{name} differs"
+    if truth["ts"] and abs(record.ts / truth["ts"] - 1) > TS:
+        return "read wrong", f"ts is {record.ts}, not {truth['ts']}"
+    return "read right", ""
+
+
+def main() -> None:
+    """Reads all files, and prints a table."""
+    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words.add_argument("--data", type=Path, default=HERE.parent / "target" / "files")
+    words.add_argument("--only", default="", help="files whose name begins so")
+    words.add_argument("--all", action="store_true", help="lists the files that are read right too")
+    given = words.parse_args()
+    if not (given.data / "truth.json").exists():
+        subprocess.run([sys.executable, HERE / "files" / "make.py", given.data], check=True)
+    entries = json.loads((given.data / "truth.json").read_text())
+    counts: dict[str, collections.Counter[str]] = collections.defaultdict(collections.Counter)
+    for truth in (one for one in entries if one["file"].startswith(given.only)):
+        became, why = outcome(given.data, truth)
+        counts[truth["family"]][became] += 1
+        counts["all"][became] += 1
+        if given.all or became not in ("read right", "refused, as it should be"):
+            print(f"{truth['file']}: {became}: {' '.join(why.split())[:300]}")
+    kinds = ["read right", "refused, as it should be", "refused", "read without need", "read wrong"]
+    print(f"\n| family | {' | '.join(kinds)} |\n|---|{'--:|' * len(kinds)}")
+    for family, count in counts.items():
+        print(f"| {family} | {' | '.join(str(count[kind]) for kind in kinds)} |")
+
+
+if __name__ == "__main__":
+    main()
