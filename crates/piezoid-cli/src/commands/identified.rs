@@ -129,7 +129,7 @@ fn trials(found: &Identified, console: &Console) -> String {
         let [held_out, free_run] = [t.held_out_percent, t.free_run_percent].map(number);
         vec![t.operator.to_string(), t.parameters.to_string(), held_out, free_run, t.verdict.to_string()]
     };
-    let header = ["operator", "parameters", "held-out error, rms/pp %", "free run", ""];
+    let header = ["operators, rms/pp %", "parameters", "held-out error", "free run", ""];
     let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
     let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
     refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))
