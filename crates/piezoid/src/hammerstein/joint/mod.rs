@@ -185,8 +185,7 @@ pub(crate) fn identify_joint(
         }
         if operators::compare_again(&mut trials, taken, before, &fitted, &design, &mut runs, &mut watch)? {
             let after = 100.0 * fitted.held_out.rms_pp();
-            let free_run = operators::free_run(&fitted, &mut runs, range);
-            trials[taken] = (OperatorTrial::of(row, &fitted, free_run), Some(fitted));
+            trials[taken] = (operators::trial_of(row, &fitted, &mut runs, range), Some(fitted));
             fitted = trials::choose(&mut trials)?.1;
             fitted.begin_again(&mut runs, range);
             notes.push(format!(

@@ -56,8 +56,8 @@ pub(super) fn compare(
         trials.push(match start {
             Err(refused) => (refused, None),
             Ok(shapes) => {
-                let fitted = refined(shapes, HOPELESS * least, runs, design.range, &mut watch)?;
-                (OperatorTrial::of(row, &fitted, free_run(&fitted, runs, design.range)), Some(fitted))
+                let (trial, fitted) = refined(row, shapes, HOPELESS * least, runs, design.range, &mut watch)?;
+                (trial, Some(fitted))
             }
         });
     }
@@ -93,10 +93,7 @@ pub(super) fn compare_again(
             Err(why @ Error::Cancelled { .. }) => return Err(why),
             // It keeps the fit of the comparison.
             Err(_) => {}
-            Ok(fit) => {
-                *trial = OperatorTrial::of(row, &fit, free_run(&fit, runs, design.range));
-                (*other, again) = (fit, true);
-            }
+            Ok(fit) => (*trial, *other, again) = (trial_of(row, &fit, runs, design.range), fit, true),
         }
     }
     Ok(again)
@@ -114,13 +111,13 @@ fn shapes(
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<Fitted>, Error> {
-    let start = blocks.with_basis((row.basis)(design)?);
+    let own = || Ok::<_, Error>(blocks.with_basis((row.basis)(design)?));
     watch(0)?;
-    let mut fits = vec![refine(start, runs, FreeParameters::Creep, watch)?];
+    let mut fits = vec![refine(own()?, runs, FreeParameters::Creep, watch)?];
     if fits[0].held_out.rms_pp() > most {
         return Ok(fits);
     }
-    if let Some(found) = search(&blocks.with_basis((row.basis)(design)?), runs, seed)? {
+    if let Some(found) = search(&own()?, runs, seed)? {
         fits.push(refine(found, runs, FreeParameters::Creep, watch)?);
     }
     fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
@@ -130,38 +127,49 @@ fn shapes(
     Ok(fits)
 }
 
-/// The best refinement of the best two of these sorted fits, in all parameters; none if their errors exceed `most`.
+/// The better refinement, in all parameters, of the best two of these sorted fits; none if their errors exceed `most`.
 fn refined(
+    row: &Operator,
     mut shapes: Vec<Fitted>,
     most: f64,
     runs: &mut [TrainingRecord],
     range: (f64, f64),
     watch: StepCallback,
-) -> Result<Fitted, Error> {
+) -> Result<(OperatorTrial, Fitted), Error> {
     let near = WORSE * shapes[0].held_out.rms_pp();
     if shapes[0].held_out.rms_pp() > most {
-        return Ok(shapes.swap_remove(0));
+        let fit = shapes.swap_remove(0);
+        return Ok((trial_of(row, &fit, runs, range), fit));
     }
     shapes.retain(|fit| fit.held_out.rms_pp() <= near);
     shapes.truncate(2);
     let mut refine = |fit: Fitted| {
         fit.begin_again(runs, range);
-        refine_from(fit.estimate, Smoothness::Near(fit.held_out.lambda), runs, FreeParameters::All, watch)
+        let smoothness = Smoothness::Near(fit.held_out.lambda);
+        let fit = refine_from(fit.estimate, smoothness, runs, FreeParameters::All, watch)?;
+        Ok((trial_of(row, &fit, runs, range), fit))
     };
     let other = shapes.split_off(1).pop();
     let best = refine(shapes.remove(0))?;
-    let other = other.map(refine).transpose()?;
-    // An operator with long memory predicts held-out data well, because their past is known there.
-    let mut error = |fitted: &Fitted| fitted.held_out.rms_pp().max(free_run(fitted, runs, range));
-    Ok(match other {
-        Some(other) if error(&other) < error(&best) => other,
+    Ok(match other.map(refine).transpose()? {
+        Some(other) if other.0.error() < best.0.error() => other,
         _ => best,
     })
 }
 
-/// Free-run rms error of the large-signal records over their peak-to-peak, each with its own offset.
-pub(super) fn free_run(fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> f64 {
+/// The trial of a fit, with its free-run error. The runs begin as in the fit.
+pub(super) fn trial_of(
+    row: &Operator,
+    fitted: &Fitted,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+) -> OperatorTrial {
     fitted.begin_again(runs, range);
+    OperatorTrial::of(row, fitted, free_run(fitted, runs))
+}
+
+/// Free-run rms error of the large-signal records over their peak-to-peak, each with its own offset.
+fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
     let large_signal = runs.iter().filter(|run| run.large_signal);
     let errors: Vec<f64> = large_signal.map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).collect();
