@@ -102,15 +102,12 @@ pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
 pub(crate) fn told(error: &Error) -> String {
     let flag = |name: &str| name.replace('_', "-");
     let option = |name: &str, value: &Value| match value {
-        Value::Null | Value::Bool(_) => format!("--{}", flag(name)),
+        Value::Null => format!("--{}{}", flag(name), unknown(name)),
+        Value::Bool(_) => format!("--{}", flag(name)),
         value => format!("--{} {value}", flag(name)),
     };
     match error {
         Error::File { name, error } => format!("{name}: {}", told(error)),
-        Error::Advised { error, options } => {
-            let options: Vec<String> = options.iter().map(|(name, value)| option(name, value)).collect();
-            format!("{}give {}", told(error), options.join(" or "))
-        }
         Error::Parameter { name, value, rule } if is_flag(name) => match &**value {
             "true" => format!("--{}: {rule}", flag(name)),
             "false" => format!("--no-{}: {rule}", flag(name)),
@@ -118,6 +115,12 @@ pub(crate) fn told(error: &Error) -> String {
         },
         other => other.told(&option),
     }
+}
+
+/// The placeholder for a value that only the user knows.
+fn unknown(name: &str) -> String {
+    let row = piezoid::formats::ColumnSelection::rows().into_iter().find(|row| row.name == name);
+    row.map(|row| format!(" {}", placeholder(&row))).unwrap_or_default()
 }
 
 /// The error as the failure of a verb: a [`Misused`] if the command line itself is wrong.

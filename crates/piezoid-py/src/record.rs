@@ -58,6 +58,11 @@ impl Record {
     }
 
     #[getter]
+    fn history(&self) -> Vec<String> {
+        self.record.history().to_vec()
+    }
+
+    #[getter]
     fn duration(&self) -> f64 {
         self.record.duration()
     }

@@ -78,12 +78,14 @@ pub enum Error {
     #[error("{0}")]
     Content(String),
     /// An error that options can resolve.
-    #[error("{error}give {}", plain(options))]
+    #[error("{error}give {}", plain(options, *all))]
     Advised {
         /// The error; its message ends such that the options can follow.
         error: Box<Error>,
-        /// Options, each of which resolves the error: name and value (null if only the user knows the value).
+        /// Options that resolve the error: name and value (null if only the user knows the value).
         options: Vec<(&'static str, Value)>,
+        /// True if all of them are needed; false if each resolves the error.
+        all: bool,
     },
     /// An error in a file.
     #[error("{name}: {error}")]
@@ -181,9 +183,9 @@ impl Error {
     /// The message, with each option written by `show` from its name and value.
     pub fn told(&self, show: &dyn Fn(&str, &Value) -> String) -> String {
         match self {
-            Error::Advised { error, options } => {
+            Error::Advised { error, options, all } => {
                 let options: Vec<String> = options.iter().map(|(name, value)| show(name, value)).collect();
-                format!("{error}give {}", options.join(" or "))
+                format!("{}give {}", error.told(show), options.join(if *all { " " } else { " or " }))
             }
             Error::Limits(_) | Error::Unreachable(_) => format!("{self} ({})", show("clip", &Value::Bool(true))),
             Error::File { name, error } => format!("{name}: {}", error.told(show)),
@@ -191,9 +193,14 @@ impl Error {
         }
     }
 
-    /// The same error with options that resolve it; its message must end such that they can follow.
+    /// The same error with options, each of which resolves it; its message must end such that they can follow.
     pub fn advised(self, options: Vec<(&'static str, Value)>) -> Self {
-        Error::Advised { error: Box::new(self), options }
+        Error::Advised { error: Box::new(self), options, all: false }
+    }
+
+    /// The same error with options that resolve it together.
+    pub(crate) fn needing(self, options: Vec<(&'static str, Value)>) -> Self {
+        Error::Advised { error: Box::new(self), options, all: true }
     }
 
     /// The same error, about the file of this name.
@@ -211,12 +218,12 @@ impl Error {
 }
 
 /// Options as text, such as "`ts` = 0.1 or `time_col`".
-fn plain(options: &[(&'static str, Value)]) -> String {
+fn plain(options: &[(&'static str, Value)], all: bool) -> String {
     let one = |(name, value): &(&str, Value)| match value {
         Value::Null => format!("`{name}`"),
         value => format!("`{name}` = {value}"),
     };
-    options.iter().map(one).collect::<Vec<_>>().join(" or ")
+    options.iter().map(one).collect::<Vec<_>>().join(if all { ", " } else { " or " })
 }
 
 /// The row called `name` of a list of rows of this `kind`.

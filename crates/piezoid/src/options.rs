@@ -197,6 +197,7 @@ impl OptionRow {
                 known.iter().any(|(name, _)| name == text).then(|| value.clone())
             }
             (OptionKind::Text(_), Value::String(_)) => Some(value.clone()),
+            (OptionKind::Text(_), Value::Number(number)) => Some(number.to_string().into()),
             (OptionKind::Texts(_), Value::String(_)) => Some(Value::Array(vec![value.clone()])),
             (OptionKind::Texts(_), Value::Array(several)) => {
                 several.iter().all(Value::is_string).then(|| value.clone())

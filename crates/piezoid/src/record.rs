@@ -54,13 +54,21 @@ impl Units {
 /// assert_eq!(record.len(), 3);
 /// # Ok::<(), piezoid::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Record {
     ts: f64,
     // Shared, because a fit, its validation and its report keep the same samples.
     u: Arc<[f64]>,
     y: Arc<[f64]>,
     units: Units,
+    history: Vec<String>,
+}
+
+/// Records are equal if their samples, sampling periods and units are.
+impl PartialEq for Record {
+    fn eq(&self, other: &Self) -> bool {
+        (self.ts, &self.u, &self.y, &self.units) == (other.ts, &other.u, &other.y, &other.units)
+    }
 }
 
 /// A unit with the Greek letter of micro written as `u`.
@@ -84,12 +92,24 @@ impl Record {
         }
         finite("u", &u)?;
         finite("y", &y)?;
-        Ok(Record { ts, u: u.into(), y: y.into(), units: Units::default() })
+        Ok(Record { ts, u: u.into(), y: y.into(), units: Units::default(), history: Vec::new() })
     }
 
     /// The same numbers with other units. The Greek letter of micro is written as `u`.
     pub fn with_units(self, units: Units) -> Self {
         Record { units: Units { u: plain(&units.u), y: plain(&units.y) }, ..self }
+    }
+
+    /// The same record with one more step in its history.
+    pub(crate) fn with_step(mut self, step: String) -> Self {
+        self.history.push(step);
+        self
+    }
+
+    /// How the record came out of its file, step by step: the columns that were guessed, scales, cuts. Empty if the
+    /// file was read as it stands.
+    pub fn history(&self) -> &[String] {
+        &self.history
     }
 
     /// Sampling period [s].
@@ -134,7 +154,7 @@ impl Record {
     /// The samples of a range, which must be inside the record and not empty.
     pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Result<Self, Error> {
         let part = Record::new(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())?;
-        Ok(Record { units: self.units.clone(), ..part })
+        Ok(Record { units: self.units.clone(), history: self.history.clone(), ..part })
     }
 
     /// The same record with its output in another length unit.
@@ -150,7 +170,7 @@ impl Record {
         })?;
         let units = Units { y: unit.into(), ..self.units.clone() };
         let y = if k == 1.0 { self.y.clone() } else { self.y.iter().map(|v| v * k).collect() };
-        Ok(Record { ts: self.ts, u: self.u.clone(), y, units })
+        Ok(Record { u: self.u.clone(), y, units, history: self.history.clone(), ..*self })
     }
 
     /// The samples from `from` up to, but not including, `to` [s], of `n` samples that start at 0 s.

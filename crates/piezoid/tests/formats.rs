@@ -8,6 +8,13 @@ use piezoid::{Error, Record};
 /// Files of one record: what reads them, and what each leaves out.
 const FILES: &[(&str, &str, &[u8], &str)] = &[
     ("csv", "record.csv", b"t_s,u_V,y_um\n0,0,0\n0.0005,1,20\n0.001,1.5,33\n0.0015,-2,-40\n", ""),
+    (
+        "gcs",
+        "array.gcs",
+        b"# REM E-709\n# SEPARATOR = 32\n# DIM = 2\n# SAMPLE_TIME = 0.0005\n# NDATA = 4\n# NAME0 = u_V\n# NAME1 = y_um\n\
+          # END_HEADER\n0 0 \n1 20 \n1.5 33 \n-2 -40 \n",
+        "",
+    ),
     ("numpy", "fields.npy", include_bytes!("golden/formats/fields.npy"), "corner (of shape 2 a row)"),
     ("numpy", "stored.npz", include_bytes!("golden/formats/stored.npz"), NUMPY),
     ("numpy", "deflated.npz", include_bytes!("golden/formats/deflated.npz"), NUMPY),
@@ -17,7 +24,9 @@ const FILES: &[(&str, &str, &[u8], &str)] = &[
     ("matlab", "v5_big.mat", include_bytes!("golden/formats/v5_big.mat"), ""),
     ("matlab", "v7.mat", include_bytes!("golden/formats/v7.mat"), MATLAB),
     ("hdf5", "v73.mat", include_bytes!("golden/formats/v73.mat"), HDF5),
-    ("hdf5", "links.h5", include_bytes!("golden/formats/links.h5"), "impedance (complex numbers, or several in one)"),
+    ("hdf5", "links.h5", include_bytes!("golden/formats/links.h5"), "impedance (complex numbers)"),
+    ("tdms", "log.tdms", include_bytes!("golden/formats/log.tdms"), "note (text)"),
+    ("wav", "log.wav", include_bytes!("golden/formats/log.wav"), ""),
 ];
 
 const NUMPY: &str = "map (of shape 2 x 2), names (text), impedance (of type `<c16`), short (of 3 samples, not 4)";
@@ -26,7 +35,16 @@ const MATLAB: &str = "lines (text), map (of shape 2 x 2), impedance (complex num
 const HDF5: &str = "cells (of class cell), empty (empty), map (of shape 2 x 2), sparse (a sparse matrix)";
 
 fn record(table: &Table) -> Result<Record, Error> {
-    table.record(&ColumnSelection::default())
+    // The channels of a WAV file have no names.
+    let wav = table.names().next() == Some("channel 1");
+    let said = |text: &str| wav.then(|| text.to_string());
+    table.record(&ColumnSelection {
+        input_col: said("1"),
+        output_col: said("channel 2"),
+        input_unit: said("V"),
+        output_unit: said("um"),
+        ..ColumnSelection::default()
+    })
 }
 
 /// What an error says of a channel that there is not.
@@ -99,8 +117,8 @@ fn what_cannot_be_read_is_told_by_what_it_should_be() {
         "cannot be read: a .mat file should hold variables of MATLAB, but this one does not start with the signature of that format: it is damaged, or has another format"
     );
     assert!(message("r.NPZ", b"PK\x03\x04").contains("a .NPZ file should hold named arrays"));
-    assert!(message("r.csv", b"nothing").starts_with("there are no numbers: the file ends after its header"));
-    assert!(message("r.xlsx", b"PK\x03\x04\x14\0\x06\0").contains("a zip archive, such as .xlsx"));
+    assert!(message("r.csv", b"nothing").starts_with("there are no rows of numbers"));
+    assert!(message("r.xlsx", b"PK\x03\x04\x14\0\x06\0").contains("a zip archive or an Excel workbook"));
     assert!(message("r.mat", b"# Created by Octave 7.3.0\n# name: t_s\n").contains("`save -v7`"));
     let plain = b"\x93NUMPY\x01\x00\x3a\x00{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }\n";
     assert!(message("r.npy", plain).starts_with("the file holds one array without column names"));

@@ -77,7 +77,7 @@ impl Validate {
             console.print(&tables::all(&validated, self.full, console))?;
         }
         for compared in &validated.files {
-            for remark in &compared.validation.remarks {
+            for remark in compared.record.history().iter().chain(&compared.validation.remarks) {
                 console.remark(&format!("{}: {remark}", compared.name));
             }
         }

@@ -76,6 +76,11 @@ class Record:
         return self._core.units
 
     @property
+    def history(self) -> list[str]:
+        """How the record came out of its file: the columns that were guessed, scales, cuts."""
+        return self._core.history
+
+    @property
     def duration(self) -> float:
         """Duration [s]."""
         return self._core.duration
@@ -164,28 +169,53 @@ def read(
     source: str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame,
     *,
     ts: float | None = None,
-    input_col: str | None = None,
-    output_col: str | None = None,
-    time_col: str | None = None,
+    fs: float | None = None,
+    input_col: str | int | None = None,
+    output_col: str | int | None = None,
+    time_col: str | int | None = None,
+    input_unit: str | None = None,
+    output_unit: str | None = None,
+    time_unit: str | None = None,
+    input_scale: float | str | None = None,
+    output_scale: float | str | None = None,
     units: Units | None = None,
     start: float = 0.0,
     stop: float = float("inf"),
 ) -> Record:
-    """Reads a record from a file (CSV, .npz, .npy, .mat of any version, .h5), a DataFrame, or a mapping of arrays.
+    """Reads a record from a file of any format that piezoid knows, a DataFrame, or a mapping of arrays.
 
-    Columns are found by name: time `t_s` (or `ts`, the sampling period [s]), input `u_V` or the only `u_*`, output the
-    only `y_*`; the rest of the name is the unit. `input_col`, `output_col` and `time_col` select other columns, whose
-    names may end in a unit (`_mm`, `[mm]` or `(mm)`); if they have none, give `units`. Only the part from `start` up to
-    `stop` [s] is read. Nothing is guessed: an ambiguous name raises an error that lists the columns. A mapping may be
-    the result of `scipy.io.loadmat`.
+    Columns are found by name and unit: time `t_s`, input `u_V`, output `y_um`, but also `Zeit [s]`, `Drive (V)`,
+    `Displacement/µm`. The record's `history` tells what was guessed; two equally likely columns raise an error that names
+    the keywords to choose.
+
+    ts, fs: sampling period [s] or rate [Hz], for sources without times
+    input_col, output_col, time_col: names or numbers (from 1) of the columns
+    input_unit, output_unit, time_unit: units that the names do not contain, or contain wrongly
+    input_scale: factor of the input, such as 20 for an amplifier whose input was recorded
+    output_scale: factor of the output, such as "5um/V" for a sensor
+    units: of input and output, in place of `input_unit` and `output_unit`
+    start, stop: the part to read [s]
 
     >>> import numpy as np, piezoid as pz
-    >>> pz.read({"t_s": np.arange(3) * 1e-3, "u_V": [0, 1, 2], "y_nm": [0, 9, 20]}).units
-    ('V', 'nm')
+    >>> record = pz.read({"Time (ms)": np.arange(3), "Drive": [0, 1, 2], "Position (nm)": [0, 9, 20]}, input_scale=10)
+    >>> record.ts, record.units, record.u
+    (0.001, ('V', 'nm'), array([ 0., 10., 20.]))
     """
     columns = _columns(source)
     ends = {"from": number("start", start), "to": None if number("stop", stop) == float("inf") else stop}
-    given = {"ts": ts, "input_col": input_col, "output_col": output_col, "time_col": time_col, **ends}
+    given = {
+        "ts": ts,
+        "fs": fs,
+        "input_col": input_col,
+        "output_col": output_col,
+        "time_col": time_col,
+        "input_unit": input_unit,
+        "output_unit": output_unit,
+        "time_unit": time_unit,
+        "input_scale": input_scale,
+        "output_scale": output_scale,
+        **ends,
+    }
     with columns.named(), called(**_ENDS):
         record = Record._of(columns.core.record(given))
     return record if units is None else Record(record.u, record.y, record.ts, units)

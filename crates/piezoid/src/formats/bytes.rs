@@ -138,6 +138,11 @@ impl Unpacking {
         Unpacking { left: LARGEST.min(file.len().saturating_mul(DENSEST)) }
     }
 
+    /// Number of bytes that may still be unpacked.
+    pub(super) fn left(&self) -> usize {
+        self.left
+    }
+
     /// Counts unpacked bytes; the same bytes may be counted several times.
     pub(super) fn count(&mut self, bytes: usize) -> Result<(), Error> {
         self.left = self.left.checked_sub(bytes).ok_or_else(too_large)?;

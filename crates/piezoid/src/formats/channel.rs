@@ -1,8 +1,8 @@
 //! Channels: the named contents of a file. Those that belong together form a table.
 
+use super::column::Column;
 use super::quote::shortened;
-use super::table::{Column, Table};
-use crate::Error;
+use super::table::Table;
 use std::collections::HashMap;
 
 /// Maximum number of omitted channels that a message names.
@@ -15,6 +15,8 @@ pub struct Channel {
     pub name: String,
     /// Its unit, if the file states it separately from the name.
     pub unit: Option<String>,
+    /// Its sampling period [s], if the file states it for this channel.
+    pub ts: Option<f64>,
     /// Its samples, or a description if it is not a vector of real numbers: `of shape 2 x 3`.
     pub samples: Result<Vec<f64>, String>,
 }
@@ -22,12 +24,12 @@ pub struct Channel {
 impl Channel {
     /// A channel of samples; its name may contain a unit.
     pub fn new(name: impl Into<String>, samples: Vec<f64>) -> Self {
-        Channel { name: name.into(), unit: None, samples: Ok(samples) }
+        Channel { name: name.into(), unit: None, ts: None, samples: Ok(samples) }
     }
 
     /// A channel that is not a vector, with a description.
     pub fn other(name: impl Into<String>, what: impl Into<String>) -> Self {
-        Channel { name: name.into(), unit: None, samples: Err(what.into()) }
+        Channel { name: name.into(), unit: None, ts: None, samples: Err(what.into()) }
     }
 }
 
@@ -49,32 +51,26 @@ impl Table {
     pub fn of(channels: impl IntoIterator<Item = Channel>) -> Self {
         let mut left = Vec::new();
         let mut columns = Vec::new();
-        for Channel { name, unit, samples } in channels {
+        for Channel { name, unit, ts, samples } in channels {
             match samples {
-                Ok(samples) => columns.push((name, unit, samples)),
+                Ok(samples) => {
+                    let flaw = crate::error::finite(&name, &samples).err();
+                    columns.push(Column { unit, ts, samples, flaw, ..Column::new(name) });
+                }
                 Err(what) => left.push(format!("{} ({what})", shortened(&name))),
             }
         }
-        let longest = columns.iter().map(|(.., samples)| samples.len()).max().unwrap_or(0);
-        columns.retain(|(.., samples)| samples.len() > 1 || longest == samples.len());
-        let mut names = HashMap::new();
-        columns.iter().for_each(|(name, ..)| *names.entry(name.clone()).or_insert(0) += 1);
-        let usual = usual(columns.iter().map(|(.., samples)| samples.len()));
-        let mut table = Table::empty();
-        for (name, unit, samples) in columns {
-            if samples.len() == usual {
-                let several = match names.insert(name.clone(), 0) {
-                    Some(0) => continue,
-                    Some(1) | None => None,
-                    Some(_) => Some(Error::Content(format!(
-                        "the name {} occurs in several structures: save one structure only",
-                        shortened(&name)
-                    ))),
-                };
-                let flaw = several.or_else(|| crate::error::finite(&name, &samples).err());
-                table.columns.push(Column { name, unit, samples, flaw, decimal: None });
+        let longest = columns.iter().map(|column| column.samples.len()).max().unwrap_or(0);
+        columns.retain(|column| column.samples.len() > 1 || longest == column.samples.len());
+        let usual = usual(columns.iter().map(|column| column.samples.len()));
+        let mut table = Table { count: usual, ..Table::empty() };
+        for column in columns {
+            if column.samples.len() == usual {
+                table.columns.push(column);
             } else {
-                left.push(format!("{} (of {} samples, not {usual})", shortened(&name), samples.len()));
+                let length = column.samples.len();
+                left.push(format!("{} (of {length} samples, not {usual})", shortened(&column.name)));
+                table.others.push(column);
             }
         }
         let more = left.len().saturating_sub(TOLD);
@@ -128,17 +124,30 @@ mod tests {
 
     #[test]
     fn two_channels_of_one_name_harm_who_needs_them() {
-        let table = Table::of(channels(&[("t_s", 4), ("u_V", 4), ("u_V", 4), ("u_mon", 4), ("y_um", 4), ("u_mon", 3)]));
-        assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V", "u_mon", "y_um"]);
-        for name in ["u_V", "u_mon"] {
-            let asked = ColumnSelection { input_col: Some(name.into()), ..ColumnSelection::default() };
-            assert_eq!(
-                table.record(&asked).unwrap_err().to_string(),
-                format!("the name {name} occurs in several structures: save one structure only")
-            );
+        let table = Table::of(channels(&[("t_s", 4), ("u_V", 4), ("u_V", 4), ("y_um", 4)]));
+        let asked = ColumnSelection { input_col: Some("u_V".into()), ..ColumnSelection::default() };
+        for selection in [&asked, &ColumnSelection::default()] {
+            let error = table.record(selection).unwrap_err().to_string();
+            assert!(error.contains("`u_V` is also the name of column 2"), "{error}");
         }
-        let other = ColumnSelection { input_col: Some("t_s".into()), ts: Some(1.0), ..ColumnSelection::default() };
-        assert!(table.record(&other).is_ok());
+        let by_number = ColumnSelection { input_col: Some("3".into()), ..ColumnSelection::default() };
+        assert!(table.record(&by_number).is_ok());
+    }
+
+    #[test]
+    fn channels_of_another_length_can_be_chosen_together() {
+        let table = Table::of(channels(&[("a/u", 4), ("a/y", 4), ("b/u", 3), ("b/y", 3), ("t", 4)]));
+        let ask = |u: &str, y: &str| ColumnSelection {
+            ts: Some(1.0),
+            input_col: Some(u.into()),
+            output_col: Some(y.into()),
+            ..ColumnSelection::default()
+        };
+        assert_eq!(table.record(&ask("b/u", "b/y")).unwrap().len(), 3);
+        let error = table.record(&ask("b/u", "a/y")).unwrap_err().to_string();
+        assert!(error.starts_with("b/u has 3 samples but a/y has 4"), "{error}");
+        let error = table.record(&ColumnSelection::default()).unwrap_err().to_string();
+        assert!(error.contains("input_col") && error.contains("output_col"), "{error}");
     }
 
     #[test]
@@ -150,7 +159,7 @@ mod tests {
         assert_eq!((record.ts(), &*record.units().u, &*record.units().y), (0.5, "V", "um"));
         let said = ColumnSelection { ts: Some(0.25), ..ColumnSelection::default() };
         assert_eq!(table.record(&said).unwrap().ts(), 0.25, "who says a period knows better");
-        let timed = Table::of([stated("t_s", "ms"), stated("u_drive", "V"), stated("y_probe", "nm")]);
-        assert!(timed.record(&ColumnSelection::default()).unwrap_err().to_string().contains("t_s: the time is in ms"));
+        let timed = Table::of([stated("t", "ms"), stated("u_drive", "V"), stated("y_probe", "nm")]);
+        assert_eq!(timed.record(&ColumnSelection::default()).unwrap().ts(), 1e-3);
     }
 }

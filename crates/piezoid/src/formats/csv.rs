@@ -1,33 +1,39 @@
-//! CSV: a header row, then numbers.
+//! CSV as other programs write it: a head with names, then rows of numbers.
 //!
-//! Commas, semicolons or tabs separate, as in the header. With semicolons and tabs, the decimal separator may be a
-//! comma. Accepted: a byte-order mark; any line ends; quotes and spaces around cells; `#` lines, `sep=;` and blank
-//! lines above the header; blank lines at the end; the header as the last `#` line, as numpy.savetxt writes it.
-//! Everything else is an error with line and column. Not supported: cells that span lines, encodings other than UTF-8,
-//! dates.
+//! Tabs, semicolons, commas or spaces separate; the decimal separator may be a comma. Read: UTF-8, UTF-16 and
+//! Windows-1252; any line ends; quotes and spaces around cells; blank lines; remarks above the rows, among them those
+//! of oscilloscopes and loggers; units in a row of their own; times of day; a summary below the rows. [`head`] finds
+//! names, units and sampling period, [`dialect`] what separates cells. Everything else is an error with line and
+//! column. Not supported: cells that span lines, several tables in one file.
 //!
 //! The lines are split here and not by the csv crate: an error names its line for any line ends, an unclosed quote ends
 //! at its line and does not include the rest of the file, and no cell is copied. [`Table::parse`] is pure and accepts
 //! any bytes, so a fuzzer can call it directly.
 
 mod cells;
-mod header;
+mod clock;
+mod dialect;
+mod encoding;
+mod head;
 mod number;
-mod text;
 mod write;
 
+pub(super) use head::stated_period;
+
 use super::Format;
+use super::column::Column;
 use super::quote::shortened;
-use super::table::{Column, Table};
+use super::table::Table;
 use crate::Error;
-use cells::{blank, cells};
-use header::Header;
-use number::NumberReader;
+use cells::cells;
+use dialect::Dialect;
+use head::Head;
+use std::iter::Peekable;
 
 /// The row of CSV. It matches every file that no other row matches: its errors say what a file should look like.
 pub(super) const ROW: Format = Format {
     name: "csv",
-    extensions: &["csv", "tsv", "txt"],
+    extensions: &["csv", "tsv", "txt", "dat", "asc", "lvm"],
     summary: "text, a row of names above rows of numbers",
     reference: "RFC 4180, https://doi.org/10.17487/RFC4180",
     matches: |_| true,
@@ -36,111 +42,222 @@ pub(super) const ROW: Format = Format {
 
 /// What a file should look like, for messages.
 const EXAMPLE: &str = "`t_s,u_V,y_um`";
+/// Maximum number of columns: more than any logger has.
+const MOST: usize = 10_000;
 
 impl Table {
     /// Reads a CSV file.
     ///
     /// # Errors
-    /// Returns an error if the file is not text, has no header or no rows, or has a row whose length differs from the
-    /// header. A cell that is not a number is an error only if its column is used.
+    /// Returns an error if the file is not text, has no rows, or has a row that is shorter or longer than the others. A
+    /// cell that is not a number is an error only if its column is used.
     pub fn parse(bytes: &[u8]) -> Result<Table, Error> {
-        let text = text::decode(bytes)?;
-        let mut lines = text::lines(text).peekable();
-        let header = Header::read(&mut lines)?;
-        let columns = header.names.into_iter().map(Column::new).collect();
-        let mut table = Table { columns, header: header.line, ..Table::empty() };
-        let mut numbers = NumberReader::new(header.separator);
-        let mut gap = None;
-        for (line, row) in lines {
-            if blank(row, header.separator) {
-                gap = gap.or((table.first > 0).then_some(line));
+        let text = encoding::decode(bytes)?;
+        let dialect = Dialect::of(&text).ok_or_else(|| without_numbers(&text))?;
+        let mut lines = encoding::lines(&text).peekable();
+        let above = above(&mut lines, &dialect);
+        let Some(&(first, row)) = lines.peek() else { return Err(without_numbers(&text)) };
+        if let Some(&(line, text)) = above.iter().rfind(|(_, line)| !blank(line))
+            && let Some(problem) = cells(text, dialect.separator).find_map(Result::err)
+        {
+            return Err(Error::Line { line, column: None, problem: problem.into() });
+        }
+        let numbered =
+            cells(row, dialect.separator).next().is_some_and(|cell| ["0", "1"].contains(&cell.unwrap_or("")));
+        let head = Head::read(&above, &dialect, numbered);
+        let stated = head.rows;
+        let header = above.iter().find(|(line, _)| *line == head.line).map(|(_, text)| *text);
+        let mut table = Table::below(head, first, row, &dialect)?;
+        while let Some((line, row)) = lines.next() {
+            // Remarks, and the header again, may stand between rows.
+            if blank(row) || remark(row) || Some(row) == header {
+                table.gaps.push(table.count);
                 continue;
             }
-            if let Some(gap) = gap {
-                let problem = format!(
-                    "this line is empty, but rows follow from line {line} on: delete the empty line, or \
-                             everything after it"
-                );
-                return Err(Error::Line { line: gap, column: None, problem });
+            if let Err(error) = table.row(line, row, &dialect) {
+                // Words below the last row are a summary.
+                if dialect.begins_like_a_row(row) || lines.any(|(_, row)| dialect.is_row(row)) {
+                    return Err(error);
+                }
+                break;
             }
-            if table.first == 0 {
-                table.first = line;
-            }
-            table.row(line, row, header.separator, &mut numbers)?;
         }
-        if table.first == 0 {
-            return Err(Error::Content(format!(
-                "there are no numbers: the file ends after its header on line {}; rows must follow",
-                table.header
-            )));
+        match stated {
+            Some(rows) if table.count < rows => Err(Error::Content(format!(
+                "the head states {rows} rows, but {} follow: the file was cut; to use what is there, set NDATA to {}",
+                table.count, table.count
+            ))),
+            _ => Ok(table),
         }
+    }
+
+    /// A table without rows below a head.
+    fn below(head: Head, first: u64, row: &str, dialect: &Dialect) -> Result<Table, Error> {
+        let Head { line, names, units, ts, .. } = head;
+        let width = dialect.width();
+        if width > MOST {
+            let problem = format!("{width} columns, but at most {MOST} are read: are rows and columns exchanged?");
+            return Err(Error::Line { line: first, column: None, problem });
+        }
+        let more = cells(row, dialect.separator).skip(names.len()).any(|cell| cell != Ok(""));
+        let header = if names.is_empty() { 0 } else { line };
+        let mut table = Table { header, first, ts: ts.map(|(ts, _)| ts), ..Table::empty() };
+        if header > 0 && more {
+            table.columns = names.into_iter().map(Column::new).collect();
+            return Err(table.ragged(first, width, dialect.separator));
+        }
+        let mut names = names.into_iter();
+        table.columns = (0..width.max(names.len()))
+            .map(|k| Column {
+                unit: units.get(k).filter(|unit| !unit.is_empty()).cloned(),
+                ..Column::new(names.next().unwrap_or_default())
+            })
+            .collect();
         Ok(table)
     }
 
-    /// Reads one row.
-    fn row(&mut self, line: u64, row: &str, separator: char, numbers: &mut NumberReader) -> Result<(), Error> {
+    /// Reads one row; an error leaves the table as it was.
+    fn row(&mut self, line: u64, row: &str, dialect: &Dialect) -> Result<(), Error> {
+        let first = dialect.numeric.iter().position(|numeric| *numeric).unwrap_or(0);
         let mut count = 0;
-        for cell in cells(row, separator) {
-            let column = self.columns.get_mut(count);
-            count += 1;
-            match (column, cell) {
-                (Some(column), Ok(cell)) => column.take(cell, line, line == self.first, numbers),
-                (None, Ok(_)) => {}
-                (column, Err(problem)) => {
-                    let column = column.map_or(count.to_string(), |c| shortened(&c.name));
+        let mut filled = 0;
+        // A word in place of the first number: a summary, or another head.
+        let word = |at: usize, cell: &str| {
+            at == first && cell.starts_with(|c: char| c.is_alphabetic() || c == '#' || c == '*')
+        };
+        for cell in cells(row, dialect.separator) {
+            match (self.columns.get(count).map(|column| &*column.name), cell) {
+                (_, Ok(cell)) if word(count, cell) && !number::not_finite(cell) => return Err(self.another(line)),
+                (_, Ok(cell)) => filled = if cell.is_empty() { filled } else { count + 1 },
+                (name, Err(problem)) => {
+                    let column = name.map_or((count + 1).to_string(), shortened);
                     return Err(Error::Line { line, column: Some(column), problem: problem.into() });
                 }
             }
+            count += 1;
         }
-        if count == self.columns.len() { Ok(()) } else { Err(self.ragged(line, row, count, separator)) }
+        let needed = dialect.numeric.iter().rposition(|numeric| *numeric).map_or(0, |last| last + 1);
+        if count < needed || filled > self.columns.len() {
+            return Err(self.ragged(line, count, dialect.separator));
+        }
+        for (column, cell) in self.columns.iter_mut().zip(cells(row, dialect.separator)) {
+            column.take(cell.unwrap_or_default(), line);
+        }
+        for column in self.columns.iter_mut().skip(count) {
+            column.take("", line);
+        }
+        self.count += 1;
+        Ok(())
+    }
+
+    /// The error for a line of words between rows.
+    fn another(&self, line: u64) -> Error {
+        let problem =
+            "words stand here, but rows follow further down: if another table starts here, split the file; if \
+                       not, delete the line"
+                .into();
+        Error::Line { line, column: None, problem }
     }
 
     /// The error for a row that is shorter or longer than the header.
-    fn ragged(&self, line: u64, row: &str, count: usize, separator: char) -> Error {
+    fn ragged(&self, line: u64, count: usize, separator: char) -> Error {
         let names = self.columns.len();
-        let advice = if row.trim_start().starts_with('#') {
-            "comments may only stand above the header"
-        } else if separator == ',' && count == 2 * names {
+        let advice = if separator == ',' && count == 2 * names {
             "if the numbers have decimal commas, separate them with semicolons or tabs"
         } else if count < names {
             "complete the row, or delete it if it is the last one (the file was cut short)"
         } else {
             "remove the additional cells, or name their columns in the header"
         };
-        let [fields, columns] = [(count, "field"), (names, "column")].map(|(n, what)| match n {
-            1 => format!("1 {what}"),
-            _ => format!("{n} {what}s"),
-        });
-        let problem = format!("{fields}, but the header on line {} names {columns}: {advice}", self.header);
-        Error::Line { line, column: None, problem }
+        let counted = |n, what| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
+        let (fields, columns) = (counted(count, "field"), counted(names, "column"));
+        let than = if self.header > 0 {
+            format!("but the header on line {} names {columns}", self.header)
+        } else {
+            format!("but most rows have {names}")
+        };
+        Error::Line { line, column: None, problem: format!("{fields}, {than}: {advice}") }
     }
+}
+
+/// The lines above the rows: those before the first two rows in sequence, or before the only row. The first of two may
+/// have a flaw, which is told later.
+fn above<'a>(
+    lines: &mut Peekable<impl Iterator<Item = (u64, &'a str)> + Clone>,
+    dialect: &Dialect,
+) -> Vec<(u64, &'a str)> {
+    let mut above = Vec::new();
+    while let Some(&(_, line)) = lines.peek() {
+        let mut next = lines.clone().skip(1).filter(|(_, line)| !blank(line));
+        let (begins, row) = (dialect.begins_like_a_row(line), dialect.is_row(line));
+        if next.next().map_or(row, |(_, next)| (begins || row) && dialect.is_row(next)) {
+            break;
+        }
+        above.extend(lines.next());
+    }
+    above
+}
+
+/// True if a line contains only separators and spaces.
+fn blank(line: &str) -> bool {
+    line.chars().all(|c| c.is_whitespace() || ",;|\"\u{1a}".contains(c))
+}
+
+/// True if a line is a remark.
+fn remark(line: &str) -> bool {
+    let line = line.trim_start();
+    ["#", "%", "//"].iter().any(|sign| line.starts_with(sign))
+}
+
+/// The error for a text without rows.
+fn without_numbers(text: &str) -> Error {
+    let filled = || text.lines().filter(|line| !blank(line));
+    let what = match filled().count() {
+        0 => "is empty",
+        _ if filled().all(|line| line.trim_start().starts_with('#')) => "holds only comments",
+        _ => {
+            return Error::Content(format!(
+                "there are no rows of numbers: a header such as {EXAMPLE} and rows of numbers are needed"
+            ));
+        }
+    };
+    Error::Content(format!("the file {what}: a header such as {EXAMPLE} and rows of numbers are needed"))
 }
 
 impl Column {
-    fn new(name: String) -> Self {
-        Column { name, unit: None, samples: Vec::new(), flaw: None, decimal: None }
-    }
-
     /// Reads one cell; ignores all cells after the first flaw.
-    fn take(&mut self, cell: &str, line: u64, first: bool, numbers: &mut NumberReader) {
+    fn take(&mut self, cell: &str, line: u64) {
         if self.flaw.is_some() {
             return;
         }
-        let sign = numbers.decimal_sign(cell);
-        let mixed = self.decimal.zip(sign).filter(|((sign, _), other)| sign != other);
-        let value = match (mixed, numbers.read(cell)) {
-            (None, Ok(value)) => Ok(value),
-            (None, Err(number::NotANumber)) => Err(number::problem(cell, first)),
-            (Some(((sign, above), _)), _) => Err(number::mixed(cell, sign, above)),
+        let problem = match number::read(cell) {
+            Some((value, sign)) => {
+                // The point of a plain number is looked for until one is found.
+                let sign = sign.or_else(|| {
+                    (self.decimal.is_none_or(|(sign, _)| sign == ',') && cell.contains('.')).then_some('.')
+                });
+                match (self.decimal, sign) {
+                    (Some((known, above)), Some(sign)) if known != sign => number::mixed(cell, known, above),
+                    _ => {
+                        self.decimal = self.decimal.or(sign.map(|sign| (sign, line)));
+                        return self.samples.push(value);
+                    }
+                }
+            }
+            None => match clock::read(cell).filter(|_| self.samples.is_empty() || self.clock.is_some()) {
+                Some(time) => {
+                    let days = self.clock.unwrap_or(0.0);
+                    let before = self.samples.last().copied().unwrap_or(time);
+                    let days = if time + days < before - clock::DAY / 2.0 { days + clock::DAY } else { days };
+                    self.clock = Some(days);
+                    return self.samples.push(time + days);
+                }
+                None => number::problem(cell),
+            },
         };
-        match value {
-            Ok(value) => self.samples.push(value),
-            Err(problem) => self.flaw = Some(Error::Line { line, column: Some(shortened(&self.name)), problem }),
-        }
-        self.decimal = self.decimal.or(sign.map(|sign| (sign, line)));
+        self.flaw = Some(Error::Line { line, column: Some(shortened(&self.name)), problem });
     }
 }
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,7 +312,7 @@ mod tests {
         assert!(refusal("").starts_with("the file is empty"));
         assert_eq!(
             refusal("t_s,u_V,y_um\n\n"),
-            "there are no numbers: the file ends after its header on line 1; rows must follow"
+            "there are no rows of numbers: a header such as `t_s,u_V,y_um` and rows of numbers are needed"
         );
     }
 
@@ -211,12 +328,6 @@ mod tests {
              the header"
         );
         assert!(third("0,2,3,0,4,0").contains("if the numbers have decimal commas"));
-        assert!(
-            third("# end").ends_with(
-                "1 field, but the header on line 1 names 3 columns: comments may only stand above the header"
-            )
-        );
-        assert!(refusal("u_V\n1\n1,2\n").contains("names 1 column: if the numbers have decimal commas"));
     }
 
     #[test]
@@ -229,13 +340,9 @@ mod tests {
         );
         assert!(third("0.2,-inf,4").starts_with("line 4, column u_V: `-inf` is not a finite number"));
         assert!(third("12:30:01,3,4").starts_with("line 4, column t_s: `12:30:01` is not a number"));
-        assert!(third("0.2,\"3,5\",4").contains("decimal commas need semicolons or tabs"));
+        assert!(third("0.2,\"3,5\",4").contains("a decimal comma, but line 3 has a decimal point in `t_s`"));
         let long = third(&format!("0.2,{},4", "x".repeat(100_000)));
         assert!(long.contains("xxx... (100000 characters)") && long.len() < 150, "{long}");
-        assert!(
-            refusal("t_s,u_V,y_um\ns,V,um\n0,1,2\n")
-                .starts_with("line 2, column u_V: `V` is not a number: if this is a row of units")
-        );
     }
 
     #[test]
@@ -249,10 +356,36 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_line_between_rows_is_refused() {
+    fn empty_lines_are_skipped_and_counted() {
+        let wanted = record("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n").unwrap();
+        assert_eq!(record("\r\nt_s,u_V,y_um\r\n\r\n0,1,2\r\n\r\n,,\r\n0.1,2,3\r\n").unwrap(), wanted);
+        assert!(refusal("t_s,u_V,y_um\n0,1,2\n\n0.1,2,3\n\n\n0.1,2,3\n").starts_with("line 7, column t_s: two rows"));
+    }
+
+    #[test]
+    fn remarks_and_the_header_may_stand_between_rows() {
+        let wanted = record("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n").unwrap();
+        for between in ["# marker\n", "// marker 1 set by user\n", "t_s,u_V,y_um\n"] {
+            assert_eq!(
+                record(&format!("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n{between}0.2,3,4\n")).as_ref(),
+                Ok(&wanted),
+                "{between}"
+            );
+        }
+        let again = "t_s,u_V,y_um\n0,1,2\n0.1,2,3\n";
+        assert!(refusal(&format!("{again}{again}")).contains("time goes back"), "a second record");
+    }
+
+    #[test]
+    fn words_below_the_last_row_are_a_summary_and_between_rows_an_error() {
+        let rows = "t_s,u_V,y_um\n0,1,2\n0.1,2,3\n";
+        for below in ["# end\n", "\nMean,1.5,2.5\nEnd of data\n", "\u{1a}"] {
+            assert_eq!(record(&format!("{rows}{below}")), record(rows), "{below}");
+        }
         assert_eq!(
-            refusal("t_s,u_V,y_um\r\n0,1,2\r\n\r\n0.1,2,3\r\n"),
-            "line 3: this line is empty, but rows follow from line 4 on: delete the empty line, or everything after it"
+            refusal(&format!("{rows}a,b,c\n0,1,2\n")),
+            "line 4: words stand here, but rows follow further down: if another table starts here, split the file; if \
+             not, delete the line"
         );
     }
 

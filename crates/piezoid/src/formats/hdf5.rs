@@ -1,115 +1,226 @@
-//! HDF5, as MATLAB (`save -v7.3`) and h5py write it by default: data sets, also those in groups, by their own names.
+//! HDF5, as MATLAB (`save -v7.3`), h5py and NetCDF-4 write it: data sets, also those in groups, and their units and
+//! rates in attributes.
 //!
-//! MATLAB states in attributes what an array is: text, logical, empty, sparse, an object. Not supported: features of
-//! newer libraries (large groups in heaps, indices of chunks other than B-trees of version 1), files in several parts,
-//! and filters other than deflate, shuffle and Fletcher's checksum. A data set that needs one of these is left out and
-//! named in errors.
+//! MATLAB states in attributes what an array is: text, logical, empty, sparse, an object. A data set that cannot be
+//! read is left out and named in errors; a filter that only its own library knows (LZF, Blosc) is one reason.
 
-mod data;
-mod group;
-mod object;
-
-use super::bytes::{Unpacking, damaged, length, part};
-use super::{Channel, Format, Table};
+use super::bytes::{self, DEEPEST, NumberFormat, NumberKind, Unpacking, damaged};
+use super::csv::stated_period;
+use super::tree::{self, Node};
+use super::{Format, Table};
 use crate::Error;
-use object::{Object, attribute};
+use hdf5_reader::group::Group;
+use hdf5_reader::messages::datatype::CompoundField;
+use hdf5_reader::{Attribute, ByteOrder, Dataset, Datatype, Hdf5File, OpenOptions};
 
 /// The row of HDF5.
 pub(super) const ROW: Format = Format {
     name: "hdf5",
-    extensions: &["h5", "hdf5"],
+    extensions: &["h5", "hdf5", "nc"],
     summary: "data sets of HDF5, as MATLAB's version 7.3 is",
     reference: "HDF5 File Format Specification 3.0, https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html",
-    matches: |bytes| start(bytes).is_some(),
-    read: |bytes| Ok(Table::of(Hdf5File::open(bytes)?.channels()?)),
+    matches,
+    read,
 };
 
-const MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
+/// The classes of MATLAB that are numbers.
+const NUMBERS: [&str; 11] =
+    ["double", "single", "logical", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"];
+/// Maximum number of groups and data sets.
+const MOST: usize = 10_000;
 
-/// Start of the data, after a block of the user: that of MATLAB has 512 bytes.
-fn start(bytes: &[u8]) -> Option<usize> {
-    let at = |at: &usize| bytes.get(*at..).is_some_and(|rest| rest.starts_with(MAGIC));
-    [0, 512, 1024, 2048, 4096].into_iter().find(at)
+/// True if the signature stands at the start, or after a block of the user: that of MATLAB has 512 bytes.
+fn matches(bytes: &[u8]) -> bool {
+    let at = |at: &usize| bytes.get(*at..).is_some_and(|rest| rest.starts_with(b"\x89HDF\r\n\x1a\n"));
+    [0, 512, 1024, 2048, 4096].iter().any(at)
 }
 
-/// A file, and the limits of reading it.
-struct Hdf5File<'a> {
-    /// The bytes to which addresses refer.
-    bytes: &'a [u8],
-    /// Address of the first group.
-    root: usize,
+fn read(bytes: &[u8]) -> Result<Table, Error> {
+    let (table, failed) = content(bytes)?;
+    match older(bytes).filter(|_| failed) {
+        Some(bytes) => Ok(content(&bytes)?.0),
+        None => Ok(table),
+    }
+}
+
+/// A copy in which the layouts of version 2 say that they are of version 1, which has the same bytes; `None` without
+/// them. MATLAB before 2008 wrote version 2, of which hdf5-reader 0.12.1 skips three reserved bytes in place of five.
+fn older(bytes: &[u8]) -> Option<Vec<u8>> {
+    // The type of the message, its length, a flag, the version, the rank, the class, reserved bytes.
+    let is_layout = |at: &usize| match bytes.get(*at..at + 16) {
+        Some([8, 0, len, 0, _, 0, 0, 0, 2, rank, class, 0, 0, 0, 0, 0]) => *len >= 16 && *rank <= 33 && *class <= 2,
+        _ => false,
+    };
+    let found: Vec<usize> = (0..bytes.len()).step_by(8).filter(is_layout).collect();
+    let mut copy = bytes.to_vec();
+    found.iter().for_each(|at| copy[at + 8] = 1);
+    (!found.is_empty()).then_some(copy)
+}
+
+/// The table in a file, and whether a data set could not be read.
+fn content(bytes: &[u8]) -> Result<(Table, bool), Error> {
+    let mut reading = Reading { unpacking: Unpacking::of(bytes), objects: 0, failed: false };
+    let limit = reading.unpacking.left();
+    let options = OpenOptions::default().with_max_read_bytes(limit).with_max_chunk_bytes(limit);
+    let file = Hdf5File::from_bytes_with_options(bytes, options).map_err(refused)?;
+    let end = file.superblock().eof_address;
+    if end > bytes.len() as u64 {
+        return Err(damaged(format!("it should have {end} bytes, but has {}", bytes.len())));
+    }
+    let root = file.root_group().map_err(refused)?;
+    let table = tree::table(reading.group(&root, 0)?);
+    Ok((table, reading.failed))
+}
+
+/// The error of the reader.
+fn refused(error: hdf5_reader::error::Error) -> Error {
+    damaged(format!("{error}; if other programs read it, save it as MATLAB -v7 or CSV"))
+}
+
+/// The limits of reading a file.
+struct Reading {
     unpacking: Unpacking,
-    /// Number of nodes and object headers that may still be visited: references of a damaged file may be cyclic.
-    visits: usize,
+    /// Groups and data sets so far: links of a damaged file may be cyclic.
+    objects: usize,
+    /// True if a data set could not be read.
+    failed: bool,
 }
 
-impl<'a> Hdf5File<'a> {
-    fn open(file: &'a [u8]) -> Result<Self, Error> {
-        let bytes = file.get(start(file).unwrap_or(0)..).unwrap_or_default();
-        let number = |at, size| length(bytes, at, size, false);
-        // Positions of the sizes of addresses and lengths, of the base of addresses, of the end of the file, and of the
-        // first group.
-        let (sizes, base, end, root) = match number(8, 1)? {
-            0 => (13, 24, 40, 64),
-            1 => (13, 28, 44, 68),
-            2 | 3 => (9, 12, 28, 36),
-            version => return Err(newer(format!("superblock {version}"))),
-        };
-        if part(bytes, sizes, 2)? != [8, 8] {
-            return Err(newer("addresses of other than 8 bytes"));
-        }
-        part(file, 0, number(end, 8)?)?;
-        let bytes = file
-            .get(number(base, 8)?..)
-            .ok_or_else(|| damaged("the start of its data lies after the end of the file"))?;
-        Ok(Hdf5File { bytes, root: number(root, 8)?, unpacking: Unpacking::of(file), visits: file.len() / 8 })
+impl Reading {
+    fn count(&mut self) -> Result<(), Error> {
+        self.objects += 1;
+        if self.objects <= MOST { Ok(()) } else { Err(damaged(format!("more than {MOST} groups and data sets"))) }
     }
 
-    /// All data sets.
-    fn channels(mut self) -> Result<Vec<Channel>, Error> {
-        let mut channels = Vec::new();
-        let root = self.object(self.root)?;
-        self.group(&root, 0, &mut channels)?;
-        Ok(channels)
-    }
-
-    /// Counts one more node or object header.
-    fn visit(&mut self) -> Result<(), Error> {
-        self.visits =
-            self.visits.checked_sub(1).ok_or_else(|| damaged("its objects refer to each other cyclically"))?;
-        Ok(())
-    }
-
-    fn number(&self, at: usize, size: usize) -> Result<usize, Error> {
-        length(self.bytes, at, size, false)
-    }
-
-    /// The channels of a group and of the groups in it.
-    fn group(&mut self, group: &Object<'a>, depth: usize, channels: &mut Vec<Channel>) -> Result<(), Error> {
-        if depth > super::bytes::DEEPEST {
+    /// The content of a group.
+    fn group(&mut self, group: &Group, depth: usize) -> Result<Vec<(String, Node)>, Error> {
+        self.count()?;
+        if depth > DEEPEST {
             return Err(damaged(format!("groups {depth} deep")));
         }
-        for (name, at) in self.links(group)? {
+        let mut content = numbers_of(&group.attributes().map_err(refused)?);
+        let (groups, data) = group.members().map_err(refused)?;
+        for data in &data {
+            self.count()?;
+            let attributes = data.attributes();
+            content.extend(self.data(data, &attributes)?.map(|node| (data.name().to_string(), node)));
+            content.extend(numbers_of(&attributes));
+        }
+        for group in &groups {
+            let name = group.name().to_string();
             // Groups of MATLAB itself, to which cells refer.
             if name.starts_with('#') {
                 continue;
             }
-            let object = self.object(at)?;
-            if attribute(&object, "MATLAB_sparse")?.is_some() {
-                channels.push(Channel::other(name, "a sparse matrix"));
-            } else if object.is_group() {
-                self.group(&object, depth + 1, channels)?;
-            } else if let Some(samples) = self.samples(&object)? {
-                channels.push(Channel { name, unit: None, samples });
-            }
+            let sparse = group.attribute("MATLAB_sparse").is_ok();
+            let node = if sparse { left("a sparse matrix") } else { Node::Fields(self.group(group, depth + 1)?) };
+            content.push((name, node));
         }
-        Ok(())
+        Ok(content)
+    }
+
+    /// The content of a data set; `None` for information of MATLAB itself.
+    fn data(&mut self, data: &Dataset, attributes: &[Attribute]) -> Result<Option<Node>, Error> {
+        let attribute = |name: &str| attributes.iter().find(|attribute| attribute.name == name);
+        let dims: Vec<usize> = data.shape().iter().map(|dim| usize::try_from(*dim).unwrap_or(usize::MAX)).collect();
+        // The last dimension is the first one of MATLAB: a line of text has one row.
+        let rows = dims.last().copied().unwrap_or(1);
+        let class = attribute("MATLAB_class").and_then(|class| class.read_string().ok());
+        match class.as_deref() {
+            _ if attribute("MATLAB_empty").is_some_and(|empty| empty.read_as_f64().is_ok_and(|v| v > 0.0)) => {
+                return Ok(Some(left("empty")));
+            }
+            Some("char") if rows == 1 => return Ok(self.letters(data, &dims)?.map(Node::Text)),
+            Some(class) if !NUMBERS.contains(&class) => return Ok(Some(left(format!("of class {class}")))),
+            _ => {}
+        }
+        let unit = ["units", "unit", "Units", "Unit"].iter().find_map(|name| attribute(name)?.read_string().ok());
+        let size = bytes::size(&dims)?;
+        let text = matches!(data.dtype(), Datatype::String { .. } | Datatype::VarLen { .. });
+        if text && size == 1 {
+            return Ok(data.read_string().ok().map(Node::Text));
+        }
+        if let Datatype::Compound { size, fields } = data.dtype() {
+            let complex = fields.len() == 2 && fields[0].name == "r" && fields[1].name == "i";
+            return Ok(Some(match bytes::vector(&dims)? {
+                _ if complex => left("complex numbers"),
+                Err(what) => left(what),
+                Ok(n) => {
+                    let raw = self.raw(data, n, *size as usize)?;
+                    let field = |field: &CompoundField| {
+                        let from = |raw: &Vec<u8>| raw.get(field.byte_offset as usize..).map(<[u8]>::to_vec);
+                        let samples = numbers(&field.datatype).map_err(String::from).and_then(|numbers| {
+                            let raw = raw.as_ref().map_err(Clone::clone)?;
+                            let raw = from(raw).unwrap_or_default();
+                            numbers.read(&raw, *size as usize).ok_or_else(|| "of an unknown type".into())
+                        });
+                        (field.name.clone(), Node::Samples(samples, None))
+                    };
+                    Node::Fields(fields.iter().map(field).collect())
+                }
+            }));
+        }
+        Ok(Some(match (numbers(data.dtype()), bytes::vector(&dims)?) {
+            // A single value that is no number is information on the record.
+            (Err(_), _) if size == 1 => return Ok(None),
+            (Err(what), _) => left(what),
+            (_, Err(what)) => left(what),
+            (Ok(numbers), Ok(n)) => {
+                self.unpacking.count(n.saturating_mul(8))?;
+                let raw = self.raw(data, n, numbers.size)?;
+                let read = |raw: Vec<u8>| numbers.read(&raw, numbers.size).ok_or_else(|| "of an unknown type".into());
+                Node::Samples(raw.and_then(read), unit)
+            }
+        }))
+    }
+
+    /// The bytes of a vector, or the reason why they cannot be read.
+    fn raw(&mut self, data: &Dataset, n: usize, size: usize) -> Result<Result<Vec<u8>, String>, Error> {
+        self.unpacking.count(n.saturating_mul(size))?;
+        let raw = data.read_raw_bytes();
+        self.failed |= raw.is_err();
+        Ok(raw.map_err(|error| error.to_string()))
+    }
+
+    /// A line of text as MATLAB stores it: code units of 16 bits.
+    fn letters(&mut self, data: &Dataset, dims: &[usize]) -> Result<Option<String>, Error> {
+        let Ok(n) = bytes::vector(dims)? else { return Ok(None) };
+        let raw = self.raw(data, n, 2)?.unwrap_or_default();
+        let units: Vec<u16> = raw.chunks_exact(2).map(|unit| u16::from_le_bytes([unit[0], unit[1]])).collect();
+        Ok(Some(String::from_utf16_lossy(&units)))
     }
 }
 
-/// The error for an unsupported feature.
-fn newer(what: impl std::fmt::Display) -> Error {
-    Error::Content(format!(
-        "this HDF5 file uses a feature that is not supported ({what}): save it as MATLAB -v7 or CSV"
-    ))
+fn left(what: impl Into<String>) -> Node {
+    Node::Samples(Err(what.into()), None)
+}
+
+/// The sampling period or rate among attributes.
+fn numbers_of(attributes: &[Attribute]) -> Vec<(String, Node)> {
+    let number = |attribute: &Attribute| {
+        let value = attribute.read_as_f64().ok()?;
+        stated_period(&attribute.name, value)?;
+        Some((attribute.name.clone(), Node::Samples(Ok(vec![value]), None)))
+    };
+    attributes.iter().filter_map(number).collect()
+}
+
+/// The format of numbers, or a description of a type that is not real numbers.
+fn numbers(kind: &Datatype) -> Result<NumberFormat, &'static str> {
+    let format = |kind, size: u8, order: ByteOrder| {
+        Ok(NumberFormat { kind, size: size.into(), big: order == ByteOrder::BigEndian })
+    };
+    match kind {
+        Datatype::FixedPoint { size, signed, byte_order } => {
+            format(if *signed { NumberKind::Signed } else { NumberKind::Unsigned }, *size, *byte_order)
+        }
+        Datatype::FloatingPoint { size, byte_order } => format(NumberKind::Float, *size, *byte_order),
+        // Booleans of h5py.
+        Datatype::Enum { base, .. } => numbers(base),
+        Datatype::String { .. } => Err("text"),
+        Datatype::Compound { .. } => Err("several numbers in one"),
+        Datatype::Reference { .. } => Err("references, as of cells and arrays of structures"),
+        Datatype::VarLen { .. } => Err("text, or series of several lengths"),
+        _ => Err("no numbers"),
+    }
 }

@@ -1,13 +1,11 @@
-//! MATLAB's files of versions 4, 5 and 7 (`save -v4`, `-v6`, `-v7`): variables, and the fields of structures by their
-//! own names.
+//! MATLAB's files of versions 4, 5 and 7 (`save -v4`, `-v6`, `-v7`): variables and structures (see `tree`).
 //!
-//! Single numbers and lines of text are information on the record. Matrices, complex and sparse arrays, arrays of
-//! structures, and objects are left out and named in errors. Version 7.3 is HDF5 (see `hdf5`).
+//! Matrices, complex and sparse arrays, and objects are left out and named in errors. Version 7.3 is HDF5 (see `hdf5`).
 
 mod v4;
 mod v5;
 
-use super::{Format, Table};
+use super::{Format, Table, tree};
 use crate::Error;
 
 /// The row of MATLAB.
@@ -27,5 +25,5 @@ fn read(file: &[u8]) -> Result<Table, Error> {
     if file.starts_with(OCTAVE) {
         return Err(Error::Content("this is Octave's text format: save it with `save -v7`, or as CSV".into()));
     }
-    Ok(Table::of(if v5::begins(file) { v5::variables(file)? } else { v4::variables(file)? }))
+    Ok(tree::table(if v5::begins(file) { v5::variables(file)? } else { v4::variables(file)? }))
 }

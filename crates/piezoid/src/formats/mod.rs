@@ -1,22 +1,30 @@
 //! File formats: from bytes to a [`Record`](crate::Record), and back.
 //!
-//! A format converts bytes to a [`Table`] of named columns. The names, and a [`ColumnSelection`] if they are not
-//! sufficient, determine which column is the time, the input and the output. No file is opened here, and nothing is
-//! guessed: an ambiguity is an error, which names the option that resolves it.
+//! A format converts bytes to a [`Table`] of named columns. Names and units, and a [`ColumnSelection`] if they are not
+//! sufficient, determine which column is the time, the input and the output. No file is opened here. An ambiguity is an
+//! error, which names the options that resolve it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
 //! its name.
 
 mod bytes;
 mod channel;
+mod column;
 mod csv;
+mod gcs;
 mod hdf5;
 mod matlab;
 mod numpy;
 mod quote;
+mod roles;
 mod selection;
 mod table;
+mod tdms;
 mod time;
+mod tree;
+mod units;
+mod wav;
+mod words;
 
 pub use channel::Channel;
 pub use selection::ColumnSelection;
@@ -43,7 +51,7 @@ pub struct Format {
 }
 
 /// The formats that are read. Later rows are more specific: the last one that matches reads a file.
-pub static FORMATS: &[Format] = &[csv::ROW, numpy::ROW, matlab::ROW, hdf5::ROW];
+pub static FORMATS: &[Format] = &[csv::ROW, gcs::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
 
 impl Table {
     /// Reads the table in a file of any of [`FORMATS`]. Only errors use the name, whose extension shows the intended

@@ -8,6 +8,7 @@ mod literal;
 mod zip;
 
 use super::bytes::{self, Unpacking, damaged, length, part, shape, whole};
+use super::tree::{self, Node};
 use super::{Channel, Format, Table};
 use crate::Error;
 use descr::{ArrayHead, Descr};
@@ -37,7 +38,8 @@ fn read(file: &[u8]) -> Result<Table, Error> {
                 channels.extend(array(name, &member.bytes(file, &mut unpacking)?, &mut unpacking)?);
             }
         }
-        return Ok(Table::of(channels));
+        let named = |Channel { name, unit, samples, .. }: Channel| (name, Node::Samples(samples, unit));
+        return Ok(tree::table(channels.into_iter().map(named).collect()));
     }
     channels.extend(array("", file, &mut unpacking)?);
     match &channels[..] {

@@ -3,11 +3,22 @@
 //! A column that contains more than numbers (remarks, gaps) is an error only if it is used: its first flaw is stored
 //! and becomes the error. A table does not interpolate, resample or repair.
 
+use super::column::Column;
 use super::quote::{listed, quoted, shortened};
-use super::selection::{ColumnRole, ColumnSelection, INPUT, OUTPUT, REFERENCE, TIME, in_seconds};
+use super::roles::{Missing, Role};
+use super::selection::ColumnSelection;
 use super::time;
-use crate::error::{Error, positive};
+use super::units::Quantity;
+use crate::error::Error;
 use crate::record::{Record, Units};
+use serde_json::Value;
+
+/// Relative deviation of the mean step from a stated period that is rounding.
+const ROUNDED: f64 = 0.01;
+/// Relative deviation of the stamps from a stated period that is the rounding of the stamps.
+const NOMINAL: f64 = 1e-5;
+/// Steps [s] from which on a time without a unit may be in milliseconds, or be the numbers of samples.
+const SLOW: f64 = 0.1;
 
 /// Named columns of numbers, all equally long.
 ///
@@ -22,28 +33,20 @@ use crate::record::{Record, Units};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub(super) columns: Vec<Column>,
+    /// Columns of other lengths: only the user chooses them.
+    pub(super) others: Vec<Column>,
     /// Line of the names; 0 if the format has no lines.
     pub(super) header: u64,
-    /// Line of the first row; each row has one line.
+    /// Line of the first row.
     pub(super) first: u64,
+    /// Number of rows.
+    pub(super) count: usize,
+    /// Rows before which an empty line stands.
+    pub(super) gaps: Vec<usize>,
     /// Sampling period [s], if the format states it.
     pub(super) ts: Option<f64>,
     /// Channels that were left out, with the reasons.
     pub(super) left: String,
-}
-
-/// One column of a [`Table`].
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Column {
-    pub(super) name: String,
-    /// Its unit, if the format states it separately from the name.
-    pub(super) unit: Option<String>,
-    /// The numbers before the first flaw.
-    pub(super) samples: Vec<f64>,
-    /// The first cell that is not a finite number, as the error if the column is used.
-    pub(super) flaw: Option<Error>,
-    /// The decimal separator, point or comma, and the line of its first use.
-    pub(super) decimal: Option<(char, u64)>,
 }
 
 impl Record {
@@ -77,12 +80,18 @@ pub struct Signal {
 impl Table {
     /// A table without columns or lines.
     pub(super) fn empty() -> Self {
-        Table { columns: Vec::new(), header: 0, first: 0, ts: None, left: String::new() }
+        let (columns, gaps, left) = (Vec::new(), Vec::new(), String::new());
+        Table { columns, others: Vec::new(), header: 0, first: 0, count: 0, gaps, ts: None, left }
     }
 
     /// Names of the columns, in the order of the file.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|c| c.name.as_str())
+    }
+
+    /// Line of a row.
+    fn line(&self, row: usize) -> u64 {
+        self.first + (row + self.gaps.partition_point(|gap| *gap <= row)) as u64
     }
 
     /// Input and output, with their units and sampling period.
@@ -91,10 +100,10 @@ impl Table {
     /// Returns an error if a column is missing or ambiguous, if a cell in a used column is not a finite number, or if
     /// the time is uneven.
     pub fn record(&self, selection: &ColumnSelection) -> Result<Record, Error> {
-        let (ts, [u, y]) = self.sampled([&INPUT, &OUTPUT], selection)?;
-        let units = Units { u: u.unit("u_"), y: y.unit("y_") };
-        let part = selection.part(ts, u.samples.len())?;
-        Ok(Record::new(ts, u.samples[part.clone()].to_vec(), y.samples[part].to_vec())?.with_units(units))
+        let (ts, [u, y]) = self.sampled([Role::Input, Role::Output], selection)?;
+        let units = Units { u: u.unit, y: y.unit };
+        let record = Record::new(ts, u.samples, y.samples)?.with_units(units);
+        Ok(self.history(selection).into_iter().fold(record, Record::with_step))
     }
 
     /// The input alone; the file need not have an output.
@@ -102,8 +111,7 @@ impl Table {
     /// # Errors
     /// The errors of [`record`](Table::record).
     pub fn input(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
-        let (ts, [u]) = self.sampled([&INPUT], selection)?;
-        Ok(Signal { ts, samples: u.samples[selection.part(ts, u.samples.len())?].to_vec(), unit: u.unit("u_") })
+        self.sampled([Role::Input], selection).map(|(_, [u])| u)
     }
 
     /// A reference; the file need not have an input. It is the only `r_*`, or if there is none, the output.
@@ -113,47 +121,131 @@ impl Table {
     pub fn reference(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
         let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
-        let (role, prefix) = if said { (&REFERENCE, "r_") } else { (&OUTPUT, "y_") };
-        let (ts, [r]) = self.sampled([role], selection)?;
-        Ok(Signal { ts, samples: r.samples[selection.part(ts, r.samples.len())?].to_vec(), unit: r.unit(prefix) })
+        let role = if said { Role::Reference } else { Role::Output };
+        self.sampled([role], selection).map(|(_, [r])| r)
+    }
+
+    /// What was guessed, scaled and cut to make a record.
+    fn history(&self, selection: &ColumnSelection) -> Vec<String> {
+        let found = |role: Role| role.find(self, selection).ok();
+        let mut guessed = Vec::new();
+        let mut steps = Vec::new();
+        for role in [Role::Time, Role::Input, Role::Output] {
+            let Some(column) = found(role) else { continue };
+            if !(role.is_asked(selection) || role.owns(column))
+                && (role != Role::Time || selection.period() == Ok(None))
+            {
+                guessed.push(format!("{} `{}`", role.what(), self.title(column)));
+            }
+            let unit = if role == Role::Input { &selection.input_unit } else { &selection.output_unit };
+            if role != Role::Time && unit.is_none() && !role.owns(column) && column.stated().is_none() {
+                let assumed = column.unit(role);
+                steps.push(format!("the unit of the {} is not stated: {assumed} is assumed", role.what()));
+            }
+        }
+        if !guessed.is_empty() {
+            steps.insert(0, format!("{}, by names and units", guessed.join(", ")));
+        }
+        for (what, scale) in [("input", &selection.input_scale), ("output", &selection.output_scale)] {
+            steps.extend(scale.as_ref().map(|scale| format!("{what} scaled by {scale}")));
+        }
+        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {t} s")).unwrap_or_default();
+        if selection.from.is_some() || selection.to.is_some() {
+            steps.push(format!("cut{}{}", end(selection.from, "from"), end(selection.to, "to")));
+        }
+        steps
     }
 
     /// The sampling period [s], and the columns with these roles, which have no flaw.
     fn sampled<const N: usize>(
         &self,
-        roles: [&ColumnRole; N],
+        roles: [Role; N],
         selection: &ColumnSelection,
-    ) -> Result<(f64, [&Column; N]), Error> {
-        self.found(roles, selection).map_err(|error| if self.header > 0 { error } else { self.without_lines(error) })
+    ) -> Result<(f64, [Signal; N]), Error> {
+        self.found(roles, selection).map_err(|error| if self.first > 0 { error } else { self.without_lines(error) })
     }
 
     fn found<const N: usize>(
         &self,
-        roles: [&ColumnRole; N],
+        roles: [Role; N],
         selection: &ColumnSelection,
-    ) -> Result<(f64, [&Column; N]), Error> {
+    ) -> Result<(f64, [Signal; N]), Error> {
         let mut needed = Vec::with_capacity(N + 1);
+        let mut missing = Vec::new();
+        let mut look = |role: Role, needed: &mut Vec<_>| match role.find(self, selection) {
+            Ok(column) => needed.push(column),
+            Err(error) => missing.push(error),
+        };
         for role in roles {
-            needed.push(role.find(self, selection)?);
+            look(role, &mut needed);
         }
         // The period that the user gives, else that of the time stamps, else that of the format.
-        let time = TIME.find(self, selection);
-        let stated = selection.ts.or_else(|| self.ts.filter(|_| time.is_err() && selection.time_col.is_none()));
-        if stated.is_none() {
-            needed.push(in_seconds(time?, self.header)?);
+        let stated = selection.period()?;
+        let count = needed.len();
+        let own = needed.first().and_then(|column: &&Column| column.ts).or(self.ts);
+        if stated.is_none()
+            && (own.is_none() || selection.time_col.is_some() || Role::Time.find(self, selection).is_ok())
+        {
+            look(Role::Time, &mut needed);
+        }
+        if !missing.is_empty() {
+            return Err(Missing::error(missing, self));
         }
         self.usable(&needed)?;
-        let ts = match stated {
-            Some(ts) => ts,
-            None => time::period(&needed[N].samples, &shortened(&needed[N].name), self.first)?,
+        let ts = match (stated, needed.get(count)) {
+            (Some(ts), _) => ts,
+            (None, Some(time)) => self.period(time, selection, own)?,
+            (None, None) => own.unwrap_or_default(),
         };
-        Ok((positive("ts", ts, "seconds")?, std::array::from_fn(|i| needed[i])))
+        let part = selection.part(ts, needed[0].samples.len())?;
+        let mut signals = Vec::with_capacity(N);
+        for (role, column) in roles.into_iter().zip(&needed) {
+            let (unit, factor) = column.unit_and_factor(role, selection)?;
+            let samples = &column.samples[part.clone()];
+            let samples = if factor == 1.0 { samples.to_vec() } else { samples.iter().map(|v| v * factor).collect() };
+            signals.push(Signal { ts, samples, unit });
+        }
+        // As many signals as roles.
+        let signals = signals.try_into().map_err(|_| Error::Content("a column is missing".into()))?;
+        Ok((ts, signals))
+    }
+
+    /// The sampling period [s] of a time column.
+    fn period(&self, time: &Column, selection: &ColumnSelection, stated: Option<f64>) -> Result<f64, Error> {
+        let line = |row: usize| self.line(row);
+        let seconds = match (selection.seconds()?, time.quantity()) {
+            (Some(seconds), _) | (None, Some(Quantity::Time(seconds))) => Some(seconds),
+            _ => None,
+        };
+        let found = time::period(&time.samples, &shortened(&time.name), &line);
+        // Rounded stamps are no error if the file states the period that they mean.
+        let mean = time::mean(&time.samples);
+        let found = match (found, stated) {
+            (Err(_), Some(ts)) if (mean * seconds.unwrap_or(1.0) / ts - 1.0).abs() < ROUNDED => return Ok(ts),
+            (found, _) => found?,
+        };
+        let found_seconds = seconds.map(|seconds| time::times(found, seconds));
+        if let (Some(found), Some(stated)) = (found_seconds, stated)
+            && (found / stated - 1.0).abs() < NOMINAL
+        {
+            return Ok(stated);
+        }
+        match found_seconds {
+            Some(found) => Ok(found),
+            None if found < SLOW || time.name == "t_s" => Ok(found),
+            None => Err(Error::Line {
+                line: self.header,
+                column: Some(shortened(&time.name)),
+                problem: format!("the unit of the time is not stated, and its steps are {found}: "),
+            }
+            .advised(vec![("time_unit", Value::Null), ("fs", Value::Null)])),
+        }
     }
 
     /// Returns an error if a column is used twice, if it has a flaw, or if the decimal separators of columns differ.
     fn usable(&self, needed: &[&Column]) -> Result<(), Error> {
         for (i, column) in needed.iter().enumerate() {
-            if needed[..i].iter().any(|earlier| earlier.name == column.name) {
+            if needed[..i].iter().any(|earlier| std::ptr::eq(*earlier, *column)) {
                 return Err(Error::Line {
                     line: self.header,
                     column: Some(shortened(&column.name)),
@@ -162,6 +254,15 @@ impl Table {
             }
             if let Some(flaw) = &column.flaw {
                 return Err(flaw.clone());
+            }
+            let first = needed[0];
+            if column.samples.len() != first.samples.len() {
+                return Err(Error::Lengths {
+                    left: shortened(&first.name),
+                    left_len: first.samples.len(),
+                    right: shortened(&column.name),
+                    right_len: column.samples.len(),
+                });
             }
         }
         let sign = |wanted: char| {
@@ -186,12 +287,15 @@ impl Table {
     fn without_lines(&self, error: Error) -> Error {
         let left = if self.left.is_empty() { String::new() } else { format!("; left out: {}", self.left) };
         match error {
-            Error::Line { line: 0, column, problem } if problem.ends_with("; ") => {
-                Error::Row { row: None, column, problem: format!("{}{left}; ", problem.trim_end_matches("; ")) }
+            Error::Line { line: 0, column, problem } => {
+                // Options follow the last part of the message.
+                let (said, more) = problem.rsplit_once("; ").unwrap_or((&problem, ""));
+                let more =
+                    if more.is_empty() && said.len() == problem.len() { String::new() } else { format!("; {more}") };
+                Error::Row { row: None, column, problem: format!("{said}{left}{more}") }
             }
-            Error::Line { line: 0, column, problem } => Error::Row { row: None, column, problem: problem + &left },
-            Error::Advised { error, options } => {
-                Error::Advised { error: Box::new(self.without_lines(*error)), options }
+            Error::Advised { error, options, all } => {
+                Error::Advised { error: Box::new(self.without_lines(*error)), options, all }
             }
             Error::Line { line, column, problem } => Error::Row { row: Some(line), column, problem },
             Error::Unknown { .. } => Error::Content(format!("{error}{left}")),
@@ -201,10 +305,16 @@ impl Table {
 
     /// An error about the names as a whole, with all names.
     pub(super) fn about_names(&self, wrong: &str, remedy: &str) -> Error {
+        let titles: Vec<String> = self.columns.iter().map(|column| self.title(column)).collect();
+        let columns = match self.columns.iter().find(|column| !column.name.is_empty()) {
+            _ if titles.is_empty() => ": there is no column of numbers".into(),
+            None => format!(": the columns have no names, but numbers from 1 to {}", titles.len()),
+            Some(_) => format!(" among the columns {}", listed(titles.iter().map(String::as_str))),
+        };
         Error::Line {
-            line: self.header,
+            line: if self.header > 0 { self.header } else { self.first },
             column: None,
-            problem: format!("{wrong} among the columns {}{remedy}", listed(self.names())),
+            problem: format!("{wrong}{columns}{remedy}"),
         }
     }
 }
@@ -246,16 +356,16 @@ mod tests {
 
     #[test]
     fn columns_are_chosen_by_name() {
-        let table = parsed("clock,monitor,Sensor [nm],u_V,y_um\n0,1,2,x,x\n0.1,2,3,x,x\n");
+        let table = parsed("clock_s,monitor,Sensor [nm],u_V,y_um\n0,1,2,x,x\n0.1,2,3,x,x\n");
         let selection = ColumnSelection {
             input_col: Some("monitor".into()),
             output_col: Some("Sensor [nm]".into()),
-            time_col: Some("clock".into()),
+            time_col: Some("clock_s".into()),
             ..ColumnSelection::default()
         };
         let record = table.record(&selection).unwrap();
         assert_eq!((record.u(), record.y()), (&[1.0, 2.0][..], &[2.0, 3.0][..]));
-        assert_eq!(record.units(), &Units { u: String::new(), y: "nm".into() });
+        assert_eq!(record.units(), &Units { u: "V".into(), y: "nm".into() });
     }
 
     #[test]

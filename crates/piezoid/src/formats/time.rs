@@ -14,10 +14,10 @@ use serde_json::Value;
 /// Allowed deviation from the median step, relative to it.
 const UNEVEN: f64 = 0.01;
 
-/// The sampling period [s] of the stamps `t` [s], one per line from line `first` on.
-pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
+/// The sampling period of the stamps `t`, in their unit; `line` is the line of a row.
+pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Result<f64, Error> {
     let refused = |row: usize, (problem, ts): (String, Option<Value>)| {
-        let error = Error::Line { line: first + row as u64, column: Some(name.to_owned()), problem };
+        let error = Error::Line { line: line(row), column: Some(name.to_owned()), problem };
         Err(match ts {
             Some(ts) => error.advised(vec![("ts", ts)]),
             None => error,
@@ -31,11 +31,31 @@ pub(super) fn period(t: &[f64], name: &str, first: u64) -> Result<f64, Error> {
     }
     let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let median = median(steps.clone());
-    let mean = (t[t.len() - 1] - t[0]) / steps.len() as f64;
+    let mean = mean(t);
     match steps.iter().position(|d| off(*d, median)) {
         None => Ok(meant(t, mean)),
         Some(k) => refused(k + 1, uneven(&steps, k, median, mean)),
     }
+}
+
+/// The mean step.
+pub(super) fn mean(t: &[f64]) -> f64 {
+    match t {
+        [first, .., last] => (last - first) / (t.len() - 1) as f64,
+        _ => f64::NAN,
+    }
+}
+
+/// A period in a unit of so many seconds, in seconds: the nearest number to the decimal product.
+pub(super) fn times(period: f64, seconds: f64) -> f64 {
+    let power = seconds.log10().round();
+    let tens = power < 0.0 && (10f64.powf(power) / seconds - 1.0).abs() < 1e-9;
+    let decimal = || {
+        format!("{period:e}")
+            .split_once('e')
+            .and_then(|(digits, own)| format!("{digits}e{}", own.parse::<i32>().ok()? + power as i32).parse().ok())
+    };
+    if tens { decimal().unwrap_or(period * seconds) } else { period * seconds }
 }
 
 /// The problem of time that stands still (perhaps because of rounding, then `ts` helps) or goes back (then it does
@@ -108,8 +128,12 @@ fn median(mut values: Vec<f64>) -> f64 {
 mod tests {
     use super::*;
 
+    fn below(row: usize) -> u64 {
+        row as u64 + 2
+    }
+
     fn refusal(t: &[f64]) -> String {
-        period(t, "t_s", 2).unwrap_err().to_string()
+        period(t, "t_s", &below).unwrap_err().to_string()
     }
 
     #[test]
@@ -119,7 +143,7 @@ mod tests {
                 // What a logger prints: rounded to a fixed number of decimals.
                 let printed = |k: u32| format!("{:.13}", start + f64::from(k) * ts).parse::<f64>().unwrap();
                 let t: Vec<f64> = (0..3001).map(printed).collect();
-                assert_eq!(period(&t, "t_s", 2).unwrap(), ts, "start {start}");
+                assert_eq!(period(&t, "t_s", &below).unwrap(), ts, "start {start}");
             }
         }
     }
@@ -127,19 +151,19 @@ mod tests {
     #[test]
     fn a_sum_of_steps_still_means_the_step() {
         let t: Vec<f64> = (0..20_000).scan(0.0, |t, _| Some(std::mem::replace(t, *t + 5e-4))).collect();
-        assert_eq!(period(&t, "t_s", 2).unwrap(), 5e-4);
+        assert_eq!(period(&t, "t_s", &below).unwrap(), 5e-4);
     }
 
     #[test]
     fn jitter_below_one_percent_does_not_reach_the_period() {
         let t: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.005 + f64::from(k * 7919 % 13 - 6) * 3e-6).collect();
-        assert_eq!(period(&t, "t_s", 2).unwrap(), 0.005);
+        assert_eq!(period(&t, "t_s", &below).unwrap(), 0.005);
     }
 
     #[test]
     fn a_clock_that_runs_fast_is_believed() {
         let t: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.005_001_3).collect();
-        assert_eq!(period(&t, "t_s", 2).unwrap(), 0.005_001_3);
+        assert_eq!(period(&t, "t_s", &below).unwrap(), 0.005_001_3);
     }
 
     #[test]
@@ -181,8 +205,8 @@ mod tests {
 
     #[test]
     fn stamps_at_the_ends_of_the_range_do_not_panic() {
-        assert!(period(&[-f64::MAX, 0.0, f64::MAX], "t_s", 2).is_ok());
-        assert!(period(&[-f64::MAX, f64::MAX], "t_s", 2).is_ok_and(f64::is_infinite));
-        assert!(period(&[0.0, 5e-324, 1e-323], "t_s", 2).is_ok());
+        assert!(period(&[-f64::MAX, 0.0, f64::MAX], "t_s", &below).is_ok());
+        assert!(period(&[-f64::MAX, f64::MAX], "t_s", &below).is_ok_and(f64::is_infinite));
+        assert!(period(&[0.0, 5e-324, 1e-323], "t_s", &below).is_ok());
     }
 }

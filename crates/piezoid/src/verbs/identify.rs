@@ -39,7 +39,7 @@ impl IdentifyOptions {
         let read = |files: &[File]| files.iter().map(|file| file.record(columns)).collect::<Result<Vec<_>, _>>();
         let (small_signal_records, records) = (read(small)?, read(large)?);
         let both = Records { small_signal: &small_signal_records, large_signal: &records };
-        let found = both.identify(self, progress)?;
+        let mut found = both.identify(self, progress)?;
         // The joint method fits a separate offset for each record.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
@@ -49,7 +49,10 @@ impl IdentifyOptions {
             Ok(Compared { name: file.name.clone(), record, validation })
         };
         let training = large.iter().zip(&records).map(compare).collect::<Result<_, Error>>()?;
-        let origins = small.iter().chain(large).map(File::origin).collect();
+        let every = || small.iter().chain(large).zip(small_signal_records.iter().chain(&records));
+        let origins = every().map(|(file, record)| file.origin(record)).collect();
+        let steps = every().flat_map(|(file, record)| record.history().iter().map(|s| format!("{}: {s}", file.name)));
+        found.notes.splice(0..0, steps);
         let model = found.model.clone().with_provenance(self.provenance(&found, command, origins));
         let linearity = small_signal_records.iter().map(|record| Linearity::of(record).ok()).collect();
         Ok(Identification { found, model, training, linearity })

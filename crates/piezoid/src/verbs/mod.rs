@@ -98,10 +98,14 @@ impl File {
         Model::from_json(self.text()?).map_err(known)
     }
 
-    /// Its name and hash, for the provenance of results.
-    fn origin(&self) -> Value {
+    /// Its name and hash, and how its record was made, for the provenance of results.
+    fn origin(&self, record: &Record) -> Value {
         let hex: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        json!({"file": self.short(), "sha256": hex})
+        let mut origin = json!({"file": self.short(), "sha256": hex});
+        if !record.history().is_empty() {
+            origin["steps"] = json!(record.history());
+        }
+        origin
     }
 }
 

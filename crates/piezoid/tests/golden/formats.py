@@ -1,6 +1,6 @@
 """Writes formats/: one record in every format that is read, for tests/formats.rs.
 
-numpy, scipy and h5py write; what they do not write, the other byte order, is written here and read back by scipy.
+numpy, scipy, h5py and npTDMS write; what they do not write, the other byte order, is written here and read back by scipy.
 """
 
 import struct
@@ -8,7 +8,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from scipy.io import loadmat, savemat
+from nptdms import ChannelObject, TdmsWriter
+from scipy.io import loadmat, savemat, wavfile
 from scipy.sparse import coo_array
 
 folder = Path(__file__).with_name("formats")
@@ -124,3 +125,25 @@ with h5py.File(h5py.h5f.create(str(folder / "links.h5").encode(), h5py.h5f.ACC_T
     file.create_group("drive", track_times=False)["u_V"] = u
     file["armed"], file["remark"], file["impedance"] = armed, "bender", u + 1j
     file["y_um"].attrs["unit"] = "um"
+
+# TDMS: int16 with a scale, the period in a property, a group of its own for text.
+with TdmsWriter(folder / "log.tdms") as file:
+    scale = {
+        "NI_Scaling_Status": "unscaled",
+        "NI_Number_Of_Scales": 1,
+        "NI_Scale[0]_Scale_Type": "Linear",
+        "NI_Scale[0]_Linear_Slope": 0.5,
+        "NI_Scale[0]_Linear_Y_Intercept": 0.0,
+    }
+    period = {"wf_increment": 5e-4, "unit_string": "V"}
+    for part in (slice(0, 3), slice(3, 4)):
+        file.write_segment(
+            [
+                ChannelObject("log", "u_V", (2 * u[part]).astype(np.int16), {**period, **scale}),
+                ChannelObject("log", "y_um", y[part].astype(np.float32), {**period, "unit_string": "um"}),
+            ]
+        )
+    file.write_segment([ChannelObject("remarks", "note", ["bend", "er"])])
+
+# WAV: two channels of 32-bit floats at 2 kHz, as scipy writes them.
+wavfile.write(folder / "log.wav", 2000, np.stack([u, y], axis=1).astype(np.float32))

@@ -1,13 +1,11 @@
 //! Splits a line into its cells, without copying them.
 
+/// The separator of columns that only spaces and tabs set apart, however many.
+pub(super) const SPACES: char = ' ';
+
 /// The cells of a line, without the spaces and quotes around them; an invalid quote ends them with an error.
 pub(super) fn cells(line: &str, separator: char) -> Cells<'_> {
-    Cells { rest: Some(line), separator }
-}
-
-/// True if a line contains only separators and spaces.
-pub(super) fn blank(line: &str, separator: char) -> bool {
-    line.chars().all(|c| c == separator || c.is_whitespace())
+    Cells { rest: Some(if separator == SPACES { line.trim() } else { line }), separator }
 }
 
 /// See [`cells`].
@@ -54,6 +52,12 @@ impl<'a> Cells<'a> {
 
 /// The text before the first separator, and the text after it, if there is one.
 fn split(line: &str, separator: char) -> (&str, Option<&str>) {
+    if separator == SPACES {
+        return match line.split_once([' ', '\t']) {
+            Some((cell, after)) => (cell, Some(after.trim_start()).filter(|after| !after.is_empty())),
+            None => (line, None),
+        };
+    }
     match line.bytes().position(|b| char::from(b) == separator) {
         Some(at) => (&line[..at], Some(&line[at + 1..])),
         None => (line, None),
@@ -73,6 +77,7 @@ mod tests {
         assert_eq!(split_up(" 1 ,\"2\", \" a,\"\"b \" ,\r", ','), [Ok("1"), Ok("2"), Ok("a,\"\"b"), Ok("")]);
         assert_eq!(split_up("\t1\t\"\"\t5\"\t", '\t'), [Ok(""), Ok("1"), Ok(""), Ok("5\""), Ok("")]);
         assert_eq!(split_up("", ','), [Ok("")]);
+        assert_eq!(split_up("  1   2\t3 \r", SPACES), [Ok("1"), Ok("2"), Ok("3")]);
     }
 
     #[test]

@@ -1,70 +1,81 @@
 //! Converts a cell to a number, or to the reason why it is not a number.
+//!
+//! Read: `1.5`, `1,5`, `1.234,5`, `1,234.5`, `1 234,5`, `1'234.5`,
+//! `1.5D-3`.
 
 use crate::formats::quote::quoted;
 
-/// Notations for a missing number, besides the `nan` and `inf` that Rust reads: those of Windows, spreadsheets and data
-/// frames.
-const NOT_FINITE: [&str; 15] = [
+/// Notations for a missing number, besides the `nan` and `inf` that Rust reads: those of Windows, spreadsheets, data
+/// frames and instruments.
+const NOT_FINITE: &[&str] = &[
     "1.#inf", "1.#nan", "1.#qnan", "1.#snan", "1.#ind", "nan(ind)", "nanq", "na", "n/a", "#n/a", "#num!", "#div/0!",
-    "null", "none", "\u{221e}",
+    "null", "none", "over", "overload", "ovl", "---", "--", "\u{221e}",
 ];
 
-/// A cell that is not a finite number; [`problem`] gives the reason.
-pub(super) struct NotANumber;
-
-/// Reads numbers with the decimal separators that the column separator allows.
-pub(super) struct NumberReader {
-    /// True if a comma can be a decimal separator, because it does not separate columns.
-    comma: bool,
-    /// The last cell, with its comma replaced by a point.
-    pointed: String,
+/// The number in a cell, and its decimal separator unless that is the point of a number as Rust writes it. A cell with
+/// a comma stands between other separators, or in quotes.
+pub(super) fn read(cell: &str) -> Option<(f64, Option<char>)> {
+    match cell.parse::<f64>() {
+        Ok(value) => Some((value, None)),
+        Err(_) => match cell.split_once(' ') {
+            // A sign in a column of its own.
+            Some((sign @ ("+" | "-"), digits)) => spelled(&format!("{sign}{}", digits.trim_start())),
+            _ => spelled(cell),
+        },
+    }
+    .filter(|(value, _)| value.is_finite())
 }
 
-impl NumberReader {
-    pub(super) fn new(separator: char) -> Self {
-        NumberReader { comma: separator != ',', pointed: String::new() }
+/// A number with a decimal comma, with marks between thousands, or with Fortran's exponent.
+#[cold]
+fn spelled(cell: &str) -> Option<(f64, Option<char>)> {
+    if !cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
+        return None;
     }
+    let (mantissa, exponent) = match cell.find(['e', 'E', 'd', 'D']) {
+        Some(at) => (&cell[..at], format!("e{}", &cell[at + 1..])),
+        None => (cell, String::new()),
+    };
+    let sign = mantissa.chars().rev().find(|c| ".,".contains(*c));
+    let (whole, fraction) = match sign {
+        Some(sign) => mantissa.rsplit_once(sign)?,
+        None => (mantissa, ""),
+    };
+    let mark = whole.chars().find(|c| !c.is_ascii_digit() && !"+-".contains(*c));
+    let plain: String = match mark {
+        None => whole.into(),
+        Some(mark)
+            if ".,' \u{a0}\u{202f}\u{2019}".contains(mark) && Some(mark) != sign && in_thousands(whole, mark) =>
+        {
+            whole.replace(mark, "")
+        }
+        Some(_) => return None,
+    };
+    let value = format!("{plain}.{fraction}{exponent}").parse().ok()?;
+    Some((value, sign))
+}
 
-    /// Point or comma, if the cell has one and it could be either.
-    pub(super) fn decimal_sign(&self, cell: &str) -> Option<char> {
-        if self.comma { cell.chars().find(|c| ".,".contains(*c)) } else { None }
-    }
-
-    /// The number in a cell.
-    pub(super) fn read(&mut self, cell: &str) -> Result<f64, NotANumber> {
-        let value = match cell.split_once(',') {
-            Some((whole, fraction)) if self.comma => {
-                self.pointed.clear();
-                self.pointed.extend([whole, ".", fraction]);
-                self.pointed.parse::<f64>()
-            }
-            _ => cell.parse(),
-        };
-        value.ok().filter(|v| v.is_finite()).ok_or(NotANumber)
-    }
+/// True if this mark stands before every three digits.
+fn in_thousands(whole: &str, mark: char) -> bool {
+    let mut groups = whole.trim_start_matches(['+', '-']).split(mark);
+    let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
+    groups.next().is_some_and(|first| (1..=3).contains(&first.len()) && digits(first))
+        && groups.all(|group| group.len() == 3 && digits(group))
 }
 
 /// True if a cell would be a number, or a notation for a missing number, in some format.
 pub(super) fn looks_numeric(cell: &str) -> bool {
-    cell.replacen(',', ".", 1).parse::<f64>().is_ok() || not_finite(cell)
+    read(cell).is_some() || not_finite(cell)
 }
 
-/// The reason why a cell is not a number. If the `first` row contains words, it is probably a row of units.
-pub(super) fn problem(cell: &str, first: bool) -> String {
+/// The reason why a cell is not a number.
+pub(super) fn problem(cell: &str) -> String {
     if cell.is_empty() {
         return "the cell is empty: every row needs a number here".into();
     }
     let shown = quoted(cell);
-    if looks_numeric(cell) && !cell.contains(',') {
+    if not_finite(cell) {
         return format!("{shown} is not a finite number: repair the sample, or end the record above this line");
-    }
-    if first && !cell.contains(|c: char| c.is_ascii_digit()) {
-        return format!(
-            "{shown} is not a number: if this is a row of units, delete it and put them into the names (u_V)"
-        );
-    }
-    if looks_numeric(cell) {
-        return format!("{shown} is not a number: decimal commas need semicolons or tabs between the columns");
     }
     format!("{shown} is not a number")
 }
@@ -79,9 +90,12 @@ pub(super) fn mixed(cell: &str, sign: char, above: u64) -> String {
 }
 
 /// True if a cell is a notation for a missing number, in any spelling.
-fn not_finite(cell: &str) -> bool {
+pub(super) fn not_finite(cell: &str) -> bool {
+    if cell.parse::<f64>().is_ok_and(|value| !value.is_finite()) {
+        return true;
+    }
     let unsigned = cell.trim_start_matches(['+', '-']);
-    NOT_FINITE.iter().any(|spelling| unsigned.eq_ignore_ascii_case(spelling))
+    NOT_FINITE.iter().any(|spelling| unsigned.eq_ignore_ascii_case(spelling) || cell == *spelling)
 }
 
 #[cfg(test)]
@@ -102,34 +116,47 @@ mod tests {
             "1.#QNAN",
             "#N/A",
             "NULL",
+            "OVER",
+            "---",
             "\u{221e}",
         ] {
             assert_eq!(
-                problem(cell, false),
+                problem(cell),
                 format!("`{cell}` is not a finite number: repair the sample, or end the record above this line")
             );
-            assert!(NumberReader::new(',').read(cell).is_err());
+            assert!(read(cell).is_none());
         }
     }
 
     #[test]
-    fn a_decimal_comma_is_read_where_it_does_not_separate() {
-        assert_eq!(NumberReader::new(';').read("-1,5e-3").ok(), Some(-1.5e-3));
-        assert!(NumberReader::new(',').read("-1,5").is_err());
-        assert!(NumberReader::new(';').read("1.234,5").is_err());
-        assert!(NumberReader::new(';').read("1,234,5").is_err());
+    fn a_number_is_read_as_its_country_writes_it() {
+        for (cell, wanted) in [
+            ("-1.5e-3", Some((-1.5e-3, None))),
+            ("-1,5e-3", Some((-1.5e-3, Some(',')))),
+            ("1,5", Some((1.5, Some(',')))),
+            ("1.234,5", Some((1234.5, Some(',')))),
+            ("1,234.5", Some((1234.5, Some('.')))),
+            ("-12.345.678,5", Some((-12_345_678.5, Some(',')))),
+            ("20\u{202f}049,1", Some((20_049.1, Some(',')))),
+            ("1'234.5", Some((1234.5, Some('.')))),
+            ("2.003120D+01", Some((20.0312, Some('.')))),
+            ("1,234,5", None),
+            ("1.23,5", None),
+            ("12:30", None),
+            ("-    0.25", Some((-0.25, Some('.')))),
+            ("", None),
+            (",", None),
+            ("1.2.3", None),
+        ] {
+            assert_eq!(read(cell), wanted, "{cell}");
+        }
     }
 
     #[test]
     fn what_is_not_a_number_is_shown() {
-        assert_eq!(problem("", false), "the cell is empty: every row needs a number here");
-        assert_eq!(problem("1.5 V", false), "`1.5 V` is not a number");
-        assert_eq!(
-            problem("[V]", true),
-            "`[V]` is not a number: if this is a row of units, delete it and put them into the names (u_V)"
-        );
-        assert!(problem("1,5", false).contains("need semicolons or tabs"));
-        assert!(problem(&"9".repeat(50), false).starts_with("`99"));
-        assert!(problem(&"x".repeat(5000), false).len() < 100);
+        assert_eq!(problem(""), "the cell is empty: every row needs a number here");
+        assert_eq!(problem("1.5 V"), "`1.5 V` is not a number");
+        assert!(problem(&"9".repeat(50)).starts_with("`99"));
+        assert!(problem(&"x".repeat(5000)).len() < 100);
     }
 }

@@ -1,8 +1,8 @@
 //! Version 4: matrices one after the other, each after a header of 20 bytes and its name.
 
 use crate::Error;
-use crate::formats::Channel;
 use crate::formats::bytes::{NumberFormat, NumberKind, damaged, length, part, size, text, vector, whole};
+use crate::formats::tree::Node;
 
 /// The header of a matrix.
 struct MatrixHead {
@@ -44,7 +44,7 @@ pub(super) fn begins(file: &[u8]) -> bool {
 }
 
 /// The variables.
-pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
+pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
     let mut channels = Vec::new();
     let mut at = 0;
     while at < file.len() {
@@ -64,11 +64,11 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
             _ if complex => "complex numbers",
             (_, Err(what)) => &what.clone(),
             (_, Ok(_)) => {
-                channels.push(Channel::new(name, numbers.read(real, numbers.size).unwrap_or_default()));
+                channels.push((name, Node::Samples(Ok(numbers.read(real, numbers.size).unwrap_or_default()), None)));
                 continue;
             }
         };
-        channels.push(Channel::other(name, what));
+        channels.push((name, Node::Samples(Err(what.to_string()), None)));
     }
     Ok(channels)
 }

@@ -4,10 +4,10 @@
 //! content, and cells of single numbers as a vector.
 
 use crate::Error;
-use crate::formats::Channel;
 use crate::formats::bytes::{
     DEEPEST, NumberFormat, NumberKind, Unpacking, damaged, length, part, shape, size, text, vector,
 };
+use crate::formats::tree::Node;
 
 /// Bytes of the text at the start of a file, with version and byte order.
 const HEAD: usize = 128;
@@ -23,10 +23,10 @@ pub(super) fn begins(file: &[u8]) -> bool {
 }
 
 /// The variables.
-pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
+pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
     let big = file.get(HEAD - 2) == Some(&b'M');
     let mut unpacking = Unpacking::of(file);
-    let mut channels = Vec::new();
+    let mut variables = Vec::new();
     let mut elements = Elements { bytes: file, at: HEAD, big };
     while elements.at < file.len() {
         let element = elements.next()?;
@@ -38,33 +38,15 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<Channel>, Error> {
         };
         // Variables without a name are MATLAB's own.
         if !name.is_empty() {
-            flat(name, value, &mut channels);
+            variables.push((name, value));
         }
     }
-    Ok(channels)
-}
-
-/// The content of a variable, field or cell.
-enum MatValue {
-    /// Samples, or a description if they are not a vector of real numbers.
-    Samples(Result<Vec<f64>, String>),
-    /// A line of text.
-    Text,
-    Fields(Vec<(String, MatValue)>),
-}
-
-/// The channels of a variable: its own, or those of its fields.
-fn flat(name: String, value: MatValue, channels: &mut Vec<Channel>) {
-    match value {
-        MatValue::Samples(samples) => channels.push(Channel { name, unit: None, samples }),
-        MatValue::Text => {}
-        MatValue::Fields(fields) => fields.into_iter().for_each(|(name, value)| flat(name, value, channels)),
-    }
+    Ok(variables)
 }
 
 /// The name and the value of an array.
-fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, MatValue), Error> {
-    let other = |what: &str| MatValue::Samples(Err(what.into()));
+fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, Node), Error> {
+    let other = |what: &str| Node::Samples(Err(what.into()), None);
     if kind != MATRIX || depth > DEEPEST {
         return Err(damaged(format!("an element of type {kind}, {depth} deep, where an array should stand")));
     }
@@ -79,46 +61,64 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
     let name = text(parts.next()?.1);
     let value = match flags & 0xff {
         1 => cells(&mut parts, &dims, depth)?,
-        2 if size(&dims)? == 1 => fields(&mut parts, depth)?,
-        2 => other(&format!("structures, {}", shape(&dims))),
-        4 if size(&dims)? == 0 || dims.first() == Some(&1) => MatValue::Text,
+        2 => structures(&mut parts, size(&dims)?, depth)?,
+        4 if size(&dims)? == 0 || dims.first() == Some(&1) => Node::Text(parts.letters()?),
         4 => other("text"),
         5 => other("a sparse matrix"),
         6..=15 if flags & COMPLEX > 0 => other("complex numbers"),
-        6..=15 => MatValue::Samples(match vector(&dims)? {
-            Ok(n) => Ok(parts.numbers(n)?),
-            Err(what) => Err(what),
-        }),
+        6..=15 => {
+            let samples = match vector(&dims)? {
+                Ok(n) => Ok(parts.numbers(n)?),
+                Err(what) => Err(what),
+            };
+            Node::Samples(samples, None)
+        }
         class => other(&format!("an object of class {class}")),
     };
     Ok((name, value))
 }
 
 /// Cells, one array each.
-fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<MatValue, Error> {
+fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<Node, Error> {
     let count = size(dims)?;
     let mut samples = Vec::new();
+    let mut items = Vec::new();
     for _ in 0..count {
         let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
         match value {
             value if count == 1 => return Ok(value),
-            MatValue::Samples(Ok(single)) if single.len() == 1 => samples.extend(single),
-            _ => return Ok(MatValue::Samples(Err(format!("cells, {}", shape(dims))))),
+            Node::Samples(Ok(single), _) if single.len() == 1 && items.is_empty() => samples.extend(single),
+            Node::Fields(fields) if samples.is_empty() => items.push(Node::Fields(fields)),
+            _ => return Ok(Node::Samples(Err(format!("cells, {}", shape(dims))), None)),
         }
     }
-    Ok(MatValue::Samples(vector(dims)?.map(|_| samples)))
+    if !items.is_empty() {
+        return Ok(Node::Items(items));
+    }
+    Ok(Node::Samples(vector(dims)?.map(|_| samples), None))
 }
 
-/// The fields of one structure.
-fn fields(parts: &mut Elements<'_>, depth: usize) -> Result<MatValue, Error> {
+/// A structure, or several with the same fields.
+fn structures(parts: &mut Elements<'_>, count: usize, depth: usize) -> Result<Node, Error> {
     let width = parts.lengths()?.first().copied().unwrap_or(0).max(1);
     let (_, names) = parts.next()?;
-    let mut fields = Vec::new();
-    for name in names.chunks(width) {
-        let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
-        fields.push((text(name), value));
+    let mut items = Vec::new();
+    for _ in 0..count {
+        // Structures without fields take no bytes.
+        if names.is_empty() {
+            break;
+        }
+        let mut fields = Vec::new();
+        for name in names.chunks(width) {
+            let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
+            fields.push((text(name), value));
+        }
+        items.push(Node::Fields(fields));
     }
-    Ok(MatValue::Fields(fields))
+    Ok(match items.pop() {
+        Some(only) if items.is_empty() => only,
+        last => Node::Items(items.into_iter().chain(last).collect()),
+    })
 }
 
 /// A sequence of elements.
@@ -149,6 +149,19 @@ impl<'a> Elements<'a> {
     fn lengths(&mut self) -> Result<Vec<usize>, Error> {
         let (_, bytes) = self.next()?;
         (0..bytes.len() / 4).map(|k| length(bytes, 4 * k, 4, self.big)).collect()
+    }
+
+    /// The next element as a line of text: UTF-8, or code units of 16 bits.
+    fn letters(&mut self) -> Result<String, Error> {
+        let (kind, bytes) = self.next()?;
+        if kind != 4 && kind != 17 {
+            return Ok(String::from_utf8_lossy(bytes).into_owned());
+        }
+        let unit = |pair: &[u8]| {
+            let pair = [pair[0], pair[1]];
+            if self.big { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
+        };
+        Ok(String::from_utf16_lossy(&bytes.chunks_exact(2).map(unit).collect::<Vec<_>>()))
     }
 
     /// The next element as `count` numbers.

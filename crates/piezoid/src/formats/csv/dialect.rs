@@ -1,0 +1,157 @@
+//! How the rows of a file are written: what separates cells, how many there are, and which hold numbers.
+//!
+//! A sample of lines is split at tabs, semicolons, commas, bars and spaces. The separator with most numbers in rows of
+//! one length is that of the file.
+
+use super::cells::{SPACES, cells};
+use super::encoding::lines;
+use super::{clock, number};
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
+/// Number of bytes in the middle of the file that are tried.
+const SAMPLE: usize = 1 << 16;
+/// Separators, in the order of preference.
+const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', SPACES];
+
+/// How the rows of a file are written.
+#[derive(Debug, PartialEq)]
+pub(super) struct Dialect {
+    pub(super) separator: char,
+    /// For every cell, true if most rows hold a number, a time of day or a missing number there.
+    pub(super) numeric: Vec<bool>,
+    /// For every cell, true if most rows hold nothing there.
+    empty: Vec<bool>,
+}
+
+impl Dialect {
+    /// The dialect of a text; `None` if no line holds a number.
+    pub(super) fn of(text: &str) -> Option<Dialect> {
+        let sample = sample(text);
+        let mut best = (0, None);
+        for separator in SEPARATORS {
+            let rows: Vec<Vec<Cell>> = lines(sample).filter_map(|(_, line)| row(line, separator)).collect();
+            // Rows of a length: how many, their numbers less words, and the place of the first.
+            let mut lengths: BTreeMap<usize, (usize, usize, Reverse<usize>)> = BTreeMap::new();
+            for (at, row) in rows.iter().enumerate() {
+                let count = |kind| row.iter().filter(|cell| **cell == kind).count();
+                let (numbers, words) = (count(Cell::Number), count(Cell::Word));
+                let (rows, score, _) = lengths.entry(row.len()).or_insert((0, 0, Reverse(at)));
+                *rows += usize::from(numbers > words);
+                *score += (2 * numbers).saturating_sub(words);
+            }
+            let best_length = lengths.into_iter().max_by_key(|(_, (rows, score, first))| (*rows, *first, *score));
+            let Some((width, (_, score, _))) = best_length else { continue };
+            if score > best.0 {
+                let of_numbers = |row: &&Vec<Cell>| row.len() == width && row.contains(&Cell::Number);
+                let rows: Vec<&Vec<Cell>> = rows.iter().filter(of_numbers).collect();
+                let numeric = |k: usize| {
+                    let count = |kind| rows.iter().filter(|row| row[k] == kind).count();
+                    count(Cell::Number) > 0
+                        && count(Cell::Number) + count(Cell::Missing) + count(Cell::Empty) > count(Cell::Word)
+                };
+                let empty = |k: usize| 2 * rows.iter().filter(|row| row[k] == Cell::Empty).count() > rows.len();
+                let [numeric, empty] =
+                    [&numeric as &dyn Fn(usize) -> bool, &empty].map(|of| (0..width).map(of).collect());
+                best = (score, Some(Dialect { separator, numeric, empty }));
+            }
+        }
+        best.1
+    }
+
+    /// Number of cells in a row, without empty ones at its end.
+    pub(super) fn width(&self) -> usize {
+        self.numeric.len()
+    }
+
+    /// True if a line is a row: it begins like one, holds at least half of the numbers, and no words in their place.
+    pub(super) fn is_row(&self, line: &str) -> bool {
+        let Some(row) = row(line, self.separator) else { return false };
+        let here = |kind| row.iter().zip(&self.numeric).filter(|(cell, numeric)| **numeric && **cell == kind).count();
+        let wanted = self.numeric.iter().filter(|numeric| **numeric).count();
+        let numbers = here(Cell::Number);
+        self.leaves_empty(&row) && numbers > 0 && 2 * numbers >= wanted && here(Cell::Word) == 0
+    }
+
+    /// True if a line begins like a row: its first number is one.
+    pub(super) fn begins_like_a_row(&self, line: &str) -> bool {
+        let first = self.numeric.iter().position(|numeric| *numeric).unwrap_or(0);
+        row(line, self.separator).is_some_and(|row| row.get(first) == Some(&Cell::Number) && self.leaves_empty(&row))
+    }
+
+    /// True if nothing stands where the rows hold nothing.
+    fn leaves_empty(&self, row: &[Cell]) -> bool {
+        row.iter().zip(&self.empty).all(|(cell, empty)| !empty || *cell == Cell::Empty)
+    }
+}
+
+/// What a cell holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Cell {
+    Number,
+    /// A notation for a number that is missing.
+    Missing,
+    Empty,
+    Word,
+}
+
+/// The cells of a line without the empty ones at its end; `None` without cells, or with more than a row can have.
+fn row(line: &str, separator: char) -> Option<Vec<Cell>> {
+    let one = |cell: Result<&str, &str>| match cell {
+        // dSPACE marks the first row.
+        Ok("" | "trace_values") => Cell::Empty,
+        Ok(cell) if number::read(cell).is_some() || clock::read(cell).is_some() => Cell::Number,
+        Ok(cell) if number::not_finite(cell) => Cell::Missing,
+        _ => Cell::Word,
+    };
+    let all: Vec<Result<&str, &str>> = cells(line, separator).collect();
+    let len = all.iter().rposition(|cell| *cell != Ok("")).map(|last| last + 1)?;
+    Some(all[..len].iter().map(|cell| one(*cell)).collect())
+}
+
+/// The whole of a small text, or the lines in the middle of a large one.
+fn sample(text: &str) -> &str {
+    if text.len() <= 2 * SAMPLE {
+        return text;
+    }
+    let near = |at: usize| (at..text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
+    let middle = &text[near(text.len() / 2)..near(text.len() / 2 + SAMPLE)];
+    let end = |c: char| "\r\n".contains(c);
+    // The first and the last line are cut.
+    let start = middle.find(end).map_or(0, |at| at + 1);
+    let stop = middle.rfind(end).unwrap_or(middle.len());
+    middle.get(start..stop).unwrap_or(middle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(text: &str) -> (char, Vec<bool>) {
+        Dialect::of(text).map(|Dialect { separator, numeric, .. }| (separator, numeric)).unwrap()
+    }
+
+    #[test]
+    fn the_separator_is_the_one_that_gives_most_numbers() {
+        for (text, separator, width) in [
+            ("a,b\n0,1\n1,2\n", ',', 2),
+            ("a;b\n0,5;1,5\n1,0;2,5\n", ';', 2),
+            ("a\tb\n0,5\t1,5\n1,0\t2,5\n", '\t', 2),
+            ("a b c\n  0.5  1.5 7\n 1 2.5   8\n", SPACES, 3),
+            ("a,b,c,\n0, 1, 2,\n1, 2, 3,\n", ',', 3),
+            ("\"a\",\"b\"\n\"0,5\",\"1,5\"\n\"1,0\",\"1,7\"\n", ',', 2),
+            ("clock,u\n2024-03-05 14:07:09.5,1\n2024-03-05 14:07:10.5,2\n", ',', 2),
+            ("u\n1\n2\n", '\t', 1),
+        ] {
+            assert_eq!(found(text), (separator, vec![true; width]), "{text}");
+        }
+        assert_eq!(found("t,note,u\n0,ok,1\n1,ok,2\n").1, [true, false, true]);
+        assert_eq!(Dialect::of("no numbers,here\nn/a,n/a\n"), None);
+    }
+
+    #[test]
+    fn a_large_file_is_judged_by_its_middle() {
+        let text = format!("{}{}", "word;word;1;2;3\n".repeat(5000), "0,1\n".repeat(60_000));
+        assert_eq!(found(&text), (',', vec![true; 2]));
+    }
+}

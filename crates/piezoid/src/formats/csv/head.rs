@@ -1,0 +1,396 @@
+//! What stands above the rows: names, units and the sampling period, in the layouts of spreadsheets, oscilloscopes and
+//! loggers.
+//!
+//! ```text
+//! names     the line above the rows, or above a line of units; `Label,CH1,CH2`, `name;u;y`, `NAME0 = u`; the line
+//!           below `channel names:`
+//! units     a line of units only, `s,V,um` or `[ms];[V]`; or a line `Vertical Units,V,V`
+//! period    `Sample Interval,5e-4`, `# sample rate: 2 kHz`, `tInc = 5e-4`, or `dt:` with the number on the next line
+//! ```
+//! All other lines are remarks.
+
+use super::cells::{SPACES, cells};
+use super::dialect::Dialect;
+use super::number;
+use crate::formats::units;
+
+/// Lines that set off a head from its rows and hold nothing: `data:`, `***End_of_Header***`.
+const MARKERS: usize = 1;
+/// First cells of a line of names, as letters.
+const NAMES: &[&str] = &[
+    "name",
+    "names",
+    "signal",
+    "signals",
+    "tracename",
+    "channelname",
+    "channelnames",
+    "label",
+    "labels",
+    "source",
+    "wavesd",
+];
+/// First cells of a line of units, as letters.
+const UNITS: &[&str] =
+    &["unit", "units", "vunit", "vertunits", "verticalunits", "yunitlabel", "yunit", "yunits", "channelunits"];
+/// Names of a sampling period, as letters.
+const PERIODS: &[&str] = &[
+    "sampleinterval",
+    "samplinginterval",
+    "sampletime",
+    "samplingtime",
+    "samplingperiod",
+    "sampleperiod",
+    "timestep",
+    "timeincrement",
+    "dt",
+    "deltat",
+    "deltax",
+    "hresolution",
+    "interval",
+    "increment",
+    "tinc",
+    "xincrement",
+    "ts",
+    "wfincrement",
+    "abtastintervall",
+    "abtastzeit",
+];
+/// Names of a sampling rate, as letters.
+const RATES: &[&str] = &[
+    "samplerate",
+    "samplingrate",
+    "samplefrequency",
+    "samplingfrequency",
+    "acquisitionrate",
+    "datarate",
+    "fs",
+    "samplespersecond",
+    "scanrate",
+    "rate",
+    "abtastrate",
+    "abtastfrequenz",
+];
+
+/// The head of a file.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Head {
+    /// Line of the names; that of the first row if there are none.
+    pub(super) line: u64,
+    /// One per column; empty if a column has no name.
+    pub(super) names: Vec<String>,
+    /// Units that stand apart from the names; empty if a column has none.
+    pub(super) units: Vec<String>,
+    /// The sampling period [s], and the text that states it.
+    pub(super) ts: Option<(f64, String)>,
+    /// Number of rows that the head states, as PI's controllers do: fewer are a file that was cut.
+    pub(super) rows: Option<usize>,
+}
+
+impl Head {
+    /// The head in the lines above the rows. Rows that are `numbered` may have one cell more than there are names.
+    pub(super) fn read(lines: &[(u64, &str)], dialect: &Dialect, numbered: bool) -> Head {
+        let mut head = Head::default();
+        let width = dialect.width();
+        let mut above = true;
+        for (at, &(number, line)) in lines.iter().enumerate().rev() {
+            let text = uncommented(line);
+            if text.split_once('=').is_some_and(|(key, value)| head.assigned(key.trim(), value.trim(), number)) {
+                above = false;
+                continue;
+            }
+            let cells = fitting(text, dialect);
+            let filled = cells.iter().filter(|cell| !cell.is_empty()).count();
+            if filled == 0 {
+                continue;
+            }
+            let key = letters(&cells[0]);
+            let below = at > 0 && NAMES.contains(&&*letters(uncommented(lines[at - 1].1)));
+            if cells.len() > 1 && UNITS.contains(&&*key) {
+                head.units = or_else(head.units, values(&cells, width));
+            } else if cells.len() > 1 && NAMES.contains(&&*key) && values(&cells, width).iter().any(|v| !v.is_empty()) {
+                // A label says more than the name of a socket, `CH1`.
+                head.names = or_else(values(&cells, width), head.names);
+                head.line = if head.line == 0 { number } else { head.line };
+                above = false;
+            } else if below && cells.len() == width {
+                (head.line, head.names) = (number, or_else(cells, head.names));
+                above = false;
+            } else if above && filled > MARKERS.min(width - 1) && !text.contains('=') {
+                // Twice as many cells as names: decimal commas between commas, which is an error of the rows.
+                let halved = dialect.separator == ',' && 2 * cells.len() == width;
+                let fits = cells.len() >= width || numbered && cells.len() + 1 == width || halved;
+                let words = cells.iter().take(width).all(|cell| cell.is_empty() || !number::looks_numeric(cell));
+                if fits && head.units.is_empty() && are_units(&cells[..width.min(cells.len())]) {
+                    // Words between the units and the rows are remarks on the columns.
+                    head.names = Vec::new();
+                    head.units = cells.iter().map(|cell| unbracketed(cell).into()).collect();
+                } else if head.names.is_empty() && fits && words {
+                    (head.line, head.names) = (number, cells);
+                    above = head.units.is_empty();
+                } else {
+                    above = false;
+                }
+            }
+        }
+        let texts: Vec<&str> = lines.iter().map(|(_, line)| uncommented(line)).collect();
+        head.ts = period(&texts, dialect.separator).or_else(|| head.increment());
+        // Above the numbers of rows nothing stands, not even a separator.
+        if head.names.len() + 1 == width {
+            head.names.insert(0, String::new());
+        }
+        head
+    }
+
+    /// Takes a value as PI's controllers write it: `NAME0 = Voltage`, `NDATA = 1024`.
+    fn assigned(&mut self, key: &str, value: &str, line: u64) -> bool {
+        if key == "NDATA" {
+            self.rows = value.parse().ok();
+        }
+        let number = key.strip_prefix("NAME").and_then(|number| number.parse::<usize>().ok());
+        let Some(at) = number.filter(|at| *at < super::MOST) else { return key == "NDATA" };
+        self.names.resize(self.names.len().max(at + 1), String::new());
+        self.names[at] = value.into();
+        self.line = line;
+        true
+    }
+
+    /// The period that stands in place of a unit, below a name such as `Increment`.
+    fn increment(&self) -> Option<(f64, String)> {
+        let at = self.names.iter().position(|name| period_name(name))?;
+        let value = self.units.get(at)?;
+        Some((quantity(value, "", false)?, format!("{} {value}", self.names[at])))
+    }
+}
+
+/// The first of two lists that is not empty, with what it lacks from the second.
+fn or_else(first: Vec<String>, second: Vec<String>) -> Vec<String> {
+    let len = first.len().max(second.len());
+    let at = |list: &[String], k: usize| list.get(k).filter(|text| !text.is_empty()).cloned();
+    (0..len).map(|k| at(&first, k).or_else(|| at(&second, k)).unwrap_or_default()).collect()
+}
+
+/// The text of a line without the sign of a comment.
+fn uncommented(line: &str) -> &str {
+    let line = line.trim_end_matches(['\r', '\n']);
+    let text = line.trim_start();
+    let text = ["#", "%", "//"].iter().find_map(|sign| text.strip_prefix(sign)).unwrap_or(line);
+    text.trim_start_matches(['#', '%'])
+}
+
+/// The cells of a line of the head, without empty ones at the end. A line whose cells do not fit the rows may have
+/// another separator.
+fn fitting(text: &str, dialect: &Dialect) -> Vec<String> {
+    let own = split(text, dialect.separator);
+    let others = || [',', ';', '\t', SPACES].into_iter().map(|separator| split(text, separator));
+    if own.len() >= dialect.width() {
+        return own;
+    }
+    others().find(|cells| cells.len() == dialect.width()).unwrap_or(own)
+}
+
+fn split(text: &str, separator: char) -> Vec<String> {
+    let mut found: Vec<String> = if separator == SPACES {
+        words(text)
+    } else {
+        cells(text, separator).map(|cell| cell.unwrap_or_default().replace("\"\"", "\"")).collect()
+    };
+    let len = found.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+    found.truncate(len);
+    found
+}
+
+/// Names between spaces: two or more set names apart if there are any; else a bracket belongs to the name before it.
+fn words(text: &str) -> Vec<String> {
+    let text = text.trim();
+    if text.contains("  ") || text.contains('\t') {
+        let parts = text.split("  ").flat_map(|part| part.split('\t')).map(str::trim);
+        return parts.filter(|part| !part.is_empty()).map(String::from).collect();
+    }
+    let mut words: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match words.last_mut() {
+            Some(last) if word.starts_with(['[', '(']) && !last.ends_with([']', ')']) => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => words.push(word.into()),
+        }
+    }
+    words
+}
+
+/// The values of a line after its key, one per column: the key stands in place of the time, or before all columns.
+fn values(cells: &[String], width: usize) -> Vec<String> {
+    let value = |cell: &String| cell.rsplit_once(':').map_or(cell.as_str(), |(_, value)| value).trim().to_string();
+    let rest = cells[1..].iter().map(value);
+    if cells.len() == width { std::iter::once(String::new()).chain(rest).collect() } else { rest.collect() }
+}
+
+/// True if these cells are units: at least one is known, and the others are empty, known or in brackets.
+fn are_units(cells: &[String]) -> bool {
+    let known = |cell: &String| units::known(unbracketed(cell)).is_some();
+    let unit = |cell: &String| cell.is_empty() || known(cell) || unbracketed(cell) != cell.as_str();
+    cells.iter().any(known) && cells.iter().all(unit)
+}
+
+/// True if a name is that of a sampling period.
+fn period_name(name: &str) -> bool {
+    PERIODS.contains(&&*letters(name))
+}
+
+/// True if a name is that of a sampling rate.
+fn rate_name(name: &str) -> bool {
+    RATES.contains(&&*letters(name))
+}
+
+/// The sampling period [s] that a number of this name states, such as `fs`, `Ts` or `sampling_rate_kHz`.
+pub(in crate::formats) fn stated_period(name: &str, value: f64) -> Option<f64> {
+    let (name, unit) = units::split(name);
+    let rate = rate_name(name);
+    if !rate && !period_name(name) {
+        return None;
+    }
+    quantity(&value.to_string(), unit.unwrap_or_default(), rate)
+}
+
+/// A unit without the brackets around it.
+fn unbracketed(cell: &str) -> &str {
+    let cell = cell.trim();
+    let inner = |open, close| cell.strip_prefix(open).and_then(|rest: &str| rest.strip_suffix(close));
+    inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell).trim()
+}
+
+/// The letters of a text, in lower case.
+fn letters(text: &str) -> String {
+    text.chars().filter(|c| c.is_alphabetic()).flat_map(char::to_lowercase).collect()
+}
+
+/// The sampling period that a line states, with its text.
+fn period(lines: &[&str], separator: char) -> Option<(f64, String)> {
+    // Between spaces, a line such as `rate: 2 kHz` is one cell.
+    let separator = if separator == SPACES { '\t' } else { separator };
+    for (k, line) in lines.iter().enumerate() {
+        let cells: Vec<&str> = cells(line, separator).map(Result::unwrap_or_default).collect();
+        for (at, cell) in cells.iter().enumerate() {
+            let (key, value) = cell.split_once([':', '=']).unwrap_or((cell, ""));
+            let (key, unit) = units::split(key);
+            let rate = rate_name(key);
+            if !rate && !period_name(key) {
+                continue;
+            }
+            let next = |k: usize| cells.get(k).copied().unwrap_or_default();
+            let below = || lines.get(k + 1).and_then(|line| self::cells(line, separator).next()?.ok());
+            let value = Some(value.trim()).filter(|value| !value.is_empty()).unwrap_or_else(|| next(at + 1));
+            let value = if value.is_empty() { below().unwrap_or_default() } else { value };
+            if let Some(period) = quantity(value, unit.unwrap_or_else(|| next(at + 2)), rate) {
+                return Some((period, line.trim().into()));
+            }
+        }
+    }
+    None
+}
+
+/// The period [s] in a text such as `2 kHz`, `0.5 ms` or `Analog:5e-4`; the unit may stand in the next cell.
+fn quantity(text: &str, next: &str, rate: bool) -> Option<f64> {
+    let text = text.rsplit_once(':').map_or(text, |(_, value)| value).trim();
+    let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,eE".contains(c))).unwrap_or(text.len());
+    let (value, _) = number::read(text[..end].trim_end_matches([',', 'e', 'E']))?;
+    let unit = Some(text[end..].trim()).filter(|unit| !unit.is_empty()).unwrap_or(next);
+    let period = if rate {
+        let factor = match letters(unit).get(..1) {
+            Some("k") => 1e3,
+            Some("m") => 1e6,
+            _ => 1.0,
+        };
+        1.0 / (value * factor)
+    } else {
+        match units::known(unit.split([' ', ',']).next().unwrap_or_default()) {
+            Some((_, units::Quantity::Time(factor))) => value * factor,
+            _ => value,
+        }
+    };
+    Some(period).filter(|period| period.is_finite() && *period > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::csv::encoding::lines;
+
+    fn head(text: &str) -> Head {
+        let dialect = Dialect::of(text).unwrap();
+        Head::read(&super::super::above(&mut lines(text).peekable(), &dialect), &dialect, text.contains("\"1\","))
+    }
+
+    fn names(text: &str) -> Vec<String> {
+        head(text).names
+    }
+
+    const ROWS: &str = "0.0,20,1.5\n0.5,21,1.6\n1.0,22,1.7\n";
+
+    #[test]
+    fn names_stand_above_the_rows_or_above_their_units() {
+        for above in [
+            "t,u,y\n",
+            "# t,u,y\n",
+            "% rig 7, by night\n# gain 10\n# t u y\n",
+            "Timer,Amplifier,Sensor\nt,u,y\ns,V,um\n",
+            "Operator: N.N.\nRate: 2000 Hz, by hand\n\nt,u,y\n\n",
+            "sep=,\nt,u,y,Comment\n",
+            "t,u,y\ndata:\n",
+            "t,u,y\ns,V,um\nrun 7,E-663,capacitive\n",
+            "WAVES/D,t,u,y\nBEGIN\n",
+        ] {
+            assert_eq!(names(&format!("{above}{ROWS}"))[..3], ["t", "u", "y"], "{above}");
+        }
+        assert_eq!(names("t [s]  Weg U [V]  y\n0.0 1 2\n0.5 2 3\n1.0 3 4\n"), ["t [s]", "Weg U [V]", "y"]);
+        assert_eq!(names("% t [s] U [V] y (um)\n0.0 1 2\n0.5 2 3\n1.0 3 4\n"), ["t [s]", "U [V]", "y (um)"]);
+        assert_eq!(names("\"t\",\"u\"\n\"1\",0,1\n\"2\",1,2\n"), ["", "t", "u"], "row numbers without a name");
+        assert_eq!(names(ROWS), Vec::<String>::new());
+        assert_eq!(names(&format!("Model,MSO\n{ROWS}")), Vec::<String>::new(), "a remark");
+    }
+
+    #[test]
+    fn names_and_units_may_stand_in_lines_that_say_so() {
+        for above in [
+            "descr;export\nname;u;y\nunit;V;um\ntrace_values\n".replace(';', ","),
+            "\"VERT_UNITS\", \"s\",\"V\", \"um\"\n\"SIGNAL\", \"\",\"u\", \"y\"\n\"DATA\"\n".into(),
+            "channel units,V,um\n\nchannel names:\nt,u,y\nstart:\n1,2,3\ndata:\n".into(),
+            "# NDATA = 3\n# NAME1 = u\n# NAME2 = y\n# UNITS,V,um\n# END_HEADER\n".into(),
+            "Vertical Units,CH1:V,CH2:um\nLabel,u,y\nTIME,CH1,CH2\n".into(),
+        ] {
+            let head = head(&format!("{above}{ROWS}"));
+            assert_eq!(
+                (&head.names[1..], &head.units[1..]),
+                (&["u", "y"].map(String::from)[..], &["V", "um"].map(String::from)[..]),
+                "{above}"
+            );
+        }
+        assert_eq!(head(&format!("Label,,\nTIME,CH1,CH2\n{ROWS}")).names, ["TIME", "CH1", "CH2"]);
+        assert_eq!(head(&format!("t,u,y\n[ms],[V],[nm]\n{ROWS}")).units, ["ms", "V", "nm"]);
+    }
+
+    #[test]
+    fn the_sampling_period_is_found_wherever_it_stands() {
+        for (above, wanted) in [
+            ("# sampling rate: 2000 Hz\n", 5e-4),
+            ("#Sample rate: 100Hz\n", 0.01),
+            ("\"SampleRate\", 2,\"kHz\"\n", 5e-4),
+            ("% Acquisition rate: 2.0e+03 Hz, Precision mode\n", 5e-4),
+            ("Sample Interval,Analog:5.0E-04,\n", 5e-4),
+            ("# SAMPLE_TIME = 0.00005\n", 5e-5),
+            ("Delta_X,0.0005,0.0005\n", 5e-4),
+            ("dt:\n0.0005,0.0005,0.0005\ndata:\n", 5e-4),
+            ("u,y,t0 = -5e-2, tInc = 5e-4,\n", 5e-4),
+            ("X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-3e-3,5e-4\n", 5e-4),
+            ("# step: 0.5 ms\n# dt = 0.5 ms\n", 5e-4),
+            ("Sample interval (us),250\n", 2.5e-4),
+            ("Abtastrate: 2 kHz\n", 5e-4),
+        ] {
+            let ts = head(&format!("{above}{ROWS}")).ts.map(|(ts, _)| ts);
+            assert_eq!(ts, Some(wanted), "{above}");
+        }
+        assert_eq!(head(&format!("# sample rate: high\nt,u,y\n{ROWS}")).ts, None);
+    }
+}

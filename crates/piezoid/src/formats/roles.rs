@@ -1,0 +1,307 @@
+//! Which column is the time, the input and the output.
+//!
+//! ```text
+//! the user says so                  --input-col "CH1"
+//! names of piezoid's own files      t_s, u_V, u_*, y_*
+//! the unit                          s; V; um, urad, ...
+//! words of the name                 Zeit, Drive voltage, Position sensor, ...
+//! ```
+//! An earlier line of this list counts more. Two columns that are equally likely are an error, which names the options
+//! that choose between them; a guess is written into the record's history.
+
+use super::column::Column;
+use super::quote::{listed, quoted, shortened};
+use super::selection::ColumnSelection;
+use super::table::Table;
+use super::units::Quantity;
+use super::words::{INPUT, OTHER, OUTPUT, REQUESTED, TIME};
+use crate::Error;
+use serde_json::Value;
+
+/// The role of a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Role {
+    Time,
+    Input,
+    Output,
+    /// A requested output.
+    Reference,
+}
+
+impl Role {
+    pub(super) fn what(self) -> &'static str {
+        match self {
+            Role::Time => "time",
+            Role::Input => "input",
+            Role::Output => "output",
+            Role::Reference => "reference",
+        }
+    }
+
+    /// The option that chooses the column.
+    fn option(self) -> &'static str {
+        match self {
+            Role::Time => "time_col",
+            Role::Input => "input_col",
+            Role::Output | Role::Reference => "output_col",
+        }
+    }
+
+    /// What the user says about it.
+    fn asked(self, selection: &ColumnSelection) -> Option<&String> {
+        match self {
+            Role::Time => selection.time_col.as_ref(),
+            Role::Input => selection.input_col.as_ref(),
+            Role::Output | Role::Reference => selection.output_col.as_ref(),
+        }
+    }
+
+    /// True if the user chose the column.
+    pub(super) fn is_asked(self, selection: &ColumnSelection) -> bool {
+        self.asked(selection).is_some()
+    }
+
+    /// True if the name is one of piezoid's own files. A name such as `u_out [V]` is none: its unit stands apart.
+    pub(super) fn owns(self, column: &Column) -> bool {
+        match self {
+            Role::Time => column.name == "t_s",
+            _ => column.name.starts_with(self.prefix()) && !column.has_unit_apart(),
+        }
+    }
+
+    /// The prefix of its names in piezoid's own files.
+    pub(super) fn prefix(self) -> &'static str {
+        match self {
+            Role::Time => "t_",
+            Role::Input => "u_",
+            Role::Output => "y_",
+            Role::Reference => "r_",
+        }
+    }
+
+    /// The names that are expected, for messages.
+    fn expected(self) -> String {
+        match self {
+            Role::Time => "`t_s`".into(),
+            Role::Input => "`u_V` or exactly one `u_*`".into(),
+            Role::Output | Role::Reference => format!("exactly one `{}*`", self.prefix()),
+        }
+    }
+
+    /// The candidates of the most certain kind; more than one is an ambiguity.
+    fn candidates<'a>(self, free: &[&'a Column]) -> Vec<&'a Column> {
+        let those = |test: &dyn Fn(&Column) -> bool| -> Vec<&'a Column> {
+            free.iter().copied().filter(|column| test(column)).collect()
+        };
+        let exact = those(&|column| self == Role::Input && column.name == "u_V");
+        if !exact.is_empty() {
+            return exact;
+        }
+        let own = those(&|column| self.owns(column));
+        if !own.is_empty() {
+            return own;
+        }
+        let is = |column: &Column, words: &str| column.has_word(words);
+        let kinds: Vec<Vec<&Column>> = match self {
+            Role::Time => vec![
+                those(&|c| matches!(c.quantity(), Some(Quantity::Time(_))) && is(c, TIME)),
+                those(&|c| c.quantity().is_none() && is(c, TIME) && !is(c, OTHER)),
+                those(&|c| matches!(c.quantity(), Some(Quantity::Time(_)))),
+                those(&|c| c.name.is_empty() && c.is_uniform_time()),
+            ],
+            Role::Input => {
+                let voltage = those(&|c| c.quantity() == Some(Quantity::Voltage) && !is(c, OUTPUT) && !is(c, OTHER));
+                vec![
+                    preferred(voltage, INPUT),
+                    those(&|c| c.quantity().is_none() && is(c, INPUT) && !is(c, OUTPUT) && !is(c, OTHER)),
+                ]
+            }
+            Role::Output => {
+                let length =
+                    those(&|c| c.quantity() == Some(Quantity::Displacement) && !is(c, REQUESTED) && !is(c, OTHER));
+                let unclear = |c: &Column| matches!(c.quantity(), None | Some(Quantity::Voltage)) || c.is_raw();
+                vec![
+                    preferred(length, OUTPUT),
+                    those(&|c| unclear(c) && is(c, OUTPUT) && !is(c, INPUT) && !is(c, REQUESTED) && !is(c, OTHER)),
+                ]
+            }
+            Role::Reference => vec![
+                those(&|c| c.quantity() == Some(Quantity::Displacement) && is(c, REQUESTED)),
+                Role::Output.candidates(free),
+            ],
+        };
+        kinds.into_iter().find(|kind| !kind.is_empty()).unwrap_or_default()
+    }
+
+    /// The column of the table with this role.
+    pub(super) fn find<'a>(self, table: &'a Table, selection: &ColumnSelection) -> Result<&'a Column, Missing<'a>> {
+        if let Some(name) = self.asked(selection) {
+            return table.named(name).map_err(Missing::Wrong);
+        }
+        let asked: Vec<&Column> = [Role::Time, Role::Input, Role::Output]
+            .iter()
+            .filter_map(|role| table.named(role.asked(selection)?).ok())
+            .collect();
+        let mut free: Vec<&Column> =
+            table.columns.iter().filter(|c| !asked.iter().any(|other| std::ptr::eq(*other, *c))).collect();
+        if self != Role::Time && self != Role::Reference {
+            let time = Role::Time.candidates(&free);
+            free.retain(|c| !time.iter().any(|other| std::ptr::eq(*other, *c)));
+        }
+        if self == Role::Time && table.ts.is_some() {
+            free.retain(|column| !column.samples.is_empty());
+        }
+        let mut candidates = self.candidates(&free);
+        // A clock beside the time since the start says less.
+        if candidates.iter().any(|column| column.clock.is_none()) {
+            candidates.retain(|column| column.clock.is_none());
+        }
+        // The same channel of another run is as likely, whatever its length.
+        let twin =
+            |column: &Column| table.others.iter().find(|other| self != Role::Time && other.leaf() == column.leaf());
+        match candidates[..] {
+            [column] => match twin(column) {
+                Some(twin) => Err(Missing::Several(self, vec![column, twin])),
+                None => Ok(column),
+            },
+            [] => Err(Missing::None(self, free)),
+            // Some programs write the same time before every channel.
+            [column, ref others @ ..] if self == Role::Time && others.iter().all(|c| c.samples == column.samples) => {
+                Ok(column)
+            }
+            ref several => Err(Missing::Several(self, several.to_vec())),
+        }
+    }
+}
+
+/// Those with these words, if there are any; else all.
+fn preferred<'a>(columns: Vec<&'a Column>, words: &str) -> Vec<&'a Column> {
+    let with: Vec<&Column> = columns.iter().copied().filter(|column| column.has_word(words)).collect();
+    if with.is_empty() { columns } else { with }
+}
+
+/// Why no column has a role.
+pub(super) enum Missing<'a> {
+    /// The user asked for what is not there.
+    Wrong(Error),
+    /// No column is likely; these are free.
+    None(Role, Vec<&'a Column>),
+    /// These are equally likely.
+    Several(Role, Vec<&'a Column>),
+}
+
+impl Missing<'_> {
+    /// One error about all that is missing, with the options that say it.
+    pub(super) fn error(mut all: Vec<Missing<'_>>, table: &Table) -> Error {
+        if let Some(at) = all.iter().position(|missing| matches!(missing, Missing::Wrong(_)))
+            && let Missing::Wrong(error) = all.swap_remove(at)
+        {
+            return error;
+        }
+        match &all[..] {
+            // A name that stands twice cannot be chosen by name.
+            [Missing::Several(role, several)] if several.windows(2).all(|pair| pair[0].name == pair[1].name) => {
+                match table.named(&several[0].name) {
+                    Err(error) => error.advised(vec![(role.option(), table.number(several[0]).into())]),
+                    Ok(_) => table.about_names("a name stands twice", ""),
+                }
+            }
+            [Missing::Several(role, several)] => {
+                let names = listed(several.iter().map(|column| &*column.name));
+                let problem = format!("{names} could each be the {}; choose one: ", role.what());
+                Error::Line { line: table.header, column: None, problem }
+                    .advised(vec![(role.option(), several.first().map_or(Value::Null, |c| c.name.clone().into()))])
+            }
+            [Missing::None(Role::Time, _)] => {
+                let wrong = format!("there is no time column: expected {}", Role::Time.expected());
+                let options = vec![("ts", Value::Null), ("fs", Value::Null), ("time_col", Value::Null)];
+                table.about_names(&wrong, "; ").advised(options)
+            }
+            [Missing::None(role, free)] => {
+                let wrong = format!("there is no {} column: expected {}", role.what(), role.expected());
+                // The other of two roles takes one of them.
+                let taken = |column: &&&Column| {
+                    let other = if *role == Role::Input { Role::Output } else { Role::Input };
+                    other.candidates(free).iter().any(|taken| std::ptr::eq(*taken, **column))
+                };
+                let mut likely = free.iter().filter(|c| !c.has_word(OTHER) && c.has_numbers()).filter(|c| !taken(c));
+                let name = likely.next().map_or(Value::Null, |column| table.title(column).into());
+                table.about_names(&wrong, "; ").advised(vec![(role.option(), name)])
+            }
+            several => {
+                let wanted = several.iter().filter_map(|missing| match missing {
+                    Missing::None(role, _) | Missing::Several(role, _) => Some(*role),
+                    Missing::Wrong(_) => None,
+                });
+                let roles: Vec<Role> = wanted.collect();
+                let whats: Vec<&str> = roles.iter().map(|role| role.what()).collect();
+                let problem = format!("which is the {} cannot be told", whats.join(", and which the "));
+                // The example takes the columns in their order, which the user corrects.
+                let mut free =
+                    table.columns.iter().filter(|c| c.has_numbers() && !c.has_word(TIME) && !c.has_word(OTHER));
+                let mut option = |role: &Role| match role {
+                    Role::Time => ("ts", Value::Null),
+                    role => (role.option(), free.next().map_or(Value::Null, |column| table.title(column).into())),
+                };
+                table
+                    .about_names(&problem, "; if this is their order, ")
+                    .needing(roles.iter().map(&mut option).collect())
+            }
+        }
+    }
+}
+
+impl Table {
+    /// The column of this name, or else of this number, counted from 1.
+    pub(super) fn named(&self, name: &str) -> Result<&Column, Error> {
+        let name = name.trim();
+        let mut named = self
+            .columns
+            .iter()
+            .chain(&self.others)
+            .enumerate()
+            .filter(|(_, column)| !name.is_empty() && column.name == name);
+        match (named.next(), named.next()) {
+            (Some((_, column)), None) => return Ok(column),
+            (Some((first, _)), Some((second, _))) => {
+                let problem =
+                    format!("{} is also the name of column {}: choose one by its number; ", quoted(name), first + 1);
+                return Err(Error::Line { line: self.header, column: Some((second + 1).to_string()), problem });
+            }
+            _ => {}
+        }
+        let number = name.parse::<usize>().ok().and_then(|number| self.columns.get(number.checked_sub(1)?));
+        number.ok_or_else(|| {
+            let known: Vec<String> = self.columns.iter().take(100).map(|column| self.title(column)).collect();
+            Error::unknown("column", name, known.iter().map(String::as_str))
+        })
+    }
+
+    /// The name of a column, or its number if it has none.
+    pub(super) fn title(&self, column: &Column) -> String {
+        if column.name.is_empty() { self.number(column) } else { shortened(&column.name) }
+    }
+
+    fn number(&self, column: &Column) -> String {
+        (1 + self.columns.iter().position(|other| std::ptr::eq(other, column)).unwrap_or(0)).to_string()
+    }
+}
+
+impl Column {
+    /// Its name without those of the groups around it.
+    fn leaf(&self) -> &str {
+        self.name.rsplit('/').next().unwrap_or(&self.name)
+    }
+
+    fn has_numbers(&self) -> bool {
+        self.flaw.is_none() && !self.samples.is_empty()
+    }
+
+    /// True if these are the stamps of a time: they increase evenly, and not by a whole number as numbers of rows do.
+    fn is_uniform_time(&self) -> bool {
+        let step = |pair: &[f64]| pair[1] - pair[0];
+        let Some(first) = self.samples.windows(2).map(step).next() else { return false };
+        let even = self.samples.windows(2).map(step).all(|d| (d - first).abs() <= 0.01 * first);
+        first > 0.0 && first.fract() != 0.0 && even
+    }
+}
