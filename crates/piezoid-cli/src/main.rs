@@ -2,11 +2,13 @@
 //!
 //! Exit status: 0 on success, 2 on a wrong command line, 1 on any other failure, with one message on stderr.
 
+mod columns;
 mod commands;
 mod console;
 mod files;
 mod flags;
 mod layout;
+mod sketch;
 mod tables;
 mod values;
 

@@ -31,7 +31,7 @@ const FILES: &[(&str, &str, &[u8], &str)] = &[
 
 const NUMPY: &str = "map (of shape 2 x 2), names (text), impedance (of type `<c16`), short (of 3 samples, not 4)";
 const MATLAB: &str = "lines (text), map (of shape 2 x 2), impedance (complex numbers), sparse (a sparse matrix), \
-                      nothing (empty), runs (cells, 1 x 2), twice (structures, 1 x 2), short (of 3 samples, not 4)";
+                      nothing (empty), runs (structures, 1 x 2), twice (structures, 1 x 2), short (of 3 samples, not 4)";
 const HDF5: &str = "cells (of class cell), empty (empty), map (of shape 2 x 2), sparse (a sparse matrix)";
 
 fn record(table: &Table) -> Result<Record, Error> {

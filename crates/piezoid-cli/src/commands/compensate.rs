@@ -1,5 +1,6 @@
 //! `piezoid compensate`: the voltage for a requested displacement, by feed-forward.
 
+use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
@@ -7,7 +8,6 @@ use crate::layout::table;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::formats::ColumnSelection;
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
 use piezoid::{CompensateOptions, Compensation};
@@ -44,15 +44,16 @@ pub(crate) struct Compensate {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<ColumnSelection>,
+    columns: Columns,
 }
 
 impl Compensate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &self.reference])?;
         files::ready(&[Some(&self.output), self.json.as_deref()])?;
+        let columns = self.columns.read()?;
         let (model, reference) = (files::read(&self.model)?, files::read(&self.reference)?);
-        let made = self.options.0.run(&model, &reference, &self.columns.0).map_err(failed)?;
+        let made = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
         let stdout = Some(Path::new("-"));
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
             console.print(&tables(&made, console))?;

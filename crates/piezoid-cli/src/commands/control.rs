@@ -1,6 +1,7 @@
 //! `piezoid control`: the closed loop on a simulated actuator, several schemes side by side.
 
 use super::lists;
+use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
@@ -11,7 +12,6 @@ use clap::Args;
 use piezoid::control::{
     ClosedLoopRun, Comparison, ControllerInput, NamedReference, Reference, ReferenceResult, TunedScheme,
 };
-use piezoid::formats::ColumnSelection;
 use piezoid::number::{round, short as number};
 use piezoid::{ControlOptions, System};
 use std::hint::black_box;
@@ -54,7 +54,7 @@ pub(crate) struct Control {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<ColumnSelection>,
+    columns: Columns,
 }
 
 impl Control {
@@ -67,6 +67,7 @@ impl Control {
             bail!(Misused("-o holds one run: name one --controller and one --reference with it".into()));
         }
         files::ready(&results)?;
+        let columns = self.columns.read()?;
         for path in &paths {
             let name = path.to_string_lossy();
             if let (false, Err(unknown)) = (path.exists(), Reference::find(name.split(':').next().unwrap_or(&name))) {
@@ -77,7 +78,7 @@ impl Control {
         let plant = Path::new(&self.plant).file_name().and_then(|name| name.to_str()).unwrap_or(&self.plant);
         let (model, references) = (files::read(&self.model)?, files::read_all(&paths)?);
         let mut progress = console.progress();
-        let compared = options.run((plant, &spec), &model, &references, &self.columns.0, &mut progress);
+        let compared = options.run((plant, &spec), &model, &references, &columns, &mut progress);
         drop(progress);
         let compared = console.done(compared)?;
         if !results.contains(&Some(Path::new("-"))) {

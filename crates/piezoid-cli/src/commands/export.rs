@@ -1,5 +1,6 @@
 //! `piezoid export`: the model, its inverse and its controller for other machines.
 
+use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
@@ -38,7 +39,7 @@ pub(crate) struct Export {
     #[arg(help_heading = "Waveforms")]
     reference: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<ColumnSelection>,
+    columns: Columns,
     /// The folder to write to; created if it does not exist.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -46,7 +47,7 @@ pub(crate) struct Export {
 
 impl Export {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        let (options, columns) = (self.options.0, self.columns.0);
+        let (options, columns) = (self.options.0, self.columns.read()?);
         if self.reference.is_none() && columns != ColumnSelection::default() {
             bail!(Misused("options of data files are for a --reference".into()));
         }

@@ -1,6 +1,7 @@
 //! `piezoid identify`: from measured records to a model.
 
 use super::identified::summary;
+use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
@@ -8,7 +9,6 @@ use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::IdentifyOptions;
-use piezoid::formats::ColumnSelection;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -51,7 +51,7 @@ pub(crate) struct Identify {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
-    columns: Flags<ColumnSelection>,
+    columns: Columns,
 }
 
 impl Identify {
@@ -62,9 +62,10 @@ impl Identify {
         apart(&results, &paths)?;
         files::ready(&results)?;
         self.options.0.check().map_err(failed)?;
+        let columns = self.columns.read()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&large_signal)?);
         let mut progress = console.progress();
-        let made = self.options.0.run((&small, &large), &self.columns.0, &files::command(), &mut progress);
+        let made = self.options.0.run((&small, &large), &columns, &files::command(), &mut progress);
         drop(progress);
         let made = console.done(made)?;
         if !results.contains(&Some(Path::new("-"))) {

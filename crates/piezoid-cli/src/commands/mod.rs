@@ -6,6 +6,7 @@ mod excite;
 mod export;
 mod identified;
 mod identify;
+mod inspect;
 mod lists;
 mod report;
 mod shell;
@@ -22,6 +23,8 @@ use clap::Subcommand;
 pub(crate) enum Verb {
     /// Repeat the paper's experiment from end to end, as tables and a report.
     Study(study::Study),
+    /// Show what data files hold, how they are read and what seems wrong; write a profile of a rig.
+    Inspect(inspect::Inspect),
     /// Make a drive signal: PRBS, sines, chirps, steps.
     Excite(excite::Excite),
     /// Run a plant or a model on a drive signal.
@@ -62,6 +65,7 @@ impl Verb {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         match self {
             Verb::Study(verb) => verb.run(console),
+            Verb::Inspect(verb) => verb.run(console),
             Verb::Excite(verb) => verb.run(console),
             Verb::Simulate(verb) => verb.run(console),
             Verb::Identify(verb) => verb.run(console),

@@ -1,6 +1,7 @@
 //! `piezoid simulate`: the response of a plant or a model to a drive signal.
 
 use super::lists;
+use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
@@ -8,7 +9,6 @@ use crate::values::apart;
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::SimulateOptions;
-use piezoid::formats::ColumnSelection;
 use piezoid::hammerstein::InitialCondition;
 use std::path::PathBuf;
 
@@ -47,14 +47,14 @@ pub(crate) struct Simulate {
     #[arg(long, conflicts_with = "begin")]
     settled: bool,
     #[command(flatten)]
-    columns: Flags<ColumnSelection>,
+    columns: Columns,
 }
 
 impl Simulate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &[&self.input])?;
         files::ready(&[Some(&self.output)])?;
-        let (mut options, columns) = (self.options.0, &self.columns.0);
+        let (mut options, columns) = (self.options.0, &self.columns.read()?);
         if self.settled {
             options.begin = InitialCondition::Settled;
         }

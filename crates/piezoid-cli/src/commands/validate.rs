@@ -1,5 +1,6 @@
 //! `piezoid validate`: free runs of a model against validation records.
 
+use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
@@ -7,7 +8,6 @@ use crate::tables;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::formats::ColumnSelection;
 use piezoid::validation::ValidateOptions;
 use piezoid::{Model, Validated};
 use std::path::PathBuf;
@@ -52,7 +52,7 @@ pub(crate) struct ValidationFlags {
     #[command(flatten)]
     options: Flags<ValidateOptions>,
     #[command(flatten)]
-    columns: Flags<ColumnSelection>,
+    columns: Columns,
 }
 
 impl ValidationFlags {
@@ -63,7 +63,8 @@ impl ValidationFlags {
 
     pub(crate) fn run(&self) -> Result<(Model, Validated)> {
         let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(&self.data)?);
-        let validated = self.options.0.run(&model, &data, &self.columns.0).map_err(failed)?;
+        let columns = self.columns.read()?;
+        let validated = self.options.0.run(&model, &data, &columns).map_err(failed)?;
         Ok((model, validated))
     }
 }

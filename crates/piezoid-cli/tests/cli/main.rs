@@ -11,6 +11,7 @@ mod control;
 mod drive;
 mod files;
 mod fmu;
+mod inspect;
 mod joint;
 mod lists;
 mod measured;

@@ -2,7 +2,7 @@
 
 use super::units;
 use crate::error::{Error, positive};
-use crate::options::{OptionKind, OptionRow, options};
+use crate::options::{OptionKind, OptionRow, Options, options};
 use crate::record::Record;
 use std::ops::Range;
 
@@ -46,6 +46,52 @@ const SCALE: OptionKind = OptionKind::Text("FACTOR");
 const GROUP: &str = "Data files";
 
 impl ColumnSelection {
+    /// The selection in a profile of a rig, as [`to_toml`](ColumnSelection::to_toml) writes it.
+    ///
+    /// # Errors
+    /// Returns an error if the text is not TOML, or has unknown names or invalid values.
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
+        let refused = |error: toml::de::Error| {
+            let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            let problem = format!("not TOML: {}; write one `name = value` a line", error.message());
+            Error::Line { line: 1 + before.matches('\n').count() as u64, column: None, problem }
+        };
+        Self::from_json(toml::from_str(text).map_err(refused)?)
+    }
+
+    /// A profile of a rig: what was said of its files, one `name = value` a line.
+    ///
+    /// ```
+    /// use piezoid::formats::ColumnSelection;
+    /// let rig = ColumnSelection { input_scale: Some("20".into()), fs: Some(2000.0), ..ColumnSelection::default() };
+    /// assert_eq!(rig.to_toml(), "fs = 2000.0\ninput_scale = \"20\"\n");
+    /// assert_eq!(ColumnSelection::from_toml(&rig.to_toml())?, rig);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub fn to_toml(&self) -> String {
+        // Names and values of a flat table can always be written.
+        toml::to_string(self).unwrap_or_default()
+    }
+
+    /// What is said here, and what `other` says where this says nothing.
+    pub fn or(self, other: ColumnSelection) -> Self {
+        ColumnSelection {
+            // A period and a rate say the same.
+            ts: self.ts.or(other.ts.filter(|_| self.fs.is_none())),
+            fs: self.fs.or(other.fs.filter(|_| self.ts.is_none())),
+            time_unit: self.time_unit.or(other.time_unit),
+            time_col: self.time_col.or(other.time_col),
+            input_col: self.input_col.or(other.input_col),
+            output_col: self.output_col.or(other.output_col),
+            input_unit: self.input_unit.or(other.input_unit),
+            output_unit: self.output_unit.or(other.output_unit),
+            input_scale: self.input_scale.or(other.input_scale),
+            output_scale: self.output_scale.or(other.output_scale),
+            from: self.from.or(other.from),
+            to: self.to.or(other.to),
+        }
+    }
+
     /// The selected range of `n` samples.
     pub(super) fn part(&self, ts: f64, n: usize) -> Result<Range<usize>, Error> {
         match (self.from, self.to) {

@@ -11,7 +11,7 @@ use super::time;
 use super::units::Quantity;
 use crate::error::Error;
 use crate::record::{Record, Units};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Relative deviation of the mean step from a stated period that is rounding.
 const ROUNDED: f64 = 0.01;
@@ -123,6 +123,47 @@ impl Table {
         let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
         let role = if said { Role::Reference } else { Role::Output };
         self.sampled([role], selection).map(|(_, [r])| r)
+    }
+
+    /// All columns, with their units, ranges and roles.
+    pub(crate) fn described(&self, selection: &ColumnSelection) -> Vec<Value> {
+        let roles = [Role::Time, Role::Input, Role::Output];
+        let found: Vec<_> = roles.iter().map(|role| (role.what(), role.find(self, selection).ok())).collect();
+        let one = |column: &Column| {
+            let role = found.iter().find(|(_, found)| found.is_some_and(|found| std::ptr::eq(found, column)));
+            let (low, high) = crate::series::ends(column.samples.iter().copied());
+            json!({
+                "name": self.title(column),
+                "unit": column.stated(),
+                "samples": column.samples.len(),
+                "low": low,
+                "high": high,
+                "role": role.map(|(what, _)| what),
+                "flaw": column.flaw.as_ref().map(ToString::to_string),
+            })
+        };
+        self.columns.iter().chain(&self.others).map(one).collect()
+    }
+
+    /// What the user says, completed by the names and units that were found.
+    pub(crate) fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
+        let name = |role: Role| role.find(self, selection).ok().map(|column| self.title(column));
+        let unit = |role: Role| role.find(self, selection).ok().map(|column| column.unit(role));
+        let time = if selection.period() == Ok(None) { name(Role::Time) } else { None };
+        ColumnSelection {
+            time_col: selection.time_col.clone().or(time),
+            input_col: selection.input_col.clone().or_else(|| name(Role::Input)),
+            output_col: selection.output_col.clone().or_else(|| name(Role::Output)),
+            input_unit: selection
+                .input_unit
+                .clone()
+                .or_else(|| selection.input_scale.is_none().then(|| unit(Role::Input))?),
+            output_unit: selection
+                .output_unit
+                .clone()
+                .or_else(|| selection.output_scale.is_none().then(|| unit(Role::Output))?),
+            ..selection.clone()
+        }
     }
 
     /// What was guessed, scaled and cut to make a record.

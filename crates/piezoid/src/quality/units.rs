@@ -25,12 +25,24 @@ pub(super) fn units(record: &Record) -> Option<Finding> {
         let (low, high) = ends(x.iter().copied());
         high - low
     };
-    let (units, voltage, stroke) = (record.units(), range(record.u()), range(record.y()));
+    let units = record.units();
+    let told = |text| Some(Finding { defect: Defect::Units, samples: Vec::new(), text });
+    if Units::factor(&units.u, "m").is_some() && ["V", "mV", "kV"].contains(&&*units.y) {
+        return told(format!(
+            "the input is in {} and the output in {}: input and output seem to be exchanged; choose the other columns",
+            units.u, units.y
+        ));
+    }
+    let volts = match &*units.u {
+        "V" => 1.0,
+        "mV" => 1e-3,
+        "kV" => 1e3,
+        _ => return None,
+    };
+    let (voltage, stroke) = (volts * range(record.u()), range(record.y()));
     let metres = stroke * Units::factor(&units.y, "m")?;
     let gain = metres / voltage;
-    let what = if units.u != "V" {
-        return None;
-    } else if metres > STROKE {
+    let what = if metres > STROKE {
         format!("the output has a range of {} {}, more than any piezo actuator moves", short(stroke), units.y)
     } else if voltage > VOLTAGE {
         format!("the input has a range of {} V, more than any piezo actuator takes", short(voltage))
@@ -40,8 +52,7 @@ pub(super) fn units(record: &Record) -> Option<Finding> {
     } else {
         return None;
     };
-    let text = format!("{what}: check the units of the columns, and that they are not swapped");
-    Some(Finding { defect: Defect::Units, samples: Vec::new(), text })
+    told(format!("{what}: check the units of the columns, and that they are not swapped"))
 }
 
 #[cfg(test)]
@@ -50,11 +61,12 @@ mod tests {
 
     #[test]
     fn only_strokes_and_voltages_of_no_actuator_are_reported() {
-        let said = |volts: f64, stroke: f64, unit: &str| {
-            let record = Record::new(1.0, vec![0.0, volts], vec![0.0, stroke]).unwrap();
-            let finding = units(&record.with_units(Units { u: "V".into(), y: unit.into() }));
+        let told = |input: f64, unit: &str, stroke: f64, of: &str| {
+            let record = Record::new(1.0, vec![0.0, input], vec![0.0, stroke]).unwrap();
+            let finding = units(&record.with_units(Units { u: unit.into(), y: of.into() }));
             finding.map_or(String::new(), |finding| finding.text)
         };
+        let said = |volts: f64, stroke: f64, unit: &str| told(volts, "V", stroke, unit);
         // A stack, a bender, a single layer, a mirror in metres, a resonance, a stack driven through an amplifier.
         for (volts, stroke, unit) in
             [(120.0, 18.0, "um"), (60.0, 4.0, "mm"), (100.0, 30.0, "nm"), (0.6, 3e-5, "m"), (2.0, 600.0, "um")]
@@ -66,5 +78,7 @@ mod tests {
         assert!(said(120e3, 18.0, "um").contains("a range of 1.200e5 V, more than"));
         assert!(said(0.12, 180.0, "um").contains("moves by 1500 um/V, more than any"));
         assert!(said(100.0, 5e-4, "nm").contains("less than any piezo actuator"));
+        assert!(told(18.0, "kV", 18.0, "um").contains("a range of 18000 V") && told(18e3, "mV", 18.0, "um").is_empty());
+        assert!(told(18.0, "um", 120.0, "V").contains("the input is in um and the output in V"));
     }
 }

@@ -5,6 +5,7 @@ mod compensate;
 mod control;
 mod excite;
 mod identify;
+mod inspect;
 mod simulate;
 mod validate;
 

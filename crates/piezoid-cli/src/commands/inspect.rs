@@ -1,0 +1,108 @@
+//! `piezoid inspect`: what files hold, how they are read, and what seems wrong with them.
+
+use crate::columns::Columns;
+use crate::console::Console;
+use crate::files;
+use crate::flags::{failed, told};
+use crate::layout::table;
+use crate::values::apart;
+use anyhow::Result;
+use clap::Args;
+use piezoid::File;
+use piezoid::number::round;
+use serde_json::Value;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  What a file holds, and how it would be read:
+    piezoid inspect log.csv
+  A scope recorded the input of an amplifier of gain 20 and a sensor of 5 um/V; the profile says so from now on:
+    piezoid inspect scope.csv --input-col CH1 --input-scale 20 --output-col CH2 --output-scale 5um/V -o rig.toml
+    piezoid identify --data scope.csv --profile rig.toml -o model.json";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid inspect <FILE>... [OPTIONS]")]
+pub(crate) struct Inspect {
+    /// The files.
+    #[arg(value_name = "FILE", required = true)]
+    data: Vec<PathBuf>,
+    /// Write a profile: how the first file is read. Other verbs take it by --profile.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write what was found as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+impl Inspect {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let inputs: Vec<&PathBuf> = self.data.iter().collect();
+        let results = [self.output.as_deref(), self.json.as_deref()];
+        apart(&results, &inputs)?;
+        files::ready(&results)?;
+        let (columns, data) = (self.columns.read()?, files::read_all(&self.data)?);
+        let mut all = Vec::new();
+        for file in &data {
+            let seen = file.inspect(&columns).map_err(failed)?;
+            if !results.contains(&Some(std::path::Path::new("-"))) {
+                console.print(&summary(file, &seen, &columns, console))?;
+            }
+            all.push(seen);
+        }
+        if let (Some(path), Some(first)) = (&self.output, data.first()) {
+            let profile = first.profile(&columns).map_err(failed)?.to_toml();
+            let about = "# How records of this rig are read: piezoid VERB ... --profile FILE\n";
+            files::write(path, &format!("{about}{profile}"), console)?;
+        }
+        files::write_json(self.json.as_deref(), &Value::Array(all), console)
+    }
+}
+
+/// What a file holds, as text for the terminal.
+fn summary(file: &File, seen: &Value, columns: &piezoid::formats::ColumnSelection, console: &Console) -> String {
+    let text = |value: &Value| value.as_str().map_or_else(|| "-".to_string(), String::from);
+    let number = |value: &Value| value.as_f64().map_or_else(|| "-".into(), round);
+    let channels = seen["channels"].as_array().map_or(&[][..], Vec::as_slice);
+    let row = |channel: &Value| {
+        let (name, unit, role) = (text(&channel["name"]), text(&channel["unit"]), text(&channel["role"]));
+        vec![name, role, unit, channel["samples"].to_string(), number(&channel["low"]), number(&channel["high"])]
+    };
+    let rows: Vec<Vec<String>> = channels.iter().map(row).collect();
+    let header = ["channel", "role", "unit", "samples", "from", "to"];
+    let mut said = format!("{}: {}\n{}", file.name, text(&seen["format"]), table(&header, &rows, console.room()));
+    let record = &seen["record"];
+    if !record.is_null() {
+        let (ts, units) = (record["ts"].as_f64().unwrap_or(f64::NAN), &record["units"]);
+        let rate = format!(
+            "{} samples every {} s ({} Hz), {} s; u in {}, y in {}",
+            record["samples"],
+            round(ts),
+            round(1.0 / ts),
+            number(&record["duration"]),
+            text(&units["u"]),
+            text(&units["y"])
+        );
+        said += &console.paragraph(&rate, "  ");
+    }
+    let list = |name: &str| seen[name].as_array().into_iter().flatten().map(&text).collect::<Vec<_>>();
+    for step in list("history") {
+        said += &console.paragraph(&step, "  ");
+    }
+    match file.record(columns) {
+        Ok(record) => {
+            let width = console.room().unwrap_or(80).min(100);
+            for (name, samples) in [("u", record.u()), ("y", record.y())] {
+                said += &crate::sketch::sketch(name, samples, width);
+            }
+            for problem in list("problems") {
+                said += &console.paragraph(&format!("problem: {problem}"), "  ");
+            }
+        }
+        Err(error) => said += &console.paragraph(&format!("no record: {}", told(&error)), "  "),
+    }
+    said + "\n"
+}

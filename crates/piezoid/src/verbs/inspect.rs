@@ -1,0 +1,69 @@
+//! What a file holds, how it is read, and what seems wrong with it.
+
+use super::File;
+use crate::error::Error;
+use crate::formats::{ColumnSelection, FORMATS, Table};
+use crate::quality::{Need, inspect};
+use crate::record::Record;
+use serde_json::{Value, json};
+
+impl File {
+    /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
+    /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
+    /// `history`, how the record is made of the channels; `problems`, which are reasons why there is no record, and
+    /// suspected defects of the record.
+    ///
+    /// ```
+    /// use piezoid::{File, formats::ColumnSelection};
+    /// let file = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n");
+    /// let seen = file.inspect(&ColumnSelection::default())?;
+    /// assert_eq!(seen["channels"][2]["role"], "output");
+    /// assert_eq!(seen["record"]["ts"], 0.001);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the file has no format that is read, or is damaged.
+    pub fn inspect(&self, columns: &ColumnSelection) -> Result<Value, Error> {
+        let table = Table::read(&self.name, &self.bytes).map_err(|error| error.of(&self.name))?;
+        let read = table.record(columns);
+        let (record, history, problems) = match &read {
+            Ok(record) => (described(record), record.history().to_vec(), defects(record)),
+            Err(error) => (Value::Null, Vec::new(), vec![error.to_string()]),
+        };
+        let format = FORMATS.iter().rfind(|format| (format.matches)(&self.bytes)).map(|format| format.name);
+        Ok(json!({
+            "file": self.name,
+            "format": format,
+            "channels": table.described(columns),
+            "record": record,
+            "history": history,
+            "problems": problems,
+        }))
+    }
+
+    /// How records like this one are read: the columns that were found, with their units, and all that was said.
+    ///
+    /// # Errors
+    /// The errors of [`File::record`].
+    pub fn profile(&self, columns: &ColumnSelection) -> Result<ColumnSelection, Error> {
+        self.read(|table| {
+            table.record(columns)?;
+            Ok(table.profile(columns))
+        })
+    }
+}
+
+fn described(record: &Record) -> Value {
+    json!({
+        "ts": record.ts(),
+        "samples": record.len(),
+        "duration": record.duration(),
+        "units": record.units(),
+    })
+}
+
+/// The suspected defects of a record.
+fn defects(record: &Record) -> Vec<String> {
+    inspect(record, &Need::default()).findings.into_iter().map(|finding| finding.text).collect()
+}
