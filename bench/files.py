@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Reads files as other programs write them (bench/files), and counts how many are read right without an option.
 
-usage: files.py [--data FOLDER] [--only csv] [--all]
+usage: files.py [--set first|second] [--data FOLDER] [--only csv] [--all]
+
+The first set was there while the readers were written; the second was written by someone who had not seen them, and
+read for the first time after that.
 
 A file is read right if u and y are those of truth.json to the bit, and the sampling period but for rounding; it may be
 refused if truth.json says that it cannot be known what is what. Each file that fails is listed with its message, cut to
@@ -50,16 +53,19 @@ def outcome(folder: Path, truth: dict) -> tuple[str, str]:
 def main() -> None:
     """Reads all files, and prints a table."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--data", type=Path, default=HERE.parent / "target" / "files")
+    words.add_argument("--set", choices=["first", "second"], default="first")
+    words.add_argument("--data", type=Path, help="folder of the files; they are written if they are not there")
     words.add_argument("--only", default="", help="files whose name begins so")
     words.add_argument("--all", action="store_true", help="lists the files that are read right too")
     given = words.parse_args()
-    if not (given.data / "truth.json").exists():
-        subprocess.run([sys.executable, HERE / "files" / "make.py", given.data], check=True)
-    entries = json.loads((given.data / "truth.json").read_text())
+    data = given.data or HERE.parent / "target" / "files" / given.set
+    if not (data / "truth.json").exists():
+        script = {"first": "make.py", "second": "second.py"}[given.set]
+        subprocess.run([sys.executable, HERE / "files" / script, data], check=True)
+    entries = json.loads((data / "truth.json").read_text())
     counts: dict[str, collections.Counter[str]] = collections.defaultdict(collections.Counter)
     for truth in (one for one in entries if one["file"].startswith(given.only)):
-        became, why = outcome(given.data, truth)
+        became, why = outcome(data, truth)
         counts[truth["family"]][became] += 1
         if given.all or became not in ("read right", "refused, as it should be"):
             print(f"{truth['file']}: {became}: {' '.join(why.split())[:300]}")
