@@ -51,9 +51,12 @@ mod tests {
         let text = sketch("u", &ramp, 20);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), LINES);
-        assert!(lines[0].starts_with("63  ") && lines[1].starts_with(" u  ") && lines[3].starts_with(" 0  "), "{text}");
+        assert!(
+            lines[0].starts_with("63.00  ") && lines[1].starts_with("    u  ") && lines[3].starts_with("    0  "),
+            "{text}"
+        );
         assert!(lines.iter().all(|line| line.chars().count() <= 20), "{text}");
-        assert!(lines[3].chars().nth(4).is_some_and(|c| c > '\u{2800}'), "{text}");
+        assert!(lines[3].chars().nth(7).is_some_and(|c| c > '\u{2800}'), "{text}");
         assert!(lines[0].chars().last().is_some_and(|c| c > '\u{2800}'), "{text}");
     }
 

@@ -62,15 +62,16 @@ impl Table {
         {
             return Err(Error::Line { line, column: None, problem: problem.into() });
         }
-        let numbered =
-            cells(row, dialect.separator).next().is_some_and(|cell| ["0", "1"].contains(&cell.unwrap_or("")));
+        let numbered = dialect.is_numbered(lines.clone().map(|(_, row)| row).filter(|row| !blank(row)));
         let head = Head::read(&above, &dialect, numbered);
         let stated = head.rows;
         let header = above.iter().find(|(line, _)| *line == head.line).map(|(_, text)| *text);
         let mut table = Table::below(head, first, row, &dialect)?;
         while let Some((line, row)) = lines.next() {
             // Remarks, and the header again, may stand between rows.
-            if blank(row) || remark(row) || Some(row) == header {
+            let missing =
+                || cells(row, dialect.separator).next().is_some_and(|cell| cell.is_ok_and(number::not_finite));
+            if blank(row) || remark(row) && !missing() || Some(row) == header {
                 table.gaps.push(table.count);
                 continue;
             }
@@ -188,10 +189,12 @@ fn above<'a>(
 ) -> Vec<(u64, &'a str)> {
     let mut above = Vec::new();
     while let Some(&(_, line)) = lines.peek() {
-        let mut next = lines.clone().skip(1).filter(|(_, line)| !blank(line));
         let (begins, row) = (dialect.begins_like_a_row(line), dialect.is_row(line));
-        if next.next().map_or(row, |(_, next)| (begins || row) && dialect.is_row(next)) {
-            break;
+        if begins || row {
+            let mut next = lines.clone().skip(1).filter(|(_, line)| !blank(line) && !remark(line));
+            if next.next().map_or(row, |(_, next)| dialect.is_row(next)) {
+                break;
+            }
         }
         above.extend(lines.next());
     }

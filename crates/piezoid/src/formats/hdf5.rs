@@ -37,7 +37,7 @@ fn matches(bytes: &[u8]) -> bool {
 
 fn read(bytes: &[u8]) -> Result<Table, Error> {
     let (table, failed) = content(bytes)?;
-    match older(bytes).filter(|_| failed) {
+    match failed.then(|| older(bytes)).flatten() {
         Some(bytes) => Ok(content(&bytes)?.0),
         None => Ok(table),
     }

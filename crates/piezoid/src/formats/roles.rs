@@ -65,6 +65,7 @@ impl Role {
     pub(super) fn owns(self, column: &Column) -> bool {
         match self {
             Role::Time => column.name == "t_s",
+            Role::Output if column.has_word(REQUESTED) => false,
             _ => column.name.starts_with(self.prefix()) && !column.has_unit_apart(),
         }
     }

@@ -258,11 +258,26 @@ impl Table {
             (Some(seconds), _) | (None, Some(Quantity::Time(seconds))) => Some(seconds),
             _ => None,
         };
-        let found = time::period(&time.samples, &shortened(&time.name), &line);
-        // Rounded stamps are no error if the file states the period that they mean.
+        if let Some(unit) = time.stated().filter(|_| seconds.is_none()) {
+            let problem = format!("the unit {} of the time is not known: ", quoted(unit));
+            return Err(Error::Line { line: self.header, column: Some(shortened(&time.name)), problem }
+                .advised(vec![("time_unit", Value::Null), ("fs", Value::Null)]));
+        }
+        // A stated rate tells the unit of a time without one.
         let mean = time::mean(&time.samples);
+        let agrees = |unit: &f64| stated.is_some_and(|ts| (mean * unit / ts - 1.0).abs() < ROUNDED);
+        let seconds = seconds.or_else(|| [1.0, 1e-3, 1e-6, 1e-9].into_iter().find(agrees));
+        let scaled = |unit: f64| time.samples.iter().map(|t| t * unit).collect::<Vec<_>>();
+        let found = time::period(&time.samples, &shortened(&time.name), &line).map_err(|error| match seconds {
+            // The message is in seconds.
+            Some(unit) if unit != 1.0 => {
+                time::period(&scaled(unit), &shortened(&time.name), &line).err().unwrap_or(error)
+            }
+            _ => error,
+        });
+        // Rounded stamps are no error if the file states the period that they mean.
         let found = match (found, stated) {
-            (Err(_), Some(ts)) if (mean * seconds.unwrap_or(1.0) / ts - 1.0).abs() < ROUNDED => return Ok(ts),
+            (Err(_), Some(ts)) if time::rounds(&time.samples, ts / seconds.unwrap_or(1.0)) => return Ok(ts),
             (found, _) => found?,
         };
         let found_seconds = seconds.map(|seconds| time::times(found, seconds));

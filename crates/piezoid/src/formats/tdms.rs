@@ -90,6 +90,8 @@ enum Property {
 struct Place {
     kind: u64,
     count: usize,
+    /// Bytes of all values, if they are text.
+    text: usize,
 }
 
 struct Reading<'a> {
@@ -151,12 +153,9 @@ impl Reading<'_> {
             }
             _ => {
                 let (kind, _, count) = (cursor.number(4)?, cursor.number(4)?, cursor.number(8)?);
-                if kind == TEXT {
-                    // Its size in bytes.
-                    cursor.number(8)?;
-                }
-                let count = usize::try_from(count).map_err(|_| damaged("a chunk of too many values"))?;
-                channel.place = Some(Place { kind, count });
+                let many = |_| damaged("a chunk of too many values");
+                let text = if kind == TEXT { usize::try_from(cursor.number(8)?).map_err(many)? } else { 0 };
+                channel.place = Some(Place { kind, count: usize::try_from(count).map_err(many)?, text });
                 if !self.list.contains(&index) {
                     self.list.push(index);
                 }
@@ -178,11 +177,18 @@ impl Reading<'_> {
         let mut chunk = 0usize;
         for &index in &self.list {
             let Some(place) = self.channels[index].place else { continue };
+            if place.kind == TEXT {
+                self.channels[index].stored = Err("text".into());
+                places.push((index, place, 1, place.text));
+                chunk = chunk.checked_add(place.text).ok_or_else(|| damaged("a chunk of too many values"))?;
+                continue;
+            }
             let Some(size) = size(place.kind) else {
                 // The place of the data behind it is unknown.
-                self.channels[index].stored =
-                    Err(if place.kind == TEXT { "text" } else { "of an unknown type" }.into());
-                continue;
+                for &index in &self.list {
+                    self.channels[index].stored = Err("beside values of an unknown type".into());
+                }
+                return Ok(());
             };
             let bytes = place.count.checked_mul(size).ok_or_else(|| damaged("a chunk of too many values"))?;
             places.push((index, place, size, bytes));
@@ -251,6 +257,12 @@ impl Channel {
         for k in 0..scales.min(16) {
             let value = |name: &str| self.number(&format!("NI_Scale[{k}]_{name}"));
             match self.text(&format!("NI_Scale[{k}]_Scale_Type")).as_deref() {
+                // A scale of another input than the values of the scale before it.
+                Some(_)
+                    if value("Linear_Input_Source").is_some_and(|from| k > 0 && from != f64::from(k as u32 - 1)) =>
+                {
+                    return Err("with scales that branch".into());
+                }
                 Some("Linear") => {
                     let (slope, intercept) =
                         (value("Linear_Slope").unwrap_or(1.0), value("Linear_Y_Intercept").unwrap_or(0.0));

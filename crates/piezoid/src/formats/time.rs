@@ -46,6 +46,16 @@ pub(super) fn mean(t: &[f64]) -> f64 {
     }
 }
 
+/// True if the stamps are those of this period, but for their rounding.
+pub(super) fn rounds(t: &[f64], period: f64) -> bool {
+    let steps = || t.windows(2).map(|pair| pair[1] - pair[0]);
+    let resolution = steps().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    // Fine stamps deviate by less than half a period; coarse ones by their resolution.
+    let allowed = if resolution > 0.9 * period && resolution < 1.5 * period { 0.5 * period } else { 1.01 * resolution };
+    let deviates = |(k, stamp): (usize, &f64)| (stamp - t[0] - k as f64 * period).abs() > allowed;
+    resolution.is_finite() && steps().all(|step| step >= 0.0) && !t.iter().enumerate().any(deviates)
+}
+
 /// A period in a unit of so many seconds, in seconds: the nearest number to the decimal product.
 pub(super) fn times(period: f64, seconds: f64) -> f64 {
     let power = seconds.log10().round();
@@ -196,6 +206,18 @@ mod tests {
             "line 5, column t_s: time goes back from 0.02 s to 0 s but must increase: if a second record starts here, \
              split the file"
         );
+    }
+
+    #[test]
+    fn stamps_that_are_rounded_are_not_stamps_with_gaps() {
+        let stamps =
+            |digits: f64| (0..300).map(|k| (f64::from(k) * 5e-4 * digits).floor() / digits).collect::<Vec<_>>();
+        assert!(rounds(&stamps(1e3), 5e-4) && rounds(&stamps(1e4), 5e-4) && !rounds(&stamps(1e4), 6e-4));
+        let gap: Vec<f64> = (0..300).map(|k| f64::from(k + i32::from(k > 150)) * 1e-3).collect();
+        assert!(!rounds(&gap, 1e-3));
+        let mut back = stamps(1e4);
+        back.swap(100, 101);
+        assert!(!rounds(&back, 5e-4));
     }
 
     #[test]

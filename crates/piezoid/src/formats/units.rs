@@ -63,8 +63,12 @@ pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
         return None;
     }
     let lower = text.to_lowercase();
-    let is =
-        |name: &str| lower == name || lower.strip_suffix('s') == Some(name) || lower.strip_suffix('e') == Some(name);
+    let is = |name: &str| {
+        lower == name
+            || lower.strip_suffix('s') == Some(name)
+            || lower.strip_suffix('e') == Some(name)
+            || lower.strip_suffix('n') == Some(name)
+    };
     for &(unit, names, quantity) in SINGLE {
         if text == unit || lower == unit.to_lowercase() || names.contains(&lower.as_str()) {
             return Some((unit.into(), quantity));
@@ -75,7 +79,12 @@ pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
             let symbol = format!("{prefix}{base}");
             // An `M` may be mega: only the case of a unit without this doubt is mended.
             let mended = lower == symbol.to_lowercase() && (prefix != "m" || text.starts_with('m') || base == "m");
-            if text == symbol || mended || names.iter().any(|name| is(&format!("{prefix_name}{name}"))) {
+            if text == symbol
+                || mended
+                || names
+                    .iter()
+                    .any(|name| is(&format!("{prefix_name}{name}")) || *name == "sec" && is(&format!("{prefix}sec")))
+            {
                 let factor = match prefix {
                     "k" => 1e3,
                     "m" => 1e-3,
@@ -118,7 +127,8 @@ pub(super) fn split(name: &str) -> (&str, Option<&str>) {
             // `Channel A`, `y_min` and `x_c` hold no unit.
             let doubtful =
                 ["A", "N", "K", "degC", "h", "d", "min", "samples"].contains(&&*symbol) || mark == " " && symbol == "m";
-            if !(doubtful && ["_", " "].contains(&mark)) {
+            let timed = ["t", "time", "zeit", "temps"].contains(&&*head.to_lowercase());
+            if timed || !(doubtful && ["_", " "].contains(&mark)) {
                 return (head.trim_end_matches([' ', ',', '_']), Some(unit.trim()));
             }
         }
@@ -150,7 +160,9 @@ mod tests {
             ("micrometers", "um"),
             ("Nanometer", "nm"),
             ("microns", "um"),
-            ("Sekunden", "Sekunden"),
+            ("Sekunden", "s"),
+            ("msec", "ms"),
+            ("Millisekunden", "ms"),
             ("seconds", "s"),
             ("milliseconds", "ms"),
             ("\u{b0}C", "degC"),
@@ -181,6 +193,8 @@ mod tests {
             ("Position (measured)", ("Position (measured)", None)),
             ("Position [counts]", ("Position", Some("counts"))),
             ("x_cap", ("x_cap", None)),
+            ("time_min", ("time", Some("min"))),
+            ("y_min", ("y_min", None)),
             ("Channel A", ("Channel A", None)),
             ("velocity_m/s", ("velocity", Some("m/s"))),
         ] {

@@ -1,7 +1,7 @@
 //! Words of the names of columns, in the languages of common programs.
 //!
 //! A word of up to four Latin letters is a whole word of a name (`u`, `pos`); a longer one may be part of one
-//! (`Piezospannung`).
+//! (`Piezospannung`), but for two that are part of others (`extension`, `tempsensor`).
 
 use super::column::Column;
 use super::units;
@@ -26,20 +26,29 @@ pub(super) const OUTPUT: &str = "\
 /// Words of an output that only is requested, and of its error.
 pub(super) const REQUESTED: &str = "\
     ref set soll goal err cmd command reference setpoint target desired demand consigne error deviation abweichung \
-    sollwert";
+    sollwert trajectory";
 
 /// Words of other columns.
 pub(super) const OTHER: &str = "\
-    temp trig temperature temperatur trigger velocity speed acceleration force index sample comment status counter";
+    temp trig temperature temperatur trigger velocity speed acceleration force index sample comment status counter \
+    wavelength latency";
 
 impl Column {
     /// True if its name has one of these words.
     pub(super) fn has_word(&self, words: &str) -> bool {
-        let name = units::split(&self.name).0.to_lowercase();
+        // `PosCmd` is two words.
+        let mut name = String::new();
+        for c in units::split(&self.name).0.chars() {
+            if c.is_uppercase() && name.ends_with(char::is_lowercase) {
+                name.push(' ');
+            }
+            name.push(c);
+        }
+        let name = name.to_lowercase();
         let own: Vec<&str> = name.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty()).collect();
         let whole = own.concat();
         words.split_whitespace().any(|word| {
-            if word.chars().count() > 4 || !word.is_ascii() {
+            if (word.chars().count() > 4 || !word.is_ascii()) && word != "tension" && word != "temps" {
                 return whole.contains(word);
             }
             // `yref` and `sollwert` end or begin so.
@@ -62,12 +71,15 @@ mod tests {
             ("OutputData", OUTPUT),
             ("x_cap", OUTPUT),
             ("yref_um", REQUESTED),
+            ("PosCmd (um)", REQUESTED),
             ("Regelabweichung [\u{b5}m]", REQUESTED),
             ("\u{6642}\u{9593}[s]", TIME),
         ] {
             assert!(has(name, words), "{name}");
         }
-        for (name, words) in [("ultra", INPUT), ("disposal", OUTPUT), ("Voltage", OUTPUT), ("total", TIME)] {
+        for (name, words) in
+            [("ultra", INPUT), ("disposal", OUTPUT), ("Voltage", OUTPUT), ("total", TIME), ("Extension", INPUT)]
+        {
             assert!(!has(name, words), "{name}");
         }
     }

@@ -79,6 +79,13 @@ impl Dialect {
         row(line, self.separator).is_some_and(|row| row.get(first) == Some(&Cell::Number) && self.leaves_empty(&row))
     }
 
+    /// True if these rows begin with their numbers: 0, 1, 2 or 1, 2, 3.
+    pub(super) fn is_numbered<'a>(&self, rows: impl Iterator<Item = &'a str>) -> bool {
+        let first = |row: &str| cells(row, self.separator).next()?.ok()?.parse::<u32>().ok();
+        let found: Vec<Option<u32>> = rows.take(3).map(first).collect();
+        found.len() == 3 && (found == [Some(0), Some(1), Some(2)] || found == [Some(1), Some(2), Some(3)])
+    }
+
     /// True if nothing stands where the rows hold nothing.
     fn leaves_empty(&self, row: &[Cell]) -> bool {
         row.iter().zip(&self.empty).all(|(cell, empty)| !empty || *cell == Cell::Empty)
@@ -95,7 +102,7 @@ enum Cell {
     Word,
 }
 
-/// The cells of a line without the empty ones at its end; `None` without cells, or with more than a row can have.
+/// The cells of a line without the empty ones at its end; `None` without cells.
 fn row(line: &str, separator: char) -> Option<Vec<Cell>> {
     let one = |cell: Result<&str, &str>| match cell {
         // dSPACE marks the first row.

@@ -291,25 +291,38 @@ fn period(lines: &[&str], separator: char) -> Option<(f64, String)> {
     None
 }
 
+/// The factor of a unit of a rate or a period; `None` if it is none.
+fn factor(unit: &str, rate: bool) -> Option<f64> {
+    if rate {
+        return Some(match unit.to_lowercase().as_str() {
+            "hz" | "s/s" | "sa/s" | "sps" | "samples/s" | "1/s" | "hertz" => 1.0,
+            "khz" | "ks/s" | "ksa/s" | "ksps" => 1e3,
+            // Not mHz.
+            "mhz" | "ms/s" | "msa/s" if unit.starts_with('M') => 1e6,
+            _ => return None,
+        });
+    }
+    match units::known(unit)? {
+        (_, units::Quantity::Time(seconds)) => Some(seconds),
+        _ => None,
+    }
+}
+
 /// The period [s] in a text such as `2 kHz`, `0.5 ms` or `Analog:5e-4`; the unit may stand in the next cell.
 fn quantity(text: &str, next: &str, rate: bool) -> Option<f64> {
     let text = text.rsplit_once(':').map_or(text, |(_, value)| value).trim();
     let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,eE".contains(c))).unwrap_or(text.len());
-    let (value, _) = number::read(text[..end].trim_end_matches([',', 'e', 'E']))?;
-    let unit = Some(text[end..].trim()).filter(|unit| !unit.is_empty()).unwrap_or(next);
-    let period = if rate {
-        let factor = match letters(unit).get(..1) {
-            Some("k") => 1e3,
-            Some("m") => 1e6,
-            _ => 1.0,
-        };
-        1.0 / (value * factor)
-    } else {
-        match units::known(unit.split([' ', ',']).next().unwrap_or_default()) {
-            Some((_, units::Quantity::Time(factor))) => value * factor,
-            _ => value,
-        }
-    };
+    let digits = text[..end].trim_end_matches([',', 'e', 'E']);
+    // 2,000 is 2 or 2000.
+    if digits.split_once(',').is_some_and(|(_, rest)| rest.len() == 3 && !rest.contains('.')) {
+        return None;
+    }
+    let (value, _) = number::read(digits)?;
+    let own = text[end..].trim().split([' ', ',']).next().unwrap_or_default();
+    // The next cell may hold the unit, or something else.
+    let next = if own.is_empty() { factor(next, rate).or(Some(1.0)) } else { None };
+    let factor = next.or_else(|| factor(own, rate))?;
+    let period = if rate { 1.0 / (value * factor) } else { value * factor };
     Some(period).filter(|period| period.is_finite() && *period > 0.0)
 }
 
