@@ -8,10 +8,10 @@ use crate::layout::table;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::File;
 use piezoid::number::round;
+use piezoid::{Error, Record};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -47,9 +47,9 @@ impl Inspect {
         let (columns, data) = (self.columns.read()?, files::read_all(&self.data)?);
         let mut all = Vec::new();
         for file in &data {
-            let seen = file.inspect(&columns).map_err(failed)?;
-            if !results.contains(&Some(std::path::Path::new("-"))) {
-                console.print(&summary(file, &seen, &columns, console))?;
+            let (seen, record) = file.inspect(&columns).map_err(failed)?;
+            if !results.contains(&Some(Path::new("-"))) {
+                console.print(&summary(&seen, record.as_ref(), console))?;
             }
             all.push(seen);
         }
@@ -63,7 +63,7 @@ impl Inspect {
 }
 
 /// What a file holds, as text for the terminal.
-fn summary(file: &File, seen: &Value, columns: &piezoid::formats::ColumnSelection, console: &Console) -> String {
+fn summary(seen: &Value, record: Result<&Record, &Error>, console: &Console) -> String {
     let text = |value: &Value| value.as_str().map_or_else(|| "-".to_string(), String::from);
     let number = |value: &Value| value.as_f64().map_or_else(|| "-".into(), round);
     let channels = seen["channels"].as_array().map_or(&[][..], Vec::as_slice);
@@ -73,18 +73,18 @@ fn summary(file: &File, seen: &Value, columns: &piezoid::formats::ColumnSelectio
     };
     let rows: Vec<Vec<String>> = channels.iter().map(row).collect();
     let header = ["channel", "role", "unit", "samples", "from", "to"];
-    let mut said = format!("{}: {}\n{}", file.name, text(&seen["format"]), table(&header, &rows, console.room()));
-    let record = &seen["record"];
-    if !record.is_null() {
-        let (ts, units) = (record["ts"].as_f64().unwrap_or(f64::NAN), &record["units"]);
+    let mut said =
+        format!("{}: {}\n{}", text(&seen["file"]), text(&seen["format"]), table(&header, &rows, console.room()));
+    if let Ok(record) = record {
+        let (ts, units) = (record.ts(), record.units());
         let rate = format!(
             "{} samples every {} s ({} Hz), {} s; u in {}, y in {}",
-            record["samples"],
+            record.len(),
             round(ts),
             round(1.0 / ts),
-            number(&record["duration"]),
-            text(&units["u"]),
-            text(&units["y"])
+            round(record.duration()),
+            units.u,
+            units.y
         );
         said += &console.paragraph(&rate, "  ");
     }
@@ -92,7 +92,7 @@ fn summary(file: &File, seen: &Value, columns: &piezoid::formats::ColumnSelectio
     for step in list("history") {
         said += &console.paragraph(&step, "  ");
     }
-    match file.record(columns) {
+    match record {
         Ok(record) => {
             let width = console.room().unwrap_or(80).min(100);
             for (name, samples) in [("u", record.u()), ("y", record.y())] {
@@ -102,7 +102,7 @@ fn summary(file: &File, seen: &Value, columns: &piezoid::formats::ColumnSelectio
                 said += &console.paragraph(&format!("problem: {problem}"), "  ");
             }
         }
-        Err(error) => said += &console.paragraph(&format!("no record: {}", told(&error)), "  "),
+        Err(error) => said += &console.paragraph(&format!("no record: {}", told(error)), "  "),
     }
     said + "\n"
 }

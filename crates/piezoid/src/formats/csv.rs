@@ -42,6 +42,8 @@ pub(super) const ROW: Format = Format {
 
 /// What a file should look like, for messages.
 const EXAMPLE: &str = "`t_s,u_V,y_um`";
+/// Signs at the start of a remark.
+const REMARKS: [&str; 3] = ["#", "%", "//"];
 /// Maximum number of columns: more than any logger has.
 const MOST: usize = 10_000;
 
@@ -67,6 +69,7 @@ impl Table {
         let stated = head.rows;
         let header = above.iter().find(|(line, _)| *line == head.line).map(|(_, text)| *text);
         let mut table = Table::below(head, first, row, &dialect)?;
+        let mut split = Vec::new();
         while let Some((line, row)) = lines.next() {
             // Remarks, and the header again, may stand between rows.
             let missing =
@@ -75,7 +78,7 @@ impl Table {
                 table.gaps.push(table.count);
                 continue;
             }
-            if let Err(error) = table.row(line, row, &dialect) {
+            if let Err(error) = table.row(line, row, &dialect, &mut split) {
                 // Words below the last row are a summary.
                 if dialect.begins_like_a_row(row) || lines.any(|(_, row)| dialect.is_row(row)) {
                     return Err(error);
@@ -102,7 +105,7 @@ impl Table {
         }
         let more = cells(row, dialect.separator).skip(names.len()).any(|cell| cell != Ok(""));
         let header = if names.is_empty() { 0 } else { line };
-        let mut table = Table { header, first, ts: ts.map(|(ts, _)| ts), ..Table::empty() };
+        let mut table = Table { header, first, ts, ..Table::empty() };
         if header > 0 && more {
             table.columns = names.into_iter().map(Column::new).collect();
             return Err(table.ragged(first, width, dialect.separator));
@@ -117,35 +120,27 @@ impl Table {
         Ok(table)
     }
 
-    /// Reads one row; an error leaves the table as it was.
-    fn row(&mut self, line: u64, row: &str, dialect: &Dialect) -> Result<(), Error> {
-        let first = dialect.numeric.iter().position(|numeric| *numeric).unwrap_or(0);
-        let mut count = 0;
-        let mut filled = 0;
-        // A word in place of the first number: a summary, or another head.
-        let word = |at: usize, cell: &str| {
-            at == first && cell.starts_with(|c: char| c.is_alphabetic() || c == '#' || c == '*')
-        };
+    /// Reads one row; an error leaves the table as it was. `split` keeps its room from row to row.
+    fn row<'a>(&mut self, line: u64, row: &'a str, dialect: &Dialect, split: &mut Vec<&'a str>) -> Result<(), Error> {
+        split.clear();
         for cell in cells(row, dialect.separator) {
-            match (self.columns.get(count).map(|column| &*column.name), cell) {
-                (_, Ok(cell)) if word(count, cell) && !number::not_finite(cell) => return Err(self.another(line)),
-                (_, Ok(cell)) => filled = if cell.is_empty() { filled } else { count + 1 },
-                (name, Err(problem)) => {
-                    let column = name.map_or((count + 1).to_string(), shortened);
-                    return Err(Error::Line { line, column: Some(column), problem: problem.into() });
-                }
+            let at = split.len();
+            let column = || self.columns.get(at).map_or((at + 1).to_string(), |column| shortened(&column.name));
+            let refused = |problem: &str| Error::Line { line, column: Some(column()), problem: problem.into() };
+            let cell = cell.map_err(refused)?;
+            // A word in place of the first number: a summary, or another head.
+            let word = |cell: &str| cell.starts_with(|c: char| c.is_alphabetic() || c == '#' || c == '*');
+            if at == dialect.first() && word(cell) && !number::not_finite(cell) {
+                return Err(self.another(line));
             }
-            count += 1;
+            split.push(cell);
         }
-        let needed = dialect.numeric.iter().rposition(|numeric| *numeric).map_or(0, |last| last + 1);
-        if count < needed || filled > self.columns.len() {
-            return Err(self.ragged(line, count, dialect.separator));
+        let filled = split.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+        if split.len() <= dialect.last() || filled > self.columns.len() {
+            return Err(self.ragged(line, split.len(), dialect.separator));
         }
-        for (column, cell) in self.columns.iter_mut().zip(cells(row, dialect.separator)) {
-            column.take(cell.unwrap_or_default(), line);
-        }
-        for column in self.columns.iter_mut().skip(count) {
-            column.take("", line);
+        for (at, column) in self.columns.iter_mut().enumerate() {
+            column.take(split.get(at).copied().unwrap_or_default(), line);
         }
         self.count += 1;
         Ok(())
@@ -209,7 +204,7 @@ fn blank(line: &str) -> bool {
 /// True if a line is a remark.
 fn remark(line: &str) -> bool {
     let line = line.trim_start();
-    ["#", "%", "//"].iter().any(|sign| line.starts_with(sign))
+    REMARKS.iter().any(|sign| line.starts_with(sign))
 }
 
 /// The error for a text without rows.
@@ -217,7 +212,7 @@ fn without_numbers(text: &str) -> Error {
     let filled = || text.lines().filter(|line| !blank(line));
     let what = match filled().count() {
         0 => "is empty",
-        _ if filled().all(|line| line.trim_start().starts_with('#')) => "holds only comments",
+        _ if filled().all(remark) => "holds only comments",
         _ => {
             return Error::Content(format!(
                 "there are no rows of numbers: a header such as {EXAMPLE} and rows of numbers are needed"

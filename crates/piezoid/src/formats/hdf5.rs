@@ -98,13 +98,13 @@ impl Reading {
         if depth > DEEPEST {
             return Err(damaged(format!("groups {depth} deep")));
         }
-        let mut content = numbers_of(&group.attributes().map_err(refused)?);
+        let mut content = periods(&group.attributes().map_err(refused)?);
         let (groups, data) = group.members().map_err(refused)?;
         for data in &data {
             self.count()?;
             let attributes = data.attributes();
             content.extend(self.data(data, &attributes)?.map(|node| (data.name().to_string(), node)));
-            content.extend(numbers_of(&attributes));
+            content.extend(periods(&attributes));
         }
         for group in &groups {
             let name = group.name().to_string();
@@ -113,7 +113,8 @@ impl Reading {
                 continue;
             }
             let sparse = group.attribute("MATLAB_sparse").is_ok();
-            let node = if sparse { left("a sparse matrix") } else { Node::Fields(self.group(group, depth + 1)?) };
+            let node =
+                if sparse { Node::other("a sparse matrix") } else { Node::Fields(self.group(group, depth + 1)?) };
             content.push((name, node));
         }
         Ok(content)
@@ -128,10 +129,10 @@ impl Reading {
         let class = attribute("MATLAB_class").and_then(|class| class.read_string().ok());
         match class.as_deref() {
             _ if attribute("MATLAB_empty").is_some_and(|empty| empty.read_as_f64().is_ok_and(|v| v > 0.0)) => {
-                return Ok(Some(left("empty")));
+                return Ok(Some(Node::other("empty")));
             }
             Some("char") if rows == 1 => return Ok(self.letters(data, &dims)?.map(Node::Text)),
-            Some(class) if !NUMBERS.contains(&class) => return Ok(Some(left(format!("of class {class}")))),
+            Some(class) if !NUMBERS.contains(&class) => return Ok(Some(Node::other(format!("of class {class}")))),
             _ => {}
         }
         let unit = ["units", "unit", "Units", "Unit"].iter().find_map(|name| attribute(name)?.read_string().ok());
@@ -143,8 +144,8 @@ impl Reading {
         if let Datatype::Compound { size, fields } = data.dtype() {
             let complex = fields.len() == 2 && fields[0].name == "r" && fields[1].name == "i";
             return Ok(Some(match bytes::vector(&dims)? {
-                _ if complex => left("complex numbers"),
-                Err(what) => left(what),
+                _ if complex => Node::other("complex numbers"),
+                Err(what) => Node::other(what),
                 Ok(n) => {
                     let raw = self.raw(data, n, *size as usize)?;
                     let field = |field: &CompoundField| {
@@ -154,7 +155,7 @@ impl Reading {
                             let raw = from(raw).unwrap_or_default();
                             numbers.read(&raw, *size as usize).ok_or_else(|| "of an unknown type".into())
                         });
-                        (field.name.clone(), Node::Samples(samples, None))
+                        (field.name.clone(), Node::series(samples, None))
                     };
                     Node::Fields(fields.iter().map(field).collect())
                 }
@@ -163,13 +164,13 @@ impl Reading {
         Ok(Some(match (numbers(data.dtype()), bytes::vector(&dims)?) {
             // A single value that is no number is information on the record.
             (Err(_), _) if size == 1 => return Ok(None),
-            (Err(what), _) => left(what),
-            (_, Err(what)) => left(what),
+            (Err(what), _) => Node::other(what),
+            (_, Err(what)) => Node::other(what),
             (Ok(numbers), Ok(n)) => {
                 self.unpacking.count(n.saturating_mul(8))?;
                 let raw = self.raw(data, n, numbers.size)?;
                 let read = |raw: Vec<u8>| numbers.read(&raw, numbers.size).ok_or_else(|| "of an unknown type".into());
-                Node::Samples(raw.and_then(read), unit)
+                Node::series(raw.and_then(read), unit)
             }
         }))
     }
@@ -191,16 +192,12 @@ impl Reading {
     }
 }
 
-fn left(what: impl Into<String>) -> Node {
-    Node::Samples(Err(what.into()), None)
-}
-
-/// The sampling period or rate among attributes.
-fn numbers_of(attributes: &[Attribute]) -> Vec<(String, Node)> {
+/// The sampling periods and rates among attributes.
+fn periods(attributes: &[Attribute]) -> Vec<(String, Node)> {
     let number = |attribute: &Attribute| {
         let value = attribute.read_as_f64().ok()?;
         stated_period(&attribute.name, value)?;
-        Some((attribute.name.clone(), Node::Samples(Ok(vec![value]), None)))
+        Some((attribute.name.clone(), Node::series(Ok(vec![value]), None)))
     };
     attributes.iter().filter_map(number).collect()
 }

@@ -53,6 +53,13 @@ pub struct Format {
 /// The formats that are read. Later rows are more specific: the last one that matches reads a file.
 pub static FORMATS: &[Format] = &[csv::ROW, gcs::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
 
+impl Format {
+    /// The format that a file begins like: text if it begins like no other.
+    pub(crate) fn of(bytes: &[u8]) -> &'static Format {
+        FORMATS.iter().rfind(|format| (format.matches)(bytes)).unwrap_or(&csv::ROW)
+    }
+}
+
 impl Table {
     /// Reads the table in a file of any of [`FORMATS`]. Only errors use the name, whose extension shows the intended
     /// format.
@@ -69,7 +76,8 @@ impl Table {
     pub fn read(name: &str, bytes: &[u8]) -> Result<Table, Error> {
         let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
         let meant = FORMATS.iter().find(|format| format.extensions.contains(&extension.to_ascii_lowercase().as_str()));
-        if let Some(format) = FORMATS.iter().skip(1).rfind(|format| (format.matches)(bytes)) {
+        let format = Format::of(bytes);
+        if format.name != csv::ROW.name {
             return (format.read)(bytes);
         }
         Table::parse(bytes).map_err(|error| match meant {

@@ -38,7 +38,7 @@ fn read(file: &[u8]) -> Result<Table, Error> {
                 channels.extend(array(name, &member.bytes(file, &mut unpacking)?, &mut unpacking)?);
             }
         }
-        let named = |Channel { name, unit, samples, .. }: Channel| (name, Node::Samples(samples, unit));
+        let named = |Channel { name, unit, samples, .. }: Channel| (name, Node::series(samples, unit));
         return Ok(tree::table(channels.into_iter().map(named).collect()));
     }
     channels.extend(array("", file, &mut unpacking)?);

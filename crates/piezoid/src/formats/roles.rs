@@ -48,17 +48,12 @@ impl Role {
     }
 
     /// What the user says about it.
-    fn asked(self, selection: &ColumnSelection) -> Option<&String> {
+    pub(super) fn asked(self, selection: &ColumnSelection) -> Option<&String> {
         match self {
             Role::Time => selection.time_col.as_ref(),
             Role::Input => selection.input_col.as_ref(),
             Role::Output | Role::Reference => selection.output_col.as_ref(),
         }
-    }
-
-    /// True if the user chose the column.
-    pub(super) fn is_asked(self, selection: &ColumnSelection) -> bool {
-        self.asked(selection).is_some()
     }
 
     /// True if the name is one of piezoid's own files. A name such as `u_out [V]` is none: its unit stands apart.

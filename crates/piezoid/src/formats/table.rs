@@ -147,33 +147,31 @@ impl Table {
 
     /// What the user says, completed by the names and units that were found.
     pub(crate) fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
-        let name = |role: Role| role.find(self, selection).ok().map(|column| self.title(column));
-        let unit = |role: Role| role.find(self, selection).ok().map(|column| column.unit(role));
-        let time = if selection.period() == Ok(None) { name(Role::Time) } else { None };
+        let found = |role: Role| role.find(self, selection).ok();
+        let name = |role: Role| role.asked(selection).cloned().or_else(|| Some(self.title(found(role)?)));
+        let unit = |role: Role, said: &Option<String>, scale: &Option<String>| match (said, scale) {
+            (None, None) => Some(found(role)?.unit(role)),
+            _ => said.clone(),
+        };
+        let stamped = selection.period() == Ok(None) || selection.time_col.is_some();
         ColumnSelection {
-            time_col: selection.time_col.clone().or(time),
-            input_col: selection.input_col.clone().or_else(|| name(Role::Input)),
-            output_col: selection.output_col.clone().or_else(|| name(Role::Output)),
-            input_unit: selection
-                .input_unit
-                .clone()
-                .or_else(|| selection.input_scale.is_none().then(|| unit(Role::Input))?),
-            output_unit: selection
-                .output_unit
-                .clone()
-                .or_else(|| selection.output_scale.is_none().then(|| unit(Role::Output))?),
+            time_col: if stamped { name(Role::Time) } else { None },
+            input_col: name(Role::Input),
+            output_col: name(Role::Output),
+            input_unit: unit(Role::Input, &selection.input_unit, &selection.input_scale),
+            output_unit: unit(Role::Output, &selection.output_unit, &selection.output_scale),
             ..selection.clone()
         }
     }
 
     /// What was guessed, scaled and cut to make a record.
     fn history(&self, selection: &ColumnSelection) -> Vec<String> {
-        let found = |role: Role| role.find(self, selection).ok();
         let mut guessed = Vec::new();
         let mut steps = Vec::new();
         for role in [Role::Time, Role::Input, Role::Output] {
-            let Some(column) = found(role) else { continue };
-            if !(role.is_asked(selection) || role.owns(column))
+            let Ok(column) = role.find(self, selection) else { continue };
+            if role.asked(selection).is_none()
+                && !role.owns(column)
                 && (role != Role::Time || selection.period() == Ok(None))
             {
                 guessed.push(format!("{} `{}`", role.what(), self.title(column)));
@@ -258,10 +256,12 @@ impl Table {
             (Some(seconds), _) | (None, Some(Quantity::Time(seconds))) => Some(seconds),
             _ => None,
         };
+        let unclear = |problem: String| {
+            let error = Error::Line { line: self.header, column: Some(shortened(&time.name)), problem };
+            Err(error.advised(vec![("time_unit", Value::Null), ("fs", Value::Null)]))
+        };
         if let Some(unit) = time.stated().filter(|_| seconds.is_none()) {
-            let problem = format!("the unit {} of the time is not known: ", quoted(unit));
-            return Err(Error::Line { line: self.header, column: Some(shortened(&time.name)), problem }
-                .advised(vec![("time_unit", Value::Null), ("fs", Value::Null)]));
+            return unclear(format!("the unit {} of the time is not known: ", quoted(unit)));
         }
         // A stated rate tells the unit of a time without one.
         let mean = time::mean(&time.samples);
@@ -289,12 +289,7 @@ impl Table {
         match found_seconds {
             Some(found) => Ok(found),
             None if found < SLOW || time.name == "t_s" => Ok(found),
-            None => Err(Error::Line {
-                line: self.header,
-                column: Some(shortened(&time.name)),
-                problem: format!("the unit of the time is not stated, and its steps are {found}: "),
-            }
-            .advised(vec![("time_unit", Value::Null), ("fs", Value::Null)])),
+            None => unclear(format!("the unit of the time is not stated, and its steps are {found}: ")),
         }
     }
 

@@ -12,7 +12,7 @@
 
 use super::bytes::{NumberFormat, NumberKind, Unpacking, damaged, length, part, whole};
 use super::tree::{self, Node};
-use super::{Format, Table};
+use super::{Channel, Format, Table};
 use crate::Error;
 
 /// The row of TDMS.
@@ -48,17 +48,17 @@ fn read(bytes: &[u8]) -> Result<Table, Error> {
     if bytes.starts_with(INDEX) {
         return Err(Error::Content("this is the index of a TDMS file: give the .tdms file beside it".into()));
     }
-    let mut reading = Reading { bytes, unpacking: Unpacking::of(bytes), channels: Vec::new(), list: Vec::new() };
+    let mut reading = Reading { bytes, unpacking: Unpacking::of(bytes), objects: Vec::new(), list: Vec::new() };
     let mut at = 0;
     while at < bytes.len() {
         at = reading.segment(at)?;
     }
     let mut groups: Vec<(String, Node)> = Vec::new();
-    for channel in reading.channels {
+    for channel in reading.objects {
         let [group, name] = &channel.path[..] else { continue };
         let unit = channel.text("unit_string").filter(|unit| !unit.is_empty());
         let ts = channel.number("wf_increment").filter(|step| *step > 0.0);
-        let series = super::Channel { name: name.clone(), unit, ts, samples: channel.samples() };
+        let series = Channel { name: name.clone(), unit, ts, samples: channel.samples() };
         let node = (name.clone(), Node::Series(series));
         match groups.iter_mut().find(|(known, _)| known == group) {
             Some((_, Node::Fields(channels))) => channels.push(node),
@@ -70,7 +70,7 @@ fn read(bytes: &[u8]) -> Result<Table, Error> {
 
 /// A channel, a group or the file itself.
 #[derive(Debug, Clone)]
-struct Channel {
+struct Object {
     /// Names of the group and of the channel; none for the file.
     path: Vec<String>,
     properties: Vec<(String, Property)>,
@@ -97,7 +97,7 @@ struct Place {
 struct Reading<'a> {
     bytes: &'a [u8],
     unpacking: Unpacking,
-    channels: Vec<Channel>,
+    objects: Vec<Object>,
     /// The channels with raw data in a segment, in the order of their data.
     list: Vec<usize>,
 }
@@ -138,12 +138,12 @@ impl Reading<'_> {
     /// Reads the metadata of one object.
     fn object(&mut self, cursor: &mut Cursor<'_>) -> Result<(), Error> {
         let path = names(&cursor.text()?);
-        let known = self.channels.iter().position(|channel| channel.path == path);
+        let known = self.objects.iter().position(|channel| channel.path == path);
         let index = known.unwrap_or_else(|| {
-            self.channels.push(Channel { path, properties: Vec::new(), stored: Ok(Vec::new()), place: None });
-            self.channels.len() - 1
+            self.objects.push(Object { path, properties: Vec::new(), stored: Ok(Vec::new()), place: None });
+            self.objects.len() - 1
         });
-        let channel = &mut self.channels[index];
+        let channel = &mut self.objects[index];
         match cursor.number(4)? {
             NO_DATA => self.list.retain(|listed| *listed != index),
             AS_BEFORE => {
@@ -176,9 +176,9 @@ impl Reading<'_> {
         let mut places = Vec::new();
         let mut chunk = 0usize;
         for &index in &self.list {
-            let Some(place) = self.channels[index].place else { continue };
+            let Some(place) = self.objects[index].place else { continue };
             if place.kind == TEXT {
-                self.channels[index].stored = Err("text".into());
+                self.objects[index].stored = Err("text".into());
                 places.push((index, place, 1, place.text));
                 chunk = chunk.checked_add(place.text).ok_or_else(|| damaged("a chunk of too many values"))?;
                 continue;
@@ -186,7 +186,7 @@ impl Reading<'_> {
             let Some(size) = size(place.kind) else {
                 // The place of the data behind it is unknown.
                 for &index in &self.list {
-                    self.channels[index].stored = Err("beside values of an unknown type".into());
+                    self.objects[index].stored = Err("beside values of an unknown type".into());
                 }
                 return Ok(());
             };
@@ -218,7 +218,7 @@ impl Reading<'_> {
                 });
                 let stamps = || (0..count).map(|k| stamp(values.get(k * stride..).unwrap_or_default(), big)).collect();
                 let read = if place.kind == INSTANT { stamps() } else { numbers };
-                if let (Ok(stored), Some(read)) = (&mut self.channels[index].stored, read) {
+                if let (Ok(stored), Some(read)) = (&mut self.objects[index].stored, read) {
                     stored.extend(read);
                 }
             }
@@ -227,7 +227,7 @@ impl Reading<'_> {
     }
 }
 
-impl Channel {
+impl Object {
     fn property(&self, wanted: &str) -> Option<&Property> {
         self.properties.iter().find(|(name, _)| name == wanted).map(|(_, value)| value)
     }

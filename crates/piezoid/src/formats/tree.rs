@@ -21,9 +21,7 @@ const UNITS: [&str; 3] = ["unit", "units", "unitstring"];
 /// A named content.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Node {
-    /// An array, or a description if it is not a vector of real numbers; with its unit, if that stands beside it.
-    Samples(Result<Vec<f64>, String>, Option<String>),
-    /// A channel with all that is known of it; its name is that of the node.
+    /// An array with all that is known of it; its name is that of the node.
     Series(Channel),
     /// A line of text.
     Text(String),
@@ -31,6 +29,18 @@ pub(super) enum Node {
     Fields(Vec<(String, Node)>),
     /// Structures in an array.
     Items(Vec<Node>),
+}
+
+impl Node {
+    /// An array, or a description if it is not a vector of real numbers; with its unit, if that stands beside it.
+    pub(super) fn series(samples: Result<Vec<f64>, String>, unit: Option<String>) -> Self {
+        Node::Series(Channel { unit, samples, ..Channel::new("", Vec::new()) })
+    }
+
+    /// What is left out, with a description.
+    pub(super) fn other(what: impl Into<String>) -> Self {
+        Node::Series(Channel::other("", what))
+    }
 }
 
 /// The table of a file's content.
@@ -59,13 +69,12 @@ impl Found {
     fn walk(&mut self, path: &[String], name: String, node: Node) {
         match node {
             Node::Text(_) => {}
-            Node::Samples(samples, unit) => {
-                if let Ok([value]) = samples.as_deref() {
+            Node::Series(channel) => {
+                if let Ok([value]) = channel.samples.as_deref() {
                     self.ts = self.ts.or(stated_period(&name, *value));
                 }
-                self.channels.push((path.to_vec(), Channel { name, unit, ts: None, samples }));
+                self.channels.push((path.to_vec(), Channel { name, ..channel }));
             }
-            Node::Series(channel) => self.channels.push((path.to_vec(), Channel { name, ..channel })),
             Node::Fields(fields) => {
                 let inner = [path, std::slice::from_ref(&name)].concat();
                 match channel(&name, &fields) {
@@ -76,9 +85,7 @@ impl Found {
             Node::Items(items) => {
                 let each = |item: &Node| if let Node::Fields(fields) = item { channel(&name, fields) } else { None };
                 match items.iter().map(each).collect::<Option<Vec<_>>>() {
-                    Some(channels) => {
-                        channels.into_iter().for_each(|found| self.channel(path, found));
-                    }
+                    Some(channels) => channels.into_iter().for_each(|found| self.channel(path, found)),
                     None => {
                         let what = format!("structures, 1 x {}", items.len());
                         self.channels.push((path.to_vec(), Channel::other(name, what)));
@@ -87,9 +94,7 @@ impl Found {
             }
         }
     }
-}
 
-impl Found {
     /// Adds a channel, and its own time.
     fn channel(&mut self, path: &[String], (channel, time): (Channel, Option<Channel>)) {
         let inner = [path, std::slice::from_ref(&channel.name)].concat();
@@ -105,7 +110,7 @@ fn channel(name: &str, fields: &[(String, Node)]) -> Option<(Channel, Option<Cha
     let text = |names: &[&str]| texts(fields, "datainfo").find(|(name, _)| one_of(names, name)).map(|(_, text)| text);
     let vector = |names: &[&str]| {
         fields.iter().find_map(|(name, node)| match node {
-            Node::Samples(samples, _) if one_of(names, name) => Some(samples.clone()),
+            Node::Series(channel) if one_of(names, name) => Some(channel.samples.clone()),
             _ => None,
         })
     };
@@ -123,9 +128,9 @@ fn channel(name: &str, fields: &[(String, Node)]) -> Option<(Channel, Option<Cha
     let own = text(&NAMES);
     let unit = text(&UNITS).or_else(|| inside.as_ref()?.0.unit.clone());
     // Samples beside others are one channel of several.
-    let vectors = fields
-        .iter()
-        .filter(|(name, node)| matches!(node, Node::Samples(Ok(v), _) if v.len() > 1) && !one_of(&["time"], name));
+    let vectors = fields.iter().filter(|(name, node)| {
+        matches!(node, Node::Series(Channel { samples: Ok(v), .. }) if v.len() > 1) && !one_of(&["time"], name)
+    });
     let alone = vectors.count() <= 1;
     if own.is_none() && unit.is_none() && !alone {
         return None;
@@ -154,7 +159,7 @@ mod tests {
     use crate::formats::ColumnSelection;
 
     fn vector(values: &[f64]) -> Node {
-        Node::Samples(Ok(values.to_vec()), None)
+        Node::series(Ok(values.to_vec()), None)
     }
 
     fn fields(fields: &[(&str, Node)]) -> Node {

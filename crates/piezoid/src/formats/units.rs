@@ -18,8 +18,14 @@ pub(super) enum Quantity {
 }
 
 /// Prefixes of ten, with their names.
-const PREFIXES: &[(&str, &str)] =
-    &[("k", "kilo"), ("m", "milli"), ("u", "micro"), ("n", "nano"), ("p", "pico"), ("", "")];
+const PREFIXES: &[(&str, &str, f64)] = &[
+    ("k", "kilo", 1e3),
+    ("m", "milli", 1e-3),
+    ("u", "micro", 1e-6),
+    ("n", "nano", 1e-9),
+    ("p", "pico", 1e-12),
+    ("", "", 1.0),
+];
 /// Units that take these prefixes, with their names, in the languages of common instruments.
 const BASES: &[(&str, &[&str], Quantity)] = &[
     ("s", &["second", "sekunde", "seconde", "sec", "sek"], Quantity::Time(1.0)),
@@ -63,38 +69,23 @@ pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
         return None;
     }
     let lower = text.to_lowercase();
-    let is = |name: &str| {
-        lower == name
-            || lower.strip_suffix('s') == Some(name)
-            || lower.strip_suffix('e') == Some(name)
-            || lower.strip_suffix('n') == Some(name)
-    };
     for &(unit, names, quantity) in SINGLE {
-        if text == unit || lower == unit.to_lowercase() || names.contains(&lower.as_str()) {
+        if lower == unit.to_lowercase() || names.contains(&lower.as_str()) {
             return Some((unit.into(), quantity));
         }
     }
-    for &(prefix, prefix_name) in PREFIXES {
-        for &(base, names, quantity) in BASES {
-            let symbol = format!("{prefix}{base}");
+    for &(base, names, quantity) in BASES {
+        for &(prefix, prefix_name, factor) in PREFIXES {
             // An `M` may be mega: only the case of a unit without this doubt is mended.
-            let mended = lower == symbol.to_lowercase() && (prefix != "m" || text.starts_with('m') || base == "m");
-            if text == symbol
-                || mended
-                || names
-                    .iter()
-                    .any(|name| is(&format!("{prefix_name}{name}")) || *name == "sec" && is(&format!("{prefix}sec")))
-            {
-                let factor = match prefix {
-                    "k" => 1e3,
-                    "m" => 1e-3,
-                    "u" => 1e-6,
-                    "n" => 1e-9,
-                    "p" => 1e-12,
-                    _ => 1.0,
-                };
-                let quantity = if quantity == Quantity::Time(1.0) { Quantity::Time(factor) } else { quantity };
-                return Some((symbol, quantity));
+            let certain = prefix != "m" || text.starts_with('m') || base == "m";
+            let symbol = lower.strip_prefix(prefix).is_some_and(|rest| rest.eq_ignore_ascii_case(base));
+            let name = |prefix: &str, names: &[&str]| {
+                let stem = lower.strip_prefix(prefix).unwrap_or_default();
+                names.contains(&stem) || stem.strip_suffix(['s', 'e', 'n']).is_some_and(|stem| names.contains(&stem))
+            };
+            if symbol && certain || name(prefix_name, names) || base == "s" && name(prefix, &["sec"]) {
+                let quantity = if base == "s" { Quantity::Time(factor) } else { quantity };
+                return Some((format!("{prefix}{base}"), quantity));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::File;
 use crate::error::Error;
-use crate::formats::{ColumnSelection, FORMATS, Table};
+use crate::formats::{ColumnSelection, Format, Table};
 use crate::quality::{Need, inspect};
 use crate::record::Record;
 use serde_json::{Value, json};
@@ -11,35 +11,35 @@ impl File {
     /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, how the record is made of the channels; `problems`, which are reasons why there is no record, and
-    /// suspected defects of the record.
+    /// suspected defects of the record. The record itself is beside it, or the error in its place.
     ///
     /// ```
     /// use piezoid::{File, formats::ColumnSelection};
     /// let file = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n");
-    /// let seen = file.inspect(&ColumnSelection::default())?;
+    /// let (seen, record) = file.inspect(&ColumnSelection::default())?;
     /// assert_eq!(seen["channels"][2]["role"], "output");
-    /// assert_eq!(seen["record"]["ts"], 0.001);
+    /// assert_eq!(record?.ts(), 0.001);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
     /// Returns an error if the file has no format that is read, or is damaged.
-    pub fn inspect(&self, columns: &ColumnSelection) -> Result<Value, Error> {
+    pub fn inspect(&self, columns: &ColumnSelection) -> Result<(Value, Result<Record, Error>), Error> {
         let table = Table::read(&self.name, &self.bytes).map_err(|error| error.of(&self.name))?;
         let read = table.record(columns);
         let (record, history, problems) = match &read {
             Ok(record) => (described(record), record.history().to_vec(), defects(record)),
             Err(error) => (Value::Null, Vec::new(), vec![error.to_string()]),
         };
-        let format = FORMATS.iter().rfind(|format| (format.matches)(&self.bytes)).map(|format| format.name);
-        Ok(json!({
+        let seen = json!({
             "file": self.name,
-            "format": format,
+            "format": Format::of(&self.bytes).name,
             "channels": table.described(columns),
             "record": record,
             "history": history,
             "problems": problems,
-        }))
+        });
+        Ok((seen, read))
     }
 
     /// How records like this one are read: the columns that were found, with their units, and all that was said.

@@ -64,6 +64,16 @@ impl Dialect {
         self.numeric.len()
     }
 
+    /// The first cell with numbers.
+    pub(super) fn first(&self) -> usize {
+        self.numeric.iter().position(|numeric| *numeric).unwrap_or(0)
+    }
+
+    /// The last cell with numbers.
+    pub(super) fn last(&self) -> usize {
+        self.numeric.iter().rposition(|numeric| *numeric).unwrap_or(0)
+    }
+
     /// True if a line is a row: it begins like one, holds at least half of the numbers, and no words in their place.
     pub(super) fn is_row(&self, line: &str) -> bool {
         let Some(row) = row(line, self.separator) else { return false };
@@ -75,8 +85,8 @@ impl Dialect {
 
     /// True if a line begins like a row: its first number is one.
     pub(super) fn begins_like_a_row(&self, line: &str) -> bool {
-        let first = self.numeric.iter().position(|numeric| *numeric).unwrap_or(0);
-        row(line, self.separator).is_some_and(|row| row.get(first) == Some(&Cell::Number) && self.leaves_empty(&row))
+        let number = |row: &[Cell]| row.get(self.first()) == Some(&Cell::Number);
+        row(line, self.separator).is_some_and(|row| number(&row) && self.leaves_empty(&row))
     }
 
     /// True if these rows begin with their numbers: 0, 1, 2 or 1, 2, 3.

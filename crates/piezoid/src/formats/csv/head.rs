@@ -11,66 +11,25 @@
 
 use super::cells::{SPACES, cells};
 use super::dialect::Dialect;
-use super::number;
+use super::{REMARKS, number};
 use crate::formats::units;
 
 /// Lines that set off a head from its rows and hold nothing: `data:`, `***End_of_Header***`.
 const MARKERS: usize = 1;
 /// First cells of a line of names, as letters.
-const NAMES: &[&str] = &[
-    "name",
-    "names",
-    "signal",
-    "signals",
-    "tracename",
-    "channelname",
-    "channelnames",
-    "label",
-    "labels",
-    "source",
-    "wavesd",
-];
+const NAMES: &str = "\
+    name names signal signals tracename channelname channelnames label labels source wavesd";
 /// First cells of a line of units, as letters.
-const UNITS: &[&str] =
-    &["unit", "units", "vunit", "vertunits", "verticalunits", "yunitlabel", "yunit", "yunits", "channelunits"];
+const UNITS: &str = "\
+    unit units vunit vertunits verticalunits yunitlabel yunit yunits channelunits";
 /// Names of a sampling period, as letters.
-const PERIODS: &[&str] = &[
-    "sampleinterval",
-    "samplinginterval",
-    "sampletime",
-    "samplingtime",
-    "samplingperiod",
-    "sampleperiod",
-    "timestep",
-    "timeincrement",
-    "dt",
-    "deltat",
-    "deltax",
-    "hresolution",
-    "interval",
-    "increment",
-    "tinc",
-    "xincrement",
-    "ts",
-    "wfincrement",
-    "abtastintervall",
-    "abtastzeit",
-];
+const PERIODS: &str = "\
+    sampleinterval samplinginterval sampletime samplingtime samplingperiod sampleperiod timestep timeincrement dt \
+    deltat deltax hresolution interval increment tinc xincrement ts wfincrement abtastintervall abtastzeit";
 /// Names of a sampling rate, as letters.
-const RATES: &[&str] = &[
-    "samplerate",
-    "samplingrate",
-    "samplefrequency",
-    "samplingfrequency",
-    "acquisitionrate",
-    "datarate",
-    "fs",
-    "samplespersecond",
-    "scanrate",
-    "rate",
-    "abtastrate",
-    "abtastfrequenz",
-];
+const RATES: &str = "\
+    samplerate samplingrate samplefrequency samplingfrequency acquisitionrate datarate fs samplespersecond scanrate \
+    rate abtastrate abtastfrequenz";
 
 /// The head of a file.
 #[derive(Debug, Default, PartialEq)]
@@ -81,8 +40,8 @@ pub(super) struct Head {
     pub(super) names: Vec<String>,
     /// Units that stand apart from the names; empty if a column has none.
     pub(super) units: Vec<String>,
-    /// The sampling period [s], and the text that states it.
-    pub(super) ts: Option<(f64, String)>,
+    /// The sampling period [s] that the head states.
+    pub(super) ts: Option<f64>,
     /// Number of rows that the head states, as PI's controllers do: fewer are a file that was cut.
     pub(super) rows: Option<usize>,
 }
@@ -104,11 +63,13 @@ impl Head {
             if filled == 0 {
                 continue;
             }
-            let key = letters(&cells[0]);
-            let below = at > 0 && NAMES.contains(&&*letters(uncommented(lines[at - 1].1)));
-            if cells.len() > 1 && UNITS.contains(&&*key) {
+            let below = at > 0 && is_one_of(NAMES, uncommented(lines[at - 1].1));
+            if cells.len() > 1 && is_one_of(UNITS, &cells[0]) {
                 head.units = or_else(head.units, values(&cells, width));
-            } else if cells.len() > 1 && NAMES.contains(&&*key) && values(&cells, width).iter().any(|v| !v.is_empty()) {
+            } else if cells.len() > 1
+                && is_one_of(NAMES, &cells[0])
+                && values(&cells, width).iter().any(|v| !v.is_empty())
+            {
                 // A label says more than the name of a socket, `CH1`.
                 head.names = or_else(values(&cells, width), head.names);
                 head.line = if head.line == 0 { number } else { head.line };
@@ -156,10 +117,9 @@ impl Head {
     }
 
     /// The period that stands in place of a unit, below a name such as `Increment`.
-    fn increment(&self) -> Option<(f64, String)> {
-        let at = self.names.iter().position(|name| period_name(name))?;
-        let value = self.units.get(at)?;
-        Some((quantity(value, "", false)?, format!("{} {value}", self.names[at])))
+    fn increment(&self) -> Option<f64> {
+        let at = self.names.iter().position(|name| is_one_of(PERIODS, name))?;
+        quantity(self.units.get(at)?, "", false)
     }
 }
 
@@ -174,7 +134,7 @@ fn or_else(first: Vec<String>, second: Vec<String>) -> Vec<String> {
 fn uncommented(line: &str) -> &str {
     let line = line.trim_end_matches(['\r', '\n']);
     let text = line.trim_start();
-    let text = ["#", "%", "//"].iter().find_map(|sign| text.strip_prefix(sign)).unwrap_or(line);
+    let text = REMARKS.iter().find_map(|sign| text.strip_prefix(sign)).unwrap_or(line);
     text.trim_start_matches(['#', '%'])
 }
 
@@ -234,24 +194,10 @@ fn are_units(cells: &[String]) -> bool {
     cells.iter().any(known) && cells.iter().all(unit)
 }
 
-/// True if a name is that of a sampling period.
-fn period_name(name: &str) -> bool {
-    PERIODS.contains(&&*letters(name))
-}
-
-/// True if a name is that of a sampling rate.
-fn rate_name(name: &str) -> bool {
-    RATES.contains(&&*letters(name))
-}
-
 /// The sampling period [s] that a number of this name states, such as `fs`, `Ts` or `sampling_rate_kHz`.
 pub(in crate::formats) fn stated_period(name: &str, value: f64) -> Option<f64> {
     let (name, unit) = units::split(name);
-    let rate = rate_name(name);
-    if !rate && !period_name(name) {
-        return None;
-    }
-    quantity(&value.to_string(), unit.unwrap_or_default(), rate)
+    quantity(&value.to_string(), unit.unwrap_or_default(), is_rate(name)?)
 }
 
 /// A unit without the brackets around it.
@@ -261,13 +207,20 @@ fn unbracketed(cell: &str) -> &str {
     inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell).trim()
 }
 
-/// The letters of a text, in lower case.
-fn letters(text: &str) -> String {
-    text.chars().filter(|c| c.is_alphabetic()).flat_map(char::to_lowercase).collect()
+/// True if a name is that of a sampling rate, false if it is that of a sampling period; `None` for another.
+fn is_rate(name: &str) -> Option<bool> {
+    let rate = is_one_of(RATES, name);
+    (rate || is_one_of(PERIODS, name)).then_some(rate)
 }
 
-/// The sampling period that a line states, with its text.
-fn period(lines: &[&str], separator: char) -> Option<(f64, String)> {
+/// True if the letters of a text are one of these words.
+fn is_one_of(words: &str, text: &str) -> bool {
+    let letters: String = text.chars().filter(|c| c.is_alphabetic()).flat_map(char::to_lowercase).collect();
+    words.split_whitespace().any(|word| word == letters)
+}
+
+/// The sampling period [s] that a line states.
+fn period(lines: &[&str], separator: char) -> Option<f64> {
     // Between spaces, a line such as `rate: 2 kHz` is one cell.
     let separator = if separator == SPACES { '\t' } else { separator };
     for (k, line) in lines.iter().enumerate() {
@@ -275,16 +228,14 @@ fn period(lines: &[&str], separator: char) -> Option<(f64, String)> {
         for (at, cell) in cells.iter().enumerate() {
             let (key, value) = cell.split_once([':', '=']).unwrap_or((cell, ""));
             let (key, unit) = units::split(key);
-            let rate = rate_name(key);
-            if !rate && !period_name(key) {
-                continue;
-            }
+            let Some(rate) = is_rate(key) else { continue };
             let next = |k: usize| cells.get(k).copied().unwrap_or_default();
             let below = || lines.get(k + 1).and_then(|line| self::cells(line, separator).next()?.ok());
             let value = Some(value.trim()).filter(|value| !value.is_empty()).unwrap_or_else(|| next(at + 1));
             let value = if value.is_empty() { below().unwrap_or_default() } else { value };
-            if let Some(period) = quantity(value, unit.unwrap_or_else(|| next(at + 2)), rate) {
-                return Some((period, line.trim().into()));
+            let period = quantity(value, unit.unwrap_or_else(|| next(at + 2)), rate);
+            if period.is_some() {
+                return period;
             }
         }
     }
@@ -401,7 +352,7 @@ mod tests {
             ("Sample interval (us),250\n", 2.5e-4),
             ("Abtastrate: 2 kHz\n", 5e-4),
         ] {
-            let ts = head(&format!("{above}{ROWS}")).ts.map(|(ts, _)| ts);
+            let ts = head(&format!("{above}{ROWS}")).ts;
             assert_eq!(ts, Some(wanted), "{above}");
         }
         assert_eq!(head(&format!("# sample rate: high\nt,u,y\n{ROWS}")).ts, None);

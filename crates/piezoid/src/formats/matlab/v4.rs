@@ -64,11 +64,11 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
             _ if complex => "complex numbers",
             (_, Err(what)) => &what.clone(),
             (_, Ok(_)) => {
-                channels.push((name, Node::Samples(Ok(numbers.read(real, numbers.size).unwrap_or_default()), None)));
+                channels.push((name, Node::series(Ok(numbers.read(real, numbers.size).unwrap_or_default()), None)));
                 continue;
             }
         };
-        channels.push((name, Node::Samples(Err(what.to_string()), None)));
+        channels.push((name, Node::other(what.to_string())));
     }
     Ok(channels)
 }

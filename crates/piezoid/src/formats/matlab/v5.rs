@@ -4,6 +4,7 @@
 //! content, and cells of single numbers as a vector.
 
 use crate::Error;
+use crate::formats::Channel;
 use crate::formats::bytes::{
     DEEPEST, NumberFormat, NumberKind, Unpacking, damaged, length, part, shape, size, text, vector,
 };
@@ -46,7 +47,7 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
 
 /// The name and the value of an array.
 fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, Node), Error> {
-    let other = |what: &str| Node::Samples(Err(what.into()), None);
+    let other = |what: &str| Node::other(what);
     if kind != MATRIX || depth > DEEPEST {
         return Err(damaged(format!("an element of type {kind}, {depth} deep, where an array should stand")));
     }
@@ -71,7 +72,7 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
                 Ok(n) => Ok(parts.numbers(n)?),
                 Err(what) => Err(what),
             };
-            Node::Samples(samples, None)
+            Node::series(samples, None)
         }
         class => other(&format!("an object of class {class}")),
     };
@@ -87,15 +88,17 @@ fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<Node,
         let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
         match value {
             value if count == 1 => return Ok(value),
-            Node::Samples(Ok(single), _) if single.len() == 1 && items.is_empty() => samples.extend(single),
+            Node::Series(Channel { samples: Ok(single), .. }) if single.len() == 1 && items.is_empty() => {
+                samples.extend(single);
+            }
             Node::Fields(fields) if samples.is_empty() => items.push(Node::Fields(fields)),
-            _ => return Ok(Node::Samples(Err(format!("cells, {}", shape(dims))), None)),
+            _ => return Ok(Node::other(format!("cells, {}", shape(dims)))),
         }
     }
     if !items.is_empty() {
         return Ok(Node::Items(items));
     }
-    Ok(Node::Samples(vector(dims)?.map(|_| samples), None))
+    Ok(Node::series(vector(dims)?.map(|_| samples), None))
 }
 
 /// A structure, or several with the same fields.
