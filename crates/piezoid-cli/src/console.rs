@@ -2,8 +2,9 @@
 
 use crate::flags::failed;
 use crate::layout::wrapped;
-use anyhow::{Context, Result, anyhow};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::values::{CANCELLED, Ended};
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use piezoid::progress::Stage;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -13,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Set by the first Ctrl-C; work that checks it stops in an orderly way. The second Ctrl-C ends the process
 /// immediately.
-static CANCELLED: AtomicBool = AtomicBool::new(false);
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Maximum length of a line, even in a wider terminal: longer lines are hard to read.
 const WIDEST: usize = 100;
@@ -66,8 +67,8 @@ impl Console {
         WATCH.call_once(|| {
             // Without a handler, Ctrl-C ends the process. This is acceptable too.
             let _ = ctrlc::set_handler(|| {
-                if CANCELLED.swap(true, Ordering::Relaxed) {
-                    std::process::exit(1);
+                if INTERRUPTED.swap(true, Ordering::Relaxed) {
+                    std::process::exit(CANCELLED.into());
                 }
             });
         });
@@ -75,7 +76,7 @@ impl Console {
             if self.shows_progress {
                 self.show(stage);
             }
-            if CANCELLED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if INTERRUPTED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         }
     }
 
@@ -87,10 +88,14 @@ impl Console {
             let width = terminal_size::terminal_size_of(std::io::stderr()).map_or(USUAL, |(width, _)| width.0.into());
             let template = match width {
                 ..ROOM_FOR_A_BAR => "{percent:>3} % {msg}",
-                _ => "{msg}  {bar:20}  {pos}/{len}",
+                _ => "{msg}  {bar:20}  {pos}/{len}{left}",
             };
             if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style.progress_chars("━╸ "));
+                let left = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+                    let eta = state.eta().as_secs();
+                    let _ = if eta > 0 { write!(text, "  {eta} s left") } else { Ok(()) };
+                };
+                bar.set_style(style.progress_chars("━╸ ").with_key("left", left));
             }
             bar.set_message(stage.what.to_string());
         }
@@ -101,7 +106,7 @@ impl Console {
     pub(crate) fn done<T>(&self, outcome: Result<T, piezoid::Error>) -> Result<T> {
         self.bar.borrow().finish_and_clear();
         outcome.map_err(|error| match error {
-            piezoid::Error::Cancelled { .. } => anyhow!("{error}: nothing was written"),
+            piezoid::Error::Cancelled { .. } => Ended::Cancelled(format!("{error}: nothing was written")).into(),
             other => failed(other),
         })
     }

@@ -25,8 +25,8 @@ pub(crate) fn read(path: &Path) -> Result<File> {
 }
 
 /// Reads the files at these paths.
-pub(crate) fn read_all(paths: &[PathBuf]) -> Result<Vec<File>> {
-    paths.iter().map(|path| read(path)).collect()
+pub(crate) fn read_all<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<Vec<File>> {
+    paths.into_iter().map(|path| read(path)).collect()
 }
 
 /// Writes a file beside its place and then renames it; `-` is stdout.

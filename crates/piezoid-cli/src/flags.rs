@@ -1,6 +1,6 @@
 //! The options of a verb as flags, created from the library's table; the library's errors with its options as flags.
 
-use crate::values::Misused;
+use crate::values::Ended::Misused;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMatches};

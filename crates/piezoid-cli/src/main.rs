@@ -1,6 +1,7 @@
 //! The `piezoid` command: reads arguments and files, calls the library, prints the results.
 //!
-//! Exit status: 0 on success, 2 on a wrong command line, 1 on any other failure, with one message on stderr.
+//! Exit status: 0 on success, 2 on a wrong command line, 130 after Ctrl-C, 1 on any other failure, with one message on
+//! stderr.
 
 mod columns;
 mod commands;
@@ -42,7 +43,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             console::complain(&error);
-            ExitCode::from(if error.is::<values::Misused>() { 2 } else { 1 })
+            ExitCode::from(error.downcast_ref().map_or(1, values::Ended::status))
         }
     }
 }

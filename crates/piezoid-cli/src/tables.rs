@@ -5,11 +5,22 @@ use crate::console::Console;
 use crate::layout::{capitalised, table};
 use piezoid::number::{round, short as number};
 use piezoid::validation::{Bin, Floor, LoopComparison, Metrics, Source};
-use piezoid::{Compared, Validated};
+use piezoid::{Compared, Validated, Verdict};
 
 /// Maximum number of bands without `full`. If there are more, this number of the worst bands is shown.
 const MOST: usize = 12;
 const WORST: usize = 8;
+
+/// A verdict as text.
+pub(crate) fn verdict(found: Option<&Verdict>) -> String {
+    found.map_or_else(|| "not proven: the error of the free run is not finite".into(), Verdict::to_string)
+}
+
+/// The table of the error figures.
+pub(crate) fn brief(validated: &Validated, console: &Console) -> String {
+    let unit = validated.files.first().map_or("", |first| &first.record.units().y);
+    figures(validated, unit, console.room())
+}
 
 /// All tables; `full` adds all bands, all loops and the results of the residual tests.
 pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> String {

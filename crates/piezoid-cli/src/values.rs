@@ -1,19 +1,39 @@
-//! Checks of a command line that the parser cannot do: files must differ.
+//! Failures with an exit status of their own; checks of a command line that the parser cannot do: files must differ.
 
+use Ended::{Cancelled, Misused};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 
-/// An error in the command line that the parser cannot find: exit status 2.
+/// A failure with an exit status of its own.
 #[derive(Debug)]
-pub(crate) struct Misused(pub(crate) String);
+pub(crate) enum Ended {
+    /// An error in the command line that the parser cannot find.
+    Misused(String),
+    /// Ctrl-C.
+    Cancelled(String),
+}
 
-impl std::fmt::Display for Misused {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
+/// Exit status after Ctrl-C: 128 and the number of the signal, as in shells.
+pub(crate) const CANCELLED: u8 = 130;
+
+impl Ended {
+    /// The exit status.
+    pub(crate) fn status(&self) -> u8 {
+        match self {
+            Misused(_) => 2,
+            Cancelled(_) => CANCELLED,
+        }
     }
 }
 
-impl std::error::Error for Misused {}
+impl std::fmt::Display for Ended {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (Misused(text) | Cancelled(text)) = self;
+        f.write_str(text)
+    }
+}
+
+impl std::error::Error for Ended {}
 
 /// Returns an error if results would overwrite each other or an input file.
 pub(crate) fn apart(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<()> {

@@ -5,7 +5,6 @@ use crate::json::{object, options, rows};
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
-use piezoid::hammerstein::Identified;
 use piezoid::{IdentifyOptions, Options, Records};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,13 +23,13 @@ pub(crate) fn identify(
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, large) = (own(&records.0), own(&records.1));
     let records = Records { small_signal: &small, large_signal: &large };
-    let found: Identified = watched(py, progress, |progress| records.identify(&options, progress))?;
     let files: Value = serde_json::from_str(&made.1).map_err(|e| refused(&e.to_string()))?;
-    let mut made = options.provenance(&found, &made.0, files);
-    if !found.notes.is_empty() {
-        made["notes"] = json!(found.notes);
+    let identified = watched(py, progress, |progress| options.prove(records, &[], &made.0, files, progress))?;
+    let mut made = identified.model.provenance().clone();
+    if !identified.found.notes.is_empty() {
+        made["notes"] = json!(identified.found.notes);
     }
-    Ok(found.model.with_provenance(made).into())
+    Ok(identified.model.with_provenance(made).into())
 }
 
 /// The options of [`identify`], one per row.

@@ -237,7 +237,13 @@ pub(crate) fn row<T>(
     name: &str,
 ) -> Result<&'static T, Error> {
     let known = rows.clone().map(name_of);
-    rows.find(|row| name_of(row) == name).ok_or_else(|| Error::unknown(kind, name, known))
+    rows.find(|row| alike(name_of(row), name)).ok_or_else(|| Error::unknown(kind, name, known))
+}
+
+/// True if two names differ only in case and in what joins their words: `Bouc_Wen` is `bouc-wen`.
+pub(crate) fn alike(a: &str, b: &str) -> bool {
+    let letter = |c: char| if c == '_' || c == ' ' { '-' } else { c.to_ascii_lowercase() };
+    a.chars().map(letter).eq(b.trim().chars().map(letter))
 }
 
 /// Returns an error if a setting is not a positive finite number.

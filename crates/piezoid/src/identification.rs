@@ -225,10 +225,14 @@ impl IdentifyOptions {
         }
         let estimator = self.estimator.clone().unwrap_or(usual.estimator);
         linear::Estimator::find(&estimator)?;
+        let operator = match &*self.operator {
+            "auto" => "auto",
+            name => crate::hysteresis::Operator::find(name)?.name,
+        };
         Ok(PaperOptions {
             order,
             estimator,
-            operator: self.operator.clone(),
+            operator: operator.into(),
             split: self.split.unwrap_or(usual.split),
             bins: self.bins.unwrap_or(usual.bins),
             reading: self.reading.unwrap_or(usual.reading),

@@ -76,5 +76,5 @@ pub use record::{Record, Units};
 pub use system::System;
 pub use verbs::{
     Compared, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited, File, Identification,
-    SimulateOptions, Simulated, TuneOptions, Validated,
+    SimulateOptions, Simulated, TuneOptions, Validated, Verdict,
 };

@@ -37,6 +37,9 @@ pub enum OptionKind {
     Texts(&'static str),
 }
 
+/// Prefixes of units, with their powers of ten.
+const PREFIXES: [(&str, i32); 8] = [("", 0), ("k", 3), ("M", 6), ("G", 9), ("m", -3), ("u", -6), ("n", -9), ("p", -12)];
+
 /// One option of a verb: a row of its table.
 #[derive(Debug, Clone, Copy)]
 pub struct OptionRow {
@@ -156,7 +159,7 @@ impl OptionRow {
         }
     }
 
-    /// The value in `text`; for an option with several values, one of them.
+    /// The value in `text`; for an option with several values, one of them. A number may carry its unit: `30V`, `0.5ms`.
     ///
     /// # Errors
     /// [`Error::Parameter`] if the text is not a valid value.
@@ -165,9 +168,9 @@ impl OptionRow {
             OptionKind::Choice(_) | OptionKind::Text(_) | OptionKind::Texts(_) => Some(Value::from(text)),
             OptionKind::Switch => text.parse::<bool>().map(Value::from).ok(),
             OptionKind::Bit | OptionKind::Integer(..) => {
-                text.parse::<u64>().map(Value::from).ok().or_else(|| number(text))
+                text.parse::<u64>().map(Value::from).ok().or_else(|| number(text, ""))
             }
-            OptionKind::Number { .. } | OptionKind::Pair => number(text),
+            OptionKind::Number { .. } | OptionKind::Pair => number(text, self.unit),
         };
         let value = read.ok_or_else(|| Error::parameter(self.name, text, self.rule()))?;
         if let OptionKind::Pair | OptionKind::Texts(_) = self.values { Ok(value) } else { self.fit(value) }
@@ -186,6 +189,7 @@ impl OptionRow {
             (OptionKind::Integer(least, most), _) => {
                 whole(&value).filter(|n| (least..=most).contains(n)).map(Value::from)
             }
+            (OptionKind::Number { .. }, Value::String(text)) => return self.parse(text),
             (OptionKind::Number { least, open, below }, _) => {
                 let fits = |x: f64| x.is_finite() && x < below && (x > least || x == least && !open);
                 value.as_f64().is_some_and(fits).then(|| value.clone())
@@ -209,9 +213,24 @@ impl OptionRow {
     }
 }
 
-/// The finite number in `text`.
-fn number(text: &str) -> Option<Value> {
-    text.parse::<f64>().ok().filter(|x| x.is_finite()).map(Value::from)
+/// The finite number in `text`, converted to `unit` if it has this unit with a prefix: `30V`, `0.5 ms`, `2min`.
+fn number(text: &str, unit: &str) -> Option<Value> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
+    let written = crate::record::plain(text[digits.len()..].trim());
+    let number = match (&*written, unit) {
+        ("", _) => digits.parse::<f64>().ok()?,
+        ("min", "s") => 60.0 * digits.parse::<f64>().ok()?,
+        ("h", "s") => 3600.0 * digits.parse::<f64>().ok()?,
+        ("deg", "degrees") => digits.parse::<f64>().ok()?,
+        (_, "") => return None,
+        _ => {
+            let (_, power) = PREFIXES.iter().find(|(prefix, _)| written.strip_prefix(prefix) == Some(unit))?;
+            let (mantissa, exponent) = digits.split_once(['e', 'E']).unwrap_or((digits, "0"));
+            // As a decimal, because 0.3 * 1e-3 is not 3e-4.
+            format!("{mantissa}e{}", exponent.parse::<i32>().ok()?.checked_add(*power)?).parse::<f64>().ok()?
+        }
+    };
+    number.is_finite().then(|| Value::from(number))
 }
 
 /// The integer, if the number is an integer and not negative.
@@ -339,6 +358,20 @@ mod tests {
         assert!(Each::default().changed().is_empty());
         let changed = Each { bit: true, ..Each::default() }.changed();
         assert_eq!(changed.iter().map(|(row, value)| (row.name, &**value)).collect::<Vec<_>>(), [("bit", "true")]);
+    }
+
+    #[test]
+    fn a_number_may_carry_its_unit() {
+        let small = |text: &str| Each::rows()[2].parse(text).ok().and_then(|value| value.as_f64());
+        let read =
+            [("0.3ms", 3e-4), ("5e-1 ms", 5e-4), ("2s", 2.0), ("7 \u{b5}s", 7e-6), ("2min", 120.0), ("1.5h", 5400.0)];
+        for (text, seconds) in read {
+            assert_eq!(small(text), Some(seconds), "{text}");
+        }
+        for text in ["3V", "ms", "3 mss", "-1ms", "1e999ms", "1e99999999999s", "inf", "nan s", "0x1s", ""] {
+            assert_eq!(small(text), None, "{text}");
+        }
+        assert_eq!(Each::from_json(json!({"small": "3 ms"})).unwrap().small, 3e-3);
     }
 
     #[test]

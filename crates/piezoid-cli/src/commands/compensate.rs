@@ -6,7 +6,7 @@ use crate::files;
 use crate::flags::{Flags, failed};
 use crate::layout::table;
 use crate::values::apart;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
@@ -16,25 +16,27 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "\
 Examples:
   The voltage for a displacement, within the limits of a driver:
-    piezoid compensate --model model.json --reference r.csv --driver pl140 -o u.csv
+    piezoid compensate r.csv --model model.json --driver pl140 -o u.csv
   Steps smoothed to moves of 20 ms that do not excite the resonance:
-    piezoid compensate --model model.json --reference steps.csv --smooth 0.02 --zvd \\
-        -o u.csv
+    piezoid compensate steps.csv --model model.json --smooth 20ms --zvd -o u.csv
   Response of the plant to this voltage:
-    piezoid simulate --plant pl140 --input u.csv -o y.csv
+    piezoid simulate u.csv --plant pl140 -o y.csv
 
 The reference is the column r_*, or else y_*, in a unit that can be converted to that of the model's output. Before its first sample it is assumed constant at the first value. Errors are those of the model's free run; effects that the model does not contain add to them.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid compensate --model <FILE> --reference <FILE>\n           [OPTIONS] -o <FILE>")]
+#[command(override_usage = "piezoid compensate <FILE> --model <FILE> [OPTIONS] -o <FILE>")]
 pub(crate) struct Compensate {
     /// The model file.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// The requested displacement.
-    #[arg(long, value_name = "FILE")]
-    reference: PathBuf,
+    #[arg(value_name = "FILE", required_unless_present = "reference")]
+    file: Option<PathBuf>,
+    /// The same as <FILE>.
+    #[arg(long, value_name = "FILE", conflicts_with = "file")]
+    reference: Option<PathBuf>,
     #[command(flatten)]
     options: Flags<CompensateOptions>,
     /// The file to write; - is stdout.
@@ -49,10 +51,13 @@ pub(crate) struct Compensate {
 
 impl Compensate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &self.reference])?;
+        let Some(reference) = self.file.or(self.reference) else {
+            bail!("name the file of the requested displacement")
+        };
+        apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &reference])?;
         files::ready(&[Some(&self.output), self.json.as_deref()])?;
         let columns = self.columns.read()?;
-        let (model, reference) = (files::read(&self.model)?, files::read(&self.reference)?);
+        let (model, reference) = (files::read(&self.model)?, files::read(&reference)?);
         let made = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
         let stdout = Some(Path::new("-"));
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {

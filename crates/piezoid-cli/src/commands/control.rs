@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
 use crate::layout::table;
-use crate::values::{Misused, apart};
+use crate::values::{Ended::Misused, apart};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::control::{

@@ -4,7 +4,7 @@ use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
-use crate::values::Misused;
+use crate::values::Ended::Misused;
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::formats::ColumnSelection;

@@ -5,6 +5,8 @@ use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
+use crate::layout::capitalised;
+use crate::tables::verdict;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
@@ -17,33 +19,37 @@ Examples:
     piezoid identify --small-signal prbs.csv --large-signal rise1.csv rise20.csv rise80.csv \\
         -o model.json
   All available records, without their first 1.5 s, and one operator:
-    piezoid identify --data run1.csv run2.csv --from 1.5 \\
-        --operator preisach -o model.json
+    piezoid identify run1.csv run2.csv --from 1.5 --operator preisach -o model.json
   The paper's method: two branches per frequency, ARX by particle swarm:
     piezoid identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv \\
         -o model.json
   Columns of other names, and no time column:
-    piezoid identify --data log.csv --ts 0.005 --input-col cmd_V \\
-        --output-col pos_um -o model.json";
+    piezoid identify log.csv --ts 5ms --input-col cmd_V --output-col pos_um -o model.json";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 #[command(override_usage = "\
 piezoid identify --small-signal <FILE>... --large-signal <FILE>...
            [OPTIONS] -o <FILE>
-       piezoid identify --data <FILE>... [OPTIONS] -o <FILE>")]
+       piezoid identify <FILE>... [OPTIONS] -o <FILE>")]
 pub(crate) struct Identify {
+    /// Records for linear block and hysteresis together, if there is no small-signal record.
+    #[arg(value_name = "FILE", conflicts_with_all = ["small_signal", "large_signal"])]
+    files: Vec<PathBuf>,
     /// Small-signal records for the linear block: a PRBS of about 1 V.
     #[arg(long, alias = "linear", value_name = "FILE", num_args = 1..)]
     small_signal: Vec<PathBuf>,
     /// Large-signal records, which exercise the hysteresis: rising sines at some frequencies.
-    #[arg(long, alias = "rich", value_name = "FILE", num_args = 1.., required_unless_present_any = ["small_signal", "data"])]
+    #[arg(long, alias = "rich", value_name = "FILE", num_args = 1.., required_unless_present_any = ["small_signal", "data", "files"])]
     large_signal: Vec<PathBuf>,
-    /// Records for linear block and hysteresis together, if there is no small-signal record.
+    /// The same as <FILE>...
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["small_signal", "large_signal"])]
     data: Vec<PathBuf>,
     #[command(flatten)]
     options: Flags<IdentifyOptions>,
+    /// Show the tables: linear block, modes, operators tried, parameters, errors on the training records.
+    #[arg(short, long)]
+    verbose: bool,
     /// The model file to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -56,7 +62,7 @@ pub(crate) struct Identify {
 
 impl Identify {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        let large_signal = [self.large_signal, self.data].concat();
+        let large_signal = [self.large_signal, self.files, self.data].concat();
         let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
         let results = [Some(self.output.as_path()), self.json.as_deref()];
         apart(&results, &paths)?;
@@ -68,8 +74,10 @@ impl Identify {
         let made = self.options.0.run((&small, &large), &columns, &files::command(), &mut progress);
         drop(progress);
         let made = console.done(made)?;
-        if !results.contains(&Some(Path::new("-"))) {
-            console.print(&summary(&made, console))?;
+        let stdout = Path::new("-");
+        let is_free = !results.contains(&Some(stdout));
+        if is_free && self.verbose {
+            console.print(&(summary(&made, console) + "\n"))?;
         }
         for note in &made.found.notes {
             console.remark(note);
@@ -80,6 +88,16 @@ impl Identify {
             }
         }
         files::write_json(self.json.as_deref(), &made.to_json(), console)?;
-        files::write(&self.output, &made.model.to_json(), console)
+        files::write(&self.output, &made.model.to_json(), console)?;
+        let wrote = match &*self.output {
+            path if path == stdout => String::new(),
+            path => format!("; wrote {}", path.display()),
+        };
+        let said =
+            [capitalised(&made.model.to_string()), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
+        match is_free {
+            true => said.iter().try_for_each(|line| console.print(&console.paragraph(&format!("{line}."), ""))),
+            false => Ok(said.iter().for_each(|line| console.remark(line))),
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::files;
 use crate::flags::failed;
-use crate::values::Misused;
+use crate::values::Ended::Misused;
 use anyhow::Result;
 use clap::Args;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS};

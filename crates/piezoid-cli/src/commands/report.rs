@@ -3,19 +3,21 @@
 use super::validate::ValidationFlags;
 use crate::console::Console;
 use crate::files;
+use crate::layout::capitalised;
+use crate::tables::verdict;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid_report::report::report;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Example:
-  piezoid report --model model.json --data test5.csv test20.csv -o report.html";
+  piezoid report test5.csv test20.csv --model model.json -o report.html";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid report --model <FILE> --data <FILE>...\n           [OPTIONS] -o <FILE>")]
+#[command(override_usage = "piezoid report <FILE>... --model <FILE> [OPTIONS] -o <FILE>")]
 pub(crate) struct Report {
     #[command(flatten)]
     flags: ValidationFlags,
@@ -29,6 +31,11 @@ impl Report {
         apart(&[Some(&self.output)], &self.flags.inputs())?;
         files::ready(&[Some(&self.output)])?;
         let (model, validated) = self.flags.run()?;
-        files::write(&self.output, &report(&model, &validated).html(), console)
+        files::write(&self.output, &report(&model, &validated).html(), console)?;
+        if self.output == Path::new("-") {
+            return Ok(());
+        }
+        let said = capitalised(&verdict(validated.verdict(&model).as_ref()));
+        console.print(&console.paragraph(&format!("{said}; wrote {}.", self.output.display()), ""))
     }
 }

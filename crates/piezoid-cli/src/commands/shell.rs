@@ -2,7 +2,7 @@
 
 use crate::Cli;
 use crate::console::Console;
-use crate::values::Misused;
+use crate::values::Ended::Misused;
 use anyhow::Result;
 use clap::{Args, CommandFactory};
 

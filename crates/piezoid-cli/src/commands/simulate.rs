@@ -15,17 +15,17 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   Response of the paper's actuator to a drive signal:
-    piezoid simulate --plant paper --input sine20.csv -o answer.csv
+    piezoid simulate sine20.csv --plant paper -o answer.csv
   Prediction of a model for the same signal:
-    piezoid simulate --model model.json --input sine20.csv -o predicted.csv
+    piezoid simulate sine20.csv --model model.json -o predicted.csv
   An actuator of your own:
     piezoid plants --show pl140 > mine.json
-    piezoid simulate --plant mine.json --input sine20.csv -o answer.csv";
+    piezoid simulate sine20.csv --plant mine.json -o answer.csv";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 #[command(
-    override_usage = "piezoid simulate (--plant <NAME|FILE> | --model <FILE>)\n           --input <FILE> [OPTIONS] -o <FILE>"
+    override_usage = "piezoid simulate <FILE> (--plant <NAME|FILE> | --model <FILE>)\n           [OPTIONS] -o <FILE>"
 )]
 #[group(id = "system", required = true, multiple = false, args = ["plant", "model"])]
 pub(crate) struct Simulate {
@@ -36,8 +36,11 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// The drive signal.
-    #[arg(long, value_name = "FILE")]
-    input: PathBuf,
+    #[arg(value_name = "FILE", required_unless_present = "input")]
+    file: Option<PathBuf>,
+    /// The same as <FILE>.
+    #[arg(long, value_name = "FILE", conflicts_with = "file")]
+    input: Option<PathBuf>,
     /// The file to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -52,13 +55,14 @@ pub(crate) struct Simulate {
 
 impl Simulate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
-        apart(&[Some(&self.output)], &[&self.input])?;
+        let Some(input) = self.file.or(self.input) else { bail!("name the file of the drive signal") };
+        apart(&[Some(&self.output)], &[&input])?;
         files::ready(&[Some(&self.output)])?;
         let (mut options, columns) = (self.options.0, &self.columns.read()?);
         if self.settled {
             options.begin = InitialCondition::Settled;
         }
-        let input = files::read(&self.input)?;
+        let input = files::read(&input)?;
         let made = match (&self.plant, &self.model) {
             (Some(plant), _) => options.plant(&lists::plant(plant)?, &input, columns),
             (_, Some(model)) => options.model(&files::read(model)?, &input, columns),

@@ -4,6 +4,7 @@ use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
+use crate::layout::capitalised;
 use crate::tables;
 use crate::values::apart;
 use anyhow::Result;
@@ -15,10 +16,9 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   Records the model has not seen, without their first half second:
-    piezoid validate --model model.json --data test5.csv test20.csv --skip 0.5
+    piezoid validate test5.csv test20.csv --model model.json --skip 0.5
   The second half of a record whose sensor drifts, as JSON:
-    piezoid validate --model model.json --data record.csv --from 20 --offset drift \\
-        --json -
+    piezoid validate record.csv --model model.json --from 20 --offset drift --json -
 
 The model runs free: it sees only the input, and starts from the initial condition that fits the record best. \
 nrmse % is 100 rmse / standard deviation of y, noise % the part of it that is noise, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
@@ -28,11 +28,14 @@ that the model lacks something.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid validate --model <FILE>\n           --data <FILE>... [OPTIONS]")]
+#[command(override_usage = "piezoid validate <FILE>... --model <FILE> [OPTIONS]")]
 pub(crate) struct Validate {
     #[command(flatten)]
     flags: ValidationFlags,
-    /// Show all frequency and amplitude bands, all loops, and the results of the residual tests in words.
+    /// Show the errors by frequency and amplitude, the loops and the residuals.
+    #[arg(short, long)]
+    verbose: bool,
+    /// Show all of them: all bands, all loops, and the results of the residual tests in words.
     #[arg(long)]
     full: bool,
     /// Write the results as JSON; - is stdout.
@@ -47,8 +50,11 @@ pub(crate) struct ValidationFlags {
     #[arg(long, value_name = "FILE")]
     pub(crate) model: PathBuf,
     /// The records to compare with.
-    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
-    pub(crate) data: Vec<PathBuf>,
+    #[arg(value_name = "FILE", required_unless_present = "data")]
+    files: Vec<PathBuf>,
+    /// The same as <FILE>...
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    data: Vec<PathBuf>,
     #[command(flatten)]
     options: Flags<ValidateOptions>,
     #[command(flatten)]
@@ -58,11 +64,15 @@ pub(crate) struct ValidationFlags {
 impl ValidationFlags {
     /// The input files.
     pub(crate) fn inputs(&self) -> Vec<&PathBuf> {
-        self.data.iter().chain([&self.model]).collect()
+        self.records().chain([&self.model]).collect()
+    }
+
+    fn records(&self) -> impl Iterator<Item = &PathBuf> {
+        self.files.iter().chain(&self.data)
     }
 
     pub(crate) fn run(&self) -> Result<(Model, Validated)> {
-        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(&self.data)?);
+        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(self.records())?);
         let columns = self.columns.read()?;
         let validated = self.options.0.run(&model, &data, &columns).map_err(failed)?;
         Ok((model, validated))
@@ -73,15 +83,21 @@ impl Validate {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         apart(&[self.json.as_deref()], &self.flags.inputs())?;
         files::ready(&[self.json.as_deref()])?;
-        let (_, validated) = self.flags.run()?;
-        if self.json.as_deref() != Some(std::path::Path::new("-")) {
-            console.print(&tables::all(&validated, self.full, console))?;
+        let (model, validated) = self.flags.run()?;
+        let is_free = self.json.as_deref() != Some(std::path::Path::new("-"));
+        if is_free {
+            console.print(&match self.full || self.verbose {
+                true => tables::all(&validated, self.full, console),
+                false => tables::brief(&validated, console),
+            })?;
         }
         for compared in &validated.files {
             for remark in compared.record.history().iter().chain(&compared.validation.remarks) {
                 console.remark(&format!("{}: {remark}", compared.name));
             }
         }
-        files::write_json(self.json.as_deref(), &validated.to_json(), console)
+        files::write_json(self.json.as_deref(), &validated.to_json(), console)?;
+        let said = capitalised(&tables::verdict(validated.verdict(&model).as_ref()));
+        if is_free { console.print(&console.paragraph(&format!("{said}."), "")) } else { Ok(()) }
     }
 }

@@ -62,7 +62,7 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     std::thread::sleep(Duration::from_millis(200));
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let interrupted = Instant::now();
-    let run = Run::of(line, &child.wait_with_output().unwrap()).exits(1);
+    let run = Run::of(line, &child.wait_with_output().unwrap()).exits(130);
     assert!(interrupted.elapsed() < Duration::from_secs(2), "{:?}", interrupted.elapsed());
     let run = run.says(&["error: ", "cancelled: ", " of 2000000", "nothing was written"]);
     assert_eq!((run.err.lines().count(), run.out.as_str()), (1, ""));

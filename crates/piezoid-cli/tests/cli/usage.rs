@@ -46,7 +46,7 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("simulate --plant paper --input drive5.csv -o drive5.csv", &["drive5.csv", "overwritten"]),
         ("report --model model.json --data sine5.csv -o model.json", &["model.json", "overwritten"]),
         ("validate --model model.json --data sine5.csv --json ./sine5.csv", &["sine5.csv", "overwritten"]),
-        ("validate --model model.json", &["--data"]),
+        ("validate --model model.json", &["<FILE>..."]),
         ("validate --model model.json --data sine5.csv --skip -5", &["'-5'", "--skip", "0 or more"]),
         ("validate --model model.json --data sine5.csv --skip nan", &["'nan'", "--skip"]),
         ("validate --model model.json --data sine5.csv --from inf", &["'inf'", "--from"]),

@@ -13,6 +13,7 @@ mod large_signal;
 mod loops;
 mod paper;
 mod program;
+mod summary;
 
 pub use domain::Domain;
 pub use initial_condition::InitialCondition;

@@ -38,6 +38,7 @@ pub(super) struct AsymmetricBoucWen {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "asymmetric-bouc-wen",
+    aliases: &["ABW"],
     summary: "Bouc-Wen with different ascending and descending branches",
     reference: "Song & Der Kiureghian 2006, doi:10.1061/(ASCE)0733-9399(2006)132:6(610)",
     minor_loops: true,

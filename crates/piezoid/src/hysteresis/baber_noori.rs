@@ -48,6 +48,7 @@ const MOST: f64 = 1000.0;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "bouc-wen-baber-noori",
+    aliases: &["BWBN", "baber-noori"],
     summary: "Bouc-Wen with degradation and pinching",
     reference: "Baber & Noori 1985, doi:10.1061/(ASCE)0733-9399(1985)111:8(1010)",
     minor_loops: true,

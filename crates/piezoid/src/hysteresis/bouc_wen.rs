@@ -39,6 +39,7 @@ pub(super) struct BoucWen {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "bouc-wen",
+    aliases: &["BW"],
     summary: "a differential equation of two parameters: smooth symmetric loops",
     reference: "Low & Guo 1995, doi:10.1109/84.475550",
     minor_loops: true,

@@ -38,6 +38,7 @@ pub(super) struct Dahl {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "dahl",
+    aliases: &[],
     summary: "Dahl's friction with its exponent: smooth symmetric loops",
     reference: "Dahl 1976, doi:10.2514/3.61511",
     minor_loops: true,

@@ -47,6 +47,7 @@ const MOST: usize = 7;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "duhem",
+    aliases: &["coleman-hodgdon"],
     summary: "Coleman & Hodgdon's differential equation with polynomials of the input: smooth asymmetric loops",
     reference: "Coleman & Hodgdon 1986, Int. J. Eng. Sci. 24; Adriaens et al. 2000, doi:10.1109/3516.891044",
     minor_loops: true,

@@ -49,6 +49,7 @@ const PIECES: u32 = 8;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "generalised-prandtl-ishlinskii",
+    aliases: &["GPI", "generalized-prandtl-ishlinskii"],
     summary: "play operators with two nonlinear envelope functions, and dead zones: asymmetric loops",
     reference: "Al Janaideh, Rakheja & Su 2011, doi:10.1109/TMECH.2010.2052366",
     minor_loops: true,

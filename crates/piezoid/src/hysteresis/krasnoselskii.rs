@@ -42,6 +42,7 @@ const MOST: usize = 90;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "krasnoselskii-pokrovskii",
+    aliases: &["KP"],
     summary: "a triangular grid of relays with ridges: asymmetric, saturating loops, continuous",
     reference: "Krasnosel'skii & Pokrovskii 1989, doi:10.1007/978-3-642-61302-9",
     minor_loops: true,

@@ -44,6 +44,7 @@ pub(super) struct MaxwellSlip {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "maxwell-slip",
+    aliases: &["GMS"],
     summary: "elastic sliders whose breakaway force depends on speed: loops that change with frequency",
     reference: "Al-Bender, Lampaert & Swevers 2005, doi:10.1109/TAC.2005.858676",
     minor_loops: true,

@@ -33,7 +33,7 @@ pub use proportional::Proportional;
 pub(crate) use rate_scheduled::{Pair, RateScheduled};
 pub use two_branch::{HeldInput, TwoBranch};
 
-use crate::error::{Error, row};
+use crate::error::{Error, alike, row};
 use crate::program::Block;
 use crate::system::System;
 use serde_json::{Map, Value};
@@ -84,6 +84,8 @@ pub trait Hysteresis: System {
 pub struct Operator {
     /// Name, as users and files write it.
     pub name: &'static str,
+    /// Other names in use, such as abbreviations.
+    pub aliases: &'static [&'static str],
     /// Description in one line.
     pub summary: &'static str,
     /// Publication.
@@ -131,11 +133,19 @@ pub static OPERATORS: &[&Operator] = &[
 ];
 
 impl Operator {
-    /// The operator named `name`.
+    /// The operator named `name`, or that has it as an alias.
+    ///
+    /// ```
+    /// # use piezoid::hysteresis::Operator;
+    /// assert_eq!(Operator::find("PI")?.name, Operator::find("prandtl_ishlinskii")?.name);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Unknown`] with the list of names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
+        let alias = |row: &&&Operator| row.aliases.iter().any(|alias| alike(alias, name));
+        let name = OPERATORS.iter().find(alias).map_or(name, |row| row.name);
         row("operator", OPERATORS.iter().copied(), |row| row.name, name)
     }
 

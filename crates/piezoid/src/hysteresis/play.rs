@@ -36,6 +36,7 @@ pub(super) struct Play {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "prandtl-ishlinskii",
+    aliases: &["PI", "play"],
     summary: "a sum of play operators: symmetric loops, minor loops, a closed-form inverse",
     reference: "Krejci & Kuhnen 2001, doi:10.1049/ip-cta:20010375",
     minor_loops: true,

@@ -27,6 +27,7 @@ struct ProportionalParams {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "proportional",
+    aliases: &["linear"],
     summary: "no hysteresis, z = k u: the baseline",
     reference: "a linear model",
     minor_loops: true,

@@ -41,6 +41,7 @@ pub(super) struct RatePlay {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "rate-dependent-prandtl-ishlinskii",
+    aliases: &["RDPI"],
     summary: "play operators with thresholds that increase with the input rate",
     reference: "Al Janaideh & Krejci 2013, doi:10.1109/TMECH.2012.2205265",
     minor_loops: true,

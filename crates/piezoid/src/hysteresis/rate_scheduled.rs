@@ -62,6 +62,7 @@ pub(crate) struct Pair {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "rate-scheduled",
+    aliases: &[],
     summary: "two splines for each of several frequencies, interpolated by the rate of the input; no minor loops",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     minor_loops: false,

@@ -31,6 +31,7 @@ pub(super) struct Stop {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "stop",
+    aliases: &[],
     summary: "Prandtl-Ishlinskii model with stop operators: the input minus a weighted sum of stop operators",
     reference: "Brokate & Sprekels 1996, doi:10.1007/978-1-4612-4048-8",
     minor_loops: true,

@@ -43,6 +43,7 @@ pub(crate) struct Tellinen {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "tellinen",
+    aliases: &[],
     summary: "two splines and a differential equation between them: minor loops without jumps",
     reference: "Tellinen 1998, doi:10.1109/20.706508",
     minor_loops: true,

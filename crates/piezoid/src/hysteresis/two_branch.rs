@@ -77,6 +77,7 @@ struct TwoBranchParams {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "two-branch",
+    aliases: &[],
     summary: "one spline for rising and one for falling input; no minor loops",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 2.2",
     minor_loops: false,

@@ -142,7 +142,7 @@ pub(crate) fn summary(metrics: &Metrics, floor: Option<&Floor>, drift: Option<f6
 }
 
 /// A number with two digits.
-pub(super) fn rough(x: f64) -> String {
+pub(crate) fn rough(x: f64) -> String {
     round(format!("{x:.1e}").parse().unwrap_or(x))
 }
 

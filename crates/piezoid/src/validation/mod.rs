@@ -25,9 +25,10 @@ mod whiteness;
 
 pub use bins::{Bin, Source};
 pub use floor::Floor;
-pub(crate) use floor::summary;
+pub(crate) use floor::{rough, summary};
 pub use loops::{LoopComparison, LoopShape};
 pub use metrics::Metrics;
+pub(crate) use remarks::inner_reversals;
 pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 

@@ -197,7 +197,7 @@ pub(super) fn not_covered(model: &Model, record: &Record, loops: &[LoopCompariso
 }
 
 /// Number of reversals of `u` inside the range from `low` to `high`, away from its ends.
-fn inner_reversals(u: &[f64], low: f64, high: f64) -> usize {
+pub(crate) fn inner_reversals(u: &[f64], low: f64, high: f64) -> usize {
     let margin = INSIDE * (high - low);
     let (mut extreme, mut trend, mut reversals) = (u[0], 0.0, 0);
     for &u in u {

@@ -1,12 +1,13 @@
 //! Identification of a model from records in files.
 
-use super::{Compared, File};
+use super::{Compared, File, Verdict};
 use crate::error::Error;
 use crate::formats::ColumnSelection;
 use crate::hammerstein::{HiddenLoop, Identified, Model};
 use crate::identification::{IdentifyOptions, Method, Records};
 use crate::linear::{Arx, PoleShare};
 use crate::progress::Progress;
+use crate::record::Record;
 use crate::validation::{Linearity, Offset, ValidateOptions};
 use serde_json::{Value, json};
 
@@ -37,30 +38,63 @@ impl IdentifyOptions {
     ) -> Result<Identification, Error> {
         self.check()?;
         let read = |files: &[File]| files.iter().map(|file| file.record(columns)).collect::<Result<Vec<_>, _>>();
-        let (small_signal_records, records) = (read(small)?, read(large)?);
-        let both = Records { small_signal: &small_signal_records, large_signal: &records };
-        let mut found = both.identify(self, progress)?;
+        let (small_signal, large_signal) = (read(small)?, read(large)?);
+        let every = || small.iter().chain(large).zip(small_signal.iter().chain(&large_signal));
+        let origins = every().map(|(file, record)| file.origin(record)).collect();
+        let steps = every().flat_map(|(file, record)| record.history().iter().map(|s| format!("{}: {s}", file.name)));
+        let steps: Vec<String> = steps.collect();
+        let names: Vec<&str> = small.iter().chain(large).map(|file| &*file.name).collect();
+        let records = Records { small_signal: &small_signal, large_signal: &large_signal };
+        let mut made = self.prove(records, &names, command, origins, progress)?;
+        made.found.notes.splice(0..0, steps);
+        Ok(made)
+    }
+
+    /// Identifies a model from records and tests it on them. `names` are those of the small-signal records, then of the
+    /// large-signal records; `command` and `files` are stored in the model's provenance.
+    ///
+    /// # Errors
+    /// The errors of [`identify`](crate::identify).
+    pub fn prove(
+        &self,
+        records: Records,
+        names: &[&str],
+        command: &str,
+        files: Value,
+        progress: &mut Progress,
+    ) -> Result<Identification, Error> {
+        let found = records.identify(self, progress)?;
         // The joint method fits a separate offset for each record.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
-        let compare = |(file, record): (&File, &crate::Record)| {
+        let compare = |(record, name): (&Record, &&str)| {
             let record = record.output_in(&found.model.units().y)?;
             let validation = found.model.validate_with(&record, &options)?;
-            Ok(Compared { name: file.name.clone(), record, validation })
+            Ok(Compared { name: (*name).into(), record, validation })
         };
-        let training = large.iter().zip(&records).map(compare).collect::<Result<_, Error>>()?;
-        let every = || small.iter().chain(large).zip(small_signal_records.iter().chain(&records));
-        let origins = every().map(|(file, record)| file.origin(record)).collect();
-        let steps = every().flat_map(|(file, record)| record.history().iter().map(|s| format!("{}: {s}", file.name)));
-        found.notes.splice(0..0, steps);
-        let model = found.model.clone().with_provenance(self.provenance(&found, command, origins));
-        let linearity = small_signal_records.iter().map(|record| Linearity::of(record).ok()).collect();
+        let Records { small_signal, large_signal } = records;
+        let names = || names.iter().chain(std::iter::repeat(&"record"));
+        let training: Vec<_> =
+            large_signal.iter().zip(names().skip(small_signal.len())).map(compare).collect::<Result<_, Error>>()?;
+        let verdict = match &training[..] {
+            [] => {
+                let small: Vec<_> = small_signal.iter().zip(names()).map(compare).collect::<Result<_, Error>>()?;
+                Verdict::of_identified(&found, &small, &[])
+            }
+            large => Verdict::of_identified(&found, large, small_signal),
+        };
+        let linearity = small_signal.iter().map(|record| Linearity::of(record).ok()).collect();
+        let mut provenance = self.provenance(&found, command, files);
+        if let Some(verdict) = &verdict {
+            provenance["verdict"] = json!(verdict);
+        }
+        let model = found.model.clone().with_provenance(provenance);
         Ok(Identification { found, model, training, linearity })
     }
 
     /// The provenance of a model, for its file: the command, the files, the operators that were tried, and the
     /// parameters with their errors. A report needs the last two, and the model alone does not contain them.
-    pub fn provenance(&self, found: &Identified, command: &str, files: Value) -> Value {
+    fn provenance(&self, found: &Identified, command: &str, files: Value) -> Value {
         let version = env!("CARGO_PKG_VERSION");
         let mut made = json!({"command": command, "version": version, "files": files, "seed": self.seed});
         for (name, known) in [("trials", json!(found.trials)), ("parameters", json!(found.parameters))] {
@@ -105,6 +139,7 @@ impl Identification {
             "training": self.training.iter().map(Compared::to_json).collect::<Vec<_>>(),
             "notes": found.notes,
             "linearity": self.linearity,
+            "verdict": self.model.verdict(),
         })
     }
 }

@@ -8,6 +8,7 @@ mod identify;
 mod inspect;
 mod simulate;
 mod validate;
+mod verdict;
 
 pub use compensate::{CompensateOptions, Compensation};
 pub use control::{ControlOptions, TuneOptions};
@@ -15,6 +16,7 @@ pub use excite::{ExciteOptions, Excited};
 pub use identify::Identification;
 pub use simulate::{SimulateOptions, Simulated};
 pub use validate::{Compared, Validated};
+pub use verdict::Verdict;
 
 use crate::error::Error;
 use crate::formats::{ColumnSelection, Signal, Table};

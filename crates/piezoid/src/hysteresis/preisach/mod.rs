@@ -72,6 +72,7 @@ struct PreisachParams {
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "preisach",
+    aliases: &[],
     summary: "relays on a triangular grid: asymmetric loops of any shape, minor loops, wiping-out",
     reference: "Mayergoyz 1991, doi:10.1007/978-1-4612-3028-1",
     minor_loops: true,
