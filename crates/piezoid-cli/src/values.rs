@@ -1,6 +1,7 @@
-//! Checks of a command line that the parser cannot do: files must differ.
+//! Checks of the files on a command line: they must differ, and records have a format that is written.
 
 use anyhow::{Result, bail};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
 
 /// An error in the command line that the parser cannot find: exit status 2.
@@ -14,6 +15,12 @@ impl std::fmt::Display for Misused {
 }
 
 impl std::error::Error for Misused {}
+
+/// Takes the path of a record to write, whose extension selects its format.
+pub(crate) fn record() -> impl TypedValueParser<Value = PathBuf> {
+    let writable = |path: PathBuf| piezoid::formats::Table::writable(&path.to_string_lossy()).map(|()| path);
+    PathBufValueParser::new().try_map(writable)
+}
 
 /// Returns an error if results would overwrite each other or an input file.
 pub(crate) fn apart(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<()> {

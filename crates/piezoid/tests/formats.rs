@@ -1,4 +1,4 @@
-//! Every format that is read, on files of others (`golden/formats.py` writes them), whole and damaged.
+//! Every format, on files of others (`golden/formats.py` writes them), whole and damaged, and on our own.
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
@@ -75,6 +75,12 @@ fn every_row_is_complete_and_knows_its_files() {
         assert!(own.iter().all(|(.., bytes, _)| (format.matches)(bytes)), "{}", format.name);
         for text in [format.name, format.summary, format.reference] {
             assert!(!text.is_empty() && !text.contains('\n'), "{}", format.name);
+        }
+        if let Some(write) = format.write {
+            let bytes = write(5e-4, &[("u_V", &[0.0, 1.0]), ("y_um", &[2.0, -0.0])]).expect("a file");
+            let own = FORMATS.iter().rfind(|row| (row.matches)(&bytes)).expect("a row");
+            let record = (own.read)(&bytes).and_then(|table| record(&table)).expect("a record");
+            assert_eq!((own.name, record.u(), record.ts()), (format.name, &[0.0, 1.0][..], 5e-4));
         }
         for extension in format.extensions {
             let rows = FORMATS.iter().filter(|row| row.extensions.contains(extension)).count();

@@ -5,7 +5,7 @@ use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
-use crate::values::apart;
+use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::SimulateOptions;
@@ -38,8 +38,8 @@ pub(crate) struct Simulate {
     /// The drive signal.
     #[arg(long, value_name = "FILE")]
     input: PathBuf,
-    /// The file to write; - is stdout.
-    #[arg(short, long, value_name = "FILE")]
+    /// The file to write: CSV, or .npz or .mat by the extension; - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record())]
     output: PathBuf,
     #[command(flatten)]
     options: Flags<SimulateOptions>,
@@ -68,6 +68,6 @@ impl Simulate {
         if !made.reached.is_empty() {
             console.remark(&made.reached);
         }
-        files::write(&self.output, &made.to_csv().map_err(failed)?, console)
+        files::write_record(&self.output, |name| made.written(name), console)
     }
 }
