@@ -15,6 +15,13 @@ const FILES: &[(&str, &str, &[u8], &str)] = &[
           # END_HEADER\n0 0 \n1 20 \n1.5 33 \n-2 -40 \n",
         "",
     ),
+    (
+        "igor",
+        "waves.itx",
+        b"IGOR\rWAVES/D\tDrive\tGauge\rBEGIN\r\t0\t0\r\t1\t20\r\t1.5\t33\r\t-2\t-40\rEND\rX SetScale/P x 0,0.0005,\
+          \"s\", Drive; SetScale y 0,0,\"V\", Drive\rX SetScale y 0,0,\"\xb5m\", Gauge\r",
+        "",
+    ),
     ("numpy", "fields.npy", include_bytes!("golden/formats/fields.npy"), "corner (of shape 2 a row)"),
     ("numpy", "stored.npz", include_bytes!("golden/formats/stored.npz"), NUMPY),
     ("numpy", "deflated.npz", include_bytes!("golden/formats/deflated.npz"), NUMPY),

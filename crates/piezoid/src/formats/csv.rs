@@ -18,6 +18,7 @@ mod head;
 mod number;
 mod write;
 
+pub(super) use encoding::{decode, lines};
 pub(super) use head::stated_period;
 pub(super) use write::times;
 

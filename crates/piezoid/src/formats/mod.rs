@@ -13,6 +13,7 @@ mod column;
 mod csv;
 mod gcs;
 mod hdf5;
+mod igor;
 mod matlab;
 mod numpy;
 mod quote;
@@ -56,7 +57,8 @@ pub struct Format {
 type Write = fn(ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error>;
 
 /// The formats that are read. Later rows are more specific: the last one that matches reads a file.
-pub static FORMATS: &[Format] = &[csv::ROW, gcs::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
+pub static FORMATS: &[Format] =
+    &[csv::ROW, gcs::ROW, igor::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
 
 impl Format {
     /// The format that a file begins like: text if it begins like no other.
