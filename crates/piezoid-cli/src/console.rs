@@ -36,10 +36,10 @@ impl Console {
         Console { bar: RefCell::new(ProgressBar::hidden()), shows_progress: !quiet && std::io::stderr().is_terminal() }
     }
 
-    /// Prints text on stdout. It is not an error if the reader has closed the pipe (`| head`).
-    pub(crate) fn print(&self, text: &str) -> Result<()> {
+    /// Prints text or bytes on stdout. It is not an error if the reader has closed the pipe (`| head`).
+    pub(crate) fn print(&self, content: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
         let mut out = std::io::stdout().lock();
-        match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        match out.write_all(content.as_ref()).and_then(|()| out.flush()) {
             Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
             other => other.context("cannot write to stdout"),
         }

@@ -30,24 +30,39 @@ pub(crate) fn read_all<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Resu
 }
 
 /// Writes a file beside its place and then renames it; `-` is stdout.
-pub(crate) fn write(path: &Path, text: &str, console: &crate::console::Console) -> Result<()> {
+pub(crate) fn write(
+    path: &Path,
+    content: &(impl AsRef<[u8]> + ?Sized),
+    console: &crate::console::Console,
+) -> Result<()> {
+    let content = content.as_ref();
     if path == Path::new("-") {
-        return console.print(text);
+        return console.print(content);
     }
     match std::fs::metadata(path) {
         // A pipe or a device is written to and not replaced.
         Ok(what) if !what.is_file() && !what.is_dir() => {
             let mut open = std::fs::OpenOptions::new();
-            return open.write(true).open(path).and_then(|mut file| file.write_all(text.as_bytes())).or_else(|error| {
-                match error.kind() {
+            return open.write(true).open(path).and_then(|mut file| file.write_all(content)).or_else(
+                |error| match error.kind() {
                     ErrorKind::BrokenPipe => Ok(()),
                     _ => Err(Error::new(error).context(format!("cannot write {}", named(path)))),
-                }
-            });
+                },
+            );
         }
         _ => {}
     }
-    Ok(files::write(path, text.as_bytes())?)
+    Ok(files::write(path, content)?)
+}
+
+/// Writes a record, of which `content` makes a file of this name.
+pub(crate) fn write_record(
+    path: &Path,
+    content: impl FnOnce(&str) -> Result<Vec<u8>, piezoid::Error>,
+    console: &crate::console::Console,
+) -> Result<()> {
+    let name = named(path);
+    write(path, &content(&name).map_err(|error| crate::flags::failed(error.of(&name)))?, console)
 }
 
 /// Returns an error, before the work begins, if a result could not be written.

@@ -1,7 +1,9 @@
-//! Failures with an exit status of their own; checks of a command line that the parser cannot do: files must differ.
+//! Failures with an exit status of their own; checks of a command line that the parser cannot do: files must differ, and
+//! records have a format that is written.
 
 use Ended::{Cancelled, Misused};
 use anyhow::{Result, bail};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
 
 /// A failure with an exit status of its own.
@@ -34,6 +36,12 @@ impl std::fmt::Display for Ended {
 }
 
 impl std::error::Error for Ended {}
+
+/// Takes the path of a record to write, whose extension selects its format.
+pub(crate) fn record() -> impl TypedValueParser<Value = PathBuf> {
+    let writable = |path: PathBuf| piezoid::formats::Table::writable(&path.to_string_lossy()).map(|()| path);
+    PathBufValueParser::new().try_map(writable)
+}
 
 /// Returns an error if results would overwrite each other or an input file.
 pub(crate) fn apart(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<()> {

@@ -6,9 +6,11 @@ use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
 use piezoid::Units;
 use piezoid::formats::{Channel, Signal, Table};
+use piezoid_host::files;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
+use std::path::PathBuf;
 
 /// Input and output sampled together, evenly.
 #[pyclass(frozen, module = "piezoid", weakref)]
@@ -75,9 +77,10 @@ impl Record {
         self.record.output_in(unit).map(Self::from).map_err(raised)
     }
 
-    /// The record as CSV, in the format of the command line.
-    fn to_csv(&self) -> PyResult<String> {
-        self.record.to_csv().map_err(raised)
+    /// Writes the record in the format of its path.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let name = path.to_string_lossy();
+        py.detach(|| files::write(&path, &self.record.written(&name).map_err(|error| error.of(&name))?)).map_err(raised)
     }
 
     fn __len__(&self) -> usize {

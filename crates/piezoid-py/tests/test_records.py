@@ -224,12 +224,6 @@ def test_named_fields_objects_and_instants_are_columns(tmp_path: Path) -> None:
     assert pz.read({"t_s": instants, "u_V": U.astype(object), "y_um": Y}) == record
 
 
-def test_a_record_is_saved_as_what_its_name_says(tmp_path: Path) -> None:
-    with pytest.raises(pz.PiezoidError, match="saved as CSV"):
-        pz.Record(U, Y, ts=5e-4).save(tmp_path / "r.npz")
-    assert not list(tmp_path.iterdir())
-
-
 def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
     (tmp_path / "broken.mat").write_bytes(b"nothing of the kind")
     (tmp_path / "broken.csv").write_text("t_s,u_V,y_um\n0,1,2\n1,x,3\n")

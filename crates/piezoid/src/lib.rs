@@ -9,7 +9,7 @@
 //! # let csv = |frequency, n| -> Result<Vec<u8>, piezoid::Error> {
 //! #     let u = RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(1e-3, n)?;
 //! #     let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
-//! #     Ok(Record::new(1e-3, u, y)?.to_csv()?.into_bytes())
+//! #     Record::new(1e-3, u, y)?.written("record.csv")
 //! # };
 //! # let (train, test) = (csv(4.0, 2000)?, csv(7.0, 1000)?);
 //! # let path: Vec<f64> = (0..1000).map(|t| 200.0 * (0.02 * f64::from(t)).sin()).collect();

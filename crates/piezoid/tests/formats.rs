@@ -1,4 +1,4 @@
-//! Every format that is read, on files of others (`golden/formats.py` writes them), whole and damaged.
+//! Every format, on files of others (`golden/formats.py` writes them), whole and damaged, and on our own.
 
 #![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
 
@@ -13,6 +13,13 @@ const FILES: &[(&str, &str, &[u8], &str)] = &[
         "array.gcs",
         b"# REM E-709\n# SEPARATOR = 32\n# DIM = 2\n# SAMPLE_TIME = 0.0005\n# NDATA = 4\n# NAME0 = u_V\n# NAME1 = y_um\n\
           # END_HEADER\n0 0 \n1 20 \n1.5 33 \n-2 -40 \n",
+        "",
+    ),
+    (
+        "igor",
+        "waves.itx",
+        b"IGOR\rWAVES/D\tDrive\tGauge\rBEGIN\r\t0\t0\r\t1\t20\r\t1.5\t33\r\t-2\t-40\rEND\rX SetScale/P x 0,0.0005,\
+          \"s\", Drive; SetScale y 0,0,\"V\", Drive\rX SetScale y 0,0,\"\xb5m\", Gauge\r",
         "",
     ),
     ("numpy", "fields.npy", include_bytes!("golden/formats/fields.npy"), "corner (of shape 2 a row)"),
@@ -75,6 +82,12 @@ fn every_row_is_complete_and_knows_its_files() {
         assert!(own.iter().all(|(.., bytes, _)| (format.matches)(bytes)), "{}", format.name);
         for text in [format.name, format.summary, format.reference] {
             assert!(!text.is_empty() && !text.contains('\n'), "{}", format.name);
+        }
+        if let Some(write) = format.write {
+            let bytes = write(5e-4, &[("u_V", &[0.0, 1.0]), ("y_um", &[2.0, -0.0])]).expect("a file");
+            let own = FORMATS.iter().rfind(|row| (row.matches)(&bytes)).expect("a row");
+            let record = (own.read)(&bytes).and_then(|table| record(&table)).expect("a record");
+            assert_eq!((own.name, record.u(), record.ts()), (format.name, &[0.0, 1.0][..], 5e-4));
         }
         for extension in format.extensions {
             let rows = FORMATS.iter().filter(|row| row.extensions.contains(extension)).count();

@@ -5,7 +5,7 @@ use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
 use crate::layout::table;
-use crate::values::apart;
+use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::number::{round, short as number};
@@ -39,8 +39,8 @@ pub(crate) struct Compensate {
     reference: Option<PathBuf>,
     #[command(flatten)]
     options: Flags<CompensateOptions>,
-    /// The file to write; - is stdout.
-    #[arg(short, long, value_name = "FILE")]
+    /// The file to write: CSV, or .npz or .mat by the extension; - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record())]
     output: PathBuf,
     /// Write the results as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
@@ -66,7 +66,7 @@ impl Compensate {
         for note in &made.made.notes {
             console.remark(note);
         }
-        files::write(&self.output, &made.to_csv().map_err(failed)?, console)?;
+        files::write_record(&self.output, |name| made.written(name), console)?;
         files::write_json(self.json.as_deref(), &made.to_json(), console)
     }
 }

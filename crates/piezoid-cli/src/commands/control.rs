@@ -4,9 +4,9 @@ use super::lists;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
-use crate::flags::{Flags, failed};
+use crate::flags::Flags;
 use crate::layout::table;
-use crate::values::{Ended::Misused, apart};
+use crate::values::{Ended::Misused, apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::control::{
@@ -44,8 +44,9 @@ pub(crate) struct Control {
     model: PathBuf,
     #[command(flatten)]
     options: Flags<ControlOptions>,
-    /// Write the run as a record (exactly one --controller and one --reference); - is stdout.
-    #[arg(short, long, value_name = "FILE")]
+    /// Write the run as a record: CSV, or .npz or .mat by the extension (exactly one --controller and one --reference);
+    /// - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record())]
     output: Option<PathBuf>,
     /// Write a page with figures; - is stdout.
     #[arg(long, value_name = "FILE")]
@@ -88,7 +89,7 @@ impl Control {
             console.remark(&remark);
         }
         if let Some(path) = &self.output {
-            files::write(path, &compared.to_csv().map_err(failed)?, console)?;
+            files::write_record(path, |name| compared.written(name), console)?;
         }
         if let Some(path) = &self.report {
             files::write(path, &piezoid_report::report::tracking(&compared).html(), console)?;

@@ -5,6 +5,7 @@ use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, argument, failed, given, placeholder};
 use crate::layout::{capitalised, wrapped};
+use crate::values::record;
 use anyhow::Result;
 use clap::{ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use piezoid::excitation::{self, EXCITATIONS, Excitation};
@@ -35,8 +36,8 @@ pub(crate) struct Excite {
 struct Common {
     #[command(flatten)]
     options: Flags<ExciteOptions>,
-    /// The file to write; - is stdout.
-    #[arg(short, long, value_name = "FILE")]
+    /// The file to write: CSV, or .npz or .mat by the extension; - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record())]
     output: PathBuf,
 }
 
@@ -96,6 +97,6 @@ impl Excite {
             let share = peak.share.map(|s| format!(", {} % of the limit", round(100.0 * s))).unwrap_or_default();
             console.remark(&format!("{}: {} {}{share}", peak.quantity, number(peak.value), peak.unit));
         }
-        files::write(&output, &made.to_csv().map_err(failed)?, console)
+        files::write_record(&output, |name| made.written(name), console)
     }
 }

@@ -22,7 +22,7 @@ impl Completions {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut Cli::command(), "piezoid", &mut script);
-        console.print(&String::from_utf8_lossy(&script))
+        console.print(&script)
     }
 }
 
@@ -51,6 +51,6 @@ impl Manual {
         };
         let mut text = Vec::new();
         clap_mangen::Man::new(page.clone()).render(&mut text)?;
-        console.print(&String::from_utf8_lossy(&text))
+        console.print(&text)
     }
 }

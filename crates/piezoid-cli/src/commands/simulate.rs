@@ -5,7 +5,7 @@ use crate::columns::Columns;
 use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
-use crate::values::apart;
+use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::SimulateOptions;
@@ -41,8 +41,8 @@ pub(crate) struct Simulate {
     /// The same as <FILE>.
     #[arg(long, value_name = "FILE", conflicts_with = "file")]
     input: Option<PathBuf>,
-    /// The file to write; - is stdout.
-    #[arg(short, long, value_name = "FILE")]
+    /// The file to write: CSV, or .npz or .mat by the extension; - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record())]
     output: PathBuf,
     #[command(flatten)]
     options: Flags<SimulateOptions>,
@@ -72,6 +72,6 @@ impl Simulate {
         if !made.reached.is_empty() {
             console.remark(&made.reached);
         }
-        files::write(&self.output, &made.to_csv().map_err(failed)?, console)
+        files::write_record(&self.output, |name| made.written(name), console)
     }
 }

@@ -71,8 +71,8 @@ fn a_run_goes_into_a_record_that_can_be_read_again() {
         format!("{RUN} --reference triangle:10 --amplitude 200 --controller pid --late 2 --preview 0 --noise 0.1");
     bench.run(&format!("{line} -o run.csv")).ok();
     assert!(bench.text("run.csv").starts_with("t_s,u_V,y_um,r_um\n"));
-    bench.run("control --plant paper --model plays.json --controller pi --reference run.csv -o again.csv").ok();
-    bench.run("validate --model model.json --data run.csv").ok();
+    bench.run("control --plant paper --model plays.json --controller pi --reference run.csv -o again.npz").ok();
+    bench.run("validate --model model.json --data run.csv again.npz").ok();
 }
 
 #[test]

@@ -11,6 +11,27 @@ fn a_result_replaces_an_older_file_whole() {
 }
 
 #[test]
+fn the_extension_selects_the_format_and_every_format_holds_the_same_record() {
+    let bench = Bench::stocked();
+    for (extension, begin) in [("npz", "PK"), ("mat", "MATLAB 5.0")] {
+        let simulate = |from: &str, to: &str| bench.run(&format!("simulate --plant paper --input {from} -o {to}")).ok();
+        let (drive, record) = (format!("drive.{extension}"), format!("y.{extension}"));
+        bench.run(&format!("excite sine --ts 5e-4 --duration 1 --amplitude 30 --frequency 5 -o {drive}")).ok();
+        simulate(&drive, &record);
+        for name in [&drive, &record] {
+            assert!(bench.bytes(name).starts_with(begin.as_bytes()), "{name}");
+        }
+        simulate(&record, "again.csv");
+        assert_eq!(bench.text("again.csv"), bench.text("sine5.csv"));
+    }
+    bench.write("y.csv", bench.text("sine5.csv").replace("y_um", "y_a.u."));
+    bench.run("identify --operator stop --data y.csv -o m.json").ok();
+    bench
+        .refused("simulate --model m.json --input drive.npz -o y.mat")
+        .says(&["y.mat: column name = \"y_a.u.\": is no name of a variable of MATLAB"]);
+}
+
+#[test]
 fn a_failing_run_leaves_the_older_file_as_it_was() {
     let bench = Bench::stocked();
     for (name, line) in [

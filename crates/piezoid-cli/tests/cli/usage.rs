@@ -16,6 +16,8 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("excite sin --ts 1 --duration 1 -o u.csv", &["'sine'"]),
         ("excite prbs --ts 5e-4 --duration 1 --amplitude 1", &["--output"]),
         ("excite prbs --ts 5e-4 --duration 1 --amplitude 1 --frequency 3 -o u.csv", &["--frequency"]),
+        ("excite prbs --ts 5e-4 --duration 1 --amplitude 1 -o u.npy", &["u.npy", ".csv or .npz or .mat"]),
+        ("simulate --plant paper --input drive5.csv -o y.h5", &["y.h5", ".h5 files are read, but not written"]),
         ("excite sine --ts 5e-4 --duration 1 --amplitude 1 -o u.csv", &["--frequency <Hz>"]),
         ("excite sine --ts -1 --duration 1 --amplitude 1 --frequency 5 -o u.csv", &["'-1'", "--ts", "positive"]),
         ("excite sine --ts 5e-4 --duration 0 --amplitude 1 --frequency 5 -o u.csv", &["'0'", "--duration"]),

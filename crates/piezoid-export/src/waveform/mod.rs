@@ -69,9 +69,9 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
         sentence
     };
     let mut sentences = vec![add("the model's own", ".csv", &plain, rows(request, &drive, &plain)?)];
-    sentences.push(add("PI GCS 2.0", "_gcs.txt", &wave, gcs::commands(&wave)?));
+    sentences.push(add("PI GCS 2.0", "_gcs.txt", &wave, gcs::commands(&wave)?.into()));
     match &buffer {
-        Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?)),
+        Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?.into())),
 None => exported.notes.push(
     "no NV200 file is written, because its points are in percent of a voltage range: give --range with the voltages \
      of 0 % and 100 %"
@@ -117,13 +117,14 @@ fn beginning(model: &Model, drive: &PeriodicDrive) -> f64 {
 }
 
 /// The table as CSV: time, voltage, reference, and the response of the model.
-fn rows(request: &ExportRequest, drive: &PeriodicDrive, table: &WaveTable) -> Result<String, Error> {
+fn rows(request: &ExportRequest, drive: &PeriodicDrive, table: &WaveTable) -> Result<Vec<u8>, Error> {
     let (model, y) = (request.model, &request.model.units().y);
     let (low, high) = ends(drive.r.iter().copied());
     let digits = (0..300).map(|k| 10f64.powi(k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
     let rounded = |x: &[f64]| x.iter().map(|x| (digits * x).round() / digits + 0.0).collect::<Vec<_>>();
     let (r, answered) = (rounded(&drive.r), rounded(&answer(model, &table.held).y));
     piezoid::formats::Table::write(
+        "table.csv",
         model.ts(),
         &[("u_V", &table.held), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)],
     )

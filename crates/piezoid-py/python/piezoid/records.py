@@ -102,10 +102,8 @@ class Record:
         return pd.DataFrame(columns, index=pd.Index(self.t, name="t_s"))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a CSV file that `read` and the command line accept."""
-        if Path(path).suffix.lower() in (".npz", ".npy", ".mat", ".json"):
-            raise PiezoidError(f"{path}: records are saved as CSV: name it .csv")
-        _files.write(path, self._core.to_csv())
+        """Writes a file that `read` and the command line accept: CSV, or `.npz` or `.mat` by the extension."""
+        self._core.save(path)
 
     def __len__(self) -> int:
         return len(self._core)

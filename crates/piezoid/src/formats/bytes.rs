@@ -39,6 +39,12 @@ pub(super) fn length(bytes: &[u8], at: usize, size: usize, big: bool) -> Result<
     fits.ok_or_else(|| damaged(format!("a length of {number} at byte {at}")))
 }
 
+/// A length or a position as four bytes, for a file that is written: it can be read if it has at most 2 GiB.
+pub(super) fn stored(len: usize) -> Result<[u8; 4], Error> {
+    let advice = "the file would have more than 2 GiB: write CSV, or a part of the samples";
+    i32::try_from(len).map(i32::to_le_bytes).map_err(|_| Error::Content(advice.into()))
+}
+
 /// The text up to the first NUL.
 pub(super) fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());

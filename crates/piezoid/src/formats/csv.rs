@@ -18,7 +18,9 @@ mod head;
 mod number;
 mod write;
 
+pub(super) use encoding::{decode, lines};
 pub(super) use head::stated_period;
+pub(super) use write::times;
 
 use super::Format;
 use super::column::Column;
@@ -38,6 +40,7 @@ pub(super) const ROW: Format = Format {
     reference: "RFC 4180, https://doi.org/10.17487/RFC4180",
     matches: |_| true,
     read: Table::parse,
+    write: Some(write::write),
 };
 
 /// What a file should look like, for messages.

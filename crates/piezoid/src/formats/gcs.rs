@@ -19,6 +19,7 @@ pub(super) const ROW: Format = Format {
     reference: "Physik Instrumente, GCS Array Data Format Description SM146E",
     matches,
     read: Table::parse,
+    write: None,
 };
 
 /// Bytes at the start among which the end of the head must be.

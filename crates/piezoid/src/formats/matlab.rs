@@ -4,6 +4,7 @@
 
 mod v4;
 mod v5;
+mod write;
 
 use super::{Format, Table, tree};
 use crate::Error;
@@ -16,6 +17,7 @@ pub(super) const ROW: Format = Format {
     reference: "MathWorks, MAT-File Format, R2024b, https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf",
     matches: |bytes| v5::begins(bytes) || v4::begins(bytes) || bytes.starts_with(OCTAVE),
     read,
+    write: Some(write::write),
 };
 
 /// Signature of Octave's text format, which has the extension .mat too.

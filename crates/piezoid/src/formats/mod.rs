@@ -5,7 +5,7 @@
 //! error, which names the options that resolve it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
-//! its name.
+//! its name. [`Table::write`] writes CSV, `.npz` or `.mat`, by the extension of the name.
 
 mod bytes;
 mod channel;
@@ -13,6 +13,7 @@ mod column;
 mod csv;
 mod gcs;
 mod hdf5;
+mod igor;
 mod matlab;
 mod numpy;
 mod quote;
@@ -25,6 +26,7 @@ mod tree;
 mod units;
 mod wav;
 mod words;
+mod write;
 
 pub use channel::Channel;
 pub use selection::ColumnSelection;
@@ -38,7 +40,7 @@ use std::path::Path;
 pub struct Format {
     /// Its name.
     pub name: &'static str,
-    /// Extensions of its files, in lower case.
+    /// Extensions of its files, in lower case. Files that are written have the first one; text may have any.
     pub extensions: &'static [&'static str],
     /// Content of its files, in one line.
     pub summary: &'static str,
@@ -48,15 +50,27 @@ pub struct Format {
     pub matches: fn(&[u8]) -> bool,
     /// Reads the table in a file.
     pub read: fn(&[u8]) -> Result<Table, Error>,
+    /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked; `None` if it is only read.
+    pub write: Option<Write>,
 }
 
+type Write = fn(ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error>;
+
 /// The formats that are read. Later rows are more specific: the last one that matches reads a file.
-pub static FORMATS: &[Format] = &[csv::ROW, gcs::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
+pub static FORMATS: &[Format] =
+    &[csv::ROW, gcs::ROW, igor::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
 
 impl Format {
     /// The format that a file begins like: text if it begins like no other.
     pub(crate) fn of(bytes: &[u8]) -> &'static Format {
         FORMATS.iter().rfind(|format| (format.matches)(bytes)).unwrap_or(&csv::ROW)
+    }
+
+    /// The format whose files have the extension of this name, and the extension.
+    fn meant(name: &str) -> (Option<&'static Format>, &str) {
+        let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
+        let lower = extension.to_ascii_lowercase();
+        (FORMATS.iter().find(|format| format.extensions.contains(&lower.as_str())), extension)
     }
 }
 
@@ -74,9 +88,7 @@ impl Table {
     /// # Errors
     /// Returns an error if the file is damaged, contains no named channels, or has an unknown format.
     pub fn read(name: &str, bytes: &[u8]) -> Result<Table, Error> {
-        let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
-        let meant = FORMATS.iter().find(|format| format.extensions.contains(&extension.to_ascii_lowercase().as_str()));
-        let format = Format::of(bytes);
+        let (format, (meant, extension)) = (Format::of(bytes), Format::meant(name));
         if format.name != csv::ROW.name {
             return (format.read)(bytes);
         }

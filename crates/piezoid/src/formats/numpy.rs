@@ -5,6 +5,7 @@
 
 mod descr;
 mod literal;
+mod write;
 mod zip;
 
 use super::bytes::{self, Unpacking, damaged, length, part, shape, whole};
@@ -21,6 +22,7 @@ pub(super) const ROW: Format = Format {
     reference: "https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html",
     matches,
     read,
+    write: Some(write::write),
 };
 
 const MAGIC: &[u8] = b"\x93NUMPY";

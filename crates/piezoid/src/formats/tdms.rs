@@ -24,6 +24,7 @@ pub(super) const ROW: Format = Format {
                 https://www.ni.com/en/support/documentation/supplemental/07/tdms-file-format-internal-structure.html",
     matches: |bytes| bytes.starts_with(DATA) || bytes.starts_with(INDEX),
     read,
+    write: None,
 };
 
 const DATA: &[u8] = b"TDSm";

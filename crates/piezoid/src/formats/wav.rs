@@ -14,6 +14,7 @@ pub(super) const ROW: Format = Format {
     reference: "https://learn.microsoft.com/en-us/windows/win32/medfound/tutorial--decoding-audio",
     matches: |bytes| bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WAVE"),
     read,
+    write: None,
 };
 
 fn read(bytes: &[u8]) -> Result<Table, Error> {

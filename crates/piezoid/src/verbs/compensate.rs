@@ -90,12 +90,12 @@ impl Compensation {
         })
     }
 
-    /// Voltage and shaped reference as a CSV file.
+    /// Voltage and shaped reference as a file of this name.
     ///
     /// # Errors
     /// The errors of [`Table::write`].
-    pub fn to_csv(&self) -> Result<String, Error> {
+    pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let (u, r) = (format!("u_{}", self.units.u), format!("r_{}", self.units.y));
-        Table::write(self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])
+        Table::write(name, self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])
     }
 }

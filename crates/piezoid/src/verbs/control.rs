@@ -224,18 +224,18 @@ impl ControlOptions {
 }
 
 impl Comparison {
-    /// The first run as a CSV record, with the reference.
+    /// The first run as a record with the reference, in a file of this name.
     ///
     /// # Errors
     /// Returns an error if there is no run. The errors of [`Table::write`].
-    pub fn to_csv(&self) -> Result<String, Error> {
+    pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
         let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
             return Err(Error::Content("there is no run to write: no controller could follow the reference".into()));
         };
         let (ts, units) = (drive.model().ts(), drive.model().units());
         let names = [format!("u_{}", units.u), format!("y_{}", units.y), format!("r_{}", units.y)];
-        Table::write(ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
+        Table::write(name, ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
     }
 
     /// Remarks for the reader, one sentence each.

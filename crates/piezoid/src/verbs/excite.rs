@@ -60,11 +60,11 @@ impl ExciteOptions {
 }
 
 impl Excited {
-    /// The signal as a CSV file.
+    /// The signal as a file of this name.
     ///
     /// # Errors
     /// The errors of [`Table::write`].
-    pub fn to_csv(&self) -> Result<String, Error> {
-        Table::write(self.ts, &[("u_V", &self.u)])
+    pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
+        Table::write(name, self.ts, &[("u_V", &self.u)])
     }
 }

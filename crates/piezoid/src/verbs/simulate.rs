@@ -109,12 +109,12 @@ impl Simulated {
         Err(Error::Content(format!("the output overflows at {time} s: {why}")))
     }
 
-    /// Input and response as a CSV file.
+    /// Input and response as a file of this name.
     ///
     /// # Errors
     /// The errors of [`Table::write`].
-    pub fn to_csv(&self) -> Result<String, Error> {
+    pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
-        Table::write(self.ts, &[(&u, &self.u), (&y, &self.y)])
+        Table::write(name, self.ts, &[(&u, &self.u), (&y, &self.y)])
     }
 }

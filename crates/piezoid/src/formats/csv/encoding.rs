@@ -28,7 +28,7 @@ const OTHERS: &[(&[u8], &str)] = &[
 ];
 
 /// The text, without its byte-order mark.
-pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
+pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
     let (encoding, mark) = Encoding::for_bom(bytes).unwrap_or((bare(bytes), 0));
     let bytes = &bytes[mark..];
     if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
@@ -68,7 +68,7 @@ fn bare(bytes: &[u8]) -> &'static Encoding {
 }
 
 /// The lines with their numbers, from 1. A line ends with a line feed, a carriage return, or both.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> + Clone {
+pub(in crate::formats) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> + Clone {
     let end = if text.contains('\n') { '\n' } else { '\r' };
     // A carriage return before a line feed remains; readers of cells treat it as a space.
     (1..).zip(text.split(end))

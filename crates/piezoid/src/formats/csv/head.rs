@@ -18,7 +18,7 @@ use crate::formats::units;
 const MARKERS: usize = 1;
 /// First cells of a line of names, as letters.
 const NAMES: &str = "\
-    name names signal signals tracename channelname channelnames label labels source wavesd";
+    name names signal signals tracename channelname channelnames label labels source";
 /// First cells of a line of units, as letters.
 const UNITS: &str = "\
     unit units vunit vertunits verticalunits yunitlabel yunit yunits channelunits";
@@ -304,7 +304,6 @@ mod tests {
             "sep=,\nt,u,y,Comment\n",
             "t,u,y\ndata:\n",
             "t,u,y\ns,V,um\nrun 7,E-663,capacitive\n",
-            "WAVES/D,t,u,y\nBEGIN\n",
         ] {
             assert_eq!(names(&format!("{above}{ROWS}"))[..3], ["t", "u", "y"], "{above}");
         }

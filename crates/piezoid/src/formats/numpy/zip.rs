@@ -1,11 +1,11 @@
 //! Zip archives as `numpy.savez` and `savez_compressed` write them: the directory at the end, members stored or
-//! deflated. Not supported: more than 4 GiB, encryption, several disks.
+//! deflated; those that are written are stored. Not supported: more than 4 GiB, encryption, several disks.
 //!
 //! Reference: PKWARE, .ZIP File Format Specification 6.3,
 //! <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
 
 use crate::Error;
-use crate::formats::bytes::{Unpacking, damaged, length, part};
+use crate::formats::bytes::{Unpacking, damaged, length, part, stored};
 use std::borrow::Cow;
 
 const MEMBER: &[u8] = b"PK\x03\x04";
@@ -75,4 +75,27 @@ impl Member {
         }
         Ok(bytes)
     }
+}
+
+/// An archive of these members. It has no dates: the same members give the same bytes.
+pub(super) fn archive(members: impl Iterator<Item = (String, Vec<u8>)>) -> Result<Vec<u8>, Error> {
+    let short = |len: usize| {
+        let advice = "more than 65535 columns, or a name of more than 65535 letters: choose fewer, or write CSV";
+        u16::try_from(len).map(u16::to_le_bytes).map_err(|_| Error::Content(advice.into()))
+    };
+    let (mut file, mut directory, mut count) = (Vec::new(), Vec::new(), 0);
+    for (name, bytes) in members {
+        let (at, size, sum) = (stored(file.len())?, stored(bytes.len())?, crc32fast::hash(&bytes).to_le_bytes());
+        // Version 2.0, names in UTF-8, stored, at the start of 1980, which is the first date there is.
+        let fixed: &[u8] = &[20, 0, 0, 8, 0, 0, 0, 0, 0x21, 0];
+        let head = [fixed, &sum, &size, &size, &short(name.len())?, &[0; 2]].concat();
+        directory.extend([ENTRY, &[20, 0], &head, &[0; 10], &at, name.as_bytes()].concat());
+        file.extend([MEMBER, &head, name.as_bytes()].concat());
+        file.extend(bytes);
+        count += 1;
+    }
+    let (count, size, at) = (short(count)?, stored(directory.len())?, stored(file.len())?);
+    file.extend(directory);
+    file.extend([END, &[0; 4], &count, &count, &size, &at, &[0; 2]].concat());
+    Ok(file)
 }

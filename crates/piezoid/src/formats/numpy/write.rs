@@ -1,0 +1,28 @@
+//! Columns as an archive of arrays, which `numpy.load` reads: doubles of shape (n,), the times first.
+
+use super::{MAGIC, zip};
+use crate::Error;
+use crate::formats::csv::times;
+
+/// Arrays begin at multiples of this many bytes.
+const ALIGNED: usize = 64;
+
+pub(super) fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error> {
+    let times = times(ts, columns.first().map_or(0, |(_, samples)| samples.len()));
+    let columns = std::iter::once(("t_s", &times[..])).chain(columns.iter().copied());
+    zip::archive(columns.map(|(name, samples)| (format!("{name}.npy"), array(samples))))
+}
+
+/// A `.npy` file of version 1.0.
+fn array(samples: &[f64]) -> Vec<u8> {
+    let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}", samples.len());
+    let start = MAGIC.len() + 4;
+    // Spaces and a line end fill it up.
+    let len = (start + head.len() + 1).next_multiple_of(ALIGNED) - start;
+    let mut bytes = MAGIC.to_vec();
+    bytes.extend([1, 0]);
+    bytes.extend((len as u16).to_le_bytes());
+    bytes.extend(format!("{head:<0$}\n", len - 1).into_bytes());
+    bytes.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
+    bytes
+}
