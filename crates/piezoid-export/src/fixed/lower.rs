@@ -94,16 +94,17 @@ impl Lowering<'_> {
                 Condition::Always => return self.steps(yes),
                 Condition::If(holds) => Statement::If(holds, self.steps(yes)?, self.steps(no)?),
             },
-            Statement::For { name, from, to, down, steps } => Statement::For {
+            Statement::For { name, from, to, down, most, steps } => Statement::For {
                 name: name.clone(),
                 from: self.whole(from)?,
                 to: self.whole(to)?,
                 down: *down,
+                most: *most,
                 steps: self.steps(steps)?,
             },
-            Statement::While(holds, steps) => match self.holds(holds)? {
+            Statement::While(holds, most, steps) => match self.holds(holds)? {
                 Condition::Always => return unsuited(format!("`{}` would not end", self.function.name)),
-                Condition::If(holds) => Statement::While(holds, self.steps(steps)?),
+                Condition::If(holds) => Statement::While(holds, *most, self.steps(steps)?),
             },
         }])
     }

@@ -397,6 +397,27 @@ mod tests {
     }
 
     #[test]
+    fn no_step_and_no_inverse_takes_more_operations_than_its_bound() {
+        for example in members() {
+            let program = program(example.block().unwrap());
+            let [step, inverse] = ["hysteresis", "hysteresis_inverse"].map(|name| program.bound(name).unwrap());
+            for single in [false, true] {
+                let mut machine = Machine::new(&program, "hysteresis", single);
+                for u in difficult_inputs() {
+                    let mut taken = |name: &str, numbers: &[f64]| {
+                        let before = machine.counts.total();
+                        machine.call(name, numbers).unwrap();
+                        machine.counts.total() - before
+                    };
+                    let [z, forth] = [("hysteresis_inverse", &[u, -25.0, 30.0][..]), ("hysteresis", &[u])]
+                        .map(|(name, numbers)| taken(name, numbers));
+                    assert!(z <= inverse && forth <= step, "{example:?} at {u}: {z} of {inverse}, {forth} of {step}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn programs_accept_values_that_are_not_finite() {
         for example in examples() {
             let program = program(example.block().unwrap());

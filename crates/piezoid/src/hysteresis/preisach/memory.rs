@@ -150,7 +150,7 @@ fn turns(x: hysteresis, u) {
 fn kept(x: hysteresis, n: whole, u) {
     let left = n;
     let closes = 1;
-    while left > 0 && closes > 0 {
+    while left > 0 && closes > 0 at most capacity / 2 {
         let older = 0;
         if left > 1 { older = left - 2; }
         let limit = x.last;
@@ -175,7 +175,7 @@ fn forget(x: hysteresis) {
             chosen = i;
         }
     }
-    for i in 2 * chosen..2 * (capacity - 2) { x.reversal[i] = x.reversal[i + 4]; }
+    for i in 2 * chosen..2 * (capacity - 2) at most 2 * (capacity - 3) { x.reversal[i] = x.reversal[i + 4]; }
     x.count = real(capacity - 2);
 }
 
