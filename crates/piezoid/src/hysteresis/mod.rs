@@ -139,13 +139,42 @@ impl Operator {
         row("operator", OPERATORS.iter().copied(), |row| row.name, name)
     }
 
-    /// The operators of a comma-separated list of names.
+    /// The operators of a comma-separated list of names, without those after a minus sign; `auto` stands for all.
+    ///
+    /// ```
+    /// use piezoid::hysteresis::{OPERATORS, Operator};
+    /// assert_eq!(Operator::list("stop, bouc-wen")?.len(), 2);
+    /// assert_eq!(Operator::list("auto,-preisach")?.len(), OPERATORS.len() - 1);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// The errors of [`Operator::find`].
+    /// The errors of [`Operator::find`], and [`Error::Parameter`] if no operator is left.
     pub fn list(names: &str) -> Result<Vec<&'static Self>, Error> {
-        names.split(',').map(|name| Operator::find(name.trim())).collect()
+        let mut listed: Vec<&'static Self> = Vec::new();
+        for name in names.split(',').map(str::trim) {
+            match name.strip_prefix('-') {
+                _ if name == AUTO => listed.extend(OPERATORS),
+                None => listed.push(Operator::find(name)?),
+                Some(without) => {
+                    let without = Operator::find(without)?.name;
+                    listed.retain(|operator| operator.name != without);
+                }
+            }
+        }
+        match listed.is_empty() {
+            true => Err(Error::parameter("operator", names, "leaves no operator: begin with auto, or name one")),
+            false => Ok(listed),
+        }
     }
+}
+
+/// In a list of operators, all of them.
+const AUTO: &str = "auto";
+
+/// True if a list of operators leaves the choice to the records.
+pub(crate) fn is_auto(names: &str) -> bool {
+    names.split(',').any(|name| name.trim() == AUTO)
 }
 
 /// Writes an operator as `{"operator": name, ...params}`.

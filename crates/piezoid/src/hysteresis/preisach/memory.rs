@@ -164,13 +164,13 @@ fn kept(x: hysteresis, n: whole, u) {
 
 // Makes room for two reversals: removes the two neighbouring reversals whose removal changes the smallest area of the Preisach plane.
 fn forget(x: hysteresis) {
-    let fewest = most;
+    let fewest = -1.0;
     let chosen = 1;
     for i in 1..capacity - 1 {
         let after = x.last;
         if i + 2 < capacity { after = x.reversal[2 * (i + 2)]; }
         let relays = magnitude((x.reversal[2 * i] - after) * (x.reversal[2 * (i + 1)] - x.reversal[2 * (i - 1)]));
-        if relays < fewest {
+        if relays < fewest || fewest < 0.0 {
             fewest = relays;
             chosen = i;
         }
