@@ -139,10 +139,10 @@ impl Printer<'_> {
             Statement::Do(call) => vec![l.done(call, self)],
             Statement::If(..) => self.choice(step, false),
             Statement::For { from: Expr::Integer(from), to: Expr::Integer(to), .. } if from >= to => Vec::new(),
-            Statement::For { name, from, to, down, steps } => {
+            Statement::For { name, from, to, down, steps, .. } => {
                 self.around(l.counting(name, from, to, *down, self), steps, l.keywords().ends[1])
             }
-            Statement::While(holds, steps) => {
+            Statement::While(holds, _, steps) => {
                 let Keywords { repeat, ends, .. } = l.keywords();
                 self.around(repeat.replacen('?', &self.expr(holds), 1), steps, ends[2])
             }

@@ -4,7 +4,7 @@ use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram};
 use piezoid::compensation::Causal;
 use piezoid::error::Error;
-use piezoid::program::{Counts, Machine};
+use piezoid::program::{Counts, Machine, Program};
 use piezoid::series::ends;
 use piezoid::system::System;
 
@@ -51,30 +51,40 @@ pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec
     whole.entries.iter().map(of).collect()
 }
 
-fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
-    let run = |single: bool| {
-        let mut machine = Machine::new(&whole.program, entry.state, single);
-        let (mut outputs, mut most, mut before) = (Vec::with_capacity(inputs.len()), 0, 0);
-        for (t, input) in inputs.iter().enumerate() {
-            let output = machine.call(entry.step, input)?[0];
-            if !output.is_finite() || input.iter().any(|v| !v.is_finite()) {
-                let because = format!(
-                    "the output of {} becomes {output} at sample {t} for inputs in the range of the model: check that \
-                     the linear block is stable",
-                    entry.step
-                );
-                return Err(Error::Unsuited { what: "export".into(), because });
-            }
-            outputs.push(output);
-            let total = machine.counts.total();
-            (most, before) = (most.max(total - before), total);
+/// Outputs and operations of an entry for these inputs.
+pub(super) fn counted(program: &Program, entry: &Entry, inputs: &[Vec<f64>], single: bool) -> Result<Vectors, Error> {
+    let mut machine = Machine::new(program, entry.state, single);
+    let (mut outputs, mut most, mut before) = (Vec::with_capacity(inputs.len()), 0, 0);
+    for (t, input) in inputs.iter().enumerate() {
+        let output = machine.call(entry.step, input)?[0];
+        if !output.is_finite() || input.iter().any(|v| !v.is_finite()) {
+            let because = format!(
+                "the output of {} becomes {output} at sample {t} for inputs in the range of the model: check that the \
+                 linear block is stable",
+                entry.step
+            );
+            return Err(Error::Unsuited { what: "export".into(), because });
         }
-        Ok((outputs, machine.counts, most))
+        outputs.push(output);
+        let total = machine.counts.total();
+        (most, before) = (most.max(total - before), total);
+    }
+    let (all, n) = (machine.counts, inputs.len());
+    let mean = Counts {
+        sums: all.sums / n,
+        products: all.products / n,
+        quotients: all.quotients / n,
+        comparisons: all.comparisons / n,
     };
-    let (outputs, counts, most) = run(single)?;
-    let exact = if single { run(false)?.0 } else { outputs.clone() };
+    Ok(Vectors { outputs, mean, most, ..Vectors::default() })
+}
+
+fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
+    let run = |single: bool| counted(&whole.program, entry, &inputs, single);
+    let found = run(single)?;
+    let exact = if single { run(false)?.outputs } else { found.outputs.clone() };
     let (low, high) = ends(exact.iter().copied());
-    let differs = outputs.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let differs = found.outputs.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let off = if differs == 0.0 { 0.0 } else { differs / (high - low) };
     if (off.is_nan() || off >= USELESS) && entry.step == "step" {
         let because = format!(
@@ -83,14 +93,7 @@ fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single
         );
         return Err(Error::Unsuited { what: "export in single precision".into(), because });
     }
-    let n = inputs.len();
-    let mean = Counts {
-        sums: counts.sums / n,
-        products: counts.products / n,
-        quotients: counts.quotients / n,
-        comparisons: counts.comparisons / n,
-    };
-    Ok(Vectors { inputs, outputs, mean, most, off, missed: None })
+    Ok(Vectors { inputs, off, ..found })
 }
 
 /// Error of single precision, as a share of the stroke, from which it is an error.

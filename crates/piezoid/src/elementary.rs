@@ -10,9 +10,13 @@
 //! units in the last place. e^x is infinite from x = 709.5, slightly earlier than necessary.
 
 use crate::program::Block;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// ln 2 in two parts, the first of nine bits.
 const LN_2: (f64, f64) = (0.693359375, -2.1219444005469058e-4);
+
+/// 2^16: products and quotients by it are exact.
+const COARSE: f64 = 65536.0;
 
 /// Arguments are clamped to this absolute value.
 const FAR: f64 = 800.0;
@@ -68,10 +72,17 @@ pub(crate) fn exp_m1(x: f64) -> f64 {
 /// ln x, for x > 0.
 pub(crate) fn ln(x: f64) -> f64 {
     let (mut m, mut k) = (x, 0.0);
-    while m > std::f64::consts::SQRT_2 && m <= f64::MAX {
+    // By 2^16 first, so that no number takes more than 83 passes.
+    while m > COARSE * SQRT_2 && m <= f64::MAX {
+        (m, k) = (m / COARSE, k + 16.0);
+    }
+    while m > SQRT_2 && m <= f64::MAX {
         (m, k) = (m * 0.5, k + 1.0);
     }
-    while m < std::f64::consts::FRAC_1_SQRT_2 && m > 0.0 {
+    while m < FRAC_1_SQRT_2 / COARSE && m > 0.0 {
+        (m, k) = (m * COARSE, k - 16.0);
+    }
+    while m < FRAC_1_SQRT_2 && m > 0.0 {
         (m, k) = (m * 2.0, k - 1.0);
     }
     let s = (m - 1.0) / (m + 1.0);
@@ -156,7 +167,7 @@ fn power(base, n: whole) {
     let result = 1.0;
     let factor = base;
     let left = n;
-    while left > 0 {
+    while left > 0 at most 11 {
         if left % 2 == 1 { result = result * factor; }
         factor = factor * factor;
         left = left / 2;
@@ -209,8 +220,14 @@ fn exponential_less_1(x) {
 fn logarithm(x) {
     let m = x;
     let k = 0.0;
-    while m > 1.4142135623730951 && m <= most { m = m * 0.5; k = k + 1.0; }
-    while m < 0.7071067811865476 && m > 0.0 { m = m * 2.0; k = k - 1.0; }
+    // By 2^16 first, so that no number takes long.
+    if m >= 1.0 {
+        while m > 92681.90002368316 && m <= most at most 63 { m = m * 1.52587890625e-5; k = k + 16.0; }
+        while m > 1.4142135623730951 && m <= most at most 16 { m = m * 0.5; k = k + 1.0; }
+    } else {
+        while m < 1.0789593218788873e-5 && m > 0.0 at most 67 { m = m * 65536.0; k = k - 16.0; }
+        while m < 0.7071067811865476 && m > 0.0 at most 16 { m = m * 2.0; k = k - 1.0; }
+    }
     let s = (m - 1.0) / (m + 1.0);
     let square = s * s;
     let fourth = square * square;
@@ -317,5 +334,12 @@ mod tests {
         assert!(exp(f64::NAN).is_nan() && ln(f64::NAN).is_nan() && exp_m1(f64::NAN).is_nan());
         assert_eq!([exp(0.0), exp_m1(0.0), ln(1.0), ln_1p(0.0)], [1.0, 0.0, 0.0, 0.0]);
         assert!(ulps(ln(5e-324), 5e-324f64.ln()) < 2.0);
+        // A machine fails if a loop is longer than its text says.
+        let program = Program::new(vec![Block::elementary()]).unwrap();
+        let mut machine = Machine::new(&program, "", false);
+        for x in [f64::INFINITY, f64::MAX, 1e300, 92681.90002368316, 1.5, 1.0, 0.5, 1e-5, 1e-300, 5e-324, 0.0, -1.0] {
+            assert_eq!(machine.call("logarithm", &[x]).unwrap()[0].to_bits(), ln(x).to_bits(), "{x}");
+            machine.call("exponential", &[x]).unwrap();
+        }
     }
 }

@@ -60,9 +60,9 @@ options! {
     pub struct IdentifyOptions {
         /// How to identify.
         method: Method = Method::Joint, OptionRow::new(METHODS);
-        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all. The
-        /// simplest one that predicts held-out parts as well as the best is taken. The paper's method has its own
-        /// branches.
+        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all, and
+        /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The
+        /// paper's method has its own branches.
         operator: String = "auto".into(), OptionRow::new(NAME);
         /// Order of the linear block.
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
@@ -166,9 +166,7 @@ impl IdentifyOptions {
     /// # Errors
     /// [`Error::Parameter`] and [`Error::Unknown`], with the option.
     pub fn check(&self) -> Result<(), Error> {
-        if self.operator != "auto" {
-            crate::hysteresis::Operator::list(&self.operator)?;
-        }
+        crate::hysteresis::Operator::list(&self.operator)?;
         self.check_method()?;
         match self.method {
             Method::Joint => self.joint().map(drop),
@@ -293,6 +291,20 @@ mod tests {
         assert!(refusal(joint).starts_with("bins = 8: is an option of the method paper"));
         let paper = IdentifyOptions { method: Method::Paper, creep: false, ..IdentifyOptions::default() };
         assert!(refusal(paper).starts_with("creep = false: is an option of the method joint"));
+    }
+
+    #[test]
+    fn a_list_of_operators_may_leave_some_out_of_auto() {
+        let of = |operator: &str| IdentifyOptions { operator: operator.into(), ..IdentifyOptions::default() };
+        assert!(of("auto,-preisach,-duhem").check().is_ok());
+        for (operator, says) in [
+            ("auto,-preisac", "did you mean `preisach`"),
+            ("stop,-stop", "operator = stop,-stop: leaves no operator"),
+            ("-stop", "leaves no operator: begin with auto"),
+        ] {
+            let error = of(operator).check().unwrap_err().to_string();
+            assert!(error.contains(says), "{error}");
+        }
     }
 
     #[test]

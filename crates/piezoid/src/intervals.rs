@@ -56,9 +56,10 @@ impl Intervals {
     }
 
     /// Text of a program function (first, last, u) that finds the interval of u between the edges `first` to `last` of
-    /// `table`.
-    pub(crate) fn text(function: &str, table: &str) -> String {
-        TEXT.replace("FUNCTION", function).replace("TABLE", table)
+    /// `table`, at most `most` edges apart.
+    pub(crate) fn text(function: &str, table: &str, most: usize) -> String {
+        let halvings = most.max(1).next_power_of_two().ilog2();
+        TEXT.replace("FUNCTION", function).replace("TABLE", table).replace("HALVINGS", &halvings.to_string())
     }
 
     pub(crate) fn edges(&self) -> &[f64] {
@@ -82,7 +83,7 @@ const TEXT: &str = "
 fn FUNCTION(first: whole, last: whole, u) {
     let below = first;
     let above = last;
-    while above > below + 1 {
+    while above > below + 1 at most HALVINGS {
         let middle = (below + above) / 2;
         if TABLE[middle] <= u { below = middle; } else { above = middle; }
     }
@@ -102,8 +103,8 @@ mod tests {
         for edges in [even, crowded, vec![-1.0, 2.0], vec![3.0], vec![0.0, 5e-324, 1e-323], vec![-1e308, 0.0, 1e308]] {
             let intervals = Intervals::new(edges.clone());
             let last = edges.len().max(2) - 2;
-            let text =
-                format!("{}fn found(u) {{ return search(0, {}, u); }}", Intervals::text("search", "edges"), last + 1);
+            let search = Intervals::text("search", "edges", last + 1);
+            let text = format!("{search}fn found(u) {{ return search(0, {}, u); }}", last + 1);
             let program = Program::new(vec![Block::new("even", "").table("edges", &edges).text(&text)]).unwrap();
             let mut machine = Machine::new(&program, "", false);
             let near = edges.iter().flat_map(|e| [e.next_down(), *e, e.next_up(), e + 0.03, 0.7 * e]);

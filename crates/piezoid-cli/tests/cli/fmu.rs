@@ -34,6 +34,9 @@ fn fmpy() -> bool {
     there("python3", &["-c", "import fmpy, numpy"], "FMPy") && there("cc", &["--version"], "cc")
 }
 
+/// The end of the names of both versions.
+const VERSIONS: [&str; 2] = ["fmi2", "fmi3"];
+
 /// The files of [`exported`] without options, created once.
 static EXPORTED: OnceLock<BTreeMap<String, Vec<u8>>> = OnceLock::new();
 
@@ -46,7 +49,7 @@ fn drive(bench: &Bench, ts: f64) {
     bench.write("drive.csv", format!("t_s,u_V\n{}", (0..600).map(row).collect::<String>()));
 }
 
-/// Both models, their responses to a drive, and their FMUs of both versions: `<model>.csv`, `<version>/<model>.fmu`.
+/// Both models, their responses to a drive, and their FMUs of both versions: `<model>.csv`, `<model>_<version>.fmu`.
 fn exported() -> Bench {
     let bench = Bench::new();
     for (name, bytes) in EXPORTED.get_or_init(|| exported_with("").files()) {
@@ -65,7 +68,7 @@ fn exported_with(options: &str) -> Bench {
         for version in ["fmu2", "fmu3"] {
             bench
                 .run(&format!(
-                    "export --model {name}.json --target {version} --controller pi --name {name} {options} -o {version}"
+                    "export --model {name}.json --target {version} --controller pi --name {name} {options} -o fmus"
                 ))
                 .ok();
         }
@@ -75,7 +78,7 @@ fn exported_with(options: &str) -> Bench {
 
 /// Runs a check of `fmu.py` on the FMUs of both models.
 fn holds(bench: &Bench, check: &str) {
-    let fmus = ["fmu2", "fmu3"].map(|v| ["bouc_wen", "plays"].map(|name| format!("{v}/{name}.fmu,{name}.csv")));
+    let fmus = VERSIONS.map(|v| ["bouc_wen", "plays"].map(|name| format!("fmus/{name}_{v}.fmu,{name}.csv")));
     python(bench, &format!("{check} {}", fmus.as_flattened().join(" "))).ok();
 }
 
@@ -112,7 +115,7 @@ fn an_importer_finds_nothing_wrong_with_the_descriptions() {
     if fmpy() {
         let bench = exported();
         holds(&bench, "validates");
-        python(&bench, "validates fmu2/bouc_wen_control.fmu fmu3/plays_control.fmu").ok();
+        python(&bench, "validates fmus/bouc_wen_control_fmi2.fmu fmus/plays_control_fmi3.fmu").ok();
     }
 }
 
@@ -131,14 +134,14 @@ fn every_operator_is_simulated_bit_for_bit() {
     let bench = Bench::new();
     drive(&bench, 5e-4);
     let mut line = String::from("simulates");
-    for (operator, version) in OPERATORS.iter().zip(["fmu2", "fmu3"].into_iter().cycle()) {
+    for (operator, version) in OPERATORS.iter().zip([2, 3].into_iter().cycle()) {
         let name = operator.name.replace('-', "_");
         let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
         let model = Model::new((operator.example)(5e-4).unwrap(), block, 2.0).unwrap();
         bench.write(&format!("{name}.json"), model.to_json());
         bench.run(&format!("simulate --model {name}.json --input drive.csv -o {name}.csv")).ok();
-        bench.run(&format!("export --model {name}.json --target {version} --name {name} -o out")).ok();
-        line += &format!(" out/{name}.fmu,{name}.csv");
+        bench.run(&format!("export --model {name}.json --target fmu{version} --name {name} -o out")).ok();
+        line += &format!(" out/{name}_fmi{version}.fmu,{name}.csv");
     }
     python(&bench, &line).ok();
 }
@@ -147,7 +150,7 @@ fn every_operator_is_simulated_bit_for_bit() {
 fn single_precision_stays_close() {
     if fmpy() {
         let bench = exported_with("--float");
-        python(&bench, "simulates fmu2/bouc_wen.fmu,bouc_wen.csv,1e-5 fmu3/plays.fmu,plays.csv,1e-5").ok();
+        python(&bench, "simulates fmus/bouc_wen_fmi2.fmu,bouc_wen.csv,1e-5 fmus/plays_fmi3.fmu,plays.csv,1e-5").ok();
     }
 }
 
@@ -175,7 +178,7 @@ fn what_makes_no_sense_is_refused_with_the_reason() {
 #[test]
 fn an_importer_in_cpp_simulates_the_same_bits() {
     if fmpy() && there("python3", &["-c", "import libcosimpy"], "libcosimpy") {
-        python(&exported(), "cosimulates fmu2/bouc_wen.fmu,bouc_wen.csv fmu2/plays.fmu,plays.csv").ok();
+        python(&exported(), "cosimulates fmus/bouc_wen_fmi2.fmu,bouc_wen.csv fmus/plays_fmi2.fmu,plays.csv").ok();
     }
 }
 
@@ -185,9 +188,9 @@ fn sources_compiled_by_hand_give_the_same_bits() {
         return;
     }
     let bench = exported();
-    for (version, folder) in [("fmu2", "linux64"), ("fmu3", "x86_64-linux")] {
-        unpack(&bench, &format!("{version}/plays.fmu"), "rebuilt");
-        let library = bench.path("rebuilt/binaries").join(folder).join("plays.so");
+    for (fmu, folder) in VERSIONS.map(|version| format!("plays_{version}")).iter().zip(["linux64", "x86_64-linux"]) {
+        unpack(&bench, &format!("fmus/{fmu}.fmu"), "rebuilt");
+        let library = bench.path("rebuilt/binaries").join(folder).join(format!("{fmu}.so"));
         std::fs::create_dir_all(library.parent().unwrap()).unwrap();
         let mut cc = Command::new("cc");
         cc.current_dir(bench.path("rebuilt/sources")).args([
@@ -197,7 +200,7 @@ fn sources_compiled_by_hand_give_the_same_bits() {
             "-fPIC",
             "-shared",
         ]);
-        let told = cc.args(["plays.c", "plays_fmu.c", "-o"]).arg(&library).output().unwrap();
+        let told = cc.args(["plays.c", &format!("{fmu}_fmu.c"), "-o"]).arg(&library).output().unwrap();
         Run::of("cc", &told).ok();
         python(&bench, &format!("simulates {},plays.csv", bench.path("rebuilt").display())).ok();
         std::fs::remove_dir_all(bench.path("rebuilt")).unwrap();
@@ -235,15 +238,15 @@ fn several_fmus_fit_into_one_program() {
     let mut cc = Command::new("cc");
     cc.current_dir(bench.path("")).args(["-std=c99", "-ffp-contract=off", "main.c"]);
     for name in ["plays", "bouc_wen"] {
-        unpack(&bench, &format!("fmu3/{name}.fmu"), name);
+        unpack(&bench, &format!("fmus/{name}_fmi3.fmu"), name);
         let mut one = Command::new("cc");
         one.current_dir(bench.path(&format!("{name}/sources"))).args([
             "-std=c99",
             "-c",
             &format!("-DFMI3_FUNCTION_PREFIX={name}_"),
         ]);
-        Run::of("cc", &one.args([format!("{name}.c"), format!("{name}_fmu.c")]).output().unwrap()).ok();
-        cc.args([format!("{name}/sources/{name}.o"), format!("{name}/sources/{name}_fmu.o")]);
+        Run::of("cc", &one.args([format!("{name}.c"), format!("{name}_fmi3_fmu.c")]).output().unwrap()).ok();
+        cc.args([format!("{name}/sources/{name}.o"), format!("{name}/sources/{name}_fmi3_fmu.o")]);
     }
     let main = "extern const char *plays_fmi3GetVersion(void);\nextern const char *bouc_wen_fmi3GetVersion(void);\n\
                 int main(void)\n{\n    return plays_fmi3GetVersion()[0] - bouc_wen_fmi3GetVersion()[0];\n}\n";
@@ -255,7 +258,7 @@ fn several_fmus_fit_into_one_program() {
 #[test]
 fn the_same_model_gives_the_same_bytes() {
     let (one, two) = (exported(), exported_with(""));
-    for fmu in ["fmu2/bouc_wen.fmu", "fmu3/plays.fmu"] {
+    for fmu in ["fmus/bouc_wen_fmi2.fmu", "fmus/plays_fmi3.fmu"] {
         assert!(one.bytes(fmu) == two.bytes(fmu), "{fmu}");
         let text = String::from_utf8_lossy(&one.bytes(fmu)).into_owned();
         let folder = one.path("").display().to_string();
@@ -269,9 +272,9 @@ fn without_a_compiler_the_sources_go_alone_and_a_note_says_so() {
     bench.write("m.json", BOUC_WEN);
     let mut command = bench.command("export --model m.json --target fmu2 --name alone -o out");
     let told = command.env("PATH", "").output().unwrap();
-    Run::of("export", &told).ok().says(&["alone.fmu contains sources only", "no C compiler"]);
-    let inside = unpacked(&bench.bytes("out/alone.fmu"));
+    Run::of("export", &told).ok().says(&["alone_fmi2.fmu contains sources only", "no C compiler"]);
+    let inside = unpacked(&bench.bytes("out/alone_fmi2.fmu"));
     let names: Vec<&str> = inside.keys().map(String::as_str).collect();
-    let sources = ["sources/alone.c", "sources/alone.h", "sources/alone_fmu.c"];
+    let sources = ["sources/alone.c", "sources/alone.h", "sources/alone_fmi2_fmu.c"];
     assert_eq!(names, [&["documentation/index.html", "modelDescription.xml"][..], &sources].concat());
 }

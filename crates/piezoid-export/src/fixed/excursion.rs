@@ -15,7 +15,8 @@ pub(super) const PART: usize = 500;
 pub(super) struct TestInputs {
     /// The initial states: at rest, and with the slow parts settled at both ends.
     pub(super) starts: Vec<Vec<f64>>,
-    /// Inputs over the range of the model and a tenth more: they wander, jump, and sweep from low to high frequency.
+    /// Inputs over the range of the model and a tenth more: they wander, jump, die away with each reversal inside the
+    /// one before, which fills every memory of reversals, and sweep from low to high frequency.
     pub(super) inputs: Vec<Vec<f64>>,
 }
 
@@ -26,7 +27,7 @@ pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> V
     let more = 0.05 * (high - low);
     let far = (low - more, high + more);
     let slow = wander(far, PART);
-    let u = in_counts([&slow[..], &jumping(far, PART), &sweep(far, PART)].concat());
+    let u = in_counts([&slow[..], &jumping(far, PART), &dying(far, REVERSALS), &sweep(far, PART)].concat());
     let still = model.simulate(&slow);
     let r = in_counts([&still[..], &jumping(ends(still.iter().copied()), PART)].concat());
     let z = ends(model.hysteresis().simulate(&slow));
@@ -82,6 +83,20 @@ fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
         })
         .collect()
 }
+
+/// From one side of the middle to the other, each time a little less far: no two loops have the same area.
+fn dying((low, high): (f64, f64), n: usize) -> Vec<f64> {
+    let (middle, mut away) = (0.5 * (low + high), 0.5 * (high - low));
+    (0..n)
+        .map(|_| {
+            away *= -0.97;
+            middle + away
+        })
+        .collect()
+}
+
+/// More reversals than any memory holds.
+const REVERSALS: usize = 150;
 
 /// A sine sweep from 0 to half the sampling rate. Only sums and products, so that all machines agree bit by bit.
 fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {

@@ -18,6 +18,7 @@ use piezoid::program::{Block, Expr, FieldValue, Function, Limit, Op, Place, Prog
 #[derive(Debug)]
 enum Condition {
     Always,
+    Never,
     If(Expr),
 }
 
@@ -92,18 +93,21 @@ impl Lowering<'_> {
             Statement::Do(_) => return Ok(Vec::new()),
             Statement::If(holds, yes, no) => match self.holds(holds)? {
                 Condition::Always => return self.steps(yes),
+                Condition::Never => return self.steps(no),
                 Condition::If(holds) => Statement::If(holds, self.steps(yes)?, self.steps(no)?),
             },
-            Statement::For { name, from, to, down, steps } => Statement::For {
+            Statement::For { name, from, to, down, most, steps } => Statement::For {
                 name: name.clone(),
                 from: self.whole(from)?,
                 to: self.whole(to)?,
                 down: *down,
+                most: *most,
                 steps: self.steps(steps)?,
             },
-            Statement::While(holds, steps) => match self.holds(holds)? {
+            Statement::While(holds, most, steps) => match self.holds(holds)? {
                 Condition::Always => return unsuited(format!("`{}` would not end", self.function.name)),
-                Condition::If(holds) => Statement::While(holds, self.steps(steps)?),
+                Condition::Never => return Ok(Vec::new()),
+                Condition::If(holds) => Statement::While(holds, *most, self.steps(steps)?),
             },
         }])
     }
@@ -275,23 +279,50 @@ impl Lowering<'_> {
             return unsuited(format!("`{}` has an invalid condition", self.function.name));
         };
         Ok(match op {
-            Op::And | Op::Or => match (self.holds(left)?, self.holds(right)?) {
-                (Condition::If(left), Condition::If(right)) => Condition::If(binary(*op, left, right)),
-                (Condition::If(holds), _) | (_, Condition::If(holds)) if *op == Op::And => Condition::If(holds),
-                _ => Condition::Always,
+            Op::And | Op::Or => match (op, self.holds(left)?, self.holds(right)?) {
+                (_, Condition::If(left), Condition::If(right)) => Condition::If(binary(*op, left, right)),
+                (Op::And, Condition::Never, _) | (Op::And, _, Condition::Never) => Condition::Never,
+                (Op::Or, Condition::Always, _) | (Op::Or, _, Condition::Always) => Condition::Always,
+                (_, Condition::If(holds), _) | (_, _, Condition::If(holds)) => Condition::If(holds),
+                (_, decided, _) => decided,
             },
             // Integers are always finite.
             Op::AtMost if **right == Expr::Limit(Limit::Most) => Condition::Always,
             _ if left.whole() => Condition::If(binary(*op, self.whole(left)?, self.whole(right)?)),
             _ => {
-                let numbers = vec![self.real(left, None)?, self.real(right, None)?];
-                let mut numbers = aligned(numbers).into_iter().map(|n| n.expr);
-                match (numbers.next(), numbers.next()) {
-                    (Some(left), Some(right)) => Condition::If(binary(*op, left, right)),
-                    _ => Condition::Always,
+                let numbers = aligned(vec![self.real(left, None)?, self.real(right, None)?]);
+                match (decided(*op, &numbers[0], &numbers[1]), &numbers[..]) {
+                    (Some(true), _) => Condition::Always,
+                    (Some(false), _) => Condition::Never,
+                    (None, [left, right, ..]) => Condition::If(binary(*op, left.expr.clone(), right.expr.clone())),
+                    (None, _) => Condition::Never,
                 }
             }
         })
+    }
+}
+
+/// The result of a comparison with a literal that is out of the range of the other number.
+fn decided(op: Op, left: &Number, right: &Number) -> Option<bool> {
+    let (a, b) = match (left, right) {
+        (Number { literal: None, bits, .. }, Number { literal: Some(_), expr: Expr::Real(n), .. })
+            if n.abs() > power(*bits) =>
+        {
+            (0.0, *n)
+        }
+        (Number { literal: Some(_), expr: Expr::Real(n), .. }, Number { literal: None, bits, .. })
+            if n.abs() > power(*bits) =>
+        {
+            (*n, 0.0)
+        }
+        _ => return None,
+    };
+    match op {
+        Op::Less | Op::AtMost => Some(a < b),
+        Op::More | Op::AtLeast => Some(a > b),
+        Op::Equal => Some(false),
+        Op::Unequal => Some(true),
+        _ => None,
     }
 }
 
@@ -359,6 +390,24 @@ mod tests {
         let most = 2f64.powi(31) - 1.0;
         assert_eq!(machine.call("sum", &[most]).unwrap(), [most]);
         assert_eq!(machine.call("sum", &[-most]).unwrap(), [-most]);
+    }
+
+    #[test]
+    fn comparisons_with_numbers_out_of_range_are_decided() {
+        for (condition, gives) in [
+            ("u < 1e9", Some(2.0)),
+            ("1e9 <= u", Some(1.0)),
+            ("u > 1e9 || u > 0.5", None),
+            ("u > -1e9 && u < 1e9", Some(2.0)),
+            ("u == 1e9 && u > 0.5", Some(1.0)),
+        ] {
+            let text = format!("fn sum(x: sum, u) {{ let v = 1.0; if {condition} {{ v = 2.0; }} return v; }}");
+            let (_, _, counted) = both(&text, &[1.0]);
+            let step = &counted.function("sum").unwrap().steps[1..];
+            let decided = !step.iter().any(|step| matches!(step, Statement::If(..)));
+            assert_eq!(decided, gives.is_some(), "{condition}: {step:?}");
+            assert_eq!(step.is_empty(), gives == Some(1.0), "{condition}: {step:?}");
+        }
     }
 
     #[test]

@@ -7,12 +7,12 @@
 //! The program runs in double precision along inputs that wander, jump and sweep over the input range of the model and
 //! a tenth more. The largest absolute value of each number gives its e ([`formats`]). The program is then rewritten
 //! with integers ([`lower`]). That program is printed, run for the vectors, and compared with double precision. An
-//! error above 1e-4 of the stroke is refused.
-//!
-//! It does not do: Newton's method; there is a feed-forward only if the inverse of the hysteresis has a closed form.
+//! error above 1e-4 of the stroke is refused. An inverse without a closed form is found by [`halving`]; its error is
+//! that against the library's own inverse.
 
 mod excursion;
 mod formats;
+mod halving;
 mod lower;
 mod number;
 
@@ -21,15 +21,16 @@ pub(super) use formats::PLAIN;
 use super::c::{C, checked};
 use super::exported::{Entry, ExportedProgram, Port};
 use super::template::{Value, context, render, template};
-use super::vectors::Vectors;
+use super::vectors::{Vectors, counted};
 use super::{ExportRequest, ExportTarget, Exported};
 use excursion::{PART, TestInputs, test_inputs};
 use formats::{Formats, Key, fields};
+use halving::halved;
 use lower::lowered;
 use number::counts;
 use piezoid::error::Error;
 use piezoid::number::short;
-use piezoid::program::{FieldValue, Machine};
+use piezoid::program::{FieldValue, Machine, Program};
 use piezoid::series::ends;
 use piezoid::system::System;
 use std::collections::BTreeMap;
@@ -69,9 +70,11 @@ struct CountingError {
 
 impl Fixed {
     fn new(mut whole: ExportedProgram, request: &ExportRequest) -> Result<Self, Error> {
-        closed_alone(&mut whole);
+        let exact = whole.program.clone();
+        halved(&mut whole.program)?;
+        keep(&mut whole, CLAMP);
         loop {
-            let (k, because) = match Fixed::of(&whole, request) {
+            let (k, because) = match Fixed::of(&whole, &exact, request) {
                 Ok(fixed) => match fixed.errors.iter().position(|p| p.rms.is_nan() || p.most > MOST) {
                     None => return Ok(fixed),
                     Some(k) => {
@@ -97,22 +100,29 @@ impl Fixed {
         }
     }
 
-    fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Self, Error> {
+    /// The program with integers, its errors against the program `exact`.
+    fn of(whole: &ExportedProgram, exact: &Program, request: &ExportRequest) -> Result<Self, Error> {
         let test_inputs = test_inputs(whole, request);
-        let (mut machines, mut exact) = (Vec::new(), Vec::new());
+        let (mut machines, mut outputs) = (Vec::new(), Vec::new());
         for (entry, TestInputs { starts, inputs }) in whole.entries.iter().zip(&test_inputs) {
+            let runs = |mut machine: Machine<'_>| {
+                let runs = starts.iter().map(|start| run(&mut machine, entry, start, inputs));
+                runs.collect::<Result<Vec<_>, _>>()
+            };
+            outputs.push(runs(Machine::new(exact, entry.state, false))?);
             let mut machine = Machine::new(&whole.program, entry.state, false).watched();
-            let outputs = starts.iter().map(|start| run(&mut machine, entry, start, inputs));
-            exact.push(outputs.collect::<Result<Vec<_>, _>>()?);
+            starts.iter().try_for_each(|start| run(&mut machine, entry, start, inputs).map(drop))?;
             machines.push(machine);
         }
         let mut formats = Formats::of(&whole.program, &machines);
         formats.join(whole, &test_inputs);
-        let mut counted = ExportedProgram { program: lowered(&whole.program, &formats)?, ..whole.clone() };
+        let mut with_counts = ExportedProgram { program: lowered(&whole.program, &formats)?, ..whole.clone() };
+        // Integers need no checks for finite numbers, nor what these call.
+        keep(&mut with_counts, &[]);
         let mut errors = Vec::new();
-        for (k, (TestInputs { starts, inputs }, exact)) in test_inputs.iter().zip(exact).enumerate() {
+        for (k, (TestInputs { starts, inputs }, exact)) in test_inputs.iter().zip(outputs).enumerate() {
             let entry = &whole.entries[k];
-            let mut machine = Machine::new(&counted.program, entry.state, false);
+            let mut machine = Machine::new(&with_counts.program, entry.state, false);
             let fields = fields(&whole.program, entry.state).into_iter();
             let state: Vec<i32> = fields.map(|(block, field)| formats.exponent(&Key::Field(block, field))).collect();
             let given: Vec<i32> = entry.inputs.iter().map(|i| formats.exponent(&outside(entry, i.name))).collect();
@@ -120,32 +130,41 @@ impl Fixed {
                 |row: &[f64], worth: &[i32]| row.iter().zip(worth).map(|(v, e)| counts(*v, *e)).collect::<Vec<_>>();
             let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &given)).collect::<Vec<_>>();
             let unit = 2f64.powi(formats.exponent(&gives(entry)));
+            // Of two voltages for the same displacement, either is right.
+            let judged = |outputs: &[f64]| match entry.step {
+                FEED_FORWARD => request.model.simulate(outputs),
+                _ => outputs.to_vec(),
+            };
+            let exact: Vec<Vec<f64>> = exact.iter().map(|outputs| judged(outputs)).collect();
             let (low, high) = ends(exact[0][..PART].iter().copied());
             // With slow models the inputs leave the ends before the outputs arrive there.
             let stroke = (high - low).max(exact[2][0] - exact[1][0]);
-            let (mut squares, mut most, excursion) = (0.0, 0.0f64, rows(inputs));
+            let (mut squares, mut largest, excursion) = (0.0, 0.0f64, rows(inputs));
             for (start, exact) in starts.iter().zip(&exact) {
-                for (n, v) in run(&mut machine, entry, &row(start, &state), &excursion)?.iter().zip(exact) {
-                    let off = (n * unit - v) / stroke;
+                let counts = run(&mut machine, entry, &row(start, &state), &excursion)?;
+                let outputs: Vec<f64> = counts.iter().map(|n| n * unit).collect();
+                for (found, v) in judged(&outputs).iter().zip(exact) {
+                    let off = (found - v) / stroke;
                     squares += off * off;
-                    most = most.max(off.abs());
+                    largest = largest.max(off.abs());
                 }
             }
             let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
+            let Vectors { mean, most, .. } = counted(&whole.program, entry, &entry.vectors.inputs, false)?;
             let inputs = rows(&entry.vectors.inputs);
             let at_rest = row(&starts[0], &state);
             let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
-            counted.entries[k].vectors = Vectors { inputs, outputs, ..entry.vectors.clone() };
-            errors.push(CountingError { rms, most });
+            with_counts.entries[k].vectors = Vectors { inputs, outputs, mean, most, ..entry.vectors.clone() };
+            errors.push(CountingError { rms, most: largest });
         }
-        for entry in &mut counted.entries {
+        for entry in &mut with_counts.entries {
             let worth = |key: &Key, unit: &str| format!("2^{} {unit}", formats.exponent(key));
             for k in 0..entry.inputs.len() {
                 entry.inputs[k].unit = worth(&outside(entry, entry.inputs[k].name), &entry.inputs[k].unit);
             }
             entry.output.unit = worth(&gives(entry), &entry.output.unit);
         }
-        Ok(Fixed { whole: counted, formats, errors })
+        Ok(Fixed { whole: with_counts, formats, errors })
     }
 
     /// True if a field has 64 bits.
@@ -209,24 +228,6 @@ fn outside(entry: &Entry, input: &str) -> Key {
     Key::Local(entry.step.into(), input.into())
 }
 
-/// Keeps only the closed form of the inverse, or removes the feed-forward if there is none: Newton's method needs
-/// floating point.
-fn closed_alone(whole: &mut ExportedProgram) {
-    let closed = whole.program.function("hysteresis_closed").is_some();
-    let inverse = whole.program.functions.iter_mut().find(|f| f.name == "hysteresis_inverse");
-    if let (true, Some(inverse)) = (closed, inverse) {
-        inverse.steps.truncate(1);
-    }
-    keep(whole);
-    let sought = whole.program.functions.iter().any(|f| f.name.ends_with("_by_trials"));
-    if let (true, Some(k)) = (sought, feed_forward(whole)) {
-        let because = "the inverse of this hysteresis has no closed form, and Newton's method needs floating point: \
-                       use the target c for a feed-forward";
-        whole.notes.push(format!("there is no feed-forward: {because}"));
-        leave_out(whole, k);
-    }
-}
-
 const FEED_FORWARD: &str = "ff_step";
 
 fn feed_forward(whole: &ExportedProgram) -> Option<usize> {
@@ -235,11 +236,15 @@ fn feed_forward(whole: &ExportedProgram) -> Option<usize> {
 
 fn leave_out(whole: &mut ExportedProgram, k: usize) {
     whole.entries.remove(k);
-    keep(whole);
+    keep(whole, CLAMP);
 }
 
-fn keep(whole: &mut ExportedProgram) {
-    let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).chain(["clamp"]).collect();
+/// The program with integers calls it.
+const CLAMP: &[&str] = &["clamp"];
+
+/// Keeps what the entries call, and these functions.
+fn keep(whole: &mut ExportedProgram, more: &[&'static str]) {
+    let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).chain(more.iter().copied()).collect();
     whole.program.keep(&kept);
 }
 

@@ -1,13 +1,14 @@
 //! Functional mock-up units for co-simulation, which every system simulator imports.
 //!
 //! An FMU is a zip file: a description of its variables in XML, C sources, and a shared library if there is a compiler.
-//! Each entry of the program is one FMU: the model `NAME.fmu`, its feed-forward `NAME_ff.fmu`, its controller
-//! `NAME_control.fmu`.
+//! Each entry of the program is one FMU: by FMI 2.0 the model `NAME_fmi2.fmu`, its feed-forward `NAME_ff_fmi2.fmu`, its
+//! controller `NAME_control_fmi2.fmu`; by FMI 3.0 the same with `fmi3`. The name of the file is also that of the model,
+//! of the library, and the identifier of the model, because some importers take one for the other.
 //!
 //! ```text
 //! modelDescription.xml      units, start values, causality, structure
 //! documentation/index.html  the same as a page
-//! sources/                  NAME.h, NAME.c as for the target `c`, and the wrapper NAME_fmu.c
+//! sources/                  NAME.h, NAME.c as for the target `c`, and the wrapper
 //! binaries/                 the shared library
 //! ```
 //! The bytes are reproducible. The compiler is an argument ([`Compiler`](super::Compiler)).
@@ -50,6 +51,8 @@ pub(super) const FMI3: ExportTarget = ExportTarget {
 struct Version {
     /// The version number.
     number: &'static str,
+    /// The end of names, so that FMUs of both versions fit into one folder, and into one importer.
+    ending: &'static str,
     /// Its types and functions in C.
     functions: &'static str,
     /// modelDescription.xml.
@@ -62,6 +65,7 @@ struct Version {
 
 const VERSION_2: Version = Version {
     number: "2.0",
+    ending: "_fmi2",
     functions: include_str!("fmi2.c"),
     description: template!("fmu/fmi2.xml.j2"),
     build: None,
@@ -76,6 +80,7 @@ const VERSION_2: Version = Version {
 
 const VERSION_3: Version = Version {
     number: "3.0",
+    ending: "_fmi3",
     functions: include_str!("fmi3.c"),
     description: template!("fmu/fmi3.xml.j2"),
     build: Some(template!("fmu/build.xml.j2")),
@@ -121,7 +126,7 @@ impl<'f> Fmu<'f> {
     fn new(request: &'f ExportRequest<'f>, version: &'f Version, all: &ExportedProgram, entry: &Entry) -> Self {
         let mut whole = ExportedProgram { entries: vec![entry.clone()], notes: Vec::new(), ..all.clone() };
         whole.program.keep(&[entry.step]);
-        Fmu { request, version, whole, name: entry.named(request.name()) }
+        Fmu { request, version, whole, name: entry.named(request.name()) + version.ending }
     }
 
     /// All files except the library.
@@ -235,12 +240,18 @@ mod tests {
     }
 
     #[test]
-    fn the_library_is_compiled_from_the_sources_into_the_folder_of_the_version() {
+    fn the_library_is_compiled_from_the_sources_and_has_the_name_of_file_and_model() {
         let listed = by(|files| Ok(files.iter().map(|file| file.name.clone() + ";").collect::<String>().into()));
-        for (version, path) in [("fmu2", "binaries/linux64/bender.so"), ("fmu3", "binaries/x86_64-linux/bender.so")] {
+        for (version, name, folder) in [("fmu2", "bender_fmi2", "linux64"), ("fmu3", "bender_fmi3", "x86_64-linux")] {
             let made = made(version, &model("um"), listed);
-            assert_eq!(made.files[0].name, "bender.fmu");
-            assert!(text(&made.files[0], path).starts_with("bender.h;bender.c;bender_fmu.c;"));
+            assert_eq!(made.files[0].name, format!("{name}.fmu"));
+            let sources = text(&made.files[0], &format!("binaries/{folder}/{name}.so"));
+            assert!(sources.starts_with(&format!("bender.h;bender.c;{name}_fmu.c;")), "{sources}");
+            let xml = text(&made.files[0], "modelDescription.xml");
+            let document = Document::parse(&xml).unwrap();
+            let simulated = document.descendants().find(|n| n.has_tag_name("CoSimulation")).unwrap();
+            let names = [document.root_element().attribute("modelName"), simulated.attribute("modelIdentifier")];
+            assert_eq!(names, [Some(name); 2]);
         }
     }
 
@@ -263,7 +274,8 @@ mod tests {
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
             let token = document.root_element().attribute(attribute).unwrap().to_owned();
-            assert!(text(&made.files[0], "sources/bender_fmu.c").contains(&format!("#define TOKEN \"{token}\"")));
+            let wrapper = format!("sources/bender_fmi{}_fmu.c", &version[3..]);
+            assert!(text(&made.files[0], &wrapper).contains(&format!("#define TOKEN \"{token}\"")));
             token
         };
         for version in ["fmu2", "fmu3"] {
@@ -289,7 +301,7 @@ mod tests {
         assert_eq!(names[..7], ["time", "u", "u_gain", "u_offset", "y", "ts", "state.hysteresis.last"]);
         let order = model.program().unwrap().order("state");
         assert_eq!(names.len(), 6 + order);
-        let wrapper = text(&made.files[0], "sources/bender_fmu.c");
+        let wrapper = text(&made.files[0], "sources/bender_fmi3_fmu.c");
         let variables = format!("VARIABLES = {},", 6 + order);
         for line in ["GAIN = 2,", "OFFSET = 3,", "OUTPUT = 4,", "PERIOD = 5,", "STATE = 6,", &variables] {
             assert!(wrapper.contains(line), "{line}");

@@ -32,11 +32,18 @@ impl<'p> CallExtractor<'p> {
                 Statement::Do(call) => Statement::Do(self.kept(call, &mut out)),
                 Statement::Set(place, value) => Statement::Set(place.clone(), self.lifted(value, &mut out)),
                 Statement::If(holds, yes, no) => Statement::If(holds.clone(), self.steps(yes), self.steps(no)),
-                Statement::For { name, from, to, down, steps } => {
+                Statement::For { name, from, to, down, most, steps } => {
                     let steps = self.steps(steps);
-                    Statement::For { name: name.clone(), from: from.clone(), to: to.clone(), down: *down, steps }
+                    Statement::For {
+                        name: name.clone(),
+                        from: from.clone(),
+                        to: to.clone(),
+                        down: *down,
+                        most: *most,
+                        steps,
+                    }
                 }
-                Statement::While(holds, steps) => Statement::While(holds.clone(), self.steps(steps)),
+                Statement::While(holds, most, steps) => Statement::While(holds.clone(), *most, self.steps(steps)),
                 step => step.clone(),
             };
             out.push(step);

@@ -8,7 +8,9 @@ use super::large_signal::{LinearPart, affine, linear_from_large_signal, require_
 use super::loops::{CLEAR, HiddenLoop, LoopPoints, named, remarks};
 use super::{Domain, FittedParameter, Model, OperatorTrial};
 use crate::error::Error;
-use crate::hysteresis::{HeldInput, Hysteresis, Pair, Proportional, RateScheduled, Split, TwoBranch};
+use crate::hysteresis::{
+    HeldInput, Hysteresis, Operator, Pair, Proportional, RateScheduled, Split, TwoBranch, is_auto,
+};
 use crate::linear::{self, Arx, Orders};
 use crate::number::short;
 use crate::optimize::swarm;
@@ -111,19 +113,23 @@ pub(crate) fn identify_paper(
     }
     let mut loops = loops.split(settings.bins, settings.split)?;
     notes.extend(remarks(&loops, settings.split));
-    if settings.operator == "auto"
+    if is_auto(&settings.operator)
         && let Some(which) = named(&loops, |found| found.agreement < CLEAR)
     {
         loops.retain(|l| l.found.agreement >= CLEAR);
         let without = if loops.is_empty() { ": the model has no hysteresis" } else { "" };
         notes.push(format!("hysteresis block: the points found {which} form no loop and are left out{without}"));
     }
-    let operator = match settings.operator.as_str() {
-        "auto" if loops.is_empty() => "proportional",
-        "auto" if loops.len() > 1 => "rate-scheduled",
-        "auto" => "two-branch",
-        named => named,
+    let operator = match (is_auto(&settings.operator), loops.len()) {
+        (false, _) => &settings.operator,
+        (true, 0) => "proportional",
+        (true, 1) => "two-branch",
+        (true, _) => "rate-scheduled",
     };
+    if is_auto(&settings.operator) && !Operator::list(&settings.operator)?.iter().any(|o| o.name == operator) {
+        let rule = format!("leaves out {operator}, which the paper's method takes for these records: name another");
+        return Err(Error::parameter("operator", &settings.operator, rule));
+    }
     let (hysteresis, offset) = block(operator, &loops, &part, &large_signal, settings.reading)?;
     if large_signal.is_empty() {
         notes.push("hysteresis block: none, because there is no large-signal record".into());
@@ -157,7 +163,7 @@ fn block(
             return Err(Error::TooShort { what: "the list of large-signal records".into(), have: 0, need: 1, remedy });
         }
         (other, _) => {
-            crate::hysteresis::Operator::find(other)?;
+            Operator::find(other)?;
             let rule = "must be proportional, two-branch, rate-scheduled or auto with the paper's method";
             return Err(Error::parameter("operator", other, rule));
         }
@@ -345,6 +351,10 @@ mod tests {
         let [slow, again, fast] = [5.0, 5.0, 40.0].map(|hz| record(&truth, sine(hz)));
         assert_eq!(name(&[]), ("proportional", 0));
         assert_eq!(name(&[slow.clone(), again]), ("two-branch", 1));
+        let without = PaperOptions { operator: "auto,-rate-scheduled".into(), ..PaperOptions::default() };
+        let both = [fast.clone(), slow.clone()];
+        let error = identify_paper(&[prbs()], &both, &without, &mut Stage::ignore).unwrap_err().to_string();
+        assert!(error.contains("leaves out rate-scheduled, which the paper's method takes"), "{error}");
         assert_eq!(name(&[fast, slow]), ("rate-scheduled", 2));
     }
 

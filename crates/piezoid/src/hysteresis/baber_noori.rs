@@ -122,7 +122,7 @@ fn hysteresis(x: hysteresis, u) {
         let s = length / real(steps);
         let brief = 0.5 * s;
         let h = points * x.h;
-        for k in 0..steps {
+        for k in 0..steps at most most_steps {
             let middle = advance(h, h, x.energy, brief);
             let next = advance(h, middle, x.energy + brief * 0.5 * (h + middle), s);
             x.energy += brief * (h + next);

@@ -198,14 +198,16 @@ impl Branches {
     /// one 2 k + 1. The function `branch(b: whole, u)` returns z and its slope.
     pub(super) fn block<'b>(block: Block, pairs: impl Iterator<Item = &'b Branches>) -> Block {
         let (mut starts, mut knots, mut cubics, mut beyond) = (vec![0.0], Vec::new(), Vec::new(), Vec::new());
+        let mut longest = 0;
         for branch in pairs.flat_map(|pair| [&pair.ascending, &pair.descending]) {
+            longest = longest.max(branch.knots.u.len());
             knots.extend(&branch.knots.u);
             starts.push(knots.len() as f64);
             cubics.extend(branch.spline.pieces().iter().flatten());
             beyond.push(branch.beyond);
         }
         let block = block.table("starts", &starts).table("knots", &knots).table("cubics", &cubics);
-        block.table("beyond", &beyond).text(&Intervals::text("knot_before", "knots")).text(BRANCH)
+        block.table("beyond", &beyond).text(&Intervals::text("knot_before", "knots", longest)).text(BRANCH)
     }
 
     /// The lowest and the highest u.

@@ -190,7 +190,7 @@ fn hysteresis(x: hysteresis, u) {
             let term = reciprocal[n - 1];
             let sum = term;
             let k = n;
-            while k < terms && term >= 0.05 * epsilon * sum {
+            while k < terms && term >= 0.05 * epsilon * sum at most terms - n {
                 term = term * length * reciprocal[k];
                 sum += term;
                 k += 1;

@@ -149,13 +149,42 @@ impl Operator {
         row("operator", OPERATORS.iter().copied(), |row| row.name, name)
     }
 
-    /// The operators of a comma-separated list of names.
+    /// The operators of a comma-separated list of names, without those after a minus sign; `auto` stands for all.
+    ///
+    /// ```
+    /// use piezoid::hysteresis::{OPERATORS, Operator};
+    /// assert_eq!(Operator::list("stop, bouc-wen")?.len(), 2);
+    /// assert_eq!(Operator::list("auto,-preisach")?.len(), OPERATORS.len() - 1);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// The errors of [`Operator::find`].
+    /// The errors of [`Operator::find`], and [`Error::Parameter`] if no operator is left.
     pub fn list(names: &str) -> Result<Vec<&'static Self>, Error> {
-        names.split(',').map(|name| Operator::find(name.trim())).collect()
+        let mut listed: Vec<&'static Self> = Vec::new();
+        for name in names.split(',').map(str::trim) {
+            match name.strip_prefix('-') {
+                _ if name == AUTO => listed.extend(OPERATORS),
+                None => listed.push(Operator::find(name)?),
+                Some(without) => {
+                    let without = Operator::find(without)?.name;
+                    listed.retain(|operator| operator.name != without);
+                }
+            }
+        }
+        match listed.is_empty() {
+            true => Err(Error::parameter("operator", names, "leaves no operator: begin with auto, or name one")),
+            false => Ok(listed),
+        }
     }
+}
+
+/// In a list of operators, all of them.
+const AUTO: &str = "auto";
+
+/// True if a list of operators leaves the choice to the records.
+pub(crate) fn is_auto(names: &str) -> bool {
+    names.split(',').any(|name| name.trim() == AUTO)
 }
 
 /// Writes an operator as `{"operator": name, ...params}`.
@@ -402,6 +431,27 @@ mod tests {
                 assert!((-25.0..=30.0).contains(&u), "{name} at {t}: {u}");
                 let near = (back - reached).abs() <= 64.0 * f64::from(f32::EPSILON) * 30.0;
                 assert!(near || !rises, "{name} at {t}: {back} for {reached}, requested {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_step_and_no_inverse_takes_more_operations_than_its_bound() {
+        for example in members() {
+            let program = program(example.block().unwrap());
+            let [step, inverse] = ["hysteresis", "hysteresis_inverse"].map(|name| program.bound(name).unwrap());
+            for single in [false, true] {
+                let mut machine = Machine::new(&program, "hysteresis", single);
+                for u in difficult_inputs() {
+                    let mut taken = |name: &str, numbers: &[f64]| {
+                        let before = machine.counts.total();
+                        machine.call(name, numbers).unwrap();
+                        machine.counts.total() - before
+                    };
+                    let [z, forth] = [("hysteresis_inverse", &[u, -25.0, 30.0][..]), ("hysteresis", &[u])]
+                        .map(|(name, numbers)| taken(name, numbers));
+                    assert!(z <= inverse && forth <= step, "{example:?} at {u}: {z} of {inverse}, {forth} of {step}");
+                }
             }
         }
     }

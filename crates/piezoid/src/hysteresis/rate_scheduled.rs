@@ -221,7 +221,8 @@ impl Hysteresis for RateScheduled {
         let block = state.iter().fold(block, |block, name| block.number(name, 0.0));
         let block = block.constant("ts", self.ts).constant("turn", REVERSAL * self.span());
         let block = Branches::block(block, pairs.iter().map(|p| &p.branches)).table("hertz", &hertz);
-        let block = block.count("pairs", pairs.len()).text(READ).text(&Intervals::text("pair_below", "hertz"));
+        let block =
+            block.count("pairs", pairs.len()).text(READ).text(&Intervals::text("pair_below", "hertz", pairs.len()));
         Some(block.text(&STEP.replace("HELD", reading.held())))
     }
 
@@ -277,7 +278,7 @@ fn interpolated(u, direction, f) {
     let z = 0.0;
     let slope = 0.0;
     let part = 1.0 - share;
-    for pair in nearest..nearest + 2 {
+    for pair in nearest..nearest + 2 at most 2 {
         if part != 0.0 {
             let on_pair, rises = read_pair(pair, u, direction);
             z += part * on_pair;

@@ -155,7 +155,7 @@ fn read_pair(pair: whole, u, direction) {
     if direction < 0.0 { first = last; }
     let z = 0.0;
     let slope = 0.0;
-    for b in first..last + 1 {
+    for b in first..last + 1 at most 2 {
         let on_branch, rises = branch(b, u);
         z += on_branch;
         slope += rises;

@@ -18,14 +18,15 @@
 //! state of a block, given by the name of the block. There are no early returns, no recursion, and no shadowed names. A
 //! function returns up to two numbers. Conditions have no side effects. `let t = copy(x);` copies a state, `let t =
 //! zero(x);` makes one of zeros, `[0.0; n]` is an array of n numbers. `real(i)` converts an integer; `whole(v)`
-//! truncates a number that is not negative. `epsilon`, `least` and `most` are those of the precision in use. Some
+//! truncates a number that is not negative. A loop whose ends are not constant says how often it runs `at most`. `epsilon`, `least` and `most` are those of the precision in use. Some
 //! target languages evaluate both sides of `&&` and `||`. A comment before a function or a statement is printed in
 //! every language.
 //!
 //! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in single or double
-//! precision, and printed by the export. The order of the arithmetic is the same everywhere, so results are
+//! precision, and printed by the export. [`Program::bound`] gives the largest number of its operations. The order of the arithmetic is the same everywhere, so results are
 //! bit-identical.
 
+mod bound;
 mod counted;
 mod read;
 mod resolve;
@@ -283,7 +284,11 @@ mod tests {
             ("fn f(u) { return -u * 2.0 - -1.0; }", 3.0, &[-5.0]),
             ("fn f(u) { let s = u; for k in 0..n { s = s * 2.0 + r[k]; } return s; }", 1.0, &[132.0]),
             ("fn f(u) { let s = u; for k in 0..n down { s = s * 2.0 + r[k]; } return s; }", 1.0, &[429.0]),
-            ("fn f(u) { let k = 0; while k < n && real(k) < u { k += 1; } return real(k * 10 % 7); }", 2.0, &[6.0]),
+            (
+                "fn f(u) { let k = 0; while k < n && real(k) < u at most n { k += 1; } return real(k * 10 % 7); }",
+                2.0,
+                &[6.0],
+            ),
             ("fn g(u) { return u, gain; } fn f(u) { let a, b = g(u); return b, a; }", 7.0, &[4.0, 7.0]),
             (choice, 0.0, &[1.0]),
             (choice, 5.0, &[2.0]),
@@ -310,6 +315,8 @@ mod tests {
             ("fn g(x: b) { x.last = 1.0; } fn f(x: b) { return g(x); }", "returns nothing"),
             ("fn f(u) { return 1.0; } fn f(u) { return 2.0; }", "already a function with this name"),
             ("fn f(u) { return 1.0 }", "`;` is missing"),
+            ("fn f(u) { while u > 1.0 { } return u; }", "must say `at most`"),
+            ("fn f(u) { while u > 1.0 at most whole(u) { } return u; }", "must be constant"),
             ("fn f(u) { return u # 2.0; }", "unknown character `#`"),
         ] {
             let error = Program::new(vec![block(text)]).unwrap_err().to_string();
@@ -322,8 +329,10 @@ mod tests {
         for text in [
             "fn f(u) { return r[whole(u)]; }",
             "fn f(u) { let k = whole(u); return r[k - 4]; }",
-            "fn f(u) { while u != r[whole(u)] { } return u; }",
+            "fn f(u) { while u != r[whole(u)] at most 9 { } return u; }",
             "fn f(x: b, u) { for k in 0..999999999 { x.room[k + whole(u)] = u; } return u; }",
+            "fn f(u) { while u == u || u != u at most 9 { } return u; }",
+            "fn f(u) { for k in 0..4 + whole(u) at most 4 { } return u; }",
         ] {
             let program = Program::new(vec![block(text)]).unwrap();
             let mut machine = Machine::new(&program, "b", false);

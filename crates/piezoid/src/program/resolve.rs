@@ -124,20 +124,32 @@ impl<'p> Resolver<'p> {
                     };
                 })
             }
-            Statement::For { name, from, to, down, steps } => {
+            Statement::For { name, from, to, down, most, steps } => {
                 let (from, to, down) = (self.of(&ValueType::Integer, from)?, self.of(&ValueType::Integer, to)?, *down);
                 let (at, steps) = (self.name(name, ValueType::Integer, 0), self.steps(steps));
+                let most = most.unwrap_or(usize::MAX);
                 Box::new(move |w| {
                     let (from, to) = (from(w) as usize, to(w) as usize);
+                    if to.saturating_sub(from) > most {
+                        w.fail(format!("the loop over `{name}` takes more than {most} passes"));
+                    }
                     (from..to).all(|k| {
                         w.cells[at] = if down { from + to - 1 - k } else { k } as f64;
                         steps(w)
                     });
                 })
             }
-            Statement::While(holds, steps) => {
-                let (holds, steps) = (self.holds(holds)?, self.steps(steps));
-                Box::new(move |w| while holds(w) && steps(w) {})
+            Statement::While(holds, most, steps) => {
+                let (holds, most, steps) = (self.holds(holds)?, *most, self.steps(steps));
+                Box::new(move |w| {
+                    let mut passes = 0;
+                    while holds(w) && steps(w) {
+                        passes += 1;
+                        if passes > most {
+                            w.fail(format!("a loop takes more than {most} passes"));
+                        }
+                    }
+                })
             }
         })
     }

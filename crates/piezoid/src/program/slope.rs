@@ -223,12 +223,14 @@ impl Slopes<'_> {
                     let (yes, no) = (self.steps(yes)?, self.steps(no)?);
                     out.push(Statement::If(holds.clone(), yes, no));
                 }
-                Statement::For { name, from, to, down, steps } => {
+                Statement::For { name, from, to, down, most, steps } => {
                     let steps = self.steps(steps)?;
                     let (name, from, to) = (name.clone(), from.clone(), to.clone());
-                    out.push(Statement::For { name, from, to, down: *down, steps });
+                    out.push(Statement::For { name, from, to, down: *down, most: *most, steps });
                 }
-                Statement::While(holds, steps) => out.push(Statement::While(holds.clone(), self.steps(steps)?)),
+                Statement::While(holds, most, steps) => {
+                    out.push(Statement::While(holds.clone(), *most, self.steps(steps)?));
+                }
                 Statement::Copy { name, .. } => {
                     let what = format!("program: `{name}` is a copied state and has no slope");
                     return Err(Error::Content(what));

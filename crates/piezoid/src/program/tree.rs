@@ -77,11 +77,13 @@ pub enum Statement {
         to: Expr,
         /// True if it runs from the last to the first.
         down: bool,
+        /// The largest number of passes, where the ends do not tell.
+        most: Option<usize>,
         /// Statements.
         steps: Vec<Statement>,
     },
-    /// A loop while the condition holds.
-    While(Expr, Vec<Statement>),
+    /// A loop while the condition holds: the condition, the largest number of passes, statements.
+    While(Expr, usize, Vec<Statement>),
 }
 
 /// Place of a number or a state: a name, a field of a state, or an element of an array.
@@ -244,7 +246,7 @@ fn remove(steps: &mut Vec<Statement>, idle: &impl Fn(&Statement) -> bool) -> boo
     for step in steps {
         match step {
             Statement::If(_, yes, no) => any |= remove(yes, idle) | remove(no, idle),
-            Statement::For { steps, .. } | Statement::While(_, steps) => any |= remove(steps, idle),
+            Statement::For { steps, .. } | Statement::While(_, _, steps) => any |= remove(steps, idle),
             _ => {}
         }
     }
@@ -263,7 +265,7 @@ impl Statement {
                 from.all(see);
                 to.all(see);
             }
-            Statement::Let(_, expr) | Statement::Do(expr) | Statement::If(expr, ..) | Statement::While(expr, _) => {
+            Statement::Let(_, expr) | Statement::Do(expr) | Statement::If(expr, ..) | Statement::While(expr, ..) => {
                 expr.all(see);
             }
         });
@@ -274,7 +276,7 @@ impl Statement {
         see(self);
         match self {
             Statement::If(_, yes, no) => yes.iter().chain(no).for_each(|step| step.all(see)),
-            Statement::For { steps, .. } | Statement::While(_, steps) => steps.iter().for_each(|step| step.all(see)),
+            Statement::For { steps, .. } | Statement::While(_, _, steps) => steps.iter().for_each(|step| step.all(see)),
             _ => {}
         }
     }

@@ -3,7 +3,7 @@
 use super::held_out::WORSE;
 use super::refine::Fitted;
 use crate::error::Error;
-use crate::hysteresis::{OPERATORS, Operator};
+use crate::hysteresis::{Operator, is_auto};
 use crate::number::short;
 use crate::record::Record;
 use crate::series::ends;
@@ -45,7 +45,7 @@ pub struct OperatorTrial {
     pub refused: Option<String>,
 }
 
-/// The operators to try: those named, or with `auto` those that suit the records. Without minor loops in the records,
+/// The operators to try: those listed, and with `auto` only those that suit the records. Without minor loops in the records,
 /// operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe out minor
 /// loops, as measured ceramics do, and whose minor loops the major loops determine. If large-signal records stand
 /// `alone`, rate-dependent operators are left out: their dynamics cannot be separated from the linear block.
@@ -55,25 +55,30 @@ pub(super) fn candidates(
     alone: bool,
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'static Operator>, Error> {
-    if name != "auto" {
-        return Operator::list(name);
+    let listed = Operator::list(name)?;
+    if !is_auto(name) {
+        return Ok(listed);
     }
-    let all = || OPERATORS.iter().copied().filter(|o| o.rate_independent || !alone);
+    let all = || listed.iter().copied().filter(|o| o.rate_independent || !alone);
     let (low, high) = ends(large_signal.iter().flat_map(|record| record.u()).copied());
     let margin = INSIDE * (high - low);
     let inner = |record: &Record| {
         let inside = |&&t: &&usize| (low + margin..high - margin).contains(&record.u()[t]);
         reversals(record.u(), 0.5 * INSIDE).iter().filter(inside).count()
     };
+    let any = |suited: Vec<&'static Operator>| match suited.is_empty() {
+        true => Err(Error::parameter("operator", name, "leaves out every operator that suits the records: name one")),
+        false => Ok(suited),
+    };
     if large_signal.iter().map(inner).sum::<usize>() >= ENOUGH {
-        return Ok(all().collect());
+        return any(all().collect());
     }
     notes.push(
         "the records have no minor loops, so smaller amplitudes are extrapolated; only operators with the wiping-out \
          property were tried, as for measured ceramics, whose minor loops follow from the major loops: add a rising sine"
             .into(),
     );
-    Ok(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
+    any(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
 }
 
 /// Selects the operator with the fewest parameters of those as good as the best; returns its number, and takes its fit
@@ -167,5 +172,26 @@ impl OperatorTrial {
             shape: Vec::new(),
             refused: Some(why),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::OPERATORS;
+
+    #[test]
+    fn auto_tries_what_suits_the_records_and_is_not_left_out() {
+        let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
+        let records = [Record::new(5e-4, u.clone(), u).unwrap()];
+        let tried = |list: &str| {
+            let found = candidates(list, &records, true, &mut Vec::new());
+            found.map(|tried| tried.iter().map(|o| o.name).collect::<Vec<_>>()).map_err(|error| error.to_string())
+        };
+        let mut without = tried("auto").unwrap();
+        without.retain(|name| *name != "preisach");
+        assert_eq!(tried("auto,-preisach"), Ok(without));
+        let none = OPERATORS.iter().filter(|o| o.rate_independent).fold("auto".to_string(), |s, o| s + ",-" + o.name);
+        assert!(tried(&none).unwrap_err().contains("leaves out every operator that suits the records"));
     }
 }

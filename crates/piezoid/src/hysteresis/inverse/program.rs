@@ -74,7 +74,7 @@ fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
     let before = most;
     let trial = 0;
     let searching = 1;
-    while searching > 0 {
+    while searching > 0 at most TRIALS + 1 {
         let reached, slope = hysteresis_ahead(x, u);
         if trial == 0 {
             if reached < z {
@@ -162,7 +162,7 @@ fn hysteresis_by_trials(x: hysteresis, z, low, high) {
     let u = low;
     let trial = 0;
     let searching = 1;
-    while searching > 0 {
+    while searching > 0 at most TRIALS + 2 {
         let tried = copy(x);
         let off = hysteresis(tried, u) - z;
         if trial == 0 {

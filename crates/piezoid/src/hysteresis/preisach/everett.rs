@@ -65,7 +65,9 @@ impl Everett {
         let breaks = self.breaks.edges();
         let block =
             block.table("breaks", breaks).table("virgin", self.virgin.as_flattened()).count("pieces", breaks.len() - 1);
-        block.text(&Intervals::text("row", "levels")).text(&Intervals::text("piece", "breaks")).text(TEXT)
+        let (row, piece) =
+            (Intervals::text("row", "levels", n - 1), Intervals::text("piece", "breaks", breaks.len() - 1));
+        block.text(&row).text(&piece).text(TEXT)
     }
 
     /// E between `m` and `M`, m <= M.

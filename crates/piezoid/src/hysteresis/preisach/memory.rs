@@ -150,7 +150,7 @@ fn turns(x: hysteresis, u) {
 fn kept(x: hysteresis, n: whole, u) {
     let left = n;
     let closes = 1;
-    while left > 0 && closes > 0 {
+    while left > 0 && closes > 0 at most capacity / 2 {
         let older = 0;
         if left > 1 { older = left - 2; }
         let limit = x.last;
@@ -164,18 +164,18 @@ fn kept(x: hysteresis, n: whole, u) {
 
 // Makes room for two reversals: removes the two neighbouring reversals whose removal changes the smallest area of the Preisach plane.
 fn forget(x: hysteresis) {
-    let fewest = most;
+    let fewest = -1.0;
     let chosen = 1;
     for i in 1..capacity - 1 {
         let after = x.last;
         if i + 2 < capacity { after = x.reversal[2 * (i + 2)]; }
         let relays = magnitude((x.reversal[2 * i] - after) * (x.reversal[2 * (i + 1)] - x.reversal[2 * (i - 1)]));
-        if relays < fewest {
+        if relays < fewest || fewest < 0.0 {
             fewest = relays;
             chosen = i;
         }
     }
-    for i in 2 * chosen..2 * (capacity - 2) { x.reversal[i] = x.reversal[i + 4]; }
+    for i in 2 * chosen..2 * (capacity - 2) at most 2 * (capacity - 3) { x.reversal[i] = x.reversal[i + 4]; }
     x.count = real(capacity - 2);
 }
 

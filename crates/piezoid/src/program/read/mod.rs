@@ -156,7 +156,11 @@ impl Reader<'_> {
             return self.choice();
         }
         if self.pass("while") {
-            return Ok(Statement::While(self.condition()?, self.steps()?));
+            let (holds, most) = (self.condition()?, self.most()?);
+            let Some(most) = most else {
+                return self.wrong("a loop with a condition must say `at most` how many passes it takes");
+            };
+            return Ok(Statement::While(holds, most, self.steps()?));
         }
         if self.pass("for") {
             let name = self.name()?;
@@ -165,12 +169,12 @@ impl Reader<'_> {
             if !from.whole() || !to.whole() {
                 return self.wrong("the ends of a loop must be integers");
             }
-            let down = self.pass("down");
+            let (down, most) = (self.pass("down"), self.most()?);
             let known = self.names.len();
             self.introduce(&name, ValueType::Integer)?;
             let steps = self.steps()?;
             self.names.truncate(known);
-            return Ok(Statement::For { name, from, to, down, steps });
+            return Ok(Statement::For { name, from, to, down, most, steps });
         }
         if matches!(self.tokens.get(self.at + 1), Some(Token::Sign("("))) {
             let name = self.name()?;
@@ -180,6 +184,19 @@ impl Reader<'_> {
             return Ok(Statement::Do(call));
         }
         self.change()
+    }
+
+    /// The largest number of passes of a loop, if it is stated.
+    fn most(&mut self) -> Read<Option<usize>> {
+        if !self.pass("at") {
+            return Ok(None);
+        }
+        self.expect("most")?;
+        let most = self.expr()?;
+        match super::bound::value(&most, &[]) {
+            None => self.wrong("the largest number of passes must be constant"),
+            most => Ok(most),
+        }
     }
 
     fn new_names(&mut self) -> Read<Statement> {

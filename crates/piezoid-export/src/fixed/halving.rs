@@ -1,0 +1,146 @@
+//! The inverse of the hysteresis by halving: a search for integers, of the same length in every sample.
+//!
+//! ```text
+//! from the last input toward the wanted z:   u = (near + far) / 2;   short of z: near = u, else far = u
+//! ```
+//! Newton's method compares with the rounding of floating-point numbers. Halving needs only the sign: after 31 passes
+//! the ends are neighbouring counts. The last input stays unless another is nearer, so that a constant reference gives
+//! a constant voltage. Where z is out of reach, the result is the end, and of a flat piece its beginning, as by Newton's
+//! method. It does not do: laws that fall or jump between the ends, for which several inputs give the same z.
+
+use piezoid::error::Error;
+use piezoid::program::{Argument, FieldValue, Function, Program, Statement, ValueType};
+
+/// One for the end, and one for each bit of a number.
+const PASSES: usize = 32;
+
+/// The inverses, and the function that each of them inverts.
+const INVERSES: [(&str, &str); 2] = [("hysteresis_inverse", "hysteresis"), ("hidden_inverse", "hidden")];
+
+/// Replaces each inverse that searches with floating-point numbers. Of a closed form with a search as a fallback, the
+/// closed form stays.
+pub(super) fn halved(program: &mut Program) -> Result<(), Error> {
+    for (name, forth) in INVERSES {
+        let Some(at) = program.functions.iter().position(|f| f.name == name) else { continue };
+        match program.function("hysteresis_closed") {
+            Some(_) if forth == "hysteresis" => program.functions[at].steps.truncate(1),
+            _ if !searches(&program.functions[at]) => {}
+            _ => replace(program, at, forth)?,
+        }
+    }
+    Ok(())
+}
+
+/// True if a function has a loop, or calls another function that searches.
+fn searches(function: &Function) -> bool {
+    let mut searches = false;
+    let mut look = |step: &Statement| searches |= matches!(step, Statement::While(..));
+    function.steps.iter().for_each(|step| step.all(&mut look));
+    function.calls(&mut |name| searches |= name.contains("_by_"));
+    searches
+}
+
+fn replace(program: &mut Program, at: usize, forth: &str) -> Result<(), Error> {
+    let Function { name, block, takes, .. } = program.functions[at].clone();
+    program.extend(&text(program, &takes, forth))?;
+    if let Some(made) = program.functions.pop() {
+        program.functions[at] = Function { name, block, ..made };
+    }
+    Ok(())
+}
+
+/// The text of the inverse with these parameters: states, then z, low and high.
+fn text(program: &Program, takes: &[Argument], forth: &str) -> String {
+    let states = takes.iter().filter_map(|p| match &p.kind {
+        ValueType::Part(block) => Some((p.name.as_str(), block.as_str())),
+        _ => None,
+    });
+    let states: Vec<(&str, &str)> = states.collect();
+    let declared: String = states.iter().map(|(name, block)| format!("{name}: {block}, ")).collect();
+    let copies =
+        |n: usize| states.iter().map(|(name, _)| format!("let {name}_{n} = copy({name}); ")).collect::<String>();
+    let reached = |n: usize, u: &str| {
+        let given: String = states.iter().map(|(name, _)| format!("{name}_{n}, ")).collect();
+        format!("z - {forth}({given}{u})")
+    };
+    // Behind a driver, the last input of the hysteresis is not that of the model.
+    let last = states.iter().find(|(_, block)| {
+        let fields = program.block(block).map_or(&[][..], |b| &b.fields);
+        forth == "hysteresis" && fields.iter().any(|f| f.name == "last" && matches!(f.holds, FieldValue::Number(_)))
+    });
+    let start = last.map_or("low".into(), |(name, _)| format!("clamp({name}.last, low, high)"));
+    format!(
+        "
+// The input between low and high for which the next step comes nearest to z: from the first one tried to the end in the direction of z, halved until the ends are neighbours.
+fn inverse_by_halving({declared}z, low, high) {{
+    let near = {start};
+    {}
+    let near_left = {};
+    let toward = 1.0;
+    let far = high;
+    if near_left < 0.0 {{
+        toward = -1.0;
+        far = low;
+    }}
+    near_left = magnitude(near_left);
+    let far_left = near_left;
+    // If z is out of reach, both ends are the last one.
+    let tried = far;
+    if near_left == 0.0 {{ tried = near; }}
+    for k in 0..{PASSES} {{
+        {}
+        let left = toward * ({});
+        if left > 0.0 {{
+            near = tried;
+            near_left = left;
+        }} else {{
+            far = tried;
+            far_left = -left;
+        }}
+        tried = 0.5 * (near + far);
+    }}
+    // The nearer of two neighbours, and of two as near the first.
+    let u = near;
+    if far_left < near_left {{ u = far; }}
+    return u;
+}}
+",
+        copies(1),
+        reached(1, "near"),
+        copies(2),
+        reached(2, "tried"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid::Model;
+    use piezoid::hysteresis::OPERATORS;
+    use piezoid::linear::Arx;
+    use piezoid::program::Machine;
+    use piezoid::series::ends;
+
+    #[test]
+    fn the_input_is_found_for_every_operator_as_by_the_library() {
+        for operator in OPERATORS {
+            let law = (operator.example)(5e-4).unwrap();
+            let model = Model::new(law.clone(), Arx::gain(5e-4, 1.0).unwrap(), 0.0).unwrap();
+            let mut program = model.program().unwrap();
+            halved(&mut program).unwrap();
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            let u: Vec<f64> =
+                (0..300).map(|t| 20.0 * (0.05 * f64::from(t)).sin() + 4.0 * (0.31 * f64::from(t)).cos()).collect();
+            let z = law.simulate(&u);
+            let height = ends(z.iter().copied());
+            let mut worst = 0.0f64;
+            for &z in &z {
+                let found = machine.call("hysteresis_inverse", &[z, -30.0, 30.0]).unwrap()[0];
+                let reached = machine.call("hysteresis", &[found]).unwrap()[0];
+                worst = worst.max((reached - z).abs() / (height.1 - height.0));
+            }
+            // At a jump no input gives every z.
+            assert!(worst < 1e-8 || !operator.minor_loops, "{}: {worst}", operator.name);
+        }
+    }
+}
