@@ -113,6 +113,7 @@ fn loaded(unloaded: f64, stiffness: f64, load: f64) -> f64 {
 mod tests {
     use super::super::{Plant, Preset};
     use super::*;
+    use crate::excitation::Actuator;
     use crate::system::System;
     use crate::testing::assert_close;
 
@@ -142,6 +143,15 @@ mod tests {
         // 39 um at +-264 V; the amplifier ends at +-250 V.
         let tube = held(&quiet("tb3507", 1e-3), 200, &[250.0, -250.0, 250.0]);
         assert_close(&[tube[2] - tube[1]], &[39.0 * 250.0 / 264.0], 0.02, 0.0);
+    }
+
+    #[test]
+    fn the_twins_are_those_of_the_catalogue() {
+        for (plant, name) in [("pl140", "pl140"), ("p885", "p-885.51"), ("p611", "p-611.1s"), ("tb3507", "tb3507")] {
+            let (spec, actuator) = ((Preset::find(plant).unwrap().spec)(), Actuator::find(name).unwrap());
+            assert_eq!(Some(spec.driver.capacitance_f), actuator.capacitance, "{plant}");
+            assert!(actuator.low <= spec.driver.min_v && spec.driver.max_v <= actuator.high, "{plant}");
+        }
     }
 
     #[test]
