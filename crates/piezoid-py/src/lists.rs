@@ -6,7 +6,7 @@ use crate::samples::array;
 use numpy::PyArray1;
 use piezoid::ExciteOptions;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS, REFERENCES};
-use piezoid::excitation::{DRIVERS, EXCITATIONS, Excitation};
+use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
@@ -15,11 +15,17 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
 
-/// All lists: name, summary and reference of each row; for a drive signal also its parameters.
+/// All lists: name, summary and reference of each row; for a drive signal also its parameters, for a driver or an
+/// actuator its figures.
 #[pyfunction]
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let row =
         |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
+    let figures = |mut all: Value, summary: String, reference: &str| {
+        let name = all["name"].take();
+        all.as_object_mut().map(|all| ["name", "summary", "reference"].map(|key| all.remove(key)));
+        json!({"name": name, "summary": summary, "reference": reference, "figures": all})
+    };
     let excitation = |e: &Excitation| {
         let mut row = row(e.name, e.summary, e.reference);
         row["parameters"] = rows((e.rows)());
@@ -38,7 +44,8 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
         "operators": OPERATORS.iter().map(operator).collect::<Vec<_>>(),
         "excitations": EXCITATIONS.iter().map(excitation).collect::<Vec<_>>(),
         "plants": PLANTS.iter().map(|p| row(p.name, p.summary, p.reference)).collect::<Vec<_>>(),
-        "drivers": DRIVERS.iter().map(|d| row(d.name, d.summary, d.reference)).collect::<Vec<_>>(),
+        "drivers": DRIVERS.iter().map(|d| figures(json!(d), d.description(), d.reference)).collect::<Vec<_>>(),
+        "actuators": ACTUATORS.iter().map(|a| figures(json!(a), a.description(), a.reference)).collect::<Vec<_>>(),
         "controllers": controllers,
         "targets": TARGETS.iter().map(|t| row(t.name, t.summary, t.reference)).collect::<Vec<_>>(),
         "estimators": ESTIMATORS.iter().map(|e| row(e.name, e.summary, e.reference)).collect::<Vec<_>>(),

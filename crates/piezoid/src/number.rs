@@ -32,6 +32,20 @@ pub fn round(x: f64) -> String {
     if exponent.is_empty() { digits.into() } else { format!("{digits}e{exponent}") }
 }
 
+/// `x` in `unit`, with the prefix that leaves 1 to 999.9 of it.
+///
+/// ```
+/// use piezoid::number::quantity;
+/// let shown = ["1.5 uF", "70 kF", "0 F", "500 mF"];
+/// assert_eq!([1.5e-6, 7e4, 0.0, 0.5].map(|x| quantity(x, "F")), shown);
+/// ```
+pub fn quantity(x: f64, unit: &str) -> String {
+    const PREFIXES: [&str; 8] = ["p", "n", "u", "m", "", "k", "M", "G"];
+    let thousands =
+        if x == 0.0 || !x.is_finite() { 0.0 } else { (x.abs().log10() / 3.0 + 1e-9).floor().clamp(-4.0, 3.0) };
+    format!("{} {}{unit}", round(x / 1000f64.powf(thousands)), PREFIXES[(thousands + 4.0) as usize])
+}
+
 /// Items as text: "a, b and c".
 pub fn join(items: &[impl ToString]) -> String {
     let texts: Vec<String> = items.iter().map(ToString::to_string).collect();

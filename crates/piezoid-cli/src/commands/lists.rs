@@ -7,44 +7,62 @@ use crate::values::Ended::Misused;
 use anyhow::Result;
 use clap::Args;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS};
-use piezoid::excitation::{DRIVERS, EXCITATIONS};
+use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::{self, PLANTS, Spec};
 use piezoid_export::TARGETS;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Name, summary and reference.
-pub(crate) type Row = (&'static str, &'static str, &'static str);
+/// A row of a list as JSON: `name`, `summary` and `reference`, and figures where there are some.
+type Row = Value;
+
+fn row(name: &str, summary: &str, reference: &str) -> Row {
+    json!({"name": name, "summary": summary, "reference": reference})
+}
+
+/// The row with another summary.
+fn told(mut row: Row, summary: String) -> Row {
+    row["summary"] = summary.into();
+    row
+}
+
+fn text<'a>(row: &'a Row, key: &str) -> &'a str {
+    row[key].as_str().unwrap_or_default()
+}
 
 pub(crate) fn operators() -> Vec<Row> {
-    OPERATORS.iter().map(|o| (o.name, o.summary, o.reference)).collect()
+    OPERATORS.iter().map(|o| row(o.name, o.summary, o.reference)).collect()
 }
 
 pub(crate) fn excitations() -> Vec<Row> {
-    EXCITATIONS.iter().map(|e| (e.name, e.summary, e.reference)).collect()
+    EXCITATIONS.iter().map(|e| row(e.name, e.summary, e.reference)).collect()
 }
 
 pub(crate) fn estimators() -> Vec<Row> {
-    ESTIMATORS.iter().map(|e| (e.name, e.summary, e.reference)).collect()
+    ESTIMATORS.iter().map(|e| row(e.name, e.summary, e.reference)).collect()
 }
 
 pub(crate) fn drivers() -> Vec<Row> {
-    DRIVERS.iter().map(|d| (d.name, d.summary, d.reference)).collect()
+    DRIVERS.iter().map(|d| told(json!(d), d.description())).collect()
+}
+
+pub(crate) fn actuators() -> Vec<Row> {
+    ACTUATORS.iter().map(|a| told(json!(a), a.description())).collect()
 }
 
 pub(crate) fn controllers() -> Vec<Row> {
-    let feeds = FEED_FORWARDS.iter().map(|f| (f.name, f.summary, f.reference));
-    feeds.chain(CONTROLLERS.iter().map(|c| (c.name, c.summary, c.reference))).collect()
+    let feeds = FEED_FORWARDS.iter().map(|f| row(f.name, f.summary, f.reference));
+    feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect()
 }
 
 pub(crate) fn targets() -> Vec<Row> {
-    TARGETS.iter().map(|t| (t.name, t.summary, t.reference)).collect()
+    TARGETS.iter().map(|t| row(t.name, t.summary, t.reference)).collect()
 }
 
 fn plants() -> Vec<Row> {
-    PLANTS.iter().map(|p| (p.name, p.summary, p.reference)).collect()
+    PLANTS.iter().map(|p| row(p.name, p.summary, p.reference)).collect()
 }
 
 #[derive(Args)]
@@ -57,14 +75,14 @@ pub(crate) struct List {
 impl List {
     pub(crate) fn run(self, rows: &[Row], console: &Console) -> Result<()> {
         if self.json.as_deref() != Some(Path::new("-")) {
-            let width = rows.iter().map(|r| r.0.len()).max().unwrap_or(0);
+            let width = rows.iter().map(|row| text(row, "name").len()).max().unwrap_or(0);
             let indent = " ".repeat(width + 2);
-            for (name, summary, _) in rows {
+            for row in rows {
+                let (name, summary) = (text(row, "name"), text(row, "summary"));
                 console.print(&console.paragraph(&format!("{name:width$}  {summary}"), &indent))?;
             }
         }
-        let row = |(name, summary, reference): &Row| json!({"name": name, "summary": summary, "reference": reference});
-        files::write_json(self.json.as_deref(), &rows.iter().map(row).collect(), console)
+        files::write_json(self.json.as_deref(), &rows.to_vec().into(), console)
     }
 }
 

@@ -51,6 +51,8 @@ pub(crate) enum Verb {
     Estimators(lists::List),
     /// List the drivers whose limits are known.
     Drivers(lists::List),
+    /// List the actuators whose data sheets are known.
+    Actuators(lists::List),
     /// List the controllers, feed-forwards first.
     Controllers(lists::List),
     /// List the export targets.
@@ -79,6 +81,7 @@ impl Verb {
             Verb::Excitations(verb) => verb.run(&lists::excitations(), console),
             Verb::Estimators(verb) => verb.run(&lists::estimators(), console),
             Verb::Drivers(verb) => verb.run(&lists::drivers(), console),
+            Verb::Actuators(verb) => verb.run(&lists::actuators(), console),
             Verb::Controllers(verb) => verb.run(&lists::controllers(), console),
             Verb::Targets(verb) => verb.run(&lists::targets(), console),
             Verb::Completions(verb) => verb.run(console),

@@ -13,6 +13,7 @@ fn every_list_prints_its_rows_and_gives_them_as_json() {
         ("excitations", "prbs"),
         ("estimators", "swarm"),
         ("drivers", "pl140"),
+        ("actuators", "p-885.51"),
     ] {
         let rows = bench.run(&format!("{list} --json -")).ok().out_json();
         let text = bench.run(list).ok().prints(&[member]).out;
@@ -28,6 +29,20 @@ fn every_list_prints_its_rows_and_gives_them_as_json() {
         bench.run(&format!("{list} --json {list}.json")).ok();
         assert_eq!(bench.json(&format!("{list}.json")), rows);
     }
+}
+
+#[test]
+fn drivers_and_actuators_give_their_figures() {
+    let bench = Bench::new();
+    let find = |list: &str, name: &str| {
+        let rows = bench.run(&format!("{list} --json -")).ok().out_json();
+        rows.as_array().unwrap().iter().find(|row| row["name"] == name).unwrap().clone()
+    };
+    let driver = find("drivers", "e-610");
+    assert_eq!((&driver["high"], &driver["current"], &driver["slew"]), (&130.0.into(), &0.18.into(), &().into()));
+    let stage = find("actuators", "p-611.1s");
+    assert_eq!((&stage["kind"], &stage["stroke"], &stage["unit"]), (&"stage".into(), &120.0.into(), &"um".into()));
+    bench.run("actuators").ok().prints(&["8.2 uF", "70 kHz", "(allowed: -20 to 120 V)"]);
 }
 
 #[test]

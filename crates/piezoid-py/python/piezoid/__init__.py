@@ -21,7 +21,7 @@ from ._piezoid import PiezoidError, __version__
 from .control import Comparison, control, reference
 from .export import export
 from .identify import identify
-from .lists import controllers, drivers, estimators, excitations, operators, references, targets
+from .lists import actuators, controllers, drivers, estimators, excitations, operators, references, targets
 from .model import Compensation, FeedForward, Model, Validation, load
 from .plants import Plant, plants
 from .records import Record, read, read_reference
@@ -43,6 +43,7 @@ __all__ = [
     "Study",
     "Validation",
     "__version__",
+    "actuators",
     "control",
     "controllers",
     "drivers",

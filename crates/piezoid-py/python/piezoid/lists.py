@@ -5,6 +5,8 @@
 True
 >>> pz.drivers["ideal"].summary
 'no limits'
+>>> pz.actuators["p-885.51"].figures["capacitance"]
+1.5e-06
 """
 
 from __future__ import annotations
@@ -38,6 +40,8 @@ class Row:
     reference: str
     properties: Mapping[str, bool] = field(default_factory=dict, repr=False)
     """For operators: `minor_loops`, `rate_independent`, and `wipes_out` (it has the wiping-out property)."""
+    figures: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    """For drivers and actuators: the figures of the data sheet in SI units, `None` where it is not known."""
 
 
 T = TypeVar("T")
@@ -82,6 +86,7 @@ def _rows(kind: str, name: str) -> Rows[Row]:
 operators = _rows("operator", "operators")
 controllers = _rows("controller", "controllers")
 drivers = _rows("driver", "drivers")
+actuators = _rows("actuator", "actuators")
 estimators = _rows("estimator", "estimators")
 excitations = Rows("excitation", {e["name"]: Row(e["name"], e["summary"], e["reference"]) for e in ALL["excitations"]})
 references = _rows("reference", "references")

@@ -16,7 +16,9 @@ from .records import Record
 
 
 class Plant:
-    """A simulated bender with its driver and sensor: input in volts relative to mid-voltage, output in micrometres.
+    """A simulated actuator with its driver and sensor: input in volts, output in micrometres.
+
+    The voltages of benders are relative to the middle of the supply; other actuators have those of their data sheets.
 
     >>> import piezoid as pz
     >>> record = pz.plants["paper"].measure([30.0] * 200, ts=5e-4)

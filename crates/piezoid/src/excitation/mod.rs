@@ -2,8 +2,9 @@
 //!
 //! Small broad-band excitations ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`],
 //! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] sweeps through the
-//! resonance. [`Limits`] checks that a driver can deliver them. Every excitation is `offset + amplitude s(t)` with `|s|
-//! <= 1`, starts as its documentation says, and is the same for the same settings.
+//! resonance. [`Limits`] checks that a driver can deliver them; [`DRIVERS`] and [`ACTUATORS`] have figures of data
+//! sheets. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts as its documentation says, and is the
+//! same for the same settings.
 //!
 //! [`EXCITATIONS`] is the list that the command line and Python use. A new kind needs one file, one `mod` line and one
 //! row.
@@ -11,6 +12,7 @@
 //! Reference: Pintelon and Schoukens, System Identification: A Frequency Domain Approach, 2012,
 //! DOI 10.1002/9781118287422.
 
+mod actuators;
 mod chirp;
 mod crest;
 mod drive;
@@ -25,6 +27,7 @@ mod staircase;
 mod stepped_sine;
 mod triangle;
 
+pub use actuators::{ACTUATORS, Actuator};
 pub use chirp::Chirp;
 pub use drivers::{Amplifier, DRIVERS, LimitOptions};
 pub use limits::{Limits, Peak, Usage};

@@ -1,4 +1,4 @@
-//! Digital twins of piezo benders from catalogue data and physics: the reference that models are tested on.
+//! Digital twins of piezo actuators from catalogue data and physics: the reference that models are tested on.
 //!
 //! ```text
 //! u [V] -> driver -> v [V] -> hysteresis -> w [m] -> creep -> L [m] -> beam -> tip [m] -> sensor -> y [m]
@@ -14,6 +14,7 @@
 //! Reference: G. Strang, "On the construction and comparison of difference schemes", SIAM J. Numer. Anal. 5, 506
 //! (1968), DOI 10.1137/0705041 (symmetric splitting). Not modelled: load, temperature, several axes.
 
+mod actuators;
 mod beam;
 mod bouc_wen;
 mod catalogue;
@@ -41,7 +42,10 @@ use material::Material;
 use sensor::Sensor;
 use spec::require;
 
-/// A simulated bender with its driver and sensor: u [V] about mid-voltage in, y [m] out.
+/// A simulated actuator with its driver and sensor: u [V] in, y [m] out.
+///
+/// At rest it is at 0 V and its displacement is 0. For a bender, 0 V is the middle of the supply. A unipolar actuator
+/// (a stack, a stage) came to 0 V from the middle of its range, as after use.
 ///
 /// State, in this order: number of samples; numbers of clamped, current-limited and sensor-clipped samples; driver
 /// voltage [V]; tip displacement [m]; lagged displacement of the sensor [m]; strain of vibration [m]; then creep, beam
@@ -65,6 +69,10 @@ pub struct Plant {
     /// Voltage that a strain of vibration takes away [V/m].
     coupling: f64,
     material: Material,
+    /// Voltage in the middle of the major loop [V].
+    middle: f64,
+    /// What the ceramic's law gives at rest [m].
+    rest: f64,
     creep: CreepStage,
     beam: Beam,
     sensor: Sensor,
@@ -108,6 +116,14 @@ impl Plant {
             return Err(Error::parameter("inner_steps", spec.inner_steps, "must be from 1 to 10000"));
         }
         require((0.0..0.9).contains(&spec.coupling), "coupling", spec.coupling, "must be from 0 to 0.9")?;
+        require(
+            spec.middle_v.is_finite(),
+            "middle_v",
+            spec.middle_v,
+            "must be a number of volts, 0 for a bipolar drive",
+        )?;
+        let material = Material::new(&spec.hysteresis)?;
+        let rest = material.displacement(&mut vec![0.0; material.order()], -spec.middle_v);
         let h = ts / spec.inner_steps as f64;
         Ok(Plant {
             ts,
@@ -115,7 +131,9 @@ impl Plant {
             logged: spec.logged,
             driver: DriverStage::new(&spec.driver, 0.5 * h)?,
             coupling: spec.coupling * spec.hysteresis.volts_per_m(),
-            material: Material::new(&spec.hysteresis)?,
+            material,
+            middle: spec.middle_v,
+            rest,
             creep: CreepStage::new(spec.creep_per_decade, spec.creep_from_s, h)?,
             beam: Beam::new(&spec.beam, h)?,
             sensor: Sensor::new(&spec.sensor, h, 0)?,
@@ -156,7 +174,7 @@ impl Plant {
         let mut limited = false;
         for _ in 0..self.inner_steps {
             limited |= self.driver.advance(&mut v, u);
-            let w = self.material.displacement(ceramic, v - self.coupling * head[STRAIN]);
+            let w = self.strained(ceramic, v - self.coupling * head[STRAIN]);
             let l = self.creep.advance(creep, w);
             let start = self.beam.tip(beam, l);
             self.beam.advance(beam, l);
@@ -165,12 +183,18 @@ impl Plant {
             self.sensor.advance(&mut head[LAGGED], 0.5 * (start + tip));
             limited |= self.driver.advance(&mut v, u);
         }
-        let l = self.creep.output(creep, self.material.displacement(ceramic, v - self.coupling * head[STRAIN]));
+        let l = self.creep.output(creep, self.strained(ceramic, v - self.coupling * head[STRAIN]));
 
         head[TIP] = self.beam.tip(beam, l);
         head[VOLTAGE] = v;
         head[CLAMPED] += f64::from(clamped);
         head[LIMITED] += f64::from(limited);
+    }
+
+    /// Static displacement of the ceramic from rest [m], moved to the voltage `v` [V].
+    #[inline]
+    fn strained(&self, ceramic: &mut [f64], v: f64) -> f64 {
+        self.material.displacement(ceramic, v - self.middle) - self.rest
     }
 
     /// Reads the sensor.
@@ -191,6 +215,12 @@ impl System for Plant {
         HEAD + CreepStage::ORDER + self.beam.order() + self.material.order()
     }
 
+    fn initial(&self) -> Vec<f64> {
+        let mut x = vec![0.0; self.order()];
+        self.strained(&mut x[HEAD + CreepStage::ORDER + self.beam.order()..], 0.0);
+        x
+    }
+
     /// The ceramic went monotonically from rest to the clamped `u`; motion and creep have ended.
     fn settled(&self, u: f64) -> Vec<f64> {
         let mut x = self.initial();
@@ -198,7 +228,7 @@ impl System for Plant {
         let (head, rest) = x.split_at_mut(HEAD);
         let (creep, rest) = rest.split_at_mut(CreepStage::ORDER);
         let (beam, ceramic) = rest.split_at_mut(self.beam.order());
-        let w = self.material.displacement(ceramic, v);
+        let w = self.strained(ceramic, v);
         creep.fill(w);
         let l = self.creep.output(creep, w);
         self.beam.settle(beam, l);
@@ -420,6 +450,7 @@ mod tests {
         assert!(error(|s| s.inner_steps = 0).starts_with("inner_steps = 0"));
         assert!(error(|s| s.driver.lag_s = -1.0).starts_with("driver.lag_s = -1"));
         assert!(error(|s| s.creep_per_decade = f64::NAN).starts_with("creep_per_decade = NaN"));
+        assert!(error(|s| s.middle_v = f64::INFINITY).starts_with("middle_v = inf"));
         assert!(error(|s| s.coupling = 1.0).starts_with("coupling = 1"));
         assert!(error(|s| s.creep_from_s = 0.0).starts_with("creep_from_s = 0"));
         assert!(error(|s| s.sensor.bits = Some(64)).starts_with("sensor.bits = 64"));

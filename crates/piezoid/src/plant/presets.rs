@@ -1,5 +1,6 @@
 //! The plants by name: one row per plant, read by front ends, documentation and contract tests.
 
+use super::actuators;
 use super::catalogue::{Bender, DENSITY, PL112, PL122, PL127, PL128, PL140};
 use super::spec::{BeamMode, BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, SensorSpec, Spec};
 use crate::error::{Error, row};
@@ -54,6 +55,27 @@ pub static PLANTS: &[Preset] = &[
     as_pl140("pl127", "PL127.10, +-450 um, resonance near 420 Hz, otherwise like `pl140`", || bench_preisach(&PL127)),
     as_pl140("pl122", "PL122.10, +-310 um, resonance near 600 Hz, otherwise like `pl140`", || bench_preisach(&PL122)),
     as_pl140("pl112", "PL112.10, +-100 um, resonance near 1800 Hz, otherwise like `pl140`", || bench_preisach(&PL112)),
+    Preset {
+        name: "p885",
+        summary: "stack P-885.51 under 1 kg: 18 um from 0 to 120 V, resonance near 1120 Hz, hysteresis of 12 % of the \
+                  stroke, 300 mA driver, capacitive sensor",
+        reference: actuators::STACK_SOURCE,
+        spec: actuators::stack,
+    },
+    Preset {
+        name: "p611",
+        summary: "flexure stage P-611.1S with a load of 30 g: 120 um from -20 to 120 V, modes near 290 and 900 Hz, \
+                  hysteresis of 13 % of the stroke, 140 mA driver, strain gauge of 1 kHz bandwidth",
+        reference: actuators::STAGE_SOURCE,
+        spec: actuators::stage,
+    },
+    Preset {
+        name: "tb3507",
+        summary: "tube scanner TB3507, lateral: +-19.5 um at +-264 V (here driven to +-250 V), resonance near 2900 Hz \
+                  with Q = 50, hysteresis of 10 % of the stroke",
+        reference: actuators::TUBE_SOURCE,
+        spec: actuators::tube,
+    },
 ];
 
 const fn as_pl140(name: &'static str, summary: &'static str, spec: fn() -> Spec) -> Preset {
@@ -74,6 +96,7 @@ fn paper() -> Spec {
     Spec {
         driver: DriverSpec::default(),
         hysteresis: bouc_wen(&PL140),
+        middle_v: 0.0,
         creep_per_decade: 0.0,
         beam: BeamSpec::Modes(vec![mode(146.7, 0.061, 1.0)]),
         creep_from_s: 0.1,
@@ -95,6 +118,7 @@ fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
             ..Default::default()
         },
         hysteresis,
+        middle_v: 0.0,
         creep_per_decade: 0.015,
         creep_from_s: 0.1,
         coupling: 0.0,
@@ -129,7 +153,7 @@ fn nonlinear() -> Spec {
     }
 }
 
-fn mode(frequency_hz: f64, damping: f64, share: f64) -> BeamMode {
+pub(super) fn mode(frequency_hz: f64, damping: f64, share: f64) -> BeamMode {
     BeamMode { frequency_hz, damping, share, softening_per_m: 0.0 }
 }
 

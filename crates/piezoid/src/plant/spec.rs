@@ -1,7 +1,8 @@
 //! The specification of a plant: every parameter of every stage, as a JSON document.
 //!
-//! Numbers are in SI units; the name of a field ends with its unit. Voltages are relative to the middle of the supply:
-//! a bender driven from 0 to 60 V has -30 to 30 V here. The stages check the values.
+//! Numbers are in SI units; the name of a field ends with its unit. The voltages of a bender are relative to the middle
+//! of its supply: driven from 0 to 60 V, it has -30 to 30 V here. Other actuators have the voltages of their data
+//! sheets; at rest they are at 0 V. The stages check the values.
 
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,10 @@ pub struct Spec {
     pub(crate) driver: DriverSpec,
     /// The ceramic.
     pub(crate) hysteresis: HysteresisSpec,
+    /// Voltage in the middle of the major loop: 0 for a bipolar actuator, half the highest voltage for a unipolar one
+    /// [V].
+    #[serde(default)]
+    pub(crate) middle_v: f64,
     /// Creep g per decade of time, as a share of the displacement 0.1 s after a step; 0 for none [-].
     #[serde(default)]
     pub(crate) creep_per_decade: f64,
@@ -50,9 +55,9 @@ pub struct Spec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct DriverSpec {
-    /// Lowest voltage, from the middle of the supply [V].
+    /// Lowest voltage, at most 0 [V].
     pub(crate) min_v: f64,
-    /// Highest voltage, from the middle of the supply [V].
+    /// Highest voltage, at least 0 [V].
     pub(crate) max_v: f64,
     /// Time constant of the amplifier; 0 is ideal [s].
     pub(crate) lag_s: f64,
@@ -68,8 +73,8 @@ impl Default for DriverSpec {
     }
 }
 
-/// The law of the ceramic, set by its major loop between +-`range_v`: `displacement_m` is half its height, and `width`
-/// its width at 0 V (in the direction of y) over its height.
+/// The law of the ceramic, set by its major loop between +-`range_v` about its middle: `displacement_m` is half its
+/// height, and `width` its width in the middle (in the direction of y) over its height.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum HysteresisSpec {
@@ -79,7 +84,7 @@ pub(crate) enum HysteresisSpec {
         range_v: f64,
         /// Half the height of the major loop [m].
         displacement_m: f64,
-        /// Width of the major loop at 0 V over its height [-].
+        /// Width of the major loop in its middle over its height [-].
         width: f64,
         /// Low & Guo's beta [1/V].
         beta_per_v: f64,
@@ -92,7 +97,7 @@ pub(crate) enum HysteresisSpec {
         range_v: f64,
         /// Half the height of the major loop [m].
         displacement_m: f64,
-        /// Width of the major loop at 0 V over its height [-].
+        /// Width of the major loop in its middle over its height [-].
         width: f64,
         /// Half-width rho at which the density of relays is 1/e of its maximum [V].
         half_width_v: f64,
@@ -105,7 +110,7 @@ pub(crate) enum HysteresisSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum BeamSpec {
-    /// The modes; without any, the bender has no dynamics.
+    /// The modes; without any, the actuator has no dynamics.
     Modes(Vec<BeamMode>),
     /// The modes of a uniform cantilever.
     Cantilever(Cantilever),
@@ -240,7 +245,7 @@ mod tests {
         )
         .unwrap();
         assert_eq!((spec.driver, spec.sensor), (DriverSpec::default(), SensorSpec::default()));
-        assert_eq!((spec.creep_per_decade, spec.creep_from_s, spec.coupling), (0.0, 0.1, 0.0));
+        assert_eq!((spec.middle_v, spec.creep_per_decade, spec.creep_from_s, spec.coupling), (0.0, 0.0, 0.1, 0.0));
         assert_eq!((spec.logged, spec.inner_steps), (Logged::Before, 20));
     }
 
