@@ -21,6 +21,7 @@ mod process;
 mod proof;
 mod quality;
 mod study;
+mod tour;
 mod twins;
 mod usage;
 mod waveform;
