@@ -16,6 +16,7 @@ mod joint;
 mod lists;
 mod measured;
 mod misfits;
+mod mistaken;
 mod poor_records;
 mod process;
 mod proof;

@@ -14,7 +14,7 @@ fn the_tour_works_as_printed_and_ends_twenty_times_better_than_a_straight_line()
     for line in lines {
         let run = bench.run(line).ok();
         if line.starts_with("identify") {
-            run.prints(&["Preisach, gain 22.", "Good to 0.01", "unproven: large signals above 80 Hz"]);
+            run.prints(&["preisach, gain 22.", "Good to 0.01", "unproven: large signals above 80 Hz"]);
         } else if line.starts_with("compensate") {
             run.prints(&["to expect of the actuator"]).says(&["unproven: large signals above 80 Hz"]);
         }

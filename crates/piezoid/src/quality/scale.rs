@@ -6,8 +6,8 @@ use crate::number::short;
 use crate::record::Record;
 use crate::series::scatter;
 
-/// Units of length, each 1000 times the one before.
-const LENGTHS: [&str; 4] = ["nm", "um", "mm", "m"];
+/// Units, each 1000 times the one before.
+const LADDERS: [&[&str]; 2] = [&["nm", "um", "mm", "m"], &["uV", "mV", "V", "kV"]];
 
 /// Largest deviation from a power of 1000, as a factor.
 const NEAR: f64 = 3.0;
@@ -15,11 +15,13 @@ const NEAR: f64 = 3.0;
 /// Factor between the gains of records that no resonance explains.
 pub(super) const FAR: f64 = 100.0;
 
-/// What makes an output in `unit` this many times larger than it should be, and the remedy.
+/// What makes a signal in `unit` this many times larger than it should be, and the remedy.
 pub(crate) fn likely_cause(factor: f64, unit: &str) -> String {
     let steps = -(factor.abs().log10() / 3.0).round();
-    let own = LENGTHS.iter().position(|name| *name == unit);
-    let meant = own.and_then(|own| LENGTHS.get(usize::try_from(own as i64 + steps as i64).ok()?));
+    let meant = LADDERS.iter().find_map(|ladder| {
+        let own = ladder.iter().position(|name| *name == unit)?;
+        ladder.get(usize::try_from(own as i64 + steps as i64).ok()?)
+    });
     match meant {
         Some(meant) if steps != 0.0 && (factor.abs().log10() + 3.0 * steps).abs() < NEAR.log10() => {
             format!("its values seem to be in {meant}, not in {unit}: correct the unit in its header, or state it")
@@ -64,6 +66,7 @@ mod tests {
     fn a_factor_of_a_thousand_is_a_unit_and_others_are_amplifiers_or_sensors() {
         assert!(likely_cause(1.1e-3, "um").starts_with("its values seem to be in mm, not in um"));
         assert!(likely_cause(-980.0, "um").starts_with("its values seem to be in nm, not in um"));
+        assert!(likely_cause(2e3, "V").starts_with("its values seem to be in mV, not in V"));
         assert!(likely_cause(1e-6, "nm").starts_with("its values seem to be in mm"));
         for (factor, unit) in [(20.0, "um"), (1e-3, "mrad"), (1e-9, "mm"), (1e3, "nm"), (f64::INFINITY, "um")] {
             assert!(likely_cause(factor, unit).starts_with("check its units"), "{factor} {unit}");

@@ -35,6 +35,9 @@ const CLOSED: f64 = 1.0;
 const SHAPE: f64 = 0.95;
 const SCALED: f64 = 2.5;
 
+/// Range of the input, over the identified range, from which a unit or a scale is wrong.
+const FAR: f64 = 5.0;
+
 /// Drift of the error, over the peak-to-peak of y, up to which a drift of y is the model's own.
 const DRIFTS: f64 = 0.01;
 
@@ -53,8 +56,10 @@ pub(super) fn remarks(
         }
         (true, true) => Vec::new(),
     };
-    remarks.extend(scaled(record, simulated));
-    remarks.extend(range(model, record));
+    let beyond_range = range(model, record);
+    // The output of a model far outside its range says nothing.
+    remarks.extend(beyond_range.is_none().then(|| scaled(record, simulated)).flatten());
+    remarks.extend(beyond_range);
     let frequency = at_frequency(model, record);
     let reported = frequency.is_some();
     remarks.extend(frequency);
@@ -113,14 +118,18 @@ fn range(model: &Model, record: &Record) -> Option<String> {
     let (low, high) = identified_range(model)?;
     let (lowest, highest) = ends(record.u().iter().copied());
     let slack = 0.01 * (high - low);
+    let times = (highest - lowest) / (high - low);
     (lowest < low - slack || highest > high + slack).then(|| {
         format!(
-            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
-             range it extrapolates",
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: {}",
             short(lowest),
             short(highest),
             short(low),
-            short(high)
+            short(high),
+            match times > FAR {
+                true => format!("{} times the range; {}", short(times), likely_cause(times, unit)),
+                false => "outside this range it extrapolates".into(),
+            }
         )
     })
 }
