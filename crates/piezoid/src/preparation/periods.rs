@@ -54,7 +54,7 @@ pub(super) fn averaged(record: &Record, period: Option<f64>) -> Result<Record, E
         round(p as f64 * ts),
         short(y.deviation),
         short(y.deviation / (count as f64).sqrt()),
-        transient(&record.y()[start..], p).map(|by| format!("; {by} {unit}")).unwrap_or_default()
+        transient(&record.y()[start..], p, unit)
     );
     Ok(record.with_samples(ts, u.mean, y.mean)?.with_step(step))
 }
@@ -90,14 +90,21 @@ impl Periods {
     }
 }
 
-/// By how much the first of three or more periods differs from the others, if noise does not explain it.
-fn transient(y: &[f64], p: usize) -> Option<String> {
+/// In words, by how much the first of three or more periods differs from the others, if noise does not explain it.
+fn transient(y: &[f64], p: usize, unit: &str) -> String {
     let others = Periods::of(&y[p..], p);
     let count = (y.len() / p - 1) as f64;
     let squares: f64 = y[..p].iter().zip(&others.mean).map(|(y, m)| (y - m) * (y - m)).sum();
     let differs = (squares / p as f64).sqrt();
     let noise = others.deviation * (1.0 + 1.0 / count).sqrt();
     let (low, high) = ends(y.iter().copied());
-    (count > 1.0 && differs > TRANSIENT.0 * noise && differs > TRANSIENT.1 * (high - low))
-        .then(|| format!("the first of them differs from the others, like a transient, by {}", short(differs)))
+    if count > 1.0 && differs > TRANSIENT.0 * noise && differs > TRANSIENT.1 * (high - low) {
+        let (differs, noise) = (short(differs), short(others.deviation));
+        format!(
+            "; the first of them differs from the others, like a transient, by {differs} {unit}, and without it the noise \
+             is {noise} {unit}"
+        )
+    } else {
+        String::new()
+    }
 }
