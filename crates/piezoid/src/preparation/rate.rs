@@ -20,7 +20,7 @@ pub(super) fn decimated(record: &Record, factor: usize, ends: Ends) -> Result<Re
         0 => return refused("must be a whole number, 1 or more".into()),
         1 => return Ok(record.clone()),
         _ if factor >= n => return refused(format!("the record has only {n} samples: choose a smaller factor")),
-        _ if ends == Ends::Periodic && n % factor > 0 => {
+        _ if ends == Ends::Periodic && !n.is_multiple_of(factor) => {
             return refused(format!("the period of {n} samples is no multiple of it: choose a divisor of {n}"));
         }
         _ => {}
