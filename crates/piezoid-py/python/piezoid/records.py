@@ -257,7 +257,8 @@ def read(
     (0.001, ('V', 'nm'), array([ 0., 10., 20.]))
     """
     columns = _columns(source)
-    ends = {"from": number("start", start), "to": None if number("stop", stop) == float("inf") else stop}
+    # What is not cut does not stand in the history.
+    ends = {"from": number("start", start) or None, "to": None if number("stop", stop) == float("inf") else stop}
     given = {
         "ts": ts,
         "fs": fs,
