@@ -51,8 +51,8 @@ pub struct Format {
     pub matches: fn(&[u8]) -> bool,
     /// Reads the table in a file.
     pub read: fn(&[u8]) -> Result<Table, Error>,
-    /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked, and the steps of their history; `None`
-    /// if it is only read.
+    /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked, and the steps of their history;
+    /// `None` if it is only read.
     pub write: Option<Write>,
 }
 

@@ -22,8 +22,8 @@ const SAME: f64 = 0.1;
 /// A given period is a whole number of samples up to this rounding.
 const WHOLE: f64 = 1e-3;
 
-/// The first period holds a transient if it differs from the others by this multiple of what their scatter explains, and
-/// by this share of the range of y.
+/// The first period holds a transient if it differs from the others by this multiple of what their scatter explains,
+/// and by this share of the range of y.
 const TRANSIENT: (f64, f64) = (2.0, 1e-3);
 
 /// The mean period. Without `period` [s], it is that of the input.

@@ -64,6 +64,30 @@ fn nothing_happens_by_default() {
 }
 
 #[test]
+fn the_filters_have_the_response_that_the_documentation_states() {
+    // The kernel, how finely it is sampled, and the end of its pass band and the start of its stop band.
+    for (kernel, per_sample, pass, stop) in [
+        (Kernel::anti_alias(), 2, 0.8, 1.0),
+        (Kernel::anti_alias(), 5, 0.8, 1.0),
+        (Kernel::anti_alias(), 64, 0.8, 1.0),
+        (Kernel::between(), 8, 0.8, 1.2),
+    ] {
+        let taps = kernel.taps(per_sample);
+        let middle = (taps.len() / 2) as f64;
+        let response = |share: f64| -> f64 {
+            let angle = std::f64::consts::PI * share / per_sample as f64;
+            taps.iter().enumerate().map(|(k, tap)| tap * (angle * (k as f64 - middle)).cos()).sum()
+        };
+        for k in 0..=200 {
+            let share = 0.01 * f64::from(k);
+            let gain = response(share);
+            assert!(share > pass || (gain - 1.0).abs() < 1e-4, "{per_sample}, {share}: {gain}");
+            assert!(share < stop || gain.abs() < 3.55e-5, "{per_sample}, {share}: {gain:e}");
+        }
+    }
+}
+
+#[test]
 fn a_decimated_sine_is_kept_below_and_gone_above_the_new_nyquist_frequency() {
     for factor in [2, 5, 10, 64] {
         let (options, n) = (with(|o| o.decimate = Some(factor)), 200 * factor);
