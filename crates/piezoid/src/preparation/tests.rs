@@ -115,7 +115,7 @@ fn a_resampled_signal_is_the_signal_at_the_new_times() {
     let signal = |t: f64| sine(70.0)(t) + 0.5 * sine(811.0)(t) + 0.2 * sine(1900.0)(t) + 3.0;
     // 2 kHz is 0.8 of the Nyquist frequency of 0.2 ms.
     for ts in [2e-4, 1.37e-4, 1.000_01e-4, 0.9e-4, 0.3e-4] {
-        let made = prepared(&with(|o| o.resample = Some(ts)), &record(series(3000, &signal), series(3000, &signal)));
+        let made = prepared(&with(|o| o.resample = Some(ts)), &record(series(3000, signal), series(3000, signal)));
         assert_eq!(made.ts(), ts);
         assert!((made.duration() - 0.3).abs() < 2.0 * ts.max(TS));
         let wanted: Vec<f64> = (0..made.len()).map(|k| signal(k as f64 * ts)).collect();
