@@ -18,6 +18,7 @@ mod measured;
 mod misfits;
 mod mistaken;
 mod poor_records;
+mod prepare;
 mod process;
 mod proof;
 mod quality;
