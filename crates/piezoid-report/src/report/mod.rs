@@ -32,7 +32,7 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
         },
         model.ts()
     ));
-    let page = if trials.is_empty() { page } else { page.section(validation(validated)) };
+    let page = if trials.is_empty() { page } else { page.section(validation(model, validated)) };
     let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
     let page = page.section(model::section(model, trials));
     match origin::section(model) {
@@ -41,7 +41,7 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
     }
 }
 
-fn validation(validated: &Validated) -> Section {
+fn validation(model: &Model, validated: &Validated) -> Section {
     let (trials, total) = (&validated.files[..], validated.total());
     let unit = &trials[0].record.units().y;
     let table = PageTable::new("Free run and measurement").text("record").number("samples");
@@ -57,7 +57,11 @@ fn validation(validated: &Validated) -> Section {
     let each = |t: &Compared| row(t.short(), &t.validation.metrics, t.validation.floor);
     let table = trials.iter().fold(table, |table, t| table.row(each(t)));
     let table = if trials.len() > 1 { table.row(row("total", &total, validated.floor())) } else { table };
-    let section = Section::new("Validation")
+    let section = match validated.verdict(model) {
+        Some(verdict) => Section::new("Validation").text(sentence(&verdict.to_string())),
+        None => Section::new("Validation"),
+    };
+    let section = section
         .facts([
             Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
             Fact::new(short(total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
@@ -120,6 +124,7 @@ mod tests {
         let trials = Validated { files: records.into_iter().map(compared).collect() };
         let html = report(&model, &trials).html();
         for said in [
+            "Only good to ",
             "Error by frequency",
             "Loops, measured and model",
             "with itself",

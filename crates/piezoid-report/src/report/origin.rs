@@ -1,6 +1,6 @@
 //! Origin of the model: the entries of `piezoid identify` in the model's file, if any.
 
-use crate::page::{Cell, PageTable, Section, Text};
+use crate::page::{Cell, PageTable, Section, Text, sentence};
 use piezoid::hammerstein::Model;
 use piezoid::number::short;
 use serde_json::Value;
@@ -11,6 +11,10 @@ pub(super) fn section(model: &Model) -> Option<Section> {
     let list = |name: &str| made[name].as_array().map(Vec::as_slice).unwrap_or_default();
     let (tried, known) = (list("trials"), list("parameters"));
     let section = Section::new("How it was identified");
+    let section = match model.verdict() {
+        Some(verdict) => section.text(sentence(&verdict.to_string())),
+        None => section,
+    };
     let section = if tried.is_empty() { section } else { section.table(trials(tried)) };
     let section = if known.is_empty() { section } else { section.table(parameters(known)) };
     match made["command"].as_str() {

@@ -122,7 +122,7 @@ fn values_out_of_reach_are_errors_or_clipped_and_counted() {
     let r = sine(0.0, 3000.0, 5.0, 1000);
     let message = |r: &[f64]| inverse_of(&model).whole(r).unwrap_err().to_string();
     assert!(
-        message(&r).contains("the reference cannot be reached") && message(&r).contains("reduce the amplitude"),
+        message(&r).contains("the reference cannot be reached") && message(&r).contains("reduce its amplitude"),
         "{}",
         message(&r)
     );
