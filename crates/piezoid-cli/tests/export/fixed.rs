@@ -90,7 +90,8 @@ fn a_core_without_floating_point_needs_nothing_but_whole_numbers() {
     let files = |ending: &str| names.iter().map(|name| format!(" {name}.{ending}")).collect::<String>();
     run(folder.path(), &format!("{CORTEX_M0} -c{}", files("c")));
     let needs = run(folder.path(), &format!("arm-none-eabi-nm --undefined-only --print-file-name{}", files("o")));
-    let allowed = ["__aeabi_lmul", "__aeabi_ldivmod", "__aeabi_uldivmod", "__aeabi_idiv", "memset", "memcpy", "memmove"];
+    let allowed =
+        ["__aeabi_lmul", "__aeabi_ldivmod", "__aeabi_uldivmod", "__aeabi_idiv", "memset", "memcpy", "memmove"];
     for line in needs.lines() {
         let needed = line.split_whitespace().last().unwrap_or_default();
         assert!(allowed.contains(&needed), "{line}");
